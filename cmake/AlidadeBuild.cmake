@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: MIT
+# Compile rules that hold for every target of the project.
+
+if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+endif()
+
+# One target carries what every part of Alidade is compiled with. Contraction into fused multiply-add is off
+# because answers must be the same bits on every machine; see octree/distance.h.
+add_library(alidade_flags INTERFACE)
+target_compile_features(alidade_flags INTERFACE cxx_std_20)
+target_compile_options(alidade_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wno-psabi)
+target_include_directories(alidade_flags INTERFACE ${PROJECT_SOURCE_DIR})
+
+# alidade_library(NAME SOURCES...) declares the library alidade_NAME with its alias alidade::NAME.
+function(alidade_library name)
+  add_library(alidade_${name} STATIC ${ARGN})
+  add_library(alidade::${name} ALIAS alidade_${name})
+  set_target_properties(alidade_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_compile_features(alidade_${name} PUBLIC cxx_std_20)
+  target_include_directories(alidade_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_link_libraries(alidade_${name} PRIVATE $<BUILD_INTERFACE:alidade_flags>)
+endfunction()
+
+# alidade_test(NAME LIBRARIES... SOURCES files...) declares one GoogleTest program, one CTest entry per test program.
+function(alidade_test name)
+  cmake_parse_arguments(TEST "" "" "LIBRARIES;SOURCES" ${ARGN})
+  add_executable(${name} ${TEST_SOURCES})
+  target_link_libraries(${name} PRIVATE alidade_flags ${TEST_LIBRARIES} GTest::gtest GTest::gtest_main)
+  add_test(NAME ${name} COMMAND ${name})
+endfunction()

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <glm/vec3.hpp>
+#include <limits>
+
+namespace alidade {
+
+/// Axis-parallel box in world coordinates, both faces inclusive. The empty box is inverted (min > max).
+struct Bounds {
+  glm::dvec3 min{std::numeric_limits<double>::infinity()};
+  glm::dvec3 max{-std::numeric_limits<double>::infinity()};
+
+  bool empty() const { return !(min.x <= max.x && min.y <= max.y && min.z <= max.z); }
+
+  void grow(const glm::dvec3& point) {
+    for (int axis = 0; axis < 3; ++axis) {
+      min[axis] = std::min(min[axis], point[axis]);
+      max[axis] = std::max(max[axis], point[axis]);
+    }
+  }
+
+  void grow(const Bounds& other) {
+    if (other.empty()) return;
+    grow(other.min);
+    grow(other.max);
+  }
+
+  bool contains(const glm::dvec3& point) const {
+    return point.x >= min.x && point.x <= max.x && point.y >= min.y && point.y <= max.y &&
+           point.z >= min.z && point.z <= max.z;
+  }
+
+  /// Side lengths; zero for the empty box.
+  glm::dvec3 size() const { return empty() ? glm::dvec3(0) : max - min; }
+  glm::dvec3 center() const { return 0.5 * (min + max); }
+};
+
+}  // namespace alidade

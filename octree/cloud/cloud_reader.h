@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "octree/bounds.h"
+#include "octree/cloud/point_cloud.h"
+#include "octree/progress.h"
+
+namespace alidade {
+
+/// What a first pass over a file without a lattice tells, so that a lattice can be chosen.
+struct CoordinateSurvey {
+  Bounds bounds;                 ///< of the finite points, world coordinates
+  std::uint64_t finite_count = 0;
+  std::uint64_t dropped_count = 0;  ///< points with a NaN or infinite coordinate
+  /// Largest rounding step of the file's own numbers over all coordinates: half an ulp for float32, half of the last
+  /// written digit for text, 0 for float64 in binary.
+  double resolution = 0.0;
+};
+
+/// One cloud file, opened and its header understood, points not read yet. One class per format, made by
+/// `open_*` below; read_cloud.cpp joins them. Not thread safe.
+class CloudReader {
+ public:
+  virtual ~CloudReader() = default;
+
+  /// Format, version, point format. point_count is final after read().
+  virtual const CloudFile& file() const = 0;
+
+  /// Attributes the file has.
+  virtual AttributeSet attributes() const = 0;
+
+  /// The file's own lattice (LAS); empty for formats of free coordinates.
+  virtual std::optional<Lattice> lattice() const = 0;
+
+  /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's size.
+  virtual std::optional<std::uint64_t> point_count() const = 0;
+
+  /// First pass, only for readers without a lattice. `progress` is in bytes.
+  virtual CoordinateSurvey survey(const Progress& progress) = 0;
+
+  /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from it by a whole
+  /// number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks are first filled with
+  /// zeros up to the cloud's size, and columns the cloud has and the file lacks get zeros for the new rows.
+  /// The caller has reserved room. CRS, records and warnings are added to `cloud` by this call.
+  virtual void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) = 0;
+};
+
+/// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
+std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path);
+
+/// One function per format; each throws Error if the content is not of that format. Each lives in read_<format>.cpp.
+std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path);
+std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path);
+std::unique_ptr<CloudReader> open_pcd(const std::filesystem::path& path);
+std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path);  ///< XYZ, CSV with header names, PTS
+std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path);
+
+}  // namespace alidade

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "octree/cloud/point_cloud.h"
+#include "octree/progress.h"
+
+namespace alidade {
+
+struct LasWriteOptions {
+  bool overwrite = false;  ///< otherwise an existing file is an Error
+  Progress progress;       ///< in points
+};
+
+/// Writes LAS 1.4 piece by piece in bounded memory. The file appears under its name only in finish(): until then it is
+/// written beside it and removed again if the writer is destroyed first.
+class LasWriter {
+ public:
+  /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and its
+  /// extra dimensions which columns will come (columns of size 0 may be given by `attributes`). Point format is the
+  /// smallest of 6, 7, 8 that holds them; normals become extra bytes NormalX/Y/Z (float32).
+  /// Errors: the file exists and may not be replaced; the folder cannot be written.
+  LasWriter(const std::filesystem::path& path, const PointCloud& like, AttributeSet attributes,
+            const LasWriteOptions& options = {});
+  ~LasWriter();
+  LasWriter(const LasWriter&) = delete;
+  LasWriter& operator=(const LasWriter&) = delete;
+
+  /// Appends all points of `batch`, which stands on the same lattice; missing columns are written as zeros.
+  void write(const PointCloud& batch);
+
+  /// Completes the header (counts, bounds, counts by return), writes EVLRs, moves the file to its name.
+  /// Errors: no space, or any write that failed.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is kept.
+void write_las(const std::filesystem::path& path, const PointCloud& cloud, const LasWriteOptions& options = {});
+
+}  // namespace alidade

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "octree/error.h"
+
+namespace alidade {
+
+/// How a long task tells what it has done, in units of its own (points, pixels, bytes).
+/// Called a few dozen times per second at most, never by two threads at once. Returning false stops the task,
+/// which then cleans up and throws Cancelled. An empty function means nobody watches.
+using Progress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
+
+/// Reports to `progress` if there is one; throws Cancelled if it answers false.
+inline void report(const Progress& progress, std::uint64_t done, std::uint64_t total) {
+  if (progress && !progress(done, total)) throw Cancelled();
+}
+
+}  // namespace alidade

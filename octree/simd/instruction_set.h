@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+namespace alidade {
+
+/// Instruction sets the traversal is compiled for. `best` = the widest this machine has.
+enum class InstructionSet { best, scalar, ssse3, sse4, avx2, avx512 };
+
+/// Those compiled in and usable on this machine, narrowest first; always holds `scalar`.
+std::vector<InstructionSet> available_instruction_sets();
+
+std::string_view name(InstructionSet instruction_set);
+
+/// What `best` means here: the environment variable ALIDADE_INSTRUCTION_SET (a name as above) if set, otherwise the widest
+/// available. Errors: the variable names a set that is unknown or not available.
+InstructionSet best_instruction_set();
+
+}  // namespace alidade

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "octree/cloud/point_cloud.h"
+#include "octree/octree.h"
+#include "octree/progress.h"
+#include "renderer/film.h"
+#include "renderer/scene.h"
+
+namespace alidade {
+
+/// The cloud of a scene, ready to be traced.
+struct LoadedCloud {
+  Octree octree;
+  std::vector<Color16> colors;     ///< display-referred, one per point id
+  double radius = 0.0;             ///< metres, the one used
+  PointColor color = PointColor::rgb;  ///< what the colours show: rgb, intensity or height
+  Crs crs;
+  std::vector<CloudFile> files;
+  std::vector<std::string> warnings;
+};
+
+/// Reads the files, keeps only what the picture needs, builds the octree, measures the radius if it is "auto".
+/// Errors: as read_cloud. Peak memory: about 31 bytes per point.
+LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {});
+
+struct RenderOptions {
+  Progress progress;  ///< in camera samples (pixels * samples per pixel); called from one thread at a time
+};
+
+struct RenderStatistics {
+  std::uint64_t ray_count = 0;  ///< rays traced, shadow rays included
+  double seconds = 0.0;
+};
+
+/// Path-traces the scene (its camera must be set). `cloud` may be null for scenes of objects alone. Runs on as many threads as
+/// the caller's oneTBB arena allows; the film's bytes do not depend on their number, nor on the instruction set.
+Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
+            RenderStatistics* statistics = nullptr);
+
+}  // namespace alidade

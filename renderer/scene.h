@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/mat4x4.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "octree/cloud/read_cloud.h"
+#include "renderer/material.h"
+
+// A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative to the working
+// directory. World coordinates are double, z up, in the unit of the cloud's CRS (metres unless the file says otherwise).
+
+namespace alidade {
+
+/// Which of a point's values becomes its colour. `automatic`: rgb if the cloud has it, else intensity, else height.
+enum class PointColor { automatic, rgb, intensity, height };
+
+/// How a ray meets the sphere around a point.
+enum class HitMode {
+  entry,  ///< the sphere entered first: what one sees
+  t,      ///< the point projected first, the paper's naive way: can show a sphere behind another one
+};
+
+/// The scanned part of a scene.
+struct CloudSettings {
+  std::vector<std::filesystem::path> files;
+  ColorDepth color_depth = ColorDepth::automatic;
+  std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing
+  HitMode hits = HitMode::entry;
+  PointColor color = PointColor::automatic;
+  Material material = Lambertian{};
+};
+
+struct Sphere {
+  glm::dvec3 center{0.0};
+  double radius = 1.0;
+  Material material = Lambertian{Rgb(0.5f)};
+};
+
+/// The plane z = height, everywhere.
+struct GroundPlane {
+  double height = 0.0;
+  Material material = Lambertian{Rgb(0.5f)};
+};
+
+using Object = std::variant<Sphere, GroundPlane>;
+
+/// Sky of one radiance.
+struct ConstantSky {
+  Rgb radiance{0.0f};
+};
+
+/// Sky that changes from horizon to zenith with the sine of the elevation; below the horizon as at the horizon.
+struct GradientSky {
+  Rgb horizon{1.0f, 1.0f, 1.0f};
+  Rgb zenith{0.5f, 0.7f, 1.0f};
+};
+
+using Sky = std::variant<ConstantSky, GradientSky>;
+
+/// The sun: a disc of even radiance, infinitely far away.
+struct Sun {
+  double azimuth = 135.0;          ///< degrees, clockwise from north (+y), so 90 is east (+x)
+  double elevation = 40.0;         ///< degrees above the horizon, (-90, 90]
+  Rgb irradiance{3.0f, 2.9f, 2.7f};  ///< on a surface that faces it
+  double angular_diameter = 0.53;  ///< degrees, [0, 180); 0 = parallel light
+};
+
+/// Where the optical axis of a camera points and which axes its own frame has.
+enum class AxisConvention {
+  opencv,  ///< +x right, +y down, +z forward
+  opengl,  ///< +x right, +y up, +z backward
+};
+
+/// Camera frame -> world, right-handed, rotation orthonormal: columns right, down, forward (opencv), then the place.
+struct CameraPose {
+  glm::dvec3 position{0.0};
+  glm::dvec3 right{1.0, 0.0, 0.0};
+  glm::dvec3 down{0.0, 0.0, -1.0};
+  glm::dvec3 forward{0.0, 1.0, 0.0};
+};
+
+/// An ideal pinhole camera, in pixels. Pixel (0,0) is top left, its centre at (0.5, 0.5).
+struct PinholeCamera {
+  int width = 600, height = 400;
+  double fx = 0.0, fy = 0.0;  ///< focal lengths, pixels
+  double cx = 0.0, cy = 0.0;  ///< principal point, pixels
+  CameraPose pose;
+};
+
+struct RenderSettings {
+  int samples = 50;              ///< paths per pixel, >= 1
+  int max_bounces = 8;           ///< path vertices after the first, >= 0
+  std::uint64_t seed = 1;
+};
+
+/// One group of image channels.
+enum class Layer { color, depth, distance, normal, position, albedo, id };
+
+struct OutputSettings {
+  std::filesystem::path file;            ///< .exr, .png, .jpg; may be empty in a scene file
+  std::vector<Layer> layers{Layer::color};  ///< EXR only
+  double exposure = 0.0;                 ///< stops: PNG and JPEG show color * 2^exposure through the sRGB curve
+  bool half = true;                      ///< EXR: colour, normal and albedo as half; all others are always float or uint
+};
+
+struct Scene {
+  std::optional<CloudSettings> cloud;
+  std::vector<Object> objects;
+  Sky sky = GradientSky{};
+  std::optional<Sun> sun;
+  std::optional<PinholeCamera> camera;   ///< empty = a view is chosen that shows the whole cloud
+  RenderSettings render;
+  OutputSettings output;
+};
+
+}  // namespace alidade
