@@ -13,11 +13,11 @@ namespace alidade {
 class Error : public std::runtime_error {
  public:
   struct Parts {
-    std::string file;      ///< path as the caller gave it; empty if no file is concerned
-    std::string place;     ///< "byte 227", "line 3", "12:5" (line:column), or empty
-    std::string problem;   ///< what is wrong, one clause in lower case, without full stop
-    std::string expected;  ///< what would have been right
-    std::string found;     ///< what was there instead
+    std::string file{};      ///< path as the caller gave it; empty if no file is concerned
+    std::string place{};     ///< "byte 227", "line 3", "12:5" (line:column), or empty
+    std::string problem{};   ///< what is wrong, one clause in lower case, without full stop
+    std::string expected{};  ///< what would have been right
+    std::string found{};     ///< what was there instead
   };
 
   explicit Error(Parts parts) : std::runtime_error(compose(parts)), parts_(std::move(parts)) {}

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "octree/bounds.h"
+#include "octree/cloud/input_file.h"
 #include "octree/cloud/point_cloud.h"
 #include "octree/progress.h"
 
@@ -49,16 +50,26 @@ class CloudReader {
   /// zeros up to the cloud's size, and columns the cloud has and the file lacks get zeros for the new rows.
   /// The caller has reserved room. CRS, records and warnings are added to `cloud` by this call.
   virtual void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) = 0;
+
+  /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while other
+  /// files of a large set are looked at.
+  virtual void rest() {}
 };
 
 /// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
-std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path);
+std::unique_ptr<CloudReader> open_cloud(InputFile file);
+inline std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path) { return open_cloud(InputFile(path)); }
 
 /// One function per format; each throws Error if the content is not of that format. Each lives in read_<format>.cpp.
-std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path);
-std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path);
-std::unique_ptr<CloudReader> open_pcd(const std::filesystem::path& path);
-std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path);  ///< XYZ, CSV with header names, PTS
-std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path);
+std::unique_ptr<CloudReader> open_las(InputFile file);
+std::unique_ptr<CloudReader> open_ply(InputFile file);
+std::unique_ptr<CloudReader> open_pcd(InputFile file);
+std::unique_ptr<CloudReader> open_text(InputFile file);  ///< XYZ, CSV with header names, PTS
+std::unique_ptr<CloudReader> open_ptx(InputFile file);
+inline std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path) { return open_las(InputFile(path)); }
+inline std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path) { return open_ply(InputFile(path)); }
+inline std::unique_ptr<CloudReader> open_pcd(const std::filesystem::path& path) { return open_pcd(InputFile(path)); }
+inline std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path) { return open_text(InputFile(path)); }
+inline std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path) { return open_ptx(InputFile(path)); }
 
 }  // namespace alidade

@@ -3,8 +3,8 @@
 
 namespace alidade {
 
-std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path) {
-  throw Error({.file = path.string(), .problem = "not read yet"});
+std::unique_ptr<CloudReader> open_ply(InputFile file) {
+  throw Error({.file = file.name(), .problem = "not read yet"});
 }
 
 }  // namespace alidade
