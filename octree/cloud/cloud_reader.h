@@ -19,9 +19,10 @@ struct CoordinateSurvey {
   Bounds bounds;                 ///< of the finite points, world coordinates
   std::uint64_t finite_count = 0;
   std::uint64_t dropped_count = 0;  ///< points with a NaN or infinite coordinate
-  /// Largest rounding step of the file's own numbers over all coordinates: half an ulp for float32, half of the last
-  /// written digit for text, 0 for float64 in binary.
-  double resolution = 0.0;
+  /// How finely the file's own numbers are rounded, per axis: half an ulp of the largest float32, half of the last
+  /// written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in binary.
+  /// Per axis, because float32 northings are rounded to decimetres while heights beside them keep micrometres.
+  glm::dvec3 resolution{0.0};
 };
 
 /// One cloud file, opened and its header understood, points not read yet. One class per format, made by
