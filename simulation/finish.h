@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "simulation/shapes.h"
+
+namespace alidade {
+
+/// What a surface of a site is made of. Decides the pattern of its colour, its class and how strongly it answers a laser.
+enum class SiteMaterial : std::uint8_t {
+  terrain,     ///< the site's ground: paving, gravel, asphalt and grass by place
+  plaster,     ///< house wall; `size.y` is the height of the darker plinth
+  stone,       ///< dressed stone in courses
+  roof_tile,
+  window,      ///< niche with reveal, frame and panes; `size` is the opening's
+  door,        ///< niche with reveal and boards; `size` is the opening's
+  wood,
+  metal,
+  bark,
+  leaf,
+  hedge,       ///< clipped shrub
+  water,
+  car_body,
+  car_cabin,   ///< glass all round below the roof
+  tyre,
+  lamp_glass,
+  target,      ///< white reference sphere of surveyors
+};
+
+/// How one shape of a site looks.
+struct Finish {
+  SiteMaterial material = SiteMaterial::stone;
+  glm::dvec3 tint{0.5};    ///< base colour, display-referred (sRGB), 0 .. 1
+  glm::dvec2 size{0.0};    ///< see SiteMaterial
+  std::uint32_t seed = 0;  ///< tells like shapes apart
+};
+
+/// Colour at one place, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor only, so it is
+/// the same bits on every machine.
+glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
+
+/// ASPRS class: 1 unclassified, 2 ground, 3 low and 5 high vegetation, 6 building, 9 water, 11 road surface; own: 64 car,
+/// 65 street furniture.
+std::uint8_t classification_of(const Finish& finish, const glm::dvec3& position);
+
+}  // namespace alidade
