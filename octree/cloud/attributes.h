@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,6 +82,8 @@ struct ExtraDimension {
   double offset = 0.0;
   bool has_scale = false;   ///< whether the file stated a scale
   bool has_offset = false;
+  /// The value that stands for "no value", if the file named one; as it stands in the LAS record, widened to 8 bytes.
+  std::optional<std::array<std::uint8_t, 8>> no_data;
   std::vector<std::uint8_t> values;  ///< byte_count bytes per point, little endian, in point order
 };
 

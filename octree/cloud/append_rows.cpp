@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/append_rows.h"
+
+#include <algorithm>
+
+namespace alidade {
+namespace {
+
+bool same_meaning(const ExtraDimension& a, const ExtraDimension& b) {
+  return a.name == b.name && a.type == b.type && a.byte_count == b.byte_count && a.has_scale == b.has_scale &&
+         a.has_offset == b.has_offset && (!a.has_scale || a.scale == b.scale) &&
+         (!a.has_offset || a.offset == b.offset) && a.no_data == b.no_data;
+}
+
+}  // namespace
+
+void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
+  const std::size_t size = cloud.size() + count;
+  const auto grow = [&](auto& column, Attribute attribute) {
+    if (column.empty() && !filled.contains(attribute)) return;
+    // A column that starts now takes all the room the positions have, so that it is not moved either.
+    if (column.empty()) column.reserve(std::max(size, cloud.positions.capacity()));
+    column.resize(size);
+  };
+  grow(cloud.colors, Attribute::color);
+  grow(cloud.near_infrared, Attribute::near_infrared);
+  grow(cloud.intensities, Attribute::intensity);
+  grow(cloud.classifications, Attribute::classification);
+  grow(cloud.returns, Attribute::returns);
+  grow(cloud.flags, Attribute::flags);
+  grow(cloud.scan_angles, Attribute::scan_angle);
+  grow(cloud.user_data, Attribute::user_data);
+  grow(cloud.point_source_ids, Attribute::point_source_id);
+  grow(cloud.gps_times, Attribute::gps_time);
+  grow(cloud.normals, Attribute::normal);
+  for (ExtraDimension& dimension : cloud.extra_dimensions) {
+    dimension.values.resize(size * static_cast<std::size_t>(dimension.byte_count));
+  }
+  cloud.positions.resize(size, LatticePosition(0));
+}
+
+std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like) {
+  const auto found =
+      std::find_if(cloud.extra_dimensions.begin(), cloud.extra_dimensions.end(),
+                   [&](const ExtraDimension& dimension) { return same_meaning(dimension, like); });
+  if (found != cloud.extra_dimensions.end()) {
+    return static_cast<std::size_t>(found - cloud.extra_dimensions.begin());
+  }
+  ExtraDimension& added = cloud.extra_dimensions.emplace_back();
+  added.name = like.name;
+  added.description = like.description;
+  added.type = like.type;
+  added.byte_count = like.byte_count;
+  added.scale = like.scale;
+  added.offset = like.offset;
+  added.has_scale = like.has_scale;
+  added.has_offset = like.has_offset;
+  added.no_data = like.no_data;
+  const std::size_t bytes = static_cast<std::size_t>(like.byte_count);
+  added.values.reserve(cloud.positions.capacity() * bytes);
+  added.values.resize(cloud.size() * bytes);
+  return cloud.extra_dimensions.size() - 1;
+}
+
+}  // namespace alidade
