@@ -12,14 +12,18 @@ target_compile_features(alidade_flags INTERFACE cxx_std_20)
 target_compile_options(alidade_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wno-psabi)
 target_include_directories(alidade_flags INTERFACE ${PROJECT_SOURCE_DIR})
 
-# alidade_library(NAME SOURCES...) declares the library alidade_NAME with its alias alidade::NAME.
+# alidade_library(NAME SOURCES...) declares the library alidade_NAME with its alias alidade::NAME, and has it installed.
+# Whoever includes the headers compiles their formulas, so the rule on contraction holds for users of the library too.
 function(alidade_library name)
   add_library(alidade_${name} STATIC ${ARGN})
   add_library(alidade::${name} ALIAS alidade_${name})
   set_target_properties(alidade_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_compile_features(alidade_${name} PUBLIC cxx_std_20)
-  target_include_directories(alidade_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_compile_options(alidade_${name} PUBLIC -ffp-contract=off)
+  target_include_directories(alidade_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/alidade>)
   target_link_libraries(alidade_${name} PRIVATE $<BUILD_INTERFACE:alidade_flags>)
+  set_property(GLOBAL APPEND PROPERTY ALIDADE_LIBRARIES alidade_${name})
 endfunction()
 
 # alidade_test(NAME LIBRARIES... SOURCES files...) declares one GoogleTest program, one CTest entry per test program.

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "octree/cloud/cloud_reader.h"
+#include "octree/cloud/read_cloud.h"
+#include "tools/command.h"
+#include "tools/message.h"
+#include "tools/options.h"
+#include "tools/progress.h"
+
+namespace alidade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions {
+  std::vector<std::filesystem::path> files;
+  bool json = false;
+  VerbosityOptions verbosity;
+};
+
+/// What `alidade info` tells about its files, taken together as one cloud.
+struct Description {
+  PointCloud cloud;
+  AttributeSet attributes;
+  Bounds bounds;
+};
+
+Description describe(const InfoOptions& options) {
+  Description description;
+  for (const std::filesystem::path& file : options.files) {
+    description.attributes = description.attributes | open_cloud(file)->attributes();
+  }
+  // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
+  ProgressLine line("reading", "B", options.verbosity.verbosity());
+  const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
+  description.cloud = read_cloud(options.files, {.attributes = wanted, .progress = line.callback()});
+  description.bounds = description.cloud.bounds();
+  if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+  return description;
+}
+
+/// Largest difference between a coordinate in the files and the one in the cloud, per axis.
+glm::dvec3 rounding_error(const PointCloud& cloud) {
+  for (const CloudFile& file : cloud.files) {
+    if (file.format != "LAS") return 0.5 * cloud.lattice.scale;
+  }
+  return glm::dvec3(0.0);
+}
+
+/// EPSG codes that GeoTIFF keys give directly: geographic, projected and vertical system.
+std::vector<std::string> epsg_codes(const Crs& crs) {
+  constexpr std::uint16_t k_geographic = 2048, k_projected = 3072, k_vertical = 4096, k_user_defined = 32767;
+  std::vector<std::string> codes;
+  for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
+    const std::uint16_t key = crs.geotiff_keys[i], value = crs.geotiff_keys[i + 3];
+    const bool stored_in_place = crs.geotiff_keys[i + 1] == 0;
+    if (!stored_in_place || value == 0 || value == k_user_defined) continue;
+    if (key == k_geographic || key == k_projected) codes.push_back(fmt::format("EPSG:{}", value));
+    if (key == k_vertical) codes.push_back(fmt::format("vertical EPSG:{}", value));
+  }
+  return codes;
+}
+
+Json triple(const glm::dvec3& value) {
+  return {value.x, value.y, value.z};
+}
+
+Json to_json(const Description& description) {
+  const PointCloud& cloud = description.cloud;
+  Json files = Json::array();
+  for (const CloudFile& file : cloud.files) {
+    files.push_back({{"file", file.path.string()},
+                     {"format", file.format},
+                     {"version", file.version},
+                     {"point_format", file.point_format ? Json(*file.point_format) : Json()},
+                     {"points", file.point_count},
+                     {"dropped", file.dropped_count}});
+  }
+  Json extra_dimensions = Json::array();
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
+  const bool empty = description.bounds.empty();
+  return {{"points", cloud.size()},
+          {"files", files},
+          {"bounds",
+           {{"min", empty ? Json() : triple(description.bounds.min)},
+            {"max", empty ? Json() : triple(description.bounds.max)}}},
+          {"scale", triple(cloud.lattice.scale)},
+          {"offset", triple(cloud.lattice.offset)},
+          {"rounding_error", triple(rounding_error(cloud))},
+          {"attributes", attribute_names(description.attributes)},
+          {"extra_dimensions", extra_dimensions},
+          {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
+          {"geotiff_keys", cloud.crs.geotiff_keys},
+          {"epsg", epsg_codes(cloud.crs)},
+          {"warnings", cloud.warnings}};
+}
+
+std::string joined(const std::vector<std::string>& words, const std::string& otherwise) {
+  return words.empty() ? otherwise : fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string row(const std::string& name, const std::string& value) {
+  return fmt::format("{:<12}{}\n", name, value);
+}
+
+std::string row(const std::string& name, const glm::dvec3& value) {
+  return row(name, fmt::format("{:>18} {:>18} {:>18}", value.x, value.y, value.z));
+}
+
+std::string crs_text(const Crs& crs) {
+  if (!crs.wkt.empty()) return crs.wkt;
+  if (crs.geotiff_keys.empty()) return "none";
+  return "GeoTIFF keys without WKT: " + joined(epsg_codes(crs), "no EPSG code");
+}
+
+std::string to_table(const Description& description) {
+  const PointCloud& cloud = description.cloud;
+  std::string text;
+  for (const CloudFile& file : cloud.files) {
+    text += row("file", file.path.string());
+    std::string format = file.format + (file.version.empty() ? "" : " " + file.version);
+    if (file.point_format) format += fmt::format(", point format {}", *file.point_format);
+    text += row("", fmt::format("{}, {} points", format, file.point_count));
+    if (file.dropped_count > 0)
+      text += row("", fmt::format("{} points without a position left out", file.dropped_count));
+  }
+  text += row("points", fmt::format("{}", cloud.size()));
+  if (!description.bounds.empty()) {
+    text += row("min", description.bounds.min);
+    text += row("max", description.bounds.max);
+    text += row("size", description.bounds.size());
+  }
+  text += row("scale", cloud.lattice.scale);
+  text += row("offset", cloud.lattice.offset);
+  const glm::dvec3 error = rounding_error(cloud);
+  text +=
+      row("rounding", error == glm::dvec3(0.0) ? "none: the integers of the file are kept"
+                                               : fmt::format("at most {} {} {}", error.x, error.y, error.z));
+  text += row("attributes", joined(attribute_names(description.attributes), "none"));
+  std::vector<std::string> extra_dimensions;
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
+  if (!extra_dimensions.empty()) text += row("extra", joined(extra_dimensions, ""));
+  return text + row("CRS", crs_text(cloud.crs));
+}
+
+ExitCode run(const InfoOptions& options) {
+  const Description description = describe(options);
+  if (options.json) {
+    // File names need not be UTF-8; JSON must be.
+    write_to_stdout(to_json(description).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    return ExitCode::done;
+  }
+  write_to_stdout(to_table(description));
+  if (!options.verbosity.quiet) {
+    for (const std::string& warning : description.cloud.warnings) say_warning(warning);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command add_info(CLI::App& program) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* command = program.add_subcommand("info", "Say what cloud files hold");
+  command->add_option("files", options->files, "cloud files; several are taken together as one cloud")
+      ->type_name("FILE...")
+      ->required();
+  command->add_flag("--json", options->json, "print JSON instead of a table; the keys are below");
+  add_verbosity(*command, options->verbosity);
+  command->footer(
+      "Formats are told by content: LAS 1.0-1.4, PLY, PCD, PTX, PTS, CSV with header names, XYZ.\n"
+      "Coordinates, scale and rounding are in the unit of the file's coordinate reference system (CRS), "
+      "mostly metres.\n"
+      "The bounds are computed from the points, never taken from a header.\n"
+      "\n"
+      "Keys of the JSON object:\n"
+      "  points            number of points in all files\n"
+      "  files             list of {file, format, version, point_format (LAS, else null), points, dropped}\n"
+      "  bounds            {min: [x, y, z], max: [x, y, z]}; null for both if there are no points\n"
+      "  scale, offset     of the lattice: coordinate = offset + scale * integer\n"
+      "  rounding_error    largest error of a coordinate per axis; 0 for LAS, whose integers are kept\n"
+      "  attributes        names of what a point carries beside its position\n"
+      "  extra_dimensions  names of further columns\n"
+      "  crs               WKT, or null\n"
+      "  geotiff_keys      GeoTIFF key directory as stored, in groups of four; empty if there is none\n"
+      "  epsg              EPSG codes the GeoTIFF keys name\n"
+      "  warnings          oddities of the files, one sentence each\n"
+      "\n"
+      "Examples:\n"
+      "  alidade info site.las\n"
+      "  alidade info --json tile_1.las tile_2.las\n");
+  return {command, [options] { return run(*options); }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "tools/interrupt.h"
+
+#include <csignal>
+
+namespace alidade {
+namespace {
+
+// The only state a signal handler may touch; nothing else in the program is global.
+volatile std::sig_atomic_t signal_came = 0;
+
+void note_signal(int) {
+  signal_came = 1;
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = note_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() {
+  return signal_came != 0;
+}
+
+}  // namespace alidade

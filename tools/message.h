@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string_view>
+
+// What the program says to a person, on stderr. A stderr that cannot be written to is no reason to stop.
+
+namespace alidade {
+
+/// The bytes as they are.
+void write_to_stderr(std::string_view text);
+
+/// "alidade: error: TEXT" on a line of its own.
+void say_error(std::string_view text);
+
+/// "alidade: warning: TEXT".
+void say_warning(std::string_view text);
+
+/// "alidade: TEXT": what was assumed or measured on the user's behalf.
+void say_note(std::string_view text);
+
+/// Data for stdout. Errors: stdout cannot take it (no space left, closed).
+void write_to_stdout(std::string_view text);
+
+}  // namespace alidade

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "tools/options.h"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "octree/cloud/output_file.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::uint64_t k_largest_side = 65536;
+constexpr std::uint64_t k_most_threads = 1024;
+
+}  // namespace
+
+double parse_number(const std::string& text) {
+  double number = 0.0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end || !std::isfinite(number)) {
+    throw CLI::ValidationError("expected a number, found '" + text + "'");
+  }
+  return number;
+}
+
+std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
+  const auto refuse = [&]() -> CLI::ValidationError {
+    return CLI::ValidationError(
+        fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text));
+  };
+  std::uint64_t count = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, count);
+  if (error != std::errc() || stop != end) {
+    // Written with an exponent: exact as long as it is below 2^53.
+    const double number = parse_number(text);
+    if (!(number >= 0.0 && number <= 9007199254740992.0) || number != std::floor(number)) throw refuse();
+    count = static_cast<std::uint64_t>(number);
+  }
+  if (count < least || count > most) throw refuse();
+  return count;
+}
+
+ImageSize parse_image_size(const std::string& text) {
+  const std::size_t cross = text.find('x');
+  if (cross == std::string::npos) {
+    throw CLI::ValidationError("expected WIDTHxHEIGHT in pixels, as 600x400, found '" + text + "'");
+  }
+  return {static_cast<int>(parse_count(text.substr(0, cross), 1, k_largest_side)),
+          static_cast<int>(parse_count(text.substr(cross + 1), 1, k_largest_side))};
+}
+
+CLI::Option* add_value(CLI::App& command, const std::string& names, const std::string& kind,
+                       const std::string& help, std::function<void(const std::string&)> take) {
+  return command.add_option_function<std::string>(names, take, help)->type_name(kind)->take_last();
+}
+
+void add_verbosity(CLI::App& command, VerbosityOptions& options) {
+  CLI::Option* quiet = command.add_flag("-q,--quiet", options.quiet, "say nothing but errors");
+  command.add_flag("-v,--verbose", options.verbose, "say more about what is done")->excludes(quiet);
+}
+
+void add_threads(CLI::App& command, std::optional<int>& threads) {
+  add_value(command, "--threads", "N",
+            "number of threads (default: all of the machine); results do not depend on it",
+            [&threads](const std::string& text) {
+              threads = static_cast<int>(parse_count(text, 1, k_most_threads));
+            });
+}
+
+void with_threads(std::optional<int> threads, const std::function<void()>& work) {
+  if (!threads) return work();
+  // The limit allows more threads than the machine has; the arena then asks for them.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(*threads));
+  tbb::task_arena arena(*threads);
+  arena.execute(work);
+}
+
+void check_writable(const std::filesystem::path& output, bool overwrite) {
+  std::error_code error;
+  if (!overwrite && std::filesystem::is_regular_file(output, error)) {
+    throw Error(
+        {.file = output.string(), .problem = "exists already", .expected = "another name, or --overwrite"});
+  }
+  // Opened and given up at once: this finds a missing or read-only folder as the later writing would.
+  const OutputFile attempt(output, overwrite);
+}
+
+}  // namespace alidade

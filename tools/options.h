@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/progress.h"
+
+// Options that several commands share, and the strict reading of their values. A value with anything behind
+// the number is an error, as is one outside its limits; both are CLI::ValidationError naming the option.
+
+namespace alidade {
+
+/// "2000000", "2e6", "1.5e3": a whole number in [least, most].
+std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most);
+
+/// A finite number.
+double parse_number(const std::string& text);
+
+/// "600x400": width and height in pixels, each in [1, 65536].
+struct ImageSize {
+  int width = 0, height = 0;
+};
+ImageSize parse_image_size(const std::string& text);
+
+/// Declares an option whose text `take` reads; `kind` stands behind the option's name in the help text.
+CLI::Option* add_value(CLI::App& command, const std::string& names, const std::string& kind,
+                       const std::string& help, std::function<void(const std::string&)> take);
+
+/// Declares an option that takes one of the named values.
+template <typename Value>
+CLI::Option* add_choice(CLI::App& command, const std::string& names, const std::string& help,
+                        std::optional<Value>& target, std::vector<std::pair<std::string, Value>> values) {
+  std::string kind;
+  for (const auto& value : values) kind += (kind.empty() ? "" : "|") + value.first;
+  return add_value(command, names, kind, help, [&target, kind, values](const std::string& text) {
+    for (const auto& [word, value] : values) {
+      if (text == word) {
+        target = value;
+        return;
+      }
+    }
+    throw CLI::ValidationError("expected " + kind + ", found '" + text + "'");
+  });
+}
+
+/// -q and -v.
+struct VerbosityOptions {
+  bool quiet = false, verbose = false;
+  Verbosity verbosity() const {
+    return quiet ? Verbosity::quiet : verbose ? Verbosity::verbose : Verbosity::normal;
+  }
+};
+void add_verbosity(CLI::App& command, VerbosityOptions& options);
+
+/// --threads N; empty = as many as the machine has.
+void add_threads(CLI::App& command, std::optional<int>& threads);
+
+/// Runs `work` on exactly this many threads.
+void with_threads(std::optional<int> threads, const std::function<void()>& work);
+
+/// Lets a long task fail before it starts: Error if the file exists and may not be replaced, is no regular
+/// file, or if its folder cannot be written to.
+void check_writable(const std::filesystem::path& output, bool overwrite);
+
+}  // namespace alidade

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+#include "tools/render_options.h"
+
+#include "octree/error.h"
+#include "renderer/camera.h"
+#include "renderer/read_scene.h"
+
+namespace alidade {
+namespace {
+
+constexpr int k_most_samples = 1'000'000;
+constexpr int k_most_bounces = 10'000;
+
+const std::vector<std::pair<std::string, Layer>> k_layer_names = {
+    {"color", Layer::color},   {"depth", Layer::depth},       {"distance", Layer::distance},
+    {"normal", Layer::normal}, {"position", Layer::position}, {"albedo", Layer::albedo},
+    {"id", Layer::id}};
+
+std::vector<Layer> parse_layers(const std::string& text) {
+  std::vector<Layer> layers;
+  for (const std::string& word : CLI::detail::split(text, ',')) {
+    bool known = false;
+    for (const auto& [name, layer] : k_layer_names) {
+      if (word != name) continue;
+      layers.push_back(layer);
+      known = true;
+    }
+    if (!known) {
+      throw CLI::ValidationError("expected some of color,depth,distance,normal,position,albedo,id, found '" +
+                                 word + "'");
+    }
+  }
+  return layers;
+}
+
+std::optional<double> parse_radius(const std::string& text) {
+  if (text == "auto") return std::nullopt;
+  const double radius = parse_number(text);
+  if (!(radius > 0.0)) throw CLI::ValidationError("expected auto or a length above 0, found '" + text + "'");
+  return radius;
+}
+
+void add_picture_options(CLI::App& render, RenderCommand& command) {
+  add_value(render, "--samples", "N", "paths per pixel; noise halves with four times as many (default 50)",
+            [&command](const std::string& text) {
+              command.samples = static_cast<int>(parse_count(text, 1, k_most_samples));
+            });
+  add_value(render, "--size", "WxH", "width and height in pixels (default: the camera's, else 600x400)",
+            [&command](const std::string& text) { command.size = parse_image_size(text); });
+  render.add_option("--camera", command.camera_file, "camera file (JSON) instead of the scene's camera")
+      ->type_name("FILE.json");
+  add_value(render, "--max-bounces", "N",
+            "reflections followed after the first surface (default 8; 0 = direct light)",
+            [&command](const std::string& text) {
+              command.max_bounces = static_cast<int>(parse_count(text, 0, k_most_bounces));
+            });
+  add_value(render, "--exposure", "STOPS", "brightness of PNG and JPEG: +1 is twice as bright (default 0)",
+            [&command](const std::string& text) { command.exposure = parse_number(text); });
+  add_value(render, "--layers", "LIST", "layers of an EXR: color,depth,distance,normal,position,albedo,id",
+            [&command](const std::string& text) { command.layers = parse_layers(text); });
+  add_value(render, "--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
+            [&command](const std::string& text) { command.seed = parse_count(text, 0, UINT64_MAX); });
+}
+
+void add_cloud_options(CLI::App& render, RenderCommand& command) {
+  add_value(render, "--radius", "R|auto",
+            "radius of the sphere around each point, metres (default auto: from the spacing)",
+            [&command](const std::string& text) { command.radius.emplace(parse_radius(text)); });
+  add_choice<ColorDepth>(render, "--color-depth",
+                         "bits in use in LAS colour fields (default: told from the values)",
+                         command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_choice<PointColor>(
+      render, "--color", "what colours the points (default: rgb, else intensity, else height)", command.color,
+      {{"rgb", PointColor::rgb}, {"intensity", PointColor::intensity}, {"height", PointColor::height}});
+  add_choice<HitMode>(render, "--hits",
+                      "nearest by sphere entry (default) or by projected point, the paper's naive way",
+                      command.hits, {{"entry", HitMode::entry}, {"t", HitMode::t}});
+}
+
+/// A cloud without a scene: daylight from the sky and a sun in the south-east.
+Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
+  Scene scene;
+  scene.cloud.emplace().files = cloud_files;
+  scene.sun = Sun{};
+  return scene;
+}
+
+void apply_cloud_options(const RenderCommand& command, Scene& scene) {
+  const bool any = command.radius || command.color_depth || command.color || command.hits;
+  if (!any) return;
+  if (!scene.cloud) {
+    throw Error({.file = command.scene_file.string(),
+                 .problem = "the scene has no cloud for --radius, --color-depth, --color or --hits"});
+  }
+  CloudSettings& cloud = *scene.cloud;
+  if (command.radius) cloud.radius = *command.radius;
+  cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
+  cloud.color = command.color.value_or(cloud.color);
+  cloud.hits = command.hits.value_or(cloud.hits);
+}
+
+}  // namespace
+
+std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
+  auto command = std::make_shared<RenderCommand>();
+  CLI::Option* scene = render.add_option("scene", command->scene_file, "scene file")->type_name("SCENE.json");
+  render.add_option("--cloud", command->cloud_files, "cloud files to show without a scene file")
+      ->type_name("FILE...")
+      ->excludes(scene);
+  render
+      .add_option("-o,--output", command->output,
+                  "picture to write: .png, .jpg or .exr (default: the scene's)")
+      ->type_name("FILE");
+  render.add_flag("--overwrite", command->overwrite, "replace an existing picture");
+  add_picture_options(render, *command);
+  add_cloud_options(render, *command);
+  add_threads(render, command->threads);
+  add_verbosity(render, command->verbosity);
+  return command;
+}
+
+Scene requested_scene(const RenderCommand& command) {
+  if (command.scene_file.empty() && command.cloud_files.empty()) {
+    throw Error({.problem = "nothing to render", .expected = "SCENE.json or --cloud FILE..."});
+  }
+  Scene scene =
+      command.scene_file.empty() ? daylight_scene(command.cloud_files) : read_scene(command.scene_file);
+  apply_cloud_options(command, scene);
+  if (!command.camera_file.empty()) scene.camera = read_camera(command.camera_file);
+  if (scene.camera && command.size)
+    scene.camera = resized(*scene.camera, command.size->width, command.size->height);
+  scene.render.samples = command.samples.value_or(scene.render.samples);
+  scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
+  scene.render.seed = command.seed.value_or(scene.render.seed);
+  if (!command.output.empty()) scene.output.file = command.output;
+  scene.output.exposure = command.exposure.value_or(scene.output.exposure);
+  if (!command.layers.empty()) scene.output.layers = command.layers;
+  if (scene.output.file.empty()) {
+    throw Error(
+        {.file = command.scene_file.string(), .problem = "no picture to write", .expected = "-o FILE"});
+  }
+  return scene;
+}
+
+}  // namespace alidade

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "renderer/scene.h"
+#include "tools/options.h"
+
+namespace alidade {
+
+/// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
+struct RenderCommand {
+  std::filesystem::path scene_file;
+  std::vector<std::filesystem::path> cloud_files;
+  std::filesystem::path output, camera_file;
+  std::optional<int> samples, max_bounces;
+  std::optional<std::uint64_t> seed;
+  std::optional<ImageSize> size;
+  std::optional<std::optional<double>> radius;  ///< an empty radius in it is "auto"
+  std::optional<ColorDepth> color_depth;
+  std::optional<PointColor> color;
+  std::optional<HitMode> hits;
+  std::optional<double> exposure;
+  std::vector<Layer> layers;
+  bool overwrite = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+};
+
+/// Declares the command's options; they fill what is returned.
+std::shared_ptr<RenderCommand> add_render_options(CLI::App& render);
+
+/// The scene to render: read from its file, or made up around the clouds, with the options laid over it. Its
+/// camera is still empty if neither scene nor options give one. Errors: options that contradict each other or
+/// do not fit the scene.
+Scene requested_scene(const RenderCommand& command);
+
+}  // namespace alidade
