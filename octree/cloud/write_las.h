@@ -13,15 +13,18 @@ namespace alidade {
 struct LasWriteOptions {
   bool overwrite = false;  ///< otherwise an existing file is an Error
   Progress progress;       ///< in points
+  /// Creation date for the header, given by the caller so that equal input makes equal files: day of the year
+  /// (1 = 1 January) and year; 0 = unknown.
+  std::uint16_t creation_day = 0, creation_year = 0;
 };
 
-/// Writes LAS 1.4 piece by piece in bounded memory. The file appears under its name only in finish(): until then it is
-/// written beside it and removed again if the writer is destroyed first.
+/// Writes LAS 1.4 piece by piece in bounded memory. The file appears under its name only in finish(): until
+/// then it is written beside it and removed again if the writer is destroyed first.
 class LasWriter {
  public:
-  /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and its
-  /// extra dimensions which columns will come (columns of size 0 may be given by `attributes`). Point format is the
-  /// smallest of 6, 7, 8 that holds them; normals become extra bytes NormalX/Y/Z (float32).
+  /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and
+  /// its extra dimensions which columns will come (columns of size 0 may be given by `attributes`). Point
+  /// format is the smallest of 6, 7, 8 that holds them; normals become extra bytes NormalX/Y/Z (float32).
   /// Errors: the file exists and may not be replaced; the folder cannot be written.
   LasWriter(const std::filesystem::path& path, const PointCloud& like, AttributeSet attributes,
             const LasWriteOptions& options = {});
@@ -41,7 +44,9 @@ class LasWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is kept.
-void write_las(const std::filesystem::path& path, const PointCloud& cloud, const LasWriteOptions& options = {});
+/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is
+/// kept.
+void write_las(const std::filesystem::path& path, const PointCloud& cloud,
+               const LasWriteOptions& options = {});
 
 }  // namespace alidade

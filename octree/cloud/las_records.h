@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octree/cloud/las_header.h"
+#include "octree/cloud/output_file.h"
+#include "octree/cloud/point_cloud.h"
+
+namespace alidade {
+
+/// What the variable length records of a LAS file say.
+struct LasRecords {
+  Crs crs;
+  /// Extra dimensions in the order of their bytes; together they cover all extra bytes of a point.
+  std::vector<ExtraDimension> extra_dimensions;
+  std::vector<VariableLengthRecord> others;
+};
+
+/// Reads the records before and after the points. Records that contradict themselves but do no harm are left
+/// out and said in `warnings`. Errors: a record that does not end before the points, or before the end of the
+/// file. Memory: at most the size of the records in the file.
+LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings);
+
+/// CRS as LAS records: WKT, and the GeoTIFF keys if there are any.
+std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);
+
+/// The record that describes extra bytes. Requires at least one dimension. Errors: more than 341, the most
+/// that fit.
+VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dimensions,
+                                            const std::string& file_name);
+
+/// Appends a record with the short header (`data` at most 65535 bytes) or the long one.
+void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool extended);
+
+inline constexpr std::size_t k_longest_las_record = 65535;  ///< data of a record that is not extended
+
+}  // namespace alidade
