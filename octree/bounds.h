@@ -28,8 +28,8 @@ struct Bounds {
   }
 
   bool contains(const glm::dvec3& point) const {
-    return point.x >= min.x && point.x <= max.x && point.y >= min.y && point.y <= max.y &&
-           point.z >= min.z && point.z <= max.z;
+    return point.x >= min.x && point.x <= max.x && point.y >= min.y && point.y <= max.y && point.z >= min.z &&
+           point.z <= max.z;
   }
 
   /// Side lengths; zero for the empty box.

@@ -6,10 +6,10 @@
 
 #include "octree/ray.h"
 
-// The formulas of the paper (Teuscher et al. 2026, section 3.2). This is the only place where they stand: brute force,
-// the index and every outer layer decide with these functions, so their answers are the same bits. Floating-point
-// contraction must be off wherever this header is compiled, otherwise a fused multiply-add rounds differently from
-// machine to machine.
+// The formulas of the paper (Teuscher et al. 2026, section 3.2). This is the only place where they stand:
+// brute force, the index and every outer layer decide with these functions, so their answers are the same
+// bits. Floating-point contraction must be off wherever this header is compiled, otherwise a fused
+// multiply-add rounds differently from machine to machine.
 
 namespace alidade {
 

@@ -6,8 +6,9 @@
 
 namespace alidade {
 
-/// The one exception of all libraries for input that cannot be used: bad files, bad scenes, impossible requests.
-/// Caller mistakes that a program can rule out itself are asserted instead; "no result" is an empty optional.
+/// The one exception of all libraries for input that cannot be used: bad files, bad scenes, impossible
+/// requests. Caller mistakes that a program can rule out itself are asserted instead; "no result" is an empty
+/// optional.
 ///
 /// what() reads "FILE[:PLACE]: PROBLEM; expected EXPECTED, found FOUND", leaving out what is empty.
 class Error : public std::runtime_error {

@@ -3,19 +3,66 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <memory>
 
 #include "octree/bounds.h"
 #include "octree/cloud/lattice.h"
+#include "octree/node.h"
+#include "octree/simd/instruction_set.h"
 
 namespace alidade {
 
-/// The index over a cloud's points; made by build() (octree/build.h), asked by the functions of octree/query.h.
-/// Immutable, cheap to move, safe to query from many threads.
+/// The flat arrays of an octree, as traversals read them. A *place* is a point's number in the order of the
+/// leaves; ids[place] is its row in the cloud.
+struct TreeView {
+  Lattice lattice;
+  LatticePosition base{0};  ///< lattice position of the root frame's corner
+  int root_level = k_min_frame_level;
+  std::uint32_t point_count = 0;
+  std::uint32_t node_count = 0;  ///< 0 for an empty cloud
+  Bounds bounds;                 ///< of the points, world
+  const Node* nodes = nullptr;   ///< the root is nodes[0]
+  /// Leaf of c points that starts at place p: coordinates[3p .. 3p + 3c) = c x, c y, c z: steps from the
+  /// corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
+  /// k_coordinate_padding values past the end.
+  const std::uint16_t* coordinates = nullptr;
+  const std::uint32_t* ids = nullptr;
+  /// Exact positions by place, where 16 bits from a frame's corner cannot hold them; otherwise null.
+  const LatticePosition* positions = nullptr;
+};
+
+constexpr int k_coordinate_padding = 32;
+
+/// How far coordinates of leaves under a frame of this level are shifted to fit 16 bits; > 0 only where
+/// TreeView::positions is there.
+constexpr int coordinate_shift(int level) {
+  return level > 16 ? level - 16 : 0;
+}
+
+/// The index over a cloud's points; made by build() (octree/build.h), asked by the functions of
+/// octree/query.h. Immutable, cheap to copy (copies share the arrays), safe to query from many threads.
 class Octree {
  public:
-  std::size_t size() const;
-  const Lattice& lattice() const;
-  const Bounds& bounds() const;
+  Octree() = default;
+  /// `storage` keeps alive what the view points to.
+  Octree(const TreeView& view, std::shared_ptr<const void> storage, InstructionSet instruction_set)
+      : view_(view), storage_(std::move(storage)), instruction_set_(instruction_set) {}
+
+  std::size_t size() const { return view_.point_count; }
+  const Lattice& lattice() const { return view_.lattice; }
+  /// Smallest box around the points, world coordinates; empty for an empty octree.
+  const Bounds& bounds() const { return view_.bounds; }
+  /// Bytes of nodes, coordinates, ids and positions.
+  std::size_t memory() const;
+
+  const TreeView& view() const { return view_; }
+  InstructionSet instruction_set() const { return instruction_set_; }
+
+ private:
+  TreeView view_;
+  std::shared_ptr<const void> storage_;
+  InstructionSet instruction_set_ = InstructionSet::scalar;
 };
 
 }  // namespace alidade

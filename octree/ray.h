@@ -10,8 +10,9 @@
 namespace alidade {
 
 /// A line through the world with a place on it: position(t) = origin + t * direction.
-/// `direction` has length 1, so t is in metres. Queries look at points whose projection falls into the closed interval
-/// [t_min, t_max]; by default that is all of the line, in both directions, as in the paper (section 2).
+/// `direction` has length 1, so t is in metres. Queries look at points whose projection falls into the closed
+/// interval [t_min, t_max]; by default that is all of the line, in both directions, as in the paper (section
+/// 2).
 struct Ray {
   glm::dvec3 origin{0.0};
   glm::dvec3 direction{0.0, 0.0, 1.0};
@@ -21,8 +22,8 @@ struct Ray {
   glm::dvec3 position(double t) const { return origin + t * direction; }
 };
 
-/// The entrance for rays from outside: normalises the direction. Errors: direction zero or not finite, origin not
-/// finite, limits NaN. An interval with t_min > t_max is allowed and holds nothing.
+/// The entrance for rays from outside: normalises the direction. Errors: direction zero or not finite, origin
+/// not finite, limits NaN. An interval with t_min > t_max is allowed and holds nothing.
 inline Ray make_ray(const glm::dvec3& origin, const glm::dvec3& direction,
                     double t_min = -std::numeric_limits<double>::infinity(),
                     double t_max = std::numeric_limits<double>::infinity()) {
@@ -30,9 +31,11 @@ inline Ray make_ray(const glm::dvec3& origin, const glm::dvec3& direction,
     if (!std::isfinite(origin[axis])) throw Error({.problem = "ray origin is not finite"});
     if (!std::isfinite(direction[axis])) throw Error({.problem = "ray direction is not finite"});
   }
-  if (std::isnan(t_min) || std::isnan(t_max)) throw Error({.problem = "limit of the ray's interval is not a number"});
+  if (std::isnan(t_min) || std::isnan(t_max))
+    throw Error({.problem = "limit of the ray's interval is not a number"});
   // Scaled by the largest component first, so that neither tiny nor huge directions under- or overflow.
-  const double largest = std::fmax(std::fabs(direction.x), std::fmax(std::fabs(direction.y), std::fabs(direction.z)));
+  const double largest =
+      std::fmax(std::fabs(direction.x), std::fmax(std::fabs(direction.y), std::fabs(direction.z)));
   if (largest == 0.0) throw Error({.problem = "ray direction has length zero"});
   const glm::dvec3 scaled = direction / largest;
   const double length = std::sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);

@@ -9,18 +9,19 @@ namespace alidade {
 
 /// Distances to the nearest other point, over a sample of points.
 struct Spacing {
-  double median = 0.0;        ///< metres
-  double percentile_90 = 0.0; ///< metres
+  double median = 0.0;         ///< metres
+  double percentile_90 = 0.0;  ///< metres
   std::size_t sample_count = 0;
 };
 
-/// Measures nearest-neighbour spacing on up to `sample_count` points taken evenly in octree order (so every place
-/// counts by its number of points). Points with a twin at the same place are left out. A cloud of fewer than two
-/// distinct points gives zeros. Deterministic. Cost: microseconds per sample.
+/// Measures nearest-neighbour spacing on up to `sample_count` points taken evenly in octree order (so every
+/// place counts by its number of points). Points with a twin at the same place are left out. A cloud of fewer
+/// than two distinct points gives zeros. Deterministic. Cost: microseconds per sample.
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count = 20000);
 
-/// Sphere radius that closes a scanned surface: the renderer's "radius": "auto". Always > 0 for a cloud of at least two
-/// distinct points; for less it is a thousandth of the bounds' diagonal, or 0.01 if that is zero too.
+/// Sphere radius that closes a scanned surface: the renderer's "radius": "auto". Always > 0 for a cloud of at
+/// least two distinct points; for less it is a thousandth of the bounds' diagonal, or 0.01 if that is zero
+/// too.
 double automatic_radius(const Octree& octree);
 
 }  // namespace alidade

@@ -14,8 +14,8 @@ std::vector<InstructionSet> available_instruction_sets();
 
 std::string_view name(InstructionSet instruction_set);
 
-/// What `best` means here: the environment variable ALIDADE_INSTRUCTION_SET (a name as above) if set, otherwise the widest
-/// available. Errors: the variable names a set that is unknown or not available.
+/// What `best` means here: the environment variable ALIDADE_INSTRUCTION_SET (a name as above) if set,
+/// otherwise the widest available. Errors: the variable names a set that is unknown or not available.
 InstructionSet best_instruction_set();
 
 }  // namespace alidade

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#include "octree/simd/instruction_set.h"
+
+#include <hwy/targets.h>
+
+#include <array>
+#include <cstdlib>
+#include <string>
+
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+struct KnownSet {
+  InstructionSet instruction_set;
+  std::string_view name;
+  std::int64_t target;
+};
+
+constexpr std::array<KnownSet, 5> k_known_sets{{{InstructionSet::scalar, "scalar", 0},
+                                                {InstructionSet::ssse3, "ssse3", HWY_SSSE3},
+                                                {InstructionSet::sse4, "sse4", HWY_SSE4},
+                                                {InstructionSet::avx2, "avx2", HWY_AVX2},
+                                                {InstructionSet::avx512, "avx512", HWY_AVX3}}};
+
+}  // namespace
+
+std::vector<InstructionSet> available_instruction_sets() {
+  const std::int64_t usable = hwy::SupportedTargets() & HWY_TARGETS;
+  std::vector<InstructionSet> sets;
+  for (const KnownSet& known : k_known_sets) {
+    if (known.instruction_set == InstructionSet::scalar || (usable & known.target) != 0) {
+      sets.push_back(known.instruction_set);
+    }
+  }
+  return sets;
+}
+
+std::string_view name(InstructionSet instruction_set) {
+  for (const KnownSet& known : k_known_sets) {
+    if (known.instruction_set == instruction_set) return known.name;
+  }
+  return "best";
+}
+
+InstructionSet best_instruction_set() {
+  const std::vector<InstructionSet> sets = available_instruction_sets();
+  const char* wanted = std::getenv("ALIDADE_INSTRUCTION_SET");
+  if (!wanted || !*wanted) return sets.back();
+  std::string names;
+  for (const InstructionSet set : sets) {
+    if (name(set) == wanted) return set;
+    names += (names.empty() ? "" : ", ") + std::string(name(set));
+  }
+  throw Error({.file = "ALIDADE_INSTRUCTION_SET",
+               .problem = "no such instruction set on this machine",
+               .expected = "one of " + names,
+               .found = wanted});
+}
+
+}  // namespace alidade

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "octree/spacing.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "octree/tree_walk.h"
+
+namespace alidade {
+namespace {
+
+// The radius that closes a surface of randomly scattered points, as a multiple of the nearest-neighbour
+// distance that nine points in ten stay below. Points of density n leave a share exp(-n pi r^2) of a surface
+// open, and their 90th percentile is sqrt(ln 10 / (pi n)); so the factor f leaves open 10^(-f^2), here 0.3 %.
+constexpr double k_radius_factor = 1.6;
+
+double distance_sq(const glm::dvec3& a, const glm::dvec3& b) {
+  const double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+  return x * x + y * y + z * z;
+}
+
+double distance_sq(const glm::dvec3& point, const Bounds& box) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double outside = std::max({box.min[axis] - point[axis], 0.0, point[axis] - box.max[axis]});
+    sum += outside * outside;
+  }
+  return sum;
+}
+
+/// Squared distance to the nearest point that is not at the very place; infinite if there is none.
+double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Frame& frame,
+                        double best = std::numeric_limits<double>::infinity()) {
+  struct Child {
+    double distance_sq;
+    int slot;
+  };
+  std::array<Child, k_node_width> children;
+  int count = 0;
+  const Node& node = tree.nodes[frame.node];
+  for (int slot = 0; slot < k_node_width; ++slot) {
+    if (node.kind[slot] != 0) children[count++] = {distance_sq(from, child_bounds(tree, frame, slot)), slot};
+  }
+  std::sort(children.begin(), children.begin() + count,
+            [](const Child& a, const Child& b) { return a.distance_sq < b.distance_sq; });
+  for (int c = 0; c < count && children[c].distance_sq < best; ++c) {
+    const int slot = children[c].slot;
+    if (is_inner(node.kind[slot])) {
+      best = nearest_other_sq(tree, from, child_frame(tree, frame, slot), best);
+      continue;
+    }
+    const Leaf leaf = child_leaf(tree, frame, slot);
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const double d = distance_sq(from, to_world(tree.lattice, position_of(tree, leaf, i)));
+      if (d > 0.0) best = std::min(best, d);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
+  const TreeView& tree = octree.view();
+  const std::uint64_t stride =
+      std::max<std::uint64_t>(1, tree.point_count / std::max<std::size_t>(sample_count, 1));
+  std::vector<glm::dvec3> samples;
+  for_each_leaf(tree, [&](const Leaf& leaf) {
+    for (std::uint64_t place = (leaf.place + stride - 1) / stride * stride; place < leaf.place + leaf.count;
+         place += stride) {
+      samples.push_back(
+          to_world(tree.lattice, position_of(tree, leaf, static_cast<std::uint32_t>(place - leaf.place))));
+    }
+  });
+  std::vector<double> distances(samples.size());
+  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
+    distances[i] = std::sqrt(nearest_other_sq(tree, samples[i], root_frame(tree)));
+  });
+  std::erase_if(distances, [](double d) { return std::isinf(d); });
+  if (distances.empty()) return {};
+  std::sort(distances.begin(), distances.end());
+  return {distances[distances.size() / 2], distances[distances.size() * 9 / 10], distances.size()};
+}
+
+double automatic_radius(const Octree& octree) {
+  const double spacing = measure_spacing(octree).percentile_90;
+  if (spacing > 0.0) return k_radius_factor * spacing;
+  const glm::dvec3 size = octree.bounds().size();
+  const double diagonal = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
+  return diagonal > 0.0 ? 0.001 * diagonal : 0.01;
+}
+
+}  // namespace alidade

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "octree/octree.h"
+
+// Going through an octree node by node in plain double arithmetic, for whatever is not worth lanes.
+
+namespace alidade {
+
+/// A node with its frame.
+struct Frame {
+  std::uint32_t node = 0;
+  std::array<std::uint32_t, 3> corner{};  ///< lattice steps from the tree's base
+  int level = 0;
+};
+
+/// A leaf: `count` points from `place` on, below a frame.
+struct Leaf {
+  std::uint32_t place = 0;
+  std::uint32_t count = 0;
+  std::array<std::uint32_t, 3> corner{};
+};
+
+/// Requires a tree that is not empty.
+inline Frame root_frame(const TreeView& tree) {
+  return {0, {0, 0, 0}, tree.root_level};
+}
+
+/// Frame of the inner child in this slot.
+inline Frame child_frame(const TreeView& tree, const Frame& frame, int slot) {
+  const Node& node = tree.nodes[frame.node];
+  Frame child{node.first_child, frame.corner, frame.level};
+  for (int s = 0; s < slot; ++s) child.node += is_inner(node.kind[s]);
+  const int drop = node.kind[slot] - k_inner_kind;
+  for (int axis = 0; axis < 3; ++axis)
+    child.corner[axis] += child_corner(node.low[axis][slot], frame.level, drop);
+  child.level -= drop;
+  return child;
+}
+
+/// The leaf in this slot.
+inline Leaf child_leaf(const TreeView& tree, const Frame& frame, int slot) {
+  const Node& node = tree.nodes[frame.node];
+  Leaf leaf{node.first_point, node.kind[slot], frame.corner};
+  for (int s = 0; s < slot; ++s) leaf.place += is_leaf(node.kind[s]) ? node.kind[s] : 0;
+  return leaf;
+}
+
+/// Box of a child in world coordinates; every point below it lies inside.
+inline Bounds child_bounds(const TreeView& tree, const Frame& frame, int slot) {
+  const Node& node = tree.nodes[frame.node];
+  const int shift = frame.level - k_min_frame_level;
+  Bounds bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low =
+        static_cast<double>(frame.corner[axis]) + (std::uint64_t{node.low[axis][slot]} << shift);
+    const double high =
+        static_cast<double>(frame.corner[axis]) + ((node.high[axis][slot] + std::uint64_t{1}) << shift) - 1;
+    bounds.min[axis] = tree.lattice.offset[axis] + tree.lattice.scale[axis] * (tree.base[axis] + low);
+    bounds.max[axis] = tree.lattice.offset[axis] + tree.lattice.scale[axis] * (tree.base[axis] + high);
+  }
+  return bounds;
+}
+
+/// Lattice position of the i-th point of a leaf.
+inline LatticePosition position_of(const TreeView& tree, const Leaf& leaf, std::uint32_t i) {
+  if (tree.positions) return tree.positions[leaf.place + i];
+  const std::uint16_t* coordinates = tree.coordinates + std::size_t{3} * leaf.place;
+  LatticePosition position;
+  for (int axis = 0; axis < 3; ++axis) {
+    position[axis] = static_cast<std::int32_t>(static_cast<std::uint32_t>(tree.base[axis]) +
+                                               leaf.corner[axis] + coordinates[axis * leaf.count + i]);
+  }
+  return position;
+}
+
+/// Visits every leaf once. Cost: linear; no recursion.
+template <class Visit>
+void for_each_leaf(const TreeView& tree, const Visit& visit) {
+  if (tree.node_count == 0) return;
+  std::vector<Frame> stack{root_frame(tree)};
+  while (!stack.empty()) {
+    const Frame frame = stack.back();
+    stack.pop_back();
+    for (int slot = 0; slot < k_node_width; ++slot) {
+      const std::uint8_t kind = tree.nodes[frame.node].kind[slot];
+      if (is_inner(kind)) stack.push_back(child_frame(tree, frame, slot));
+      if (is_leaf(kind)) visit(child_leaf(tree, frame, slot));
+    }
+  }
+}
+
+}  // namespace alidade
