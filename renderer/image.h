@@ -15,17 +15,19 @@ namespace alidade {
 struct ImageMetadata {
   PinholeCamera camera;
   RenderSettings render;
-  std::string command;                        ///< command line, or empty
+  std::string command;  ///< command line, or empty
   std::vector<std::string> cloud_files;
   glm::dvec3 cloud_offset{0.0};
   std::string crs_wkt;
-  double radius = 0.0;                        ///< metres, 0 without a cloud
+  double radius = 0.0;                                       ///< metres, 0 without a cloud
   std::vector<std::pair<std::string, std::string>> further;  ///< any other key and text
 };
 
-/// Writes the film by the extension of `output.file`: .exr with the layers asked for, .png (8 bit) or .jpg with exposure and the
-/// sRGB curve. The file appears whole or not at all. Channel names and metadata keys: docs/scene_format.md.
-/// Errors: unknown extension, existing file without `overwrite`, anything OpenImageIO reports.
-void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata, bool overwrite);
+/// Writes the film by the extension of `output.file`: .exr with the layers asked for, .png (8 bit) or .jpg
+/// with exposure and the sRGB curve. The file appears whole or not at all. Channel names and metadata keys:
+/// docs/scene_format.md. Errors: unknown extension, existing file without `overwrite`, anything OpenImageIO
+/// reports.
+void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
+                 bool overwrite);
 
 }  // namespace alidade

@@ -9,9 +9,10 @@
 
 namespace alidade {
 
-/// Reads a scene file (docs/scene_format.md, scenes/schema/scene.schema.json). Relative paths in it are taken relative to the
-/// file. A camera may stand in the scene or in a file of its own that the scene names.
-/// Errors: Error with file, line:column, JSON pointer, what was expected and found; unknown keys name the nearest known one.
+/// Reads a scene file (docs/scene_format.md, scenes/schema/scene.schema.json). Relative paths in it are taken
+/// relative to the file. A camera may stand in the scene or in a file of its own that the scene names.
+/// Errors: Error with file, line:column, JSON pointer, what was expected and found; unknown keys name the
+/// nearest known one.
 Scene read_scene(const std::filesystem::path& file);
 
 /// Reads a camera file of its own (scenes/schema/camera.schema.json). Errors: as read_scene.

@@ -101,7 +101,7 @@ struct RenderSettings {
 };
 
 /// One group of image channels.
-enum class Layer { color, depth, distance, normal, position, albedo, id };
+enum class Layer { color, depth, distance, normal, position, albedo, id, variance };
 
 struct OutputSettings {
   std::filesystem::path file;            ///< .exr, .png, .jpg; may be empty in a scene file

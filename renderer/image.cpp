@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/image.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cassert>
+
+#include "octree/cloud/output_file.h"
+#include "octree/error.h"
+#include "renderer/image_display.h"
+#include "renderer/image_exr.h"
+#include "renderer/image_metadata.h"
+
+namespace alidade {
+namespace {
+
+// Rows handed over at once: a whole number of OpenEXR's 16-row compression blocks; the copy of the image
+// stays small.
+constexpr int k_rows_at_once = 64;
+
+enum class ImageFormat { exr, png, jpeg };
+
+ImageFormat format_of(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  if (extension == ".exr") return ImageFormat::exr;
+  if (extension == ".png") return ImageFormat::png;
+  if (extension == ".jpg" || extension == ".jpeg") return ImageFormat::jpeg;
+  throw Error({.file = file.string(),
+               .problem = "unknown kind of image",
+               .expected = "a name that ends in .exr, .png, .jpg or .jpeg",
+               .found = extension.empty() ? "no extension" : extension});
+}
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& message) {
+  throw Error({.file = file.string(), .problem = "image cannot be written: " + message});
+}
+
+// Opens the file, hands over the rows that `pack(y, bytes of row y)` fills, and closes it.
+template <typename PackRow>
+void write_rows(const std::string& format, const std::filesystem::path& final_name,
+                const std::filesystem::path& file, const OIIO::ImageSpec& spec, const PackRow& pack) {
+  const auto image = OIIO::ImageOutput::create(format);
+  if (!image) fail(final_name, OIIO::geterror());
+  if (!image->open(file.string(), spec)) fail(final_name, image->geterror());
+  const std::size_t row_bytes = spec.scanline_bytes(true);
+  std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(std::min(k_rows_at_once, spec.height)));
+  for (int begin = 0; begin < spec.height; begin += k_rows_at_once) {
+    const int end = std::min(begin + k_rows_at_once, spec.height);
+    for (int y = begin; y < end; ++y) {
+      pack(y, std::span(bytes).subspan(static_cast<std::size_t>(y - begin) * row_bytes, row_bytes));
+    }
+    if (!image->write_scanlines(begin, end, 0, OIIO::TypeUnknown, bytes.data()))
+      fail(final_name, image->geterror());
+  }
+  if (!image->close()) fail(final_name, image->geterror());
+}
+
+void write_exr(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
+               const std::filesystem::path& file) {
+  const std::vector<Channel> channels = exr_channels(output);
+  if (channels.empty()) fail(output.file, "no layer is asked for");
+  OIIO::ImageSpec spec(film.width, film.height, static_cast<int>(channels.size()), OIIO::TypeFloat);
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    const Channel& channel = channels[i];
+    spec.channelnames[i] = channel.name;
+    spec.channelformats.push_back(channel.type == ChannelType::half_float     ? OIIO::TypeHalf
+                                  : channel.type == ChannelType::single_float ? OIIO::TypeFloat
+                                                                              : OIIO::TypeUInt);
+    if (channel.name == "A") spec.alpha_channel = static_cast<int>(i);
+    if (channel.name == "Z") spec.z_channel = static_cast<int>(i);
+  }
+  spec.attribute("compression", "zip");
+  for (const auto& [key, text] : metadata_texts(metadata)) spec.attribute(key, text);
+  const glm::dvec3 offset = position_offset(metadata.camera);
+  write_rows("openexr", output.file, file, spec,
+             [&](int y, std::span<std::byte> bytes) { pack_row(film, y, channels, offset, bytes); });
+}
+
+void write_display(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
+                   ImageFormat format, const std::filesystem::path& file) {
+  OIIO::ImageSpec spec(film.width, film.height, 3, OIIO::TypeUInt8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  if (format == ImageFormat::jpeg) {
+    spec.attribute("Compression", "jpeg:95");
+    spec.attribute("jpeg:subsampling", "4:4:4");
+  }
+  for (const auto& [key, text] : metadata_texts(metadata)) spec.attribute(key, text);
+  const double scale = exposure_scale(output.exposure);
+  write_rows(format == ImageFormat::png ? "png" : "jpeg", output.file, file, spec,
+             [&](int y, std::span<std::byte> bytes) {
+               std::size_t place = 0;
+               for (int x = 0; x < film.width; ++x) {
+                 const Rgb& color = film.color[film.index(x, y)];
+                 for (int i = 0; i < 3; ++i) bytes[place++] = std::byte{srgb_code(color[i] * scale)};
+               }
+             });
+}
+
+}  // namespace
+
+void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
+                 bool overwrite) {
+  const ImageFormat format = format_of(output.file);
+  assert(film.width > 0 && film.height > 0);
+  OutputFile file(output.file, overwrite);
+  if (format == ImageFormat::exr)
+    write_exr(film, output, metadata, file.temporary_path());
+  else
+    write_display(film, output, metadata, format, file.temporary_path());
+  file.commit();
+}
+
+}  // namespace alidade

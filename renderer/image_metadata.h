@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "renderer/image.h"
+
+namespace alidade {
+
+/// The metadata as texts, in the order of docs/scene_format.md; what is empty is left out. Numbers have 17
+/// significant digits.
+std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetadata& metadata);
+
+/// The camera as a camera file on one line; parse_camera gives back the same camera, bit for bit.
+std::string camera_json(const PinholeCamera& camera);
+
+/// Positions in an image are float, too coarse for coordinates like 5325000. They are therefore stored
+/// relative to this point: the camera's place rounded to 10 km along each axis. It is 0 0 0 for sites around
+/// the origin, and the same for cameras near each other.
+glm::dvec3 position_offset(const PinholeCamera& camera);
+
+}  // namespace alidade

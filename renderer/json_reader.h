@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "renderer/json_document.h"
+
+namespace alidade {
+
+/// Which numbers are allowed: minimum to maximum, each included unless said otherwise.
+struct NumberRange {
+  double minimum = -std::numeric_limits<double>::max();
+  double maximum = std::numeric_limits<double>::max();
+  bool above_minimum = false;  ///< the minimum itself is not allowed
+  bool below_maximum = false;  ///< the maximum itself is not allowed
+
+  bool contains(double value) const;
+  std::string describe() const;  ///< "from 0 to 1", "greater than 0 and at most 10"
+};
+
+/// A value of a document that knows its JSON pointer: every check that fails throws an Error with file, line,
+/// column, pointer, what was expected and found. Cheap to copy; the document must outlive it.
+class JsonNode {
+ public:
+  explicit JsonNode(const JsonDocument& document) : document_(&document), value_(&document.root) {}
+
+  const JsonValue& value() const { return *value_; }
+  const std::string& pointer() const { return pointer_; }
+  bool is_object() const { return std::holds_alternative<JsonObject>(value_->data); }
+  bool is_string() const { return std::holds_alternative<std::string>(value_->data); }
+
+  double number(const NumberRange& range = {}) const;
+  /// Whole number, also written as 5.0 or 5e1.
+  std::uint64_t whole_number(std::uint64_t minimum, std::uint64_t maximum) const;
+  /// Text that is not empty and holds no NUL, as names of files need it.
+  std::string text() const;
+  /// Index of the word in `words`.
+  std::size_t choice(std::span<const std::string_view> words) const;
+  /// Elements of an array that must have at least `minimum` and at most `maximum`.
+  std::vector<JsonNode> elements(std::size_t minimum, std::size_t maximum) const;
+  /// An array of exactly three numbers.
+  glm::dvec3 vector(const NumberRange& range) const;
+
+  /// The member of that name, if this is an object and has it.
+  std::optional<JsonNode> find(std::string_view key) const;
+
+  /// Throws. The place is this value's; `found` is a quotation of it unless given.
+  [[noreturn]] void fail(const std::string& problem, const std::string& expected,
+                         const std::optional<std::string>& found = {}) const;
+
+ private:
+  friend class JsonFields;
+  JsonNode child(const JsonValue& value, std::string_view step) const;
+  std::string describe() const;
+  [[noreturn]] void fail_at(std::size_t byte, const std::string& problem, const std::string& expected,
+                            const std::string& found, const std::string& pointer) const;
+
+  const JsonDocument* document_;
+  const JsonValue* value_;
+  std::string pointer_;
+};
+
+/// Access to an object whose keys are all known: others are an error that names the nearest known one.
+class JsonFields {
+ public:
+  JsonFields(const JsonNode& node, std::initializer_list<std::string_view> known);
+
+  std::optional<JsonNode> find(std::string_view key) const;
+  JsonNode require(std::string_view key) const;
+
+ private:
+  JsonNode node_;
+};
+
+/// The "type" of an object of which several kinds exist; `known` are the keys of all kinds.
+JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> known);
+
+/// The word of `words` that was probably meant, by edit distance (swapped letters count once); empty if none
+/// is near.
+std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words);
+
+}  // namespace alidade

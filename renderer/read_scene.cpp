@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/read_scene.h"
+
+#include <array>
+#include <fstream>
+#include <system_error>
+
+#include "octree/error.h"
+#include "renderer/read_scene_parts.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::uintmax_t k_largest_file = 16u << 20;
+constexpr std::uint64_t k_most_samples = 1u << 24;
+
+std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
+  return (scene_file.parent_path() / node.text()).lexically_normal();
+}
+
+CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
+  const JsonFields fields(node, {"files", "file", "radius", "hits", "color", "color_depth", "material"});
+  CloudSettings cloud;
+  const auto files = fields.find("files"), file = fields.find("file");
+  if (files && file) file->fail("both \"file\" and \"files\"", "one of them", "the second");
+  if (!files && !file) node.fail("missing key \"files\"", "\"files\" or \"file\"", "neither");
+  if (file) cloud.files.push_back(path_beside(scene_file, *file));
+  if (files) {
+    for (const JsonNode& each : files->elements(1, std::size_t(-1)))
+      cloud.files.push_back(path_beside(scene_file, each));
+  }
+  if (const auto radius = fields.find("radius")) {
+    constexpr std::array<std::string_view, 1> words{"auto"};
+    if (radius->is_string())
+      radius->choice(words);
+    else
+      cloud.radius = radius->number(k_length);
+  }
+  if (const auto hits = fields.find("hits")) {
+    constexpr std::array<std::string_view, 2> words{"entry", "t"};
+    cloud.hits = std::array{HitMode::entry, HitMode::t}[hits->choice(words)];
+  }
+  if (const auto color = fields.find("color")) {
+    constexpr std::array<std::string_view, 4> words{"automatic", "rgb", "intensity", "height"};
+    constexpr std::array values{PointColor::automatic, PointColor::rgb, PointColor::intensity,
+                                PointColor::height};
+    cloud.color = values[color->choice(words)];
+  }
+  if (const auto depth = fields.find("color_depth")) {
+    constexpr std::array<std::string_view, 1> words{"automatic"};
+    if (depth->is_string()) {
+      depth->choice(words);
+    } else {
+      const double bits = depth->number({8, 16});
+      if (bits != 8 && bits != 16) depth->fail("unknown color depth", "8, 16 or \"automatic\"");
+      cloud.color_depth = bits == 8 ? ColorDepth::bits_8 : ColorDepth::bits_16;
+    }
+  }
+  if (const auto material = fields.find("material")) cloud.material = read_material(*material, true);
+  return cloud;
+}
+
+Object read_object(const JsonNode& node) {
+  constexpr std::array<std::string_view, 2> types{"sphere", "ground_plane"};
+  const JsonNode type = type_of(node, {"type", "center", "radius", "height", "material"});
+  if (type.choice(types) == 1) {
+    const JsonFields fields(node, {"type", "height", "material"});
+    GroundPlane plane;
+    if (const auto height = fields.find("height")) plane.height = height->number(k_coordinate);
+    if (const auto material = fields.find("material")) plane.material = read_material(*material, false);
+    return plane;
+  }
+  const JsonFields fields(node, {"type", "center", "radius", "material"});
+  Sphere sphere;
+  sphere.center = fields.require("center").vector(k_coordinate);
+  sphere.radius = fields.require("radius").number(k_length);
+  if (const auto material = fields.find("material")) sphere.material = read_material(*material, false);
+  return sphere;
+}
+
+Sky read_sky(const JsonNode& node) {
+  constexpr std::array<std::string_view, 2> types{"constant", "gradient"};
+  const JsonNode type = type_of(node, {"type", "radiance", "horizon", "zenith"});
+  if (type.choice(types) == 0) {
+    const JsonFields fields(node, {"type", "radiance"});
+    ConstantSky sky;
+    if (const auto radiance = fields.find("radiance")) sky.radiance = read_rgb(*radiance, k_light);
+    return sky;
+  }
+  const JsonFields fields(node, {"type", "horizon", "zenith"});
+  GradientSky sky;
+  if (const auto horizon = fields.find("horizon")) sky.horizon = read_rgb(*horizon, k_light);
+  if (const auto zenith = fields.find("zenith")) sky.zenith = read_rgb(*zenith, k_light);
+  return sky;
+}
+
+Sun read_sun(const JsonNode& node) {
+  const JsonFields fields(node, {"azimuth", "elevation", "irradiance", "angular_diameter"});
+  Sun sun;
+  if (const auto azimuth = fields.find("azimuth")) sun.azimuth = azimuth->number({-360, 360});
+  if (const auto elevation = fields.find("elevation")) sun.elevation = elevation->number({-90, 90, true});
+  if (const auto irradiance = fields.find("irradiance")) sun.irradiance = read_rgb(*irradiance, k_light);
+  if (const auto diameter = fields.find("angular_diameter"))
+    sun.angular_diameter = diameter->number({0, 180, false, true});
+  return sun;
+}
+
+RenderSettings read_render_settings(const JsonNode& node) {
+  const JsonFields fields(node, {"samples", "max_bounces", "seed"});
+  RenderSettings render;
+  if (const auto samples = fields.find("samples")) {
+    render.samples = static_cast<int>(samples->whole_number(1, k_most_samples));
+  }
+  if (const auto bounces = fields.find("max_bounces")) {
+    render.max_bounces = static_cast<int>(bounces->whole_number(0, 1000));
+  }
+  if (const auto seed = fields.find("seed")) render.seed = seed->whole_number(0, UINT64_MAX);
+  return render;
+}
+
+std::vector<Layer> read_layers(const JsonNode& node) {
+  constexpr std::array<std::string_view, 8> words{"color",    "depth",  "distance", "normal",
+                                                  "position", "albedo", "id",       "variance"};
+  constexpr std::array values{Layer::color,    Layer::depth,  Layer::distance, Layer::normal,
+                              Layer::position, Layer::albedo, Layer::id,       Layer::variance};
+  std::vector<Layer> layers;
+  for (const JsonNode& each : node.elements(1, words.size())) {
+    const Layer layer = values[each.choice(words)];
+    for (const Layer earlier : layers) {
+      if (earlier == layer) each.fail("layer stands twice", "every layer once");
+    }
+    layers.push_back(layer);
+  }
+  return layers;
+}
+
+OutputSettings read_output_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
+  const JsonFields fields(node, {"file", "layers", "exposure", "precision"});
+  OutputSettings output;
+  if (const auto file = fields.find("file")) {
+    output.file = path_beside(scene_file, *file);
+    const std::string extension = output.file.extension().string();
+    if (extension != ".exr" && extension != ".png" && extension != ".jpg" && extension != ".jpeg") {
+      file->fail("unknown kind of image", "a name that ends in .exr, .png, .jpg or .jpeg");
+    }
+  }
+  if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
+  if (const auto exposure = fields.find("exposure")) output.exposure = exposure->number({-64, 64});
+  if (const auto precision = fields.find("precision")) {
+    constexpr std::array<std::string_view, 2> words{"half", "float"};
+    output.half = precision->choice(words) == 0;
+  }
+  return output;
+}
+
+}  // namespace
+
+void read_version(const JsonNode& version) {
+  if (version.number({-1e9, 1e9}) != 1) version.fail("unknown version", "1");
+}
+
+Rgb read_rgb(const JsonNode& node, const NumberRange& range) {
+  return Rgb(node.vector(range));
+}
+
+std::string read_text_file(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) throw Error({.file = file.string(), .problem = "no such file"});
+  if (!std::filesystem::is_regular_file(status))
+    throw Error({.file = file.string(), .problem = "not a regular file"});
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error || size > k_largest_file) {
+    throw Error(
+        {.file = file.string(), .problem = "too large for a scene or camera", .expected = "at most 16 MiB"});
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(size, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(size));
+  if (!stream && !stream.eof()) throw Error({.file = file.string(), .problem = "cannot be read"});
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
+}
+
+Scene parse_scene(std::string_view text, const std::filesystem::path& name) {
+  const JsonDocument document = parse_json(std::string(text), name.string());
+  const JsonFields fields(JsonNode(document), {"version", "description", "cloud", "objects", "sky", "sun",
+                                               "camera", "render", "output"});
+  read_version(fields.require("version"));
+  Scene scene;
+  if (const auto description = fields.find("description")) description->text();
+  if (const auto cloud = fields.find("cloud")) scene.cloud = read_cloud_settings(*cloud, name);
+  if (const auto objects = fields.find("objects")) {
+    for (const JsonNode& object : objects->elements(0, std::size_t(-1)))
+      scene.objects.push_back(read_object(object));
+  }
+  if (const auto sky = fields.find("sky")) scene.sky = read_sky(*sky);
+  if (const auto sun = fields.find("sun")) scene.sun = read_sun(*sun);
+  if (const auto camera = fields.find("camera")) {
+    scene.camera = camera->is_string() ? read_camera(path_beside(name, *camera)) : read_camera_node(*camera);
+  }
+  if (const auto render = fields.find("render")) scene.render = read_render_settings(*render);
+  if (const auto output = fields.find("output")) scene.output = read_output_settings(*output, name);
+  return scene;
+}
+
+PinholeCamera parse_camera(std::string_view text, const std::filesystem::path& name) {
+  const JsonDocument document = parse_json(std::string(text), name.string());
+  const JsonNode node(document);
+  const PinholeCamera camera = read_camera_node(node);
+  if (!node.find("version")) node.fail("missing key \"version\"", "the key", "an object without it");
+  return camera;
+}
+
+Scene read_scene(const std::filesystem::path& file) {
+  return parse_scene(read_text_file(file), file);
+}
+PinholeCamera read_camera(const std::filesystem::path& file) {
+  return parse_camera(read_text_file(file), file);
+}
+
+}  // namespace alidade

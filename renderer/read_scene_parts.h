@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "renderer/json_reader.h"
+#include "renderer/scene.h"
+
+// How the scene reader is split over its files. Ranges are those of scenes/schema, which the tests compare.
+
+namespace alidade {
+
+/// Coordinates and lengths: beyond any place on or near Earth, and squares stay far from the limits of
+/// double.
+inline constexpr double k_largest_length = 1e12;
+inline constexpr NumberRange k_coordinate{-k_largest_length, k_largest_length};
+inline constexpr NumberRange k_length{0.0, k_largest_length, true};
+/// Radiance and irradiance per channel.
+inline constexpr NumberRange k_light{0.0, 1e9};
+
+/// "version" must be 1.
+void read_version(const JsonNode& version);
+
+/// A camera; its "version" may be left out when it stands inside a scene.
+PinholeCamera read_camera_node(const JsonNode& node);
+
+/// A material. `of_cloud`: points have a colour of their own, so that the albedo may be left out.
+Material read_material(const JsonNode& node, bool of_cloud);
+
+/// Three values, each in `range`.
+Rgb read_rgb(const JsonNode& node, const NumberRange& range);
+
+/// A text file of at most 16 MiB. Errors: missing, not a regular file, too large, unreadable.
+std::string read_text_file(const std::filesystem::path& file);
+
+}  // namespace alidade
