@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/camera.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "renderer/deterministic_math.h"
+
+namespace alidade {
+namespace {
+
+double tangent_of_degrees(double degrees) {
+  const SineCosine angle = sine_cosine_of_degrees(degrees);
+  return angle.sine / angle.cosine;
+}
+
+bool finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Length 1; scaled first so that neither tiny nor huge vectors lose themselves. Zero stays zero.
+glm::dvec3 unit(const glm::dvec3& v) {
+  const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  return largest > 0.0 ? glm::normalize(v / largest) : v;
+}
+
+/// Along one film axis: corners at `across` and `ahead` of the box's centre must stay within the slopes
+/// +-tangent. The nearest camera place that does it: `back` behind the centre, `aside` of it.
+struct Fit {
+  double aside = 0.0, back = 0.0;
+};
+
+Fit fit_axis(const std::array<double, 8>& across, const std::array<double, 8>& ahead, double tangent) {
+  double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
+  for (int i = 0; i < 8; ++i) {
+    highest = std::max(highest, across[i] - tangent * ahead[i]);
+    lowest = std::min(lowest, across[i] + tangent * ahead[i]);
+  }
+  return {0.5 * (highest + lowest), (highest - lowest) / (2.0 * tangent)};
+}
+
+}  // namespace
+
+Ray camera_ray(const PinholeCamera& camera, const glm::dvec2& film_position) {
+  const double x = (film_position.x - camera.cx) / camera.fx, y = (film_position.y - camera.cy) / camera.fy;
+  const glm::dvec3 direction = x * camera.pose.right + y * camera.pose.down + camera.pose.forward;
+  return make_ray(camera.pose.position, direction, 0.0);
+}
+
+std::optional<glm::dvec2> project_to_film(const PinholeCamera& camera, const glm::dvec3& world) {
+  const glm::dvec3 offset = world - camera.pose.position;
+  const double ahead = glm::dot(offset, camera.pose.forward);
+  if (!(ahead > 0.0)) return std::nullopt;
+  return glm::dvec2(camera.cx + camera.fx * glm::dot(offset, camera.pose.right) / ahead,
+                    camera.cy + camera.fy * glm::dot(offset, camera.pose.down) / ahead);
+}
+
+CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
+  if (!finite(eye) || !finite(target) || !finite(up))
+    throw Error({.problem = "look_at has a number that is not finite"});
+  const glm::dvec3 view = target - eye;
+  if (view == glm::dvec3(0.0)) throw Error({.problem = "look_at: eye and target are the same place"});
+  if (up == glm::dvec3(0.0)) throw Error({.problem = "look_at: up is zero"});
+  const glm::dvec3 forward = unit(view);
+  const glm::dvec3 right = glm::cross(forward, unit(up));
+  // Less than this, and rounding decides where right is.
+  if (glm::dot(right, right) < 1e-20) throw Error({.problem = "look_at: up is parallel to the view"});
+  CameraPose pose{.position = eye, .right = unit(right), .forward = forward};
+  pose.down = unit(glm::cross(pose.forward, pose.right));
+  return pose;
+}
+
+PinholeCamera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose) {
+  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  if (!(vertical_fov > 0.0 && vertical_fov < 180.0)) {
+    throw Error({.problem = "vertical field of view is out of range",
+                 .expected = "degrees between 0 and 180",
+                 .found = std::to_string(vertical_fov)});
+  }
+  const double focal_length = 0.5 * height / tangent_of_degrees(0.5 * vertical_fov);
+  return {width, height, focal_length, focal_length, 0.5 * width, 0.5 * height, pose};
+}
+
+PinholeCamera resized(const PinholeCamera& camera, int width, int height) {
+  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  PinholeCamera result = camera;
+  const double scale = static_cast<double>(height) / camera.height;
+  result.width = width;
+  result.height = height;
+  result.fx *= scale;
+  result.fy *= scale;
+  result.cx *= static_cast<double>(width) / camera.width;
+  result.cy *= scale;
+  return result;
+}
+
+PinholeCamera overview_camera(const Bounds& bounds, int width, int height) {
+  constexpr double k_vertical_fov = 40.0, k_azimuth = 45.0, k_descent = 30.0, k_margin = 0.04;
+  const glm::dvec3 center = bounds.empty() ? glm::dvec3(0.0) : bounds.center();
+  glm::dvec3 half = 0.5 * bounds.size();
+  // A lone point needs room around it: a little, but more than rounding at its coordinates.
+  const double magnitude = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
+  half += glm::dvec3(glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude));
+
+  const SineCosine azimuth = sine_cosine_of_degrees(k_azimuth), descent = sine_cosine_of_degrees(k_descent);
+  const glm::dvec3 forward(azimuth.sine * descent.cosine, azimuth.cosine * descent.cosine, -descent.sine);
+  CameraPose pose = look_at(glm::dvec3(0.0), forward);
+  PinholeCamera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
+
+  std::array<double, 8> right{}, down{}, ahead{};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 offset((corner & 1) ? half.x : -half.x, (corner & 2) ? half.y : -half.y,
+                            (corner & 4) ? half.z : -half.z);
+    right[corner] = glm::dot(offset, pose.right);
+    down[corner] = glm::dot(offset, pose.down);
+    ahead[corner] = glm::dot(offset, pose.forward);
+  }
+  const Fit horizontal = fit_axis(right, ahead, (1.0 - k_margin) * camera.cx / camera.fx);
+  const Fit vertical = fit_axis(down, ahead, (1.0 - k_margin) * camera.cy / camera.fy);
+  camera.pose.position = center + horizontal.aside * pose.right + vertical.aside * pose.down -
+                         std::max(horizontal.back, vertical.back) * pose.forward;
+  return camera;
+}
+
+}  // namespace alidade

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+
+#include "renderer/light.h"
+#include "renderer/sampler.h"
+#include "renderer/surface.h"
+
+namespace alidade {
+
+/// What one path brings back.
+struct PathResult {
+  Rgb radiance{0.0f};
+  bool met_surface = false;     ///< whether the camera ray met anything
+  std::uint64_t ray_count = 0;  ///< path and shadow rays
+};
+
+/// First dimension of the sampler that paths use; those below belong to the camera.
+constexpr std::uint32_t k_first_path_dimension = 2;
+
+/// Follows light backwards along one path from the camera: at each surface light of sun and emissive spheres
+/// is gathered, then the path goes on in a direction its material chooses, at most `max_bounces` + 1 times in
+/// all, the last time only to see whether sky or an emissive surface is there. After a few bounces weak paths
+/// end by Russian roulette. The mean over samples is the radiance along the ray, without bias but for
+/// `max_bounces` and the caustics left out in light.h.
+PathResult trace_path(const World& world, const Lights& lights, const Ray& camera_ray, Sampler& sampler,
+                      int max_bounces);
+
+}  // namespace alidade

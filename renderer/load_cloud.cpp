@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "octree/build.h"
+#include "octree/cloud/read_cloud.h"
+#include "octree/spacing.h"
+#include "renderer/render.h"
+
+namespace alidade {
+namespace {
+
+/// Where values of a column begin and end when a few outliers are left out.
+struct Stretch {
+  double low = 0.0, high = 0.0;
+
+  /// 0 at the low end, 1 at the high one; one half where all values are the same.
+  double place(double value) const {
+    return high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) : 0.5;
+  }
+};
+
+constexpr double k_outlier_share = 0.02;
+
+/// Ends between which all but 2 % of the counted values lie on either side; values are bin numbers.
+Stretch inner_bins(std::span<const std::uint64_t> histogram, std::uint64_t total) {
+  const auto outliers = static_cast<std::uint64_t>(k_outlier_share * static_cast<double>(total));
+  std::size_t low = 0, high = histogram.size() - 1;
+  for (std::uint64_t seen = histogram[low]; seen <= outliers && low < high; seen += histogram[low]) ++low;
+  for (std::uint64_t seen = histogram[high]; seen <= outliers && high > low; seen += histogram[high]) --high;
+  return {static_cast<double>(low), static_cast<double>(high)};
+}
+
+Stretch intensity_stretch(std::span<const std::uint16_t> intensities) {
+  std::vector<std::uint64_t> histogram(65536);
+  for (const std::uint16_t value : intensities) ++histogram[value];
+  return inner_bins(histogram, intensities.size());
+}
+
+/// In lattice steps of z.
+Stretch height_stretch(std::span<const LatticePosition> positions) {
+  std::int64_t lowest = std::numeric_limits<std::int32_t>::max(),
+               highest = std::numeric_limits<std::int32_t>::min();
+  for (const LatticePosition& position : positions) {
+    lowest = std::min<std::int64_t>(lowest, position.z);
+    highest = std::max<std::int64_t>(highest, position.z);
+  }
+  if (lowest >= highest) return {static_cast<double>(lowest), static_cast<double>(highest)};
+  constexpr std::int64_t k_bins = 65536;
+  const std::int64_t extent = highest - lowest + 1;
+  std::vector<std::uint64_t> histogram(k_bins);
+  for (const LatticePosition& position : positions) ++histogram[(position.z - lowest) * k_bins / extent];
+  const Stretch bins = inner_bins(histogram, positions.size());
+  const double step = static_cast<double>(extent) / k_bins;
+  return {static_cast<double>(lowest) + bins.low * step,
+          static_cast<double>(lowest) + (bins.high + 1.0) * step};
+}
+
+Color16 from_unit(const glm::dvec3& color) {
+  return Color16(color * 65535.0 + 0.5);
+}
+
+/// Meadow, straw, clay, rock, snow: display values at even steps of height.
+Color16 height_color(double place) {
+  constexpr std::array<glm::dvec3, 5> k_ramp = {glm::dvec3(0.30, 0.45, 0.34), glm::dvec3(0.60, 0.68, 0.42),
+                                                glm::dvec3(0.85, 0.77, 0.52), glm::dvec3(0.70, 0.52, 0.38),
+                                                glm::dvec3(0.95, 0.94, 0.92)};
+  const double step = place * (k_ramp.size() - 1);
+  const auto index = std::min(static_cast<std::size_t>(step), k_ramp.size() - 2);
+  const double share = step - static_cast<double>(index);
+  return from_unit(k_ramp[index] * (1.0 - share) + k_ramp[index + 1] * share);
+}
+
+/// Frees the column, which clear() alone would not.
+template <class Column>
+void drop(Column& column) {
+  Column().swap(column);
+}
+
+bool has_color(const PointCloud& cloud) {
+  return std::any_of(cloud.colors.begin(), cloud.colors.end(),
+                     [](const Color16& color) { return color != Color16(0); });
+}
+
+bool has_varied_intensity(const PointCloud& cloud) {
+  return std::any_of(cloud.intensities.begin(), cloud.intensities.end(),
+                     [&](std::uint16_t value) { return value != cloud.intensities.front(); });
+}
+
+AttributeSet wanted_attributes(PointColor color) {
+  switch (color) {
+    case PointColor::rgb:
+      return Attribute::color;
+    case PointColor::intensity:
+      return Attribute::intensity;
+    case PointColor::height:
+      return {};
+    case PointColor::automatic:
+      break;
+  }
+  return Attribute::color | Attribute::intensity;
+}
+
+std::string names(const std::vector<std::filesystem::path>& files) {
+  const std::string first = files.empty() ? "the cloud" : files.front().string();
+  return files.size() > 1 ? first + " and " + std::to_string(files.size() - 1) + " more" : first;
+}
+
+/// What the colours will show. Errors: an attribute was asked for by name and is not there.
+PointColor choose_color(const CloudSettings& settings, const PointCloud& cloud,
+                        std::vector<std::string>& warnings) {
+  if (cloud.size() == 0) return PointColor::rgb;
+  if (settings.color == PointColor::rgb && cloud.colors.empty()) {
+    throw Error(
+        {.file = names(settings.files), .problem = "points have no colour; color \"rgb\" cannot be shown"});
+  }
+  if (settings.color == PointColor::intensity && cloud.intensities.empty()) {
+    throw Error({.file = names(settings.files),
+                 .problem = "points have no intensity; color \"intensity\" cannot be shown"});
+  }
+  if (settings.color != PointColor::automatic) return settings.color;
+  if (has_color(cloud)) return PointColor::rgb;
+  const bool varied = has_varied_intensity(cloud);
+  warnings.push_back(names(settings.files) +
+                     (cloud.colors.empty() ? " has no colour" : " has only black as colour") +
+                     (varied ? ": coloured by intensity" : " and no varied intensity: coloured by height"));
+  return varied ? PointColor::intensity : PointColor::height;
+}
+
+/// Leaves the cloud with colours and without intensities.
+void color_points(PointColor color, PointCloud& cloud) {
+  if (color == PointColor::rgb) return drop(cloud.intensities);
+  cloud.colors.resize(cloud.size());
+  cloud.colors.shrink_to_fit();
+  if (color == PointColor::intensity) {
+    const Stretch stretch = intensity_stretch(cloud.intensities);
+    for (std::size_t id = 0; id < cloud.size(); ++id) {
+      cloud.colors[id] = from_unit(glm::dvec3(stretch.place(cloud.intensities[id])));
+    }
+  } else {
+    const Stretch stretch = height_stretch(cloud.positions);
+    for (std::size_t id = 0; id < cloud.size(); ++id)
+      cloud.colors[id] = height_color(stretch.place(cloud.positions[id].z));
+  }
+  drop(cloud.intensities);
+}
+
+}  // namespace
+
+LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) {
+  if (settings.radius && !(*settings.radius > 0.0 && std::isfinite(*settings.radius))) {
+    throw Error({.problem = "bad radius of points",
+                 .expected = "a positive number",
+                 .found = std::to_string(*settings.radius)});
+  }
+  PointCloud cloud = read_cloud(settings.files, {.attributes = wanted_attributes(settings.color),
+                                                 .color_depth = settings.color_depth,
+                                                 .progress = progress});
+  LoadedCloud loaded;
+  loaded.warnings = std::move(cloud.warnings);
+  if (cloud.size() == 0) loaded.warnings.push_back(names(settings.files) + " has no points");
+  loaded.color = choose_color(settings, cloud, loaded.warnings);
+  color_points(loaded.color, cloud);
+  loaded.octree = build(std::move(cloud));
+  loaded.colors = std::move(cloud.colors);
+  loaded.radius = settings.radius ? *settings.radius : automatic_radius(loaded.octree);
+  loaded.crs = std::move(cloud.crs);
+  loaded.files = std::move(cloud.files);
+  return loaded;
+}
+
+}  // namespace alidade

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/render.h"
+
+#include <tbb/blocked_range2d.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <mutex>
+
+#include "renderer/camera.h"
+#include "renderer/integrator.h"
+
+namespace alidade {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+/// Mean and spread of a pixel's samples, taken in order. Source: Welford 1962.
+class RunningMean {
+ public:
+  void add(const glm::dvec3& value) {
+    ++count_;
+    const glm::dvec3 difference = value - mean_;
+    mean_ += difference / static_cast<double>(count_);
+    squares_ += difference * (value - mean_);
+  }
+  Rgb mean() const { return Rgb(mean_); }
+  Rgb variance_of_mean() const { return count_ < 2 ? Rgb(0.0f) : Rgb(squares_ / (count_ * (count_ - 1.0))); }
+
+ private:
+  glm::dvec3 mean_{0.0}, squares_{0.0};
+  int count_ = 0;
+};
+
+/// Passes work done by many threads on to a Progress: one thread at a time, and not too often.
+class SharedProgress {
+ public:
+  SharedProgress(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
+
+  void add(std::uint64_t amount) {
+    done_ += amount;
+    if (!progress_) return;
+    const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
+    const Clock::time_point now = Clock::now();
+    if (!lock || now < next_report_) return;
+    next_report_ = now + std::chrono::milliseconds(50);
+    report(progress_, done_, total_);
+  }
+  void finish() const { report(progress_, total_, total_); }
+
+ private:
+  const Progress& progress_;
+  const std::uint64_t total_;
+  std::atomic<std::uint64_t> done_{0};
+  std::mutex mutex_;
+  Clock::time_point next_report_ = Clock::now();
+};
+
+/// Everything a pixel needs; the same for all of them.
+struct Task {
+  const PinholeCamera& camera;
+  const RenderSettings& settings;
+  const World& world;
+  const Lights& lights;
+};
+
+void fill_layers(const Task& task, int x, int y, Film& film) {
+  const Ray ray = camera_ray(task.camera, {x + 0.5, y + 0.5});
+  const std::optional<Intersection> met = task.world.nearest(ray, {});
+  if (!met) return;
+  const Surface surface = task.world.surface_at(ray, *met);
+  const std::size_t pixel = film.index(x, y);
+  film.depth[pixel] = static_cast<float>(met->t * glm::dot(ray.direction, task.camera.pose.forward));
+  film.distance[pixel] = static_cast<float>(met->t);
+  film.normal[pixel] =
+      glm::vec3(glm::dot(surface.normal, ray.direction) > 0.0 ? -surface.normal : surface.normal);
+  film.position[pixel] = surface.position;
+  film.albedo[pixel] = albedo(*surface.material, surface.color);
+  film.id[pixel] =
+      met->on_cloud ? static_cast<std::uint32_t>(met->index + 1) : static_cast<std::uint32_t>(~met->index);
+}
+
+std::uint64_t render_pixel(const Task& task, int x, int y, Film& film) {
+  RunningMean color;
+  int met_count = 0;
+  std::uint64_t ray_count = 1;
+  for (int index = 0; index < task.settings.samples; ++index) {
+    Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                    static_cast<std::uint32_t>(index));
+    const glm::dvec2 place = sampler.next_2d();
+    const Ray ray = camera_ray(task.camera, {x + place.x, y + place.y});
+    const PathResult path = trace_path(task.world, task.lights, ray, sampler, task.settings.max_bounces);
+    color.add(path.radiance);
+    met_count += path.met_surface ? 1 : 0;
+    ray_count += path.ray_count;
+  }
+  const std::size_t pixel = film.index(x, y);
+  film.color[pixel] = color.mean();
+  film.variance[pixel] = color.variance_of_mean();
+  film.alpha[pixel] = static_cast<float>(met_count) / static_cast<float>(task.settings.samples);
+  fill_layers(task, x, y, film);
+  return ray_count;
+}
+
+}  // namespace
+
+Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
+            RenderStatistics* statistics) {
+  constexpr int k_tile = 16;
+  if (!scene.camera) throw Error({.problem = "the scene has no camera"});
+  if (scene.render.samples < 1) {
+    throw Error({.problem = "bad number of samples",
+                 .expected = "at least 1",
+                 .found = std::to_string(scene.render.samples)});
+  }
+  const Clock::time_point start = Clock::now();
+  const PinholeCamera& camera = *scene.camera;
+  const World world(scene, cloud);
+  const Lights lights(scene);
+  const Task task{camera, scene.render, world, lights};
+  Film film(camera.width, camera.height);
+  SharedProgress progress(options.progress, std::uint64_t{film.color.size()} * scene.render.samples);
+  std::atomic<std::uint64_t> ray_count{0};
+
+  tbb::parallel_for(
+      tbb::blocked_range2d<int>(0, camera.height, k_tile, 0, camera.width, k_tile),
+      [&](const tbb::blocked_range2d<int>& tile) {
+        std::uint64_t tile_rays = 0;
+        for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
+          for (int x = tile.cols().begin(); x < tile.cols().end(); ++x)
+            tile_rays += render_pixel(task, x, y, film);
+        }
+        ray_count += tile_rays;
+        progress.add(std::uint64_t{tile.rows().size()} * tile.cols().size() * scene.render.samples);
+      },
+      tbb::simple_partitioner());
+
+  progress.finish();
+  if (statistics != nullptr) {
+    statistics->ray_count = ray_count;
+    statistics->seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  }
+  return film;
+}
+
+}  // namespace alidade

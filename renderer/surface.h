@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "octree/octree.h"
+#include "octree/query.h"
+#include "renderer/render.h"
+#include "renderer/scene.h"
+
+// What rays meet: the spheres around the cloud's points, and the scene's objects. Everything here is in
+// double, since a micrometre at UTM coordinates is the tenth digit.
+
+namespace alidade {
+
+/// The cloud as rays see it: a sphere of one radius around each point.
+struct CloudGeometry {
+  const Octree* octree = nullptr;
+  std::span<const Color16> colors;
+  RayQuery query;  ///< radius, measure, and an entry_min above the rounding of coordinates
+  Material material;
+};
+
+/// Place in Surface::index space that a ray has just left, so that it does not meet it again.
+struct Departure {
+  enum class From { air, object, point } from = From::air;
+  std::uint64_t index = 0;  ///< of the object, or point id
+  glm::dvec3 center{0.0};   ///< of the point
+  bool inward = false;      ///< the ray goes on inside
+};
+
+/// Where a ray meets something first.
+struct Intersection {
+  double t = std::numeric_limits<double>::infinity();
+  bool on_cloud = false;
+  std::uint64_t index = 0;  ///< of the object, or point id
+  glm::dvec3 center{0.0};   ///< of the point
+};
+
+/// The hit place, ready for shading.
+struct Surface {
+  glm::dvec3 position{0.0};
+  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< outward, unit; may show away from the ray when it comes from inside
+  Rgb color{1.0f};                   ///< linear colour of the point; white on objects
+  const Material* material = nullptr;
+};
+
+/// All geometry of a scene. Keeps references to scene and cloud, which must outlive it. Safe to use from many
+/// threads.
+class World {
+ public:
+  /// `cloud` may be null.
+  World(const Scene& scene, const LoadedCloud* cloud);
+
+  /// The nearest surface in front of the ray's origin. Between a sphere of the cloud and an object the
+  /// smaller t wins. A ray that leaves a surface never meets that surface from the side it left to: the
+  /// departure says which; inside glass the far wall of the same sphere counts, and inside a glass point no
+  /// other point is seen. Ray: t_min and t_max are ignored.
+  std::optional<Intersection> nearest(const Ray& ray, const Departure& departure) const;
+
+  /// Whether anything stands between the ray's origin and infinity.
+  bool blocked(const Ray& ray, const Departure& departure) const;
+
+  Surface surface_at(const Ray& ray, const Intersection& intersection) const;
+
+  const std::vector<Object>& objects() const { return *objects_; }
+
+ private:
+  Intersection nearest_object(const Ray& ray, const Departure& departure) const;
+
+  const std::vector<Object>* objects_;
+  std::optional<CloudGeometry> cloud_;
+  std::vector<float> linear_;  ///< linear value of each 16-bit display value
+};
+
+/// Smallest entry at which a ray that starts on a sphere of this radius may meet another: below it lies only
+/// rounding of coordinates as large as those of the bounds. A few nanometres for UTM coordinates.
+double smallest_entry(const Bounds& bounds, double radius);
+
+}  // namespace alidade
