@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: MIT
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class InfoTest : public ProgramTest {};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_F(InfoTest, json_has_the_keys_scripts_rely_on) {
+  write_square("square.xyz");
+  const ProgramResult result = run({"info", "--json", "square.xyz"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json info = Json::parse(result.out);
+  EXPECT_EQ(info.at("points"), 400);
+  ASSERT_EQ(info.at("files").size(), 1u);
+  EXPECT_EQ(info.at("files")[0].at("file"), "square.xyz");
+  EXPECT_EQ(info.at("files")[0].at("format"), "XYZ");
+  EXPECT_TRUE(info.at("files")[0].at("version").is_string());
+  EXPECT_TRUE(info.at("files")[0].at("point_format").is_null());
+  EXPECT_EQ(info.at("files")[0].at("points"), 400);
+  EXPECT_EQ(info.at("scale").size(), 3u);
+  EXPECT_EQ(info.at("offset").size(), 3u);
+  EXPECT_TRUE(info.at("attributes").is_array());
+  EXPECT_TRUE(info.at("crs").is_null());
+  EXPECT_TRUE(info.at("warnings").is_array());
+}
+
+TEST_F(InfoTest, bounds_are_those_of_the_points_within_the_stated_rounding) {
+  write_square("square.xyz");
+  const Json info = Json::parse(run({"info", "--json", "square.xyz"}).out);
+  const double expected[2][3] = {{100.0, 200.0, 5.0}, {101.9, 201.9, 5.0}};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double error = info.at("rounding_error")[axis].get<double>();
+    EXPECT_NEAR(info.at("bounds").at("min")[axis].get<double>(), expected[0][axis], error + 1e-12);
+    EXPECT_NEAR(info.at("bounds").at("max")[axis].get<double>(), expected[1][axis], error + 1e-12);
+    EXPECT_LT(error, 0.05);
+  }
+}
+
+TEST_F(InfoTest, several_files_are_one_cloud) {
+  write_square("a.xyz");
+  write("b.xyz", "0 0 0\n1 1 1\n");
+  const Json info = Json::parse(run({"info", "--json", "a.xyz", "b.xyz"}).out);
+  EXPECT_EQ(info.at("points"), 402);
+  EXPECT_EQ(info.at("files").size(), 2u);
+  EXPECT_NEAR(info.at("bounds").at("min")[0].get<double>(), 0.0, 1e-6);
+}
+
+TEST_F(InfoTest, generated_las_says_format_crs_and_exact_coordinates) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "3000", "-o", "yard.las", "-q"}).exit_code, 0);
+  const Json info = Json::parse(run({"info", "--json", "yard.las"}).out);
+  EXPECT_EQ(info.at("points"), 3000);
+  EXPECT_EQ(info.at("files")[0].at("format"), "LAS");
+  EXPECT_EQ(info.at("files")[0].at("version"), "1.4");
+  EXPECT_EQ(info.at("files")[0].at("point_format"), 7);
+  EXPECT_EQ(info.at("rounding_error"), Json({0.0, 0.0, 0.0}));
+  EXPECT_TRUE(contains(info.at("crs").get<std::string>(), "UTM zone 32N"));
+  const Json attributes = info.at("attributes");
+  EXPECT_NE(std::find(attributes.begin(), attributes.end(), "color"), attributes.end());
+}
+
+TEST_F(InfoTest, table_for_people_names_points_and_bounds) {
+  write_square("square.xyz");
+  const ProgramResult result = run({"info", "square.xyz"});
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* const part : {"square.xyz", "400", "100", "101.9", "rounding", "CRS"}) {
+    EXPECT_TRUE(contains(result.out, part)) << part << " in\n" << result.out;
+  }
+}
+
+TEST_F(InfoTest, missing_file_is_named) {
+  const ProgramResult result = run({"info", "absent.las"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_TRUE(contains(result.err, "alidade: error: absent.las")) << result.err;
+}
+
+TEST_F(InfoTest, folder_instead_of_a_file_is_an_error) {
+  const ProgramResult result = run({"info", "."});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "alidade: error: .")) << result.err;
+}
+
+TEST_F(InfoTest, stdout_without_space_is_an_error) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  write_square("square.xyz");
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+           {"info", "square.xyz"}, {"info", "--json", "square.xyz"}, {"--help"}}) {
+    const ProgramResult result = run(words, "/dev/full");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, "standard output")) << result.err;
+  }
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include <signal.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+class OutputTest : public ProgramTest {
+ protected:
+  /// Waits until the program has begun an output beside the files that were there.
+  void wait_for_work(const Program& program, std::size_t names_before) const {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (program.running() && names().size() <= names_before && std::chrono::steady_clock::now() < limit) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ASSERT_TRUE(program.running()) << "ended before it could be interrupted";
+  }
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+using Words = std::vector<std::string>;
+
+// So long that no machine ends it before the test does.
+const Words k_long_generate = {"generate", "courtyard", "--points", "1e9", "-o", "large.las"};
+
+TEST_F(OutputTest, existing_output_is_kept_without_overwrite_and_replaced_with_it) {
+  write_square("square.xyz");
+  for (Words words :
+       {Words{"generate", "courtyard", "--points", "1000", "-o", "out.las"},
+        Words{"render", "--cloud", "square.xyz", "--size=8x8", "--samples=1", "-o", "out.png"}}) {
+    const std::string& output = words.back();
+    write(output, "precious");
+    const ProgramResult refused = run(words);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_TRUE(contains(refused.err, "alidade: error: " + output + ": exists already")) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "--overwrite")) << refused.err;
+    EXPECT_EQ(read(output), "precious");
+    const std::string name = output;
+    words.push_back("--overwrite");
+    EXPECT_EQ(run(words).exit_code, 0);
+    EXPECT_NE(read(name), "precious");
+  }
+}
+
+TEST_F(OutputTest, output_is_checked_before_the_input_is_read) {
+  write("out.png", "precious");
+  const ProgramResult result = run({"render", "--cloud", "absent.las", "-o", "out.png"});
+  EXPECT_TRUE(contains(result.err, "out.png: exists already")) << result.err;
+}
+
+TEST_F(OutputTest, bad_input_leaves_no_output) {
+  write("broken.las", "LASF and nothing more");
+  EXPECT_EQ(run({"render", "--cloud", "broken.las", "-o", "out.png"}).exit_code, 2);
+  EXPECT_EQ(names(), Words{"broken.las"});
+}
+
+TEST_F(OutputTest, unknown_kind_of_picture_is_refused_before_the_work) {
+  write_square("square.xyz");
+  const ProgramResult result = run({"render", "--cloud", "square.xyz", "-o", "out.bmpx"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "out.bmpx")) << result.err;
+  EXPECT_FALSE(contains(result.err, "rendering")) << result.err;
+  EXPECT_EQ(names(), Words{"square.xyz"});
+}
+
+TEST_F(OutputTest, output_into_a_missing_folder_is_an_error) {
+  const ProgramResult result = run({"generate", "courtyard", "-o", "absent/out.las"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "absent/out.las")) << result.err;
+}
+
+TEST_F(OutputTest, output_into_a_folder_that_takes_no_files_is_an_error) {
+  // Not even the superuser may make files here.
+  if (!std::filesystem::exists("/proc/self")) GTEST_SKIP() << "this system has no /proc";
+  const ProgramResult result = run({"generate", "courtyard", "--points", "1000", "-o", "/proc/out.las"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "/proc/out.las")) << result.err;
+}
+
+TEST_F(OutputTest, read_only_folder_is_an_error) {
+  if (::geteuid() == 0) GTEST_SKIP() << "the superuser may write into read-only folders";
+  std::filesystem::permissions(folder,
+                               std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+  const ProgramResult result = run({"generate", "courtyard", "--points", "1000", "-o", "out.las"});
+  std::filesystem::permissions(folder, std::filesystem::perms::owner_all);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(names(), Words{});
+}
+
+TEST_F(OutputTest, devices_are_never_replaced) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  for (const char* const overwrite : {"--quiet", "--overwrite"}) {
+    const ProgramResult result =
+        run({"generate", "courtyard", "--points", "1000", overwrite, "-o", "/dev/full"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, "/dev/full")) << result.err;
+    EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+  }
+}
+
+TEST_F(OutputTest, interrupted_program_ends_with_130_and_leaves_nothing) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    Program program(k_long_generate, folder);
+    wait_for_work(program, 0);
+    program.send(signal);
+    const ProgramResult result = program.wait();
+    EXPECT_EQ(result.exit_code, 130) << result.err;
+    EXPECT_EQ(names(), Words{});
+  }
+}
+
+TEST_F(OutputTest, interrupted_render_ends_with_130_and_leaves_nothing) {
+  write_square("square.xyz");
+  Program program({"render", "--cloud", "square.xyz", "--samples", "1000000", "-o", "out.png"}, folder);
+  // Well beyond loading, so that the interrupt meets the tracer; earlier would be right as well.
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  program.send(SIGINT);
+  EXPECT_EQ(program.wait().exit_code, 130);
+  EXPECT_EQ(names(), Words{"square.xyz"});
+}
+
+TEST_F(OutputTest, killed_program_leaves_no_output_under_its_name) {
+  Program program(k_long_generate, folder);
+  wait_for_work(program, 0);
+  program.send(SIGKILL);
+  EXPECT_EQ(program.wait().signal, SIGKILL);
+  EXPECT_FALSE(std::filesystem::exists(folder / "large.las"));
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+class RenderCommandTest : public ProgramTest {
+ protected:
+  std::vector<std::string> small(std::vector<std::string> words) {
+    words.insert(words.begin(), "render");
+    words.insert(words.end(), {"--size=24x16", "--samples=4"});
+    return words;
+  }
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_F(RenderCommandTest, cloud_without_scene_gives_a_picture_and_says_what_was_assumed) {
+  write_square("square.xyz");
+  const ProgramResult result = run(small({"--cloud", "square.xyz", "-o", "out.png"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(read("out.png").substr(1, 3), "PNG");
+  EXPECT_EQ(result.out, "");
+  EXPECT_TRUE(contains(result.err, "400 points, coloured by height, spheres of radius")) << result.err;
+}
+
+TEST_F(RenderCommandTest, quiet_says_nothing) {
+  write_square("square.xyz");
+  const ProgramResult result = run(small({"--cloud", "square.xyz", "-o", "out.png", "-q"}));
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST_F(RenderCommandTest, same_bytes_on_any_number_of_threads) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "2e4", "-o", "yard.las", "-q"}).exit_code, 0);
+  for (const std::string extension : {".png", ".exr"}) {
+    std::string first;
+    for (const std::string threads : {"1", "2", "5"}) {
+      const std::string name = "threads" + threads + extension;
+      ASSERT_EQ(run(small({"--cloud", "yard.las", "-q", "--threads", threads, "-o", name})).exit_code, 0);
+      if (first.empty()) first = read(name);
+      EXPECT_TRUE(read(name) == first) << name;
+    }
+  }
+}
+
+TEST_F(RenderCommandTest, another_seed_gives_another_picture) {
+  write_square("square.xyz");
+  ASSERT_EQ(run(small({"--cloud", "square.xyz", "--seed", "1", "-o", "a.png"})).exit_code, 0);
+  ASSERT_EQ(run(small({"--cloud", "square.xyz", "--seed", "2", "-o", "b.png"})).exit_code, 0);
+  EXPECT_NE(read("a.png"), read("b.png"));
+}
+
+TEST_F(RenderCommandTest, cloud_options_for_a_scene_without_a_cloud_are_an_error) {
+  write("scene.json", R"({"version": 1, "camera": {"version": 1, "model": "pinhole", "width": 8, "height": 8,
+    "intrinsics": {"vertical_fov": 50}, "pose": {"look_at": {"eye": [0, -5, 1], "target": [0, 0, 0], "up": [0, 0, 1]}}},
+    "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+                 "material": {"type": "lambertian", "albedo": [0.5, 0.5, 0.5]}}]})");
+  const ProgramResult refused = run({"render", "scene.json", "--radius", "0.1", "-o", "out.png"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "the scene has no cloud")) << refused.err;
+  const ProgramResult result = run(small({"scene.json", "-o", "out.png"}));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST_F(RenderCommandTest, misspelt_key_in_a_scene_gives_file_line_and_suggestion) {
+  write("scene.json", "{\n  \"version\": 1,\n  \"camrea\": \"a.json\"\n}\n");
+  const ProgramResult result = run({"render", "scene.json", "-o", "out.png"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "alidade: error: scene.json:3:")) << result.err;
+  EXPECT_TRUE(contains(result.err, "camera")) << result.err;
+}
+
+TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
+  write("empty.ply",
+        "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float "
+        "z\nend_header\n");
+  const ProgramResult result = run(small({"--cloud", "empty.ply", "-o", "out.png"}));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "empty.ply: holds no points")) << result.err;
+}
+
+TEST_F(RenderCommandTest, one_point_is_a_picture) {
+  write("one.xyz", "690000 5325000 500\n");
+  EXPECT_EQ(run(small({"--cloud", "one.xyz", "-o", "out.png"})).exit_code, 0);
+}
+
+TEST_F(RenderCommandTest, names_that_are_not_ascii_and_hold_spaces_work) {
+  write_square("Würfel und Plätze.xyz");
+  EXPECT_EQ(run(small({"--cloud", "Würfel und Plätze.xyz", "-o", "Bild 1.png"})).exit_code, 0);
+  EXPECT_EQ(run({"info", "--json", "Würfel und Plätze.xyz"}).exit_code, 0);
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "tests/tools/run_program.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+namespace alidade::test {
+namespace {
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream content;
+  content << stream.rdbuf();
+  return content.str();
+}
+
+void redirect(const std::filesystem::path& path, int flags, int descriptor) {
+  const int file = ::open(path.c_str(), flags, 0600);
+  if (file < 0 || ::dup2(file, descriptor) < 0) ::_exit(125);
+}
+
+}  // namespace
+
+Program::Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
+                 const std::filesystem::path& standard_output) {
+  // What the program says is kept outside its folder, whose files the tests list.
+  out_ = folder.string() + ".out";
+  err_ = folder.string() + ".err";
+  keep_out_ = !standard_output.empty();
+  const std::filesystem::path out = keep_out_ ? standard_output : out_;
+  std::vector<std::string> arguments = {ALIDADE_PROGRAM};
+  arguments.insert(arguments.end(), words.begin(), words.end());
+  std::vector<char*> pointers;
+  for (std::string& argument : arguments) pointers.push_back(argument.data());
+  pointers.push_back(nullptr);
+  process_ = ::fork();
+  if (process_ != 0) return;
+  redirect("/dev/null", O_RDONLY, STDIN_FILENO);
+  redirect(out, keep_out_ ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
+  redirect(err_, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+  if (::chdir(folder.c_str()) != 0) ::_exit(125);
+  ::execv(pointers[0], pointers.data());
+  ::_exit(126);
+}
+
+Program::~Program() {
+  if (process_ <= 0) return;
+  send(SIGKILL);
+  ::waitpid(process_, nullptr, 0);
+}
+
+void Program::send(int signal) const {
+  ::kill(process_, signal);
+}
+
+bool Program::running() const {
+  siginfo_t information = {};
+  return ::waitid(P_PID, static_cast<id_t>(process_), &information, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         information.si_pid == 0;
+}
+
+ProgramResult Program::wait() {
+  int status = 0;
+  ::waitpid(process_, &status, 0);
+  process_ = -1;
+  ProgramResult result;
+  if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+  if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
+  if (!keep_out_) result.out = read_file(out_);
+  result.err = read_file(err_);
+  return result;
+}
+
+void ProgramTest::SetUp() {
+  const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
+  folder = std::filesystem::path(::testing::TempDir()) /
+           fmt::format("alidade_{}_{}_{}", test->test_suite_name(), test->name(), ::getpid());
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+}
+
+void ProgramTest::TearDown() {
+  for (const char* const suffix : {"", ".out", ".err"}) std::filesystem::remove_all(folder.string() + suffix);
+}
+
+ProgramResult ProgramTest::run(const std::vector<std::string>& words,
+                               const std::filesystem::path& standard_output) {
+  return Program(words, folder, standard_output).wait();
+}
+
+void ProgramTest::write(const std::string& name, const std::string& content) {
+  std::ofstream(folder / name, std::ios::binary) << content;
+}
+
+std::string ProgramTest::read(const std::string& name) const {
+  return read_file(folder / name);
+}
+
+std::vector<std::string> ProgramTest::names() const {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void ProgramTest::write_square(const std::string& name) {
+  std::string text;
+  for (int i = 0; i < 400; ++i)
+    text += fmt::format("{:.1f} {:.1f} 5.0\n", 100.0 + 0.1 * (i % 20), 200.0 + 0.1 * (i / 20));
+  write(name, text);
+}
+
+std::optional<std::filesystem::path> shared_data(const std::string& name) {
+  const std::filesystem::path path =
+      std::filesystem::path(ALIDADE_SOURCE_FOLDER) / ".." / "shared" / "data" / name;
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  return std::filesystem::canonical(path);
+}
+
+}  // namespace alidade::test

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace alidade::test {
+
+/// How the program ended and what it said.
+struct ProgramResult {
+  int exit_code = -1;  ///< -1 if a signal ended it
+  int signal = 0;
+  std::string out, err;
+};
+
+/// The built program at work. It is killed if this object goes away first.
+class Program {
+ public:
+  /// Starts `alidade WORDS...` in `folder`; stdout goes to `standard_output` if one is given.
+  Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
+          const std::filesystem::path& standard_output = {});
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void send(int signal) const;
+  bool running() const;
+  ProgramResult wait();
+
+ private:
+  pid_t process_ = -1;
+  std::filesystem::path out_, err_;
+  bool keep_out_ = false;
+};
+
+/// A test with an empty folder of its own, in which the program runs.
+class ProgramTest : public ::testing::Test {
+ protected:
+  void SetUp() override;
+  void TearDown() override;
+
+  ProgramResult run(const std::vector<std::string>& words, const std::filesystem::path& standard_output = {});
+
+  /// Writes a file into the folder.
+  void write(const std::string& name, const std::string& content);
+  std::string read(const std::string& name) const;
+  /// Names of all files in the folder, sorted.
+  std::vector<std::string> names() const;
+  /// A small cloud as text: a square of 20 by 20 points, 0.1 apart, the corner at (100, 200, 5).
+  void write_square(const std::string& name);
+
+  std::filesystem::path folder;
+};
+
+/// `../shared/data/NAME` beside the repository; empty if it is not there.
+std::optional<std::filesystem::path> shared_data(const std::string& name);
+
+}  // namespace alidade::test

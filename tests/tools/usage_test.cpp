@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using ::testing::Test;
+
+class UsageTest : public ProgramTest {};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_F(UsageTest, help_lists_the_finished_commands_and_the_exit_codes) {
+  const ProgramResult result = run({"--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err, "");
+  for (const char* const command : {"info", "generate", "render"})
+    EXPECT_TRUE(contains(result.out, command)) << command;
+  for (const char* const code : {"0 done", "1 the answer is no", "2 anything wrong", "130 interrupted"}) {
+    EXPECT_TRUE(contains(result.out, code)) << code;
+  }
+}
+
+TEST_F(UsageTest, help_of_every_command_gives_units_and_examples) {
+  const std::vector<std::pair<std::string, std::vector<std::string>>> expected = {
+      {"info", {"metres", "Examples:", "alidade info --json"}},
+      {"generate", {"metres", "Examples:", "alidade generate courtyard"}},
+      {"render", {"metres", "pixels", "degrees", "bits", "Examples:", "alidade render --cloud"}}};
+  for (const auto& [command, parts] : expected) {
+    const ProgramResult result = run({command, "--help"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.err, "");
+    for (const std::string& part : parts) EXPECT_TRUE(contains(result.out, part)) << command << ": " << part;
+  }
+}
+
+TEST_F(UsageTest, version_is_a_line_on_stdout) {
+  const ProgramResult result = run({"--version"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out.rfind("alidade ", 0), 0u) << result.out;
+}
+
+TEST_F(UsageTest, no_command_is_a_usage_error) {
+  const ProgramResult result = run({});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "alidade: error: ")) << result.err;
+  EXPECT_TRUE(contains(result.err, "alidade --help")) << result.err;
+}
+
+TEST_F(UsageTest, misspelt_command_names_the_nearest_one) {
+  const ProgramResult result = run({"rendr", "scene.json"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "unknown command 'rendr'; did you mean 'render'?")) << result.err;
+}
+
+TEST_F(UsageTest, misspelt_option_names_the_nearest_one) {
+  const ProgramResult result = run({"render", "--cloud", "a.las", "--smaples=4", "-o", "a.png"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "unknown option '--smaples'; did you mean '--samples'?")) << result.err;
+  EXPECT_TRUE(contains(result.err, "alidade render --help")) << result.err;
+}
+
+TEST_F(UsageTest, outlandish_option_is_refused_without_a_guess) {
+  const ProgramResult result = run({"info", "--xyzzyxyzzy", "a.las"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "unknown option '--xyzzyxyzzy'")) << result.err;
+  EXPECT_FALSE(contains(result.err, "did you mean")) << result.err;
+}
+
+TEST_F(UsageTest, values_that_are_not_wholly_a_number_in_range_are_errors) {
+  write_square("square.xyz");
+  const std::vector<std::pair<std::string, std::string>> wrong = {
+      {"--samples", "5x"},      {"--samples", "0"},
+      {"--samples", "-3"},      {"--samples", ""},
+      {"--samples", "1.5"},     {"--size", "600"},
+      {"--size", "600x"},       {"--size", "600x400x2"},
+      {"--size", "0x400"},      {"--size", "70000x4"},
+      {"--radius", "0.1m"},     {"--radius", "0"},
+      {"--radius", "nan"},      {"--radius", "inf"},
+      {"--radius", "-1"},       {"--seed", "18446744073709551616"},
+      {"--threads", "0"},       {"--threads", "2 "},
+      {"--exposure", "bright"}, {"--color-depth", "12"},
+      {"--color", "greenish"},  {"--hits", "first"},
+      {"--layers", "color,"},   {"--layers", "colour"},
+      {"--max-bounces", "-1"},  {"--samples", "1e400"}};
+  for (const auto& [option, value] : wrong) {
+    const ProgramResult result =
+        run({"render", "--cloud", "square.xyz", "-o", "a.png", option + "=" + value});
+    EXPECT_EQ(result.exit_code, 2) << option << " " << value;
+    EXPECT_TRUE(contains(result.err, option)) << result.err;
+  }
+  EXPECT_EQ(names(), std::vector<std::string>{"square.xyz"});
+}
+
+TEST_F(UsageTest, counts_may_be_written_with_an_exponent) {
+  EXPECT_EQ(run({"generate", "courtyard", "--points", "2e3", "-o", "a.las", "-q"}).exit_code, 0);
+  EXPECT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "b.las", "-q"}).exit_code, 0);
+  EXPECT_EQ(read("a.las"), read("b.las"));
+  EXPECT_NE(read("a.las"), "");
+  for (const char* const count : {"2e3x", "2.5", "1e-3", "-2e3", "0", "1e20", "5e9", " 2e3"}) {
+    EXPECT_EQ(run({"generate", "courtyard", "--points", count, "-o", "c.las", "-q"}).exit_code, 2) << count;
+  }
+}
+
+TEST_F(UsageTest, scene_and_cloud_exclude_each_other) {
+  const ProgramResult result = run({"render", "scene.json", "--cloud", "a.las", "-o", "a.png"});
+  EXPECT_EQ(result.exit_code, 2);
+}
+
+TEST_F(UsageTest, render_without_scene_or_cloud_says_what_is_missing) {
+  const ProgramResult result = run({"render", "-o", "a.png"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "SCENE.json or --cloud")) << result.err;
+}
+
+}  // namespace
+}  // namespace alidade::test
