@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octree/cloud/point_cloud.h"
+#include "octree/cloud/table_survey.h"
+
+namespace alidade {
+
+/// The second pass over the rows of a point table: puts them into the columns of a cloud.
+class TableAppender {
+ public:
+  /// Makes `count` new rows of zeros in `cloud` for the rows to come, and the columns that they need: those
+  /// of `columns` that are in `wanted`.
+  TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
+                std::uint64_t count);
+
+  void scale_colors(const ValueScaling& scaling) { colors_ = scaling; }
+  void scale_near_infrared(const ValueScaling& scaling) { near_infrared_ = scaling; }
+  void scale_intensities(const ValueScaling& scaling) { intensities_ = scaling; }
+
+  /// Takes the next row; a position that is not finite is left out. Returns false if the cloud's lattice
+  /// cannot hold the position or more rows come than were announced: the file is not what the first pass saw.
+  bool add(std::span<const Cell> row);
+
+  /// Whether as many rows came as were announced.
+  bool complete() const { return next_ == end_; }
+
+ private:
+  struct Target {
+    std::size_t column;
+    ColumnRole role;
+    ScalarType type;
+    std::size_t dimension;  ///< of the cloud, for ColumnRole::extra
+  };
+  void put(const Target& target, const Cell& cell);
+
+  PointCloud& cloud_;
+  PositionColumns positions_;
+  std::vector<Target> targets_;
+  ValueScaling colors_, near_infrared_, intensities_;
+  std::size_t next_, end_;
+};
+
+}  // namespace alidade

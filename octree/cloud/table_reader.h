@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octree/cloud/cloud_reader.h"
+#include "octree/cloud/column_roles.h"
+#include "octree/cloud/input_file.h"
+#include "octree/cloud/table_survey.h"
+
+namespace alidade {
+
+/// What PLY, PCD and the text formats share: a file is a table of points with free coordinates, its columns
+/// have names or an agreed order. A format tells its columns and walks over the rows; survey and read are
+/// done here.
+class TableReader : public CloudReader {
+ public:
+  const CloudFile& file() const override { return description_; }
+  AttributeSet attributes() const override { return attributes_of(columns_); }
+  std::optional<Lattice> lattice() const override { return std::nullopt; }
+  std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
+  CoordinateSurvey survey(const Progress& progress) override;
+  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
+  void rest() override { input_.rest(); }
+
+ protected:
+  /// Takes one row, a cell for each column.
+  using RowVisitor = std::function<void(std::span<const Cell>)>;
+
+  TableReader(InputFile input, std::string format);
+
+  /// Sets the columns, whose roles have been assigned. Errors: two columns of one name; no x or no y. A
+  /// missing z is said in the warnings.
+  void set_columns(std::vector<TableColumn> columns);
+
+  /// Shows every row to `visit`, in order. A point without a place has NaN coordinates.
+  virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
+
+  /// The resolution of the coordinates after a pass; by default from the types of the columns and the largest
+  /// coordinates.
+  virtual glm::dvec3 resolution(const Bounds& bounds) const;
+
+  /// Says why points were left out, as a clause.
+  virtual std::string reason_to_drop() const { return "without finite coordinates"; }
+
+  /// Whether intensities from -2048 to 2047 are the scale of the format.
+  virtual bool has_signed_intensities() const { return false; }
+
+  /// Adds a sentence about this file, for the cloud's warnings.
+  void warn(const std::string& clause);
+  [[noreturn]] void fail(std::string place, std::string problem, std::string expected = {},
+                         std::string found = {}) const;
+
+  const std::vector<TableColumn>& columns() const { return columns_; }
+  InputFile input_;
+  CloudFile description_;
+
+ private:
+  ScalarType type_of(ColumnRole role) const;
+
+  std::vector<TableColumn> columns_;
+  std::vector<std::string> warnings_;
+  std::unique_ptr<TableSurvey> survey_;  ///< after the first pass
+};
+
+}  // namespace alidade
