@@ -2,17 +2,18 @@
 #include "octree/cloud/append_rows.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 
 namespace alidade {
-namespace {
 
 bool same_meaning(const ExtraDimension& a, const ExtraDimension& b) {
+  // Bits are compared, so that a NaN from a damaged file equals itself.
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
   return a.name == b.name && a.type == b.type && a.byte_count == b.byte_count && a.has_scale == b.has_scale &&
-         a.has_offset == b.has_offset && (!a.has_scale || a.scale == b.scale) &&
-         (!a.has_offset || a.offset == b.offset) && a.no_data == b.no_data;
+         a.has_offset == b.has_offset && bits(a.scale) == bits(b.scale) && bits(a.offset) == bits(b.offset) &&
+         a.no_data == b.no_data;
 }
-
-}  // namespace
 
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
   const std::size_t size = cloud.size() + count;
@@ -39,12 +40,9 @@ void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
   cloud.positions.resize(size, LatticePosition(0));
 }
 
-std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like) {
-  const auto found =
-      std::find_if(cloud.extra_dimensions.begin(), cloud.extra_dimensions.end(),
-                   [&](const ExtraDimension& dimension) { return same_meaning(dimension, like); });
-  if (found != cloud.extra_dimensions.end()) {
-    return static_cast<std::size_t>(found - cloud.extra_dimensions.begin());
+std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, std::size_t occurrence) {
+  for (std::size_t i = 0; i < cloud.extra_dimensions.size(); ++i) {
+    if (same_meaning(cloud.extra_dimensions[i], like) && occurrence-- == 0) return i;
   }
   ExtraDimension& added = cloud.extra_dimensions.emplace_back();
   added.name = like.name;

@@ -13,8 +13,12 @@ namespace alidade {
 /// needs: growing by small blocks is cheap only in columns with room reserved.
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count);
 
-/// Index of the cloud's extra dimension that means the same as `like` (name, type, scale and offset), made
-/// with zeros for all points if there is none. The values of `like` are not looked at.
-std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like);
+/// Index of the cloud's extra dimension that means the same as `like`, made with zeros for all points if
+/// there is none. The values of `like` are not looked at. If a file has several of one meaning, `occurrence`
+/// counts them from 0.
+std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, std::size_t occurrence = 0);
+
+/// Whether two extra dimensions can share a column: equal in name, type, scale, offset and "no value" mark.
+bool same_meaning(const ExtraDimension& a, const ExtraDimension& b);
 
 }  // namespace alidade

@@ -10,6 +10,7 @@
 #include "octree/bounds.h"
 #include "octree/cloud/input_file.h"
 #include "octree/cloud/point_cloud.h"
+#include "octree/cloud/read_cloud.h"
 #include "octree/progress.h"
 
 namespace alidade {
@@ -49,7 +50,8 @@ class CloudReader {
   /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from it by a whole
   /// number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks are first filled with
   /// zeros up to the cloud's size, and columns the cloud has and the file lacks get zeros for the new rows.
-  /// The caller has reserved room. CRS, records and warnings are added to `cloud` by this call.
+  /// The caller has reserved room. CRS, records and warnings are added to `cloud` by this call; cloud.files, which then
+  /// still lists the earlier files only, is added to by the caller. See append_rows.h.
   virtual void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) = 0;
 
   /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while other
@@ -60,6 +62,9 @@ class CloudReader {
 /// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
 std::unique_ptr<CloudReader> open_cloud(InputFile file);
 inline std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path) { return open_cloud(InputFile(path)); }
+
+/// read_cloud() over files already opened, also in memory.
+PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options);
 
 /// One function per format; each throws Error if the content is not of that format. Each lives in read_<format>.cpp.
 std::unique_ptr<CloudReader> open_las(InputFile file);

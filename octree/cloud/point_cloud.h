@@ -23,6 +23,8 @@ struct VariableLengthRecord {
   std::string description;  ///< at most 32 bytes
   std::vector<std::uint8_t> data;
   bool extended = false;    ///< stood after the points (EVLR)
+
+  bool operator==(const VariableLengthRecord&) const = default;
 };
 
 /// What was learnt about one input file.
