@@ -43,10 +43,12 @@ double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Fram
   int count = 0;
   const Node& node = tree.nodes[frame.node];
   for (int slot = 0; slot < k_node_width; ++slot) {
-    if (node.kind[slot] != 0) children[count++] = {distance_sq(from, child_bounds(tree, frame, slot)), slot};
+    if (node.kind[slot] == 0) continue;
+    const Child child{distance_sq(from, child_bounds(tree, frame, slot)), slot};
+    int at = count++;
+    for (; at > 0 && children[at - 1].distance_sq > child.distance_sq; --at) children[at] = children[at - 1];
+    children[at] = child;
   }
-  std::sort(children.begin(), children.begin() + count,
-            [](const Child& a, const Child& b) { return a.distance_sq < b.distance_sq; });
   for (int c = 0; c < count && children[c].distance_sq < best; ++c) {
     const int slot = children[c].slot;
     if (is_inner(node.kind[slot])) {

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// Our `entry` hits against Embree's sphere geometry, hit for hit. Built only where Embree 3 is installed.
+#include <embree3/rtcore.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "octree/build.h"
+#include "octree/candidate.h"
+#include "tests/support/point_families.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_radius = 0.1;
+
+/// Embree scene of equal spheres; coordinates near zero, since Embree computes in float.
+class EmbreeSpheres {
+ public:
+  explicit EmbreeSpheres(const PointCloud& cloud)
+      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
+    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), cloud.size()));
+    for (std::size_t i = 0; i < cloud.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) vertices[4 * i + axis] = static_cast<float>(cloud.world(i)[axis]);
+      vertices[4 * i + 3] = static_cast<float>(k_radius);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene_, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene_);
+  }
+  EmbreeSpheres(const EmbreeSpheres&) = delete;
+  EmbreeSpheres& operator=(const EmbreeSpheres&) = delete;
+  ~EmbreeSpheres() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+
+  RTCRayHit trace(const Ray& ray) const {
+    RTCRayHit hit{};
+    hit.ray.org_x = static_cast<float>(ray.origin.x);
+    hit.ray.org_y = static_cast<float>(ray.origin.y);
+    hit.ray.org_z = static_cast<float>(ray.origin.z);
+    hit.ray.dir_x = static_cast<float>(ray.direction.x);
+    hit.ray.dir_y = static_cast<float>(ray.direction.y);
+    hit.ray.dir_z = static_cast<float>(ray.direction.z);
+    hit.ray.tfar = std::numeric_limits<float>::infinity();
+    hit.ray.mask = 0xffffffffu;
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene_, &context, &hit);
+    return hit;
+  }
+
+ private:
+  RTCDevice device_;
+  RTCScene scene_;
+};
+
+TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
+  test::Random random;
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 60000; ++i) {
+    positions.push_back(
+        {random.between(-10, 10), random.between(-10, 10), 0.3 * std::floor(random.between(0, 10))});
+  }
+  const PointCloud cloud = test::make_cloud(positions, {glm::dvec3(0.0009765625), glm::dvec3(0)});
+  const EmbreeSpheres spheres(cloud);
+  const Octree octree = build(cloud);
+  // A float at 20 m is good for 2e-6 m; t near a rim moves with the square root of that.
+  constexpr double k_place_tolerance = 2e-5, k_rim_tolerance = 1e-5;
+  int hits = 0, misses = 0, other_point = 0;
+  for (int i = 0; i < 40000; ++i) {
+    const glm::dvec3 origin(random.between(-15, 15), random.between(-15, 15), 20.0);
+    const glm::dvec3 target(random.between(-10, 10), random.between(-10, 10), 0.0);
+    Ray ray = make_ray(glm::vec3(origin), target - origin, 0.0);
+    const std::optional<Hit> ours = closest(octree, ray, {.radius = k_radius});
+    const RTCRayHit theirs = spheres.trace(ray);
+    const bool embree_hit = theirs.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    if (ours && embree_hit && ours->point_id == theirs.hit.primID) {
+      const double rim = std::sqrt(std::max(0.0, k_radius * k_radius - ours->distance * ours->distance));
+      EXPECT_NEAR(ours->entry, theirs.ray.tfar, k_place_tolerance + 4e-7 / std::max(rim, 1e-4))
+          << "ray " << i;
+      ++hits;
+    } else if (ours.has_value() == embree_hit) {
+      misses += !ours;
+      other_point += ours.has_value();
+      // Two spheres entered at the same place within float error may change order.
+      if (ours) EXPECT_NEAR(ours->entry, theirs.ray.tfar, 1e-3) << "ray " << i;
+    } else {
+      // One of the two just misses a rim: the sphere that only one sees must be grazed.
+      const auto seen = ours ? *ours
+                             : Hit{theirs.hit.primID, cloud.world(theirs.hit.primID), 0,
+                                   project(ray, cloud.world(theirs.hit.primID)).distance, 0};
+      EXPECT_NEAR(seen.distance, k_radius, k_rim_tolerance) << "ray " << i;
+    }
+  }
+  EXPECT_GT(hits, 25000);
+  EXPECT_GT(misses, 1000);
+  EXPECT_LT(other_point, 40);
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "octree/brute_force.h"
+#include "octree/build.h"
+#include "octree/query.h"
+#include "tests/support/point_families.h"
+#include "tests/support/ray_families.h"
+
+namespace alidade {
+
+// Bits, not values: a difference must show as the numbers that differ.
+void PrintTo(const Hit& hit, std::ostream* out) {
+  *out << std::hexfloat << "point " << hit.point_id << " t " << hit.t << " distance " << hit.distance
+       << " entry " << hit.entry;
+}
+
+namespace {
+
+using test::point_families;
+using test::PointFamily;
+using test::Random;
+using test::ray_cases;
+using test::RayCase;
+
+std::string describe(const PointFamily& family, InstructionSet set, const RayCase& c) {
+  std::ostringstream text;
+  text << family.name << " " << name(set) << std::hexfloat << " origin " << c.ray.origin.x << " "
+       << c.ray.origin.y << " " << c.ray.origin.z << " direction " << c.ray.direction.x << " "
+       << c.ray.direction.y << " " << c.ray.direction.z << " t " << c.ray.t_min << " " << c.ray.t_max
+       << " radius " << c.query.radius << " entry_min " << c.query.entry_min
+       << (c.query.measure == Measure::t ? " by t" : " by entry");
+  return text.str();
+}
+
+BuildOptions options_for(InstructionSet set, int leaf_size = BuildOptions{}.leaf_size) {
+  BuildOptions options;
+  options.instruction_set = set;
+  options.leaf_size = leaf_size;
+  return options;
+}
+
+class RayQueryVsBruteForce : public ::testing::TestWithParam<InstructionSet> {};
+
+TEST_P(RayQueryVsBruteForce, closest_and_occluded_are_the_same_bits_on_every_family) {
+  std::size_t hit_count = 0, miss_count = 0;
+  for (const PointFamily& family : point_families()) {
+    const Octree octree = build(family.cloud, options_for(GetParam()));
+    Random random(family.name + "_rays");
+    for (const RayCase& c : ray_cases(family.cloud, 2000, random)) {
+      const std::optional<Hit> expected = brute_force::closest(family.cloud, c.ray, c.query);
+      ASSERT_EQ(closest(octree, c.ray, c.query), expected) << describe(family, GetParam(), c);
+      ASSERT_EQ(occluded(octree, c.ray, c.query), brute_force::occluded(family.cloud, c.ray, c.query))
+          << describe(family, GetParam(), c);
+      ++(expected ? hit_count : miss_count);
+    }
+  }
+  EXPECT_GT(hit_count, 8000u);
+  EXPECT_GT(miss_count, 8000u);
+}
+
+TEST_P(RayQueryVsBruteForce, leaf_size_does_not_change_answers) {
+  for (const PointFamily& family : point_families()) {
+    for (const int leaf_size : {1, 3, 17}) {
+      const Octree octree = build(family.cloud, options_for(GetParam(), leaf_size));
+      Random random(family.name + "_leaf_size");
+      for (const RayCase& c : ray_cases(family.cloud, 60, random)) {
+        ASSERT_EQ(closest(octree, c.ray, c.query), brute_force::closest(family.cloud, c.ray, c.query))
+            << describe(family, GetParam(), c) << " leaf size " << leaf_size;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(, RayQueryVsBruteForce, ::testing::ValuesIn(available_instruction_sets()),
+                         [](const auto& set) { return std::string(name(set.param)); });
+
+PointCloud three_points_on_a_line() {
+  return test::make_cloud({{10, 0, 0}, {5, 0.5, 0}, {20, 0, 0}}, {glm::dvec3(0.001), glm::dvec3(0)});
+}
+
+TEST(RayQuery, distance_limit_is_inclusive) {
+  const Octree octree = build(three_points_on_a_line());
+  const Ray ray = make_ray({0, 0, 0}, {1, 0, 0});
+  EXPECT_EQ(closest(octree, ray, {.radius = 0.5, .measure = Measure::t})->point_id, 1u);
+  EXPECT_EQ(closest(octree, ray, {.radius = std::nextafter(0.5, 0.0), .measure = Measure::t})->point_id, 0u);
+}
+
+TEST(RayQuery, interval_limits_are_inclusive) {
+  const Octree octree = build(three_points_on_a_line());
+  const RayQuery query{.radius = 0.1, .measure = Measure::t};
+  EXPECT_EQ(closest(octree, make_ray({0, 0, 0}, {1, 0, 0}, 20.0, 20.0), query)->point_id, 2u);
+  EXPECT_FALSE(closest(octree, make_ray({0, 0, 0}, {1, 0, 0}, std::nextafter(20.0, 30.0), 30.0), query));
+  EXPECT_FALSE(closest(octree, make_ray({0, 0, 0}, {1, 0, 0}, 10.5, std::nextafter(20.0, 0.0)), query));
+}
+
+TEST(RayQuery, by_default_all_of_the_line_counts) {
+  const Octree octree = build(three_points_on_a_line());
+  EXPECT_EQ(closest(octree, make_ray({100, 0, 0}, {1, 0, 0}), {.radius = 0.1})->t, -90.0);
+}
+
+TEST(RayQuery, an_empty_interval_holds_nothing) {
+  const Octree octree = build(three_points_on_a_line());
+  EXPECT_FALSE(closest(octree, make_ray({0, 0, 0}, {1, 0, 0}, 20.0, 10.0), {.radius = 1.0}));
+  EXPECT_FALSE(occluded(octree, make_ray({0, 0, 0}, {1, 0, 0}, 20.0, 10.0), {.radius = 1.0}));
+}
+
+TEST(RayQuery, entry_is_where_the_sphere_begins) {
+  const Octree octree = build(three_points_on_a_line());
+  const std::optional<Hit> hit = closest(octree, make_ray({0, 0, 0}, {1, 0, 0}), {.radius = 2.0});
+  EXPECT_EQ(hit->point_id, 1u);
+  EXPECT_EQ(hit->entry, 5.0 - std::sqrt(4.0 - 0.25));
+}
+
+TEST(RayQuery, measures_order_differently) {
+  // The sphere of the farther point, met in the middle, begins before that of the nearer point, met at its
+  // rim.
+  const PointCloud cloud =
+      test::make_cloud({{10, 0.99, 0}, {10.2, 0, 0}}, {glm::dvec3(0.001), glm::dvec3(0)});
+  const Octree octree = build(cloud);
+  const Ray ray = make_ray({0, 0, 0}, {1, 0, 0});
+  EXPECT_EQ(closest(octree, ray, {.radius = 1.0, .measure = Measure::t})->point_id, 0u);
+  EXPECT_EQ(closest(octree, ray, {.radius = 1.0, .measure = Measure::entry})->point_id, 1u);
+}
+
+TEST(RayQuery, entry_min_leaves_out_spheres_the_ray_starts_in) {
+  const Octree octree = build(three_points_on_a_line());
+  const Ray ray = make_ray({9.5, 0, 0}, {1, 0, 0}, 0.0);
+  EXPECT_EQ(closest(octree, ray, {.radius = 1.0})->point_id, 0u);
+  EXPECT_EQ(closest(octree, ray, {.radius = 1.0, .entry_min = 0.0})->point_id, 2u);
+}
+
+TEST(RayQuery, equal_measures_give_the_lowest_point_id) {
+  std::vector<glm::dvec3> positions(1000, glm::dvec3(3.0, 0, 0));
+  positions.resize(1500, glm::dvec3(2.0, 0, 0));
+  const Octree octree = build(test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)}));
+  EXPECT_EQ(closest(octree, make_ray({0, 0, 0}, {1, 0, 0}), {.radius = 0.1})->point_id, 1000u);
+  EXPECT_EQ(closest(octree, make_ray({9, 0, 0}, {-1, 0, 0}), {.radius = 0.1})->point_id, 0u);
+}
+
+TEST(RayQuery, an_empty_octree_answers_nothing) {
+  const Octree octree = build(PointCloud{});
+  EXPECT_EQ(octree.size(), 0u);
+  EXPECT_TRUE(octree.bounds().empty());
+  EXPECT_FALSE(closest(octree, make_ray({0, 0, 0}, {1, 0, 0}), {.radius = 1.0}));
+  EXPECT_FALSE(occluded(octree, make_ray({0, 0, 0}, {1, 0, 0}), {.radius = 1.0}));
+}
+
+TEST(RayQuery, a_radius_that_is_negative_or_not_finite_is_an_error) {
+  const Octree octree = build(three_points_on_a_line());
+  const Ray ray = make_ray({0, 0, 0}, {1, 0, 0});
+  for (const double radius : {-1.0, -1e-300, std::nan(""), HUGE_VAL}) {
+    EXPECT_THROW(closest(octree, ray, {.radius = radius}), Error);
+    EXPECT_THROW(occluded(octree, ray, {.radius = radius}), Error);
+  }
+  EXPECT_THROW(closest(octree, ray, {.radius = 1.0, .entry_min = std::nan("")}), Error);
+}
+
+TEST(RayQuery, lengths_beyond_floats_are_still_exact) {
+  const PointCloud cloud =
+      test::make_cloud({{1e25, 0, 0}, {3e25, 1e24, 0}, {5e25, 0, 0}}, {glm::dvec3(1e22), glm::dvec3(0)});
+  const Octree octree = build(cloud);
+  for (const double radius : {1e20, 1e23, 2e24, 1e30}) {
+    const Ray ray = make_ray({-1e25, 0, 0}, {1, 0, 0});
+    EXPECT_EQ(closest(octree, ray, {.radius = radius}), brute_force::closest(cloud, ray, {.radius = radius}));
+  }
+}
+
+TEST(RayQuery, a_batch_answers_each_ray_in_order_on_any_number_of_threads) {
+  const std::vector<PointFamily> families = point_families();
+  const PointCloud& cloud = families.back().cloud;
+  const Octree octree = build(cloud);
+  Random random;
+  std::vector<Ray> rays;
+  for (const RayCase& c : ray_cases(cloud, 3000, random)) rays.push_back(c.ray);
+  const RayQuery query{.radius = 0.2};
+  for (const std::size_t threads : {1, 2, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    std::vector<std::optional<Hit>> hits(rays.size());
+    std::vector<std::uint8_t> blocked(rays.size());
+    closest(octree, rays, query, hits);
+    occluded(octree, rays, query, blocked);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      ASSERT_EQ(hits[i], closest(octree, rays[i], query)) << "ray " << i;
+      ASSERT_EQ(blocked[i] != 0, hits[i].has_value()) << "ray " << i;
+    }
+  }
+}
+
+TEST(Ray, a_direction_is_normalised_at_the_entrance) {
+  for (const double scale : {1.0, 1e-300, 1e300, 7.0}) {
+    const Ray ray = make_ray({0, 0, 0}, glm::dvec3(3, 0, 4) * scale);
+    EXPECT_NEAR(ray.direction.x, 0.6, 1e-15);
+    EXPECT_NEAR(ray.direction.z, 0.8, 1e-15);
+  }
+}
+
+TEST(Ray, directions_and_origins_that_are_no_rays_are_errors) {
+  const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
+  EXPECT_THROW(make_ray({0, 0, 0}, {0, -0.0, 0}), Error);
+  EXPECT_THROW(make_ray({0, 0, 0}, {nan, 0, 1}), Error);
+  EXPECT_THROW(make_ray({0, 0, 0}, {infinity, 0, 1}), Error);
+  EXPECT_THROW(make_ray({nan, 0, 0}, {0, 0, 1}), Error);
+  EXPECT_THROW(make_ray({0, infinity, 0}, {0, 0, 1}), Error);
+  EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 1}, nan), Error);
+}
+
+}  // namespace
+}  // namespace alidade

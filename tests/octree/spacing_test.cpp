@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include "octree/spacing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "octree/build.h"
+#include "tests/support/point_families.h"
+
+namespace alidade {
+namespace {
+
+using test::point_families;
+using test::PointFamily;
+
+TEST(Spacing, equals_brute_force_when_every_point_is_a_sample) {
+  for (const PointFamily& family : point_families()) {
+    if (family.cloud.size() > 3000) continue;
+    std::vector<double> expected;
+    for (std::size_t i = 0; i < family.cloud.size(); ++i) {
+      double best = HUGE_VAL;
+      for (std::size_t j = 0; j < family.cloud.size(); ++j) {
+        const glm::dvec3 d = family.cloud.world(i) - family.cloud.world(j);
+        const double square = d.x * d.x + d.y * d.y + d.z * d.z;
+        if (square > 0.0) best = std::min(best, square);
+      }
+      if (std::isfinite(best)) expected.push_back(std::sqrt(best));
+    }
+    std::sort(expected.begin(), expected.end());
+    const Spacing spacing = measure_spacing(build(family.cloud), family.cloud.size());
+    ASSERT_EQ(spacing.sample_count, expected.size()) << family.name;
+    if (expected.empty()) continue;
+    EXPECT_EQ(spacing.median, expected[expected.size() / 2]) << family.name;
+    EXPECT_EQ(spacing.percentile_90, expected[expected.size() * 9 / 10]) << family.name;
+  }
+}
+
+TEST(Spacing, a_sample_of_a_grid_finds_its_step) {
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 40000; ++i) positions.emplace_back(0.05 * (i % 200), 0.05 * (i / 200), 0.0);
+  const Octree octree = build(test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)}));
+  const Spacing spacing = measure_spacing(octree, 1000);
+  EXPECT_NEAR(spacing.median, 0.05, 1e-12);
+  EXPECT_GE(spacing.sample_count, 1000u);
+  EXPECT_LE(spacing.sample_count, 1026u);
+}
+
+TEST(Spacing, a_radius_is_found_for_clouds_without_spacing) {
+  for (const PointFamily& family : point_families()) {
+    EXPECT_GT(automatic_radius(build(family.cloud)), 0.0) << family.name;
+  }
+}
+
+}  // namespace
+}  // namespace alidade
