@@ -9,7 +9,6 @@
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
-#include "tools/version.h"
 
 namespace alidade {
 namespace {
@@ -61,7 +60,7 @@ ExitCode say_usage_error(const std::string& text, const CommandLine& words,
 ExitCode run(const CommandLine& words) {
   CLI::App program("Alidade: ray queries on raw point clouds, and path-traced pictures of them.", "alidade");
   program.require_subcommand(1);
-  program.set_version_flag("--version", k_version);
+  program.set_version_flag("--version", ALIDADE_VERSION);
   program.footer(
       "'alidade COMMAND --help' is the manual of a command.\n"
       "\n"
@@ -86,7 +85,7 @@ ExitCode run(const CommandLine& words) {
     write_to_stdout(chosen.empty() ? program.help() : chosen.front()->help());
     return ExitCode::done;
   } catch (const CLI::CallForVersion&) {
-    write_to_stdout(std::string("alidade ") + k_version + "\n");
+    write_to_stdout("alidade " ALIDADE_VERSION "\n");
     return ExitCode::done;
   } catch (const CLI::ParseError& error) {
     return say_usage_error(error.what(), words, commands);

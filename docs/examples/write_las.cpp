@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+// write_las CLOUD... OUT.las: joins clouds of any format into one LAS file.
+#include "octree/cloud/write_las.h"
+#include "octree/cloud/read_cloud.h"
+
+int main(int count, char** arguments) {
+  using namespace alidade;
+  const std::vector<std::filesystem::path> files(arguments + 1, arguments + count - 1);
+  write_las(arguments[count - 1], read_cloud(files), {.overwrite = true});
+}
