@@ -89,7 +89,9 @@ TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
       misses += !ours;
       other_point += ours.has_value();
       // Two spheres entered at the same place within float error may change order.
-      if (ours) EXPECT_NEAR(ours->entry, theirs.ray.tfar, 1e-3) << "ray " << i;
+      if (ours) {
+        EXPECT_NEAR(ours->entry, theirs.ray.tfar, 1e-3) << "ray " << i;
+      }
     } else {
       // One of the two just misses a rim: the sphere that only one sees must be grazed.
       const auto seen = ours ? *ours
@@ -99,7 +101,7 @@ TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
     }
   }
   EXPECT_GT(hits, 25000);
-  EXPECT_GT(misses, 1000);
+  EXPECT_GT(misses, 100);
   EXPECT_LT(other_point, 40);
 }
 
