@@ -16,9 +16,16 @@ struct PlyWriteOptions {
   Progress progress;  ///< in points
 };
 
-/// Writes a cloud as PLY: double x y z, then nx ny nz, red green blue (uchar), intensity (ushort) and the other
-/// attributes and extra dimensions that are present, under the names other programs know.
-/// Errors: as OutputFile.
-void write_ply(const std::filesystem::path& path, const PointCloud& cloud, const PlyWriteOptions& options = {});
+/// Writes a cloud as PLY: double x y z, then nx ny nz, red green blue (uchar: colours are rounded to 8 bits),
+/// intensity (ushort) and the other attributes and extra dimensions that are present, under the names other
+/// programs know; flags as class_flags, scan_channel, scan_direction_flag and edge_of_flight_line. Point
+/// order is kept.
+///
+/// Read again onto the cloud's own lattice, positions come out as the same steps and everything but colours
+/// as the same values. Extra dimensions with a scale are written as the values they mean, and 64-bit
+/// integers, which PLY lacks, as double; undocumented bytes, CRS and LAS records are left out. Errors: as
+/// OutputFile.
+void write_ply(const std::filesystem::path& path, const PointCloud& cloud,
+               const PlyWriteOptions& options = {});
 
 }  // namespace alidade
