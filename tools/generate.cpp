@@ -33,15 +33,14 @@ ExitCode run_courtyard(const GenerateCommand& command) {
 Command add_generate(CLI::App& program) {
   auto command = std::make_shared<GenerateCommand>();
   CLI::App* generate = program.add_subcommand("generate", "Scan a simulated site into a LAS file");
-  generate->require_subcommand(1);
-  CLI::App* courtyard = generate->add_subcommand(
-      "courtyard",
-      "A yard with houses, trees, lamp posts and a car, scanned from the ground and from the air");
-  // So that options may stand before or behind the site's name.
-  courtyard->fallthrough();
-
+  add_value(*generate, "site", "courtyard",
+            "the site: a yard with houses, trees, lamp posts and a car, scanned from the ground and from the air",
+            [](const std::string& text) {
+              if (text != "courtyard") throw CLI::ValidationError("expected courtyard, found '" + text + "'");
+            })
+      ->required();
   generate->add_option("-o,--output", command->output, "LAS 1.4 file to write; metres, UTM zone 32N")
-      ->type_name("FILE.las")
+      ->option_text("FILE.las")
       ->required();
   add_value(*generate, "--points", "N", "exact number of points, also as 2e6 (default 2e6; up to 4294967295)",
             [command](const std::string& text) {
@@ -54,6 +53,9 @@ Command add_generate(CLI::App& program) {
   add_threads(*generate, command->threads);
   add_verbosity(*generate, command->verbosity);
   generate->footer(
+      "Form:\n"
+      "  alidade generate courtyard -o FILE.las [OPTIONS]\n"
+      "\n"
       "The scan is written as it is made, in bounded memory: about 36 bytes of disk per point.\n"
       "\n"
       "Examples:\n"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "octree/cloud/cloud_reader.h"
@@ -106,17 +108,40 @@ std::string row(const std::string& name, const std::string& value) {
   return fmt::format("{:<12}{}\n", name, value);
 }
 
-std::string row(const std::string& name, const glm::dvec3& value) {
-  return row(name, fmt::format("{:>18} {:>18} {:>18}", value.x, value.y, value.z));
+std::string row(const std::string& name, const std::array<std::string, 3>& words) {
+  return row(name, fmt::format("{:>18} {:>18} {:>18}", words[0], words[1], words[2]));
 }
 
-std::string crs_text(const Crs& crs) {
-  if (!crs.wkt.empty()) return crs.wkt;
+/// Numbers as they are.
+std::array<std::string, 3> plain(const glm::dvec3& value) {
+  return {fmt::format("{}", value.x), fmt::format("{}", value.y), fmt::format("{}", value.z)};
+}
+
+/// Coordinates with as many decimals as the lattice has.
+std::array<std::string, 3> on_lattice(const glm::dvec3& value, const Lattice& lattice) {
+  std::array<std::string, 3> words;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double decimals = std::ceil(-std::log10(lattice.scale[axis]) - 1e-9);
+    const int precision = static_cast<int>(std::fmin(std::fmax(decimals, 0.0), 17.0));
+    words[static_cast<std::size_t>(axis)] = fmt::format("{:.{}f}", value[axis], precision);
+  }
+  return words;
+}
+
+/// Name of the system, which is the first quoted word of a WKT.
+std::string wkt_name(const std::string& wkt) {
+  const std::size_t begin = wkt.find('"');
+  const std::size_t end = begin == std::string::npos ? begin : wkt.find('"', begin + 1);
+  return end == std::string::npos ? wkt : wkt.substr(begin + 1, end - begin - 1);
+}
+
+std::string crs_text(const Crs& crs, Verbosity verbosity) {
+  if (!crs.wkt.empty()) return verbosity == Verbosity::verbose ? crs.wkt : wkt_name(crs.wkt);
   if (crs.geotiff_keys.empty()) return "none";
   return "GeoTIFF keys without WKT: " + joined(epsg_codes(crs), "no EPSG code");
 }
 
-std::string to_table(const Description& description) {
+std::string to_table(const Description& description, Verbosity verbosity) {
   const PointCloud& cloud = description.cloud;
   std::string text;
   for (const CloudFile& file : cloud.files) {
@@ -129,12 +154,12 @@ std::string to_table(const Description& description) {
   }
   text += row("points", fmt::format("{}", cloud.size()));
   if (!description.bounds.empty()) {
-    text += row("min", description.bounds.min);
-    text += row("max", description.bounds.max);
-    text += row("size", description.bounds.size());
+    text += row("min", on_lattice(description.bounds.min, cloud.lattice));
+    text += row("max", on_lattice(description.bounds.max, cloud.lattice));
+    text += row("size", on_lattice(description.bounds.size(), cloud.lattice));
   }
-  text += row("scale", cloud.lattice.scale);
-  text += row("offset", cloud.lattice.offset);
+  text += row("scale", plain(cloud.lattice.scale));
+  text += row("offset", plain(cloud.lattice.offset));
   const glm::dvec3 error = rounding_error(cloud);
   text +=
       row("rounding", error == glm::dvec3(0.0) ? "none: the integers of the file are kept"
@@ -143,7 +168,7 @@ std::string to_table(const Description& description) {
   std::vector<std::string> extra_dimensions;
   for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
   if (!extra_dimensions.empty()) text += row("extra", joined(extra_dimensions, ""));
-  return text + row("CRS", crs_text(cloud.crs));
+  return text + row("CRS", crs_text(cloud.crs, verbosity));
 }
 
 ExitCode run(const InfoOptions& options) {
@@ -153,7 +178,7 @@ ExitCode run(const InfoOptions& options) {
     write_to_stdout(to_json(description).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
     return ExitCode::done;
   }
-  write_to_stdout(to_table(description));
+  write_to_stdout(to_table(description, options.verbosity.verbosity()));
   if (!options.verbosity.quiet) {
     for (const std::string& warning : description.cloud.warnings) say_warning(warning);
   }
@@ -166,7 +191,7 @@ Command add_info(CLI::App& program) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command = program.add_subcommand("info", "Say what cloud files hold");
   command->add_option("files", options->files, "cloud files; several are taken together as one cloud")
-      ->type_name("FILE...")
+      ->option_text("FILE...")
       ->required();
   command->add_flag("--json", options->json, "print JSON instead of a table; the keys are below");
   add_verbosity(*command, options->verbosity);
@@ -174,7 +199,8 @@ Command add_info(CLI::App& program) {
       "Formats are told by content: LAS 1.0-1.4, PLY, PCD, PTX, PTS, CSV with header names, XYZ.\n"
       "Coordinates, scale and rounding are in the unit of the file's coordinate reference system (CRS), "
       "mostly metres.\n"
-      "The bounds are computed from the points, never taken from a header.\n"
+      "The table names the CRS; -v prints all of its WKT. The bounds are computed from the points, never "
+      "taken from a header.\n"
       "\n"
       "Keys of the JSON object:\n"
       "  points            number of points in all files\n"

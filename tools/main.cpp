@@ -81,8 +81,7 @@ ExitCode run(const CommandLine& words) {
     // The parser takes the words after the program's name, last one first.
     program.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1));
   } catch (const CLI::CallForHelp&) {
-    const auto chosen = program.get_subcommands();
-    write_to_stdout(chosen.empty() ? program.help() : chosen.front()->help());
+    write_to_stdout(program.help());
     return ExitCode::done;
   } catch (const CLI::CallForVersion&) {
     write_to_stdout("alidade " ALIDADE_VERSION "\n");

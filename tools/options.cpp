@@ -57,12 +57,15 @@ ImageSize parse_image_size(const std::string& text) {
 
 CLI::Option* add_value(CLI::App& command, const std::string& names, const std::string& kind,
                        const std::string& help, std::function<void(const std::string&)> take) {
-  return command.add_option_function<std::string>(names, take, help)->type_name(kind)->take_last();
+  return command.add_option_function<std::string>(names, take, help)->option_text(kind)->take_last();
 }
 
 void add_verbosity(CLI::App& command, VerbosityOptions& options) {
-  CLI::Option* quiet = command.add_flag("-q,--quiet", options.quiet, "say nothing but errors");
-  command.add_flag("-v,--verbose", options.verbose, "say more about what is done")->excludes(quiet);
+  CLI::Option* quiet =
+      command.add_flag("-q,--quiet", options.quiet, "say nothing but errors")->option_text(" ");
+  command.add_flag("-v,--verbose", options.verbose, "say more about what is done")
+      ->option_text(" ")
+      ->excludes(quiet);
 }
 
 void add_threads(CLI::App& command, std::optional<int>& threads) {

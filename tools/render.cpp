@@ -62,7 +62,7 @@ PinholeCamera choose_camera(const RenderCommand& command, const LoadedCloud* clo
     throw Error(
         {.file = file, .problem = "holds no points, so there is no view of it", .expected = "--camera FILE"});
   }
-  const ImageSize size = command.size.value_or(ImageSize{600, 400});
+  const ImageSize size = command.size.value_or(ImageSize{1200, 800});
   return overview_camera(cloud->octree.bounds(), size.width, size.height);
 }
 
@@ -112,6 +112,10 @@ Command add_render(CLI::App& program, const CommandLine& command_line) {
   CLI::App* render = program.add_subcommand("render", "Path-trace a picture of a scene or of cloud files");
   const std::shared_ptr<RenderCommand> command = add_render_options(*render);
   render->footer(
+      "Forms:\n"
+      "  alidade render SCENE.json [-o FILE] [OPTIONS]\n"
+      "  alidade render --cloud FILE... -o FILE [OPTIONS]\n"
+      "\n"
       "With --cloud and no scene, the whole cloud is shown three-quarter from above, under a sun and a blue "
       "sky.\n"
       "Options stand above what the scene file says. Lengths are in metres (the unit of the cloud's CRS), "

@@ -45,10 +45,10 @@ void add_picture_options(CLI::App& render, RenderCommand& command) {
             [&command](const std::string& text) {
               command.samples = static_cast<int>(parse_count(text, 1, k_most_samples));
             });
-  add_value(render, "--size", "WxH", "width and height in pixels (default: the camera's, else 600x400)",
+  add_value(render, "--size", "WxH", "width and height in pixels (default: the camera's, else 1200x800)",
             [&command](const std::string& text) { command.size = parse_image_size(text); });
   render.add_option("--camera", command.camera_file, "camera file (JSON) instead of the scene's camera")
-      ->type_name("FILE.json");
+      ->option_text("FILE.json");
   add_value(render, "--max-bounces", "N",
             "reflections followed after the first surface (default 8; 0 = direct light)",
             [&command](const std::string& text) {
@@ -77,9 +77,11 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
                       command.hits, {{"entry", HitMode::entry}, {"t", HitMode::t}});
 }
 
-/// A cloud without a scene: daylight from the sky and a sun in the south-east.
+/// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
+/// shading.
 Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
   Scene scene;
+  scene.sky = GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
   scene.cloud.emplace().files = cloud_files;
   scene.sun = Sun{};
   return scene;
@@ -103,14 +105,15 @@ void apply_cloud_options(const RenderCommand& command, Scene& scene) {
 
 std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   auto command = std::make_shared<RenderCommand>();
-  CLI::Option* scene = render.add_option("scene", command->scene_file, "scene file")->type_name("SCENE.json");
+  CLI::Option* scene =
+      render.add_option("scene", command->scene_file, "scene file")->option_text("SCENE.json");
   render.add_option("--cloud", command->cloud_files, "cloud files to show without a scene file")
-      ->type_name("FILE...")
+      ->option_text("FILE...")
       ->excludes(scene);
   render
       .add_option("-o,--output", command->output,
                   "picture to write: .png, .jpg or .exr (default: the scene's)")
-      ->type_name("FILE");
+      ->option_text("FILE");
   render.add_flag("--overwrite", command->overwrite, "replace an existing picture");
   add_picture_options(render, *command);
   add_cloud_options(render, *command);

@@ -6,5 +6,7 @@
 int main(int count, char** arguments) {
   using namespace alidade;
   const std::vector<std::filesystem::path> files(arguments + 1, arguments + count - 1);
-  write_las(arguments[count - 1], read_cloud(files), {.overwrite = true});
+  LasWriteOptions options;
+  options.overwrite = true;
+  write_las(arguments[count - 1], read_cloud(files), options);
 }

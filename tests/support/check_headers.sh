@@ -12,7 +12,7 @@ complain() {
   problems=$((problems + 1))
 }
 
-declare -A place
+declare -A place=()
 while read -r header; do
   place[$header]=${#place[@]}
   if [[ ! -f $header ]]; then complain "$order: $header does not exist"; fi
