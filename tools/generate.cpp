@@ -33,11 +33,12 @@ ExitCode run_courtyard(const GenerateCommand& command) {
 Command add_generate(CLI::App& program) {
   auto command = std::make_shared<GenerateCommand>();
   CLI::App* generate = program.add_subcommand("generate", "Scan a simulated site into a LAS file");
-  add_value(*generate, "site", "courtyard",
-            "the site: a yard with houses, trees, lamp posts and a car, scanned from the ground and from the air",
-            [](const std::string& text) {
-              if (text != "courtyard") throw CLI::ValidationError("expected courtyard, found '" + text + "'");
-            })
+  add_value(
+      *generate, "site", "courtyard",
+      "the site: a yard with houses, trees, lamp posts and a car, scanned from the ground and from the air",
+      [](const std::string& text) {
+        if (text != "courtyard") throw CLI::ValidationError("expected courtyard, found '" + text + "'");
+      })
       ->required();
   generate->add_option("-o,--output", command->output, "LAS 1.4 file to write; metres, UTM zone 32N")
       ->option_text("FILE.las")
