@@ -11,8 +11,10 @@ namespace alidade {
 
 /// What a surface of a site is made of. Decides the pattern of its colour, its class and how strongly it answers a laser.
 enum class SiteMaterial : std::uint8_t {
-  terrain,     ///< the site's ground: paving, gravel, asphalt and grass by place
+  terrain,     ///< the site's ground: a Pavement by its face
   plaster,     ///< house wall; `size.y` is the height of the darker plinth
+  trim,        ///< stone frames, cornices and pillars of a house
+  brick,
   stone,       ///< dressed stone in courses
   roof_tile,
   window,      ///< niche with reveal, frame and panes; `size` is the opening's
@@ -20,7 +22,7 @@ enum class SiteMaterial : std::uint8_t {
   wood,
   metal,
   bark,
-  leaf,
+  leaf,        ///< one leaf, its shade from `seed`
   hedge,       ///< clipped shrub
   water,
   car_body,
@@ -29,6 +31,9 @@ enum class SiteMaterial : std::uint8_t {
   lamp_glass,
   target,      ///< white reference sphere of surveyors
 };
+
+/// Faces of the terrain (shapes::Patch::face): what lies on the ground.
+enum class Pavement : int { grass, cobble, slab, gravel, asphalt, soil };
 
 /// How one shape of a site looks.
 struct Finish {
@@ -43,7 +48,10 @@ struct Finish {
 glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
 
 /// ASPRS class: 1 unclassified, 2 ground, 3 low and 5 high vegetation, 6 building, 9 water, 11 road surface; own: 64 car,
-/// 65 street furniture.
-std::uint8_t classification_of(const Finish& finish, const glm::dvec3& position);
+/// 65 street furniture, 66 survey target.
+std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
+
+/// Share of a near-infrared laser's light that the place sends back, 0 .. 1: from its colour, higher for leaves and grass.
+double reflectance_of(SiteMaterial material, const glm::dvec3& color);
 
 }  // namespace alidade

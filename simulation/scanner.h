@@ -21,12 +21,12 @@ struct TerrestrialScanner {
   double seconds = 180.0;         ///< duration of one scan
 };
 
-/// A straight flight line. The scanner looks down, or ahead by `pitch`, and sweeps across to both sides.
+/// A straight flight line. The scanner's mirror turns about the axis of flight and sweeps beams across to both sides of a plane
+/// that looks straight down, or ahead by `pitch`.
 struct FlightLine {
-  glm::dvec3 start{0.0}, end{0.0};  ///< world; at one height
-  double pitch = 0.0;               ///< degrees ahead of straight down
-  double swath = 40.0;              ///< width of the strip on the level `ground_height`, metres
-  double ground_height = 0.0;       ///< world
+  glm::dvec3 start{0.0}, end{0.0};  ///< world; at one height, apart
+  double pitch = 0.0;               ///< degrees ahead of straight down, (-80, 80)
+  double field_of_view = 50.0;      ///< of a sweep from side to side, degrees, (0, 160)
 };
 
 struct DroneScanner {

@@ -52,7 +52,7 @@ struct Box {
   glm::dvec3 half_size{0.5};
 };
 
-/// The inside of a box whose face at +axes[2] is open: a window's reveal and pane. Seen only through the open face.
+/// A box without its face at +axes[2], seen from either side: the reveal and pane of a window in a wall.
 struct Niche {
   Box box;
 };
@@ -97,6 +97,13 @@ struct Wave {
   double phase = 0.0;
 };
 
+/// A part of the ground that reports a face number of its own; a rectangle, or the ellipse within it.
+struct Patch {
+  glm::dvec2 center{0.0}, half_size{1.0};
+  bool round = false;
+  int face = 0;
+};
+
 /// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y. Inside the core
 /// (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves fade in over `fade_width`.
 struct Ground {
@@ -104,6 +111,7 @@ struct Ground {
   glm::dvec2 core{30.0, 25.0};
   double fade_width = 25.0;
   std::vector<Wave> waves;
+  std::vector<Patch> patches;  ///< later ones lie over earlier ones; where there is none the face is 0
 };
 
 /// Height of the ground and its gradient.
@@ -122,8 +130,11 @@ std::optional<double> intersect(const Shape& shape, const Ray& ray);
 /// What a shape says about a point on it.
 struct SurfacePoint {
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< length 1, outward for solids, to the open side for a niche
-  glm::dvec2 uv{0.0};                ///< metres on the surface, in a frame of the shape's own
-  int face = 0;                      ///< which face of a box or niche (0 -x, 1 +x, ... 5 +z), which side of a convex solid
+  /// Metres on the surface. Box and niche: from the lower corner along the face's two axes; panel: u, v; ground: x, y;
+  /// frustum: 0, height along the axis; disc: distance from the centre, 0. Zero for the others.
+  glm::dvec2 uv{0.0};
+  /// Box and niche: 0 is -x, 1 is +x, ... 5 is +z; convex solid: index of the side; ground: of the patch. Else 0.
+  int face = 0;
 };
 
 /// `position` lies on the surface up to rounding, as intersect() gives it.

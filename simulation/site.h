@@ -57,6 +57,8 @@ class Site {
   glm::dvec3 origin_;
   Bounds bounds_;
   ShapeTree tree_;
+  std::vector<std::uint32_t> tree_objects_;  ///< objects that are items of the tree
+  std::vector<std::uint32_t> grounds_;       ///< objects so large that a tree does not help; tried last
 };
 
 namespace brute_force {

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "simulation/shapes.h"
+#include "simulation/site.h"
+
+// What courtyard() is put together from. Positions in the site's own frame: metres, x east, y north, the yard's paving at z = 0.
+
+namespace alidade::courtyard_parts {
+
+using Objects = std::vector<SiteObject>;
+
+/// The rolling ground with everything that lies on it. Trees and houses outside the yard ask it where to stand.
+shapes::Ground ground();
+
+/// Four wings round the yard, with gateway and arcade, and the neighbours.
+void add_buildings(Objects& objects);
+/// Trees, hedges and clipped balls.
+void add_plants(Objects& objects, const shapes::Ground& ground);
+/// Fountain, benches, lamp posts, barrels, stone balls, survey targets.
+void add_furniture(Objects& objects);
+/// Two cars in the yard's corner and one in the street.
+void add_cars(Objects& objects, const shapes::Ground& ground);
+
+/// Box along the axes from corner to corner.
+shapes::Box upright_box(const glm::dvec3& min, const glm::dvec3& max);
+/// Box turned about the vertical: its own x axis points along `forward` (level, length 1), z up.
+shapes::Box turned_box(const glm::dvec3& center, const glm::dvec2& forward, const glm::dvec3& half_size);
+/// Post, pipe or branch between two places.
+shapes::Frustum rod(const glm::dvec3& from, const glm::dvec3& to, double from_radius, double to_radius);
+
+// courtyard_walls.cpp
+
+enum class Filling { window, door, passage };
+
+/// An opening in a wall, seen from outside: `u` is its middle from the wall's left end, `bottom` a height above z = 0.
+struct WallOpening {
+  double u = 0.0, bottom = 1.0;
+  glm::dvec2 size{1.1, 1.6};
+  Filling filling = Filling::window;
+};
+
+/// A house wall from left to right as seen from outside.
+struct WallPlan {
+  glm::dvec2 left{0.0}, right{1.0, 0.0};
+  double base = 0.0, top = 6.0;    ///< heights
+  glm::dvec3 tint{0.8};
+  double plinth = 0.7;             ///< height of its upper edge above z = 0
+  std::vector<WallOpening> openings{};
+  glm::dvec3 door_tint{0.30, 0.20, 0.13};
+  bool shutters = false;
+  glm::dvec3 shutter_tint{0.25, 0.37, 0.30};
+  bool cornice = true;
+};
+/// The wall with niches behind its windows and doors, their stone frames and sills, and a cornice below the eaves.
+void add_wall(Objects& objects, const WallPlan& plan);
+
+/// `count` windows evenly over [from, to] of a wall.
+void add_windows(WallPlan& plan, int count, double from, double to, double bottom, const glm::dvec2& size);
+
+/// A gable roof over a rectangle, its ridge along x or y, with gutters and ridge tiles. Gable walls are closed at both ends.
+struct RoofPlan {
+  glm::dvec2 min{0.0}, max{1.0};   ///< of the walls below
+  bool ridge_along_x = true;
+  double eaves = 6.0, ridge = 9.0;  ///< heights
+  glm::dvec3 tint{0.62, 0.33, 0.22};
+  glm::dvec3 gable_tint{0.8};
+  double gable_overhang = 0.25;
+};
+void add_roof(Objects& objects, const RoofPlan& plan);
+
+}  // namespace alidade::courtyard_parts

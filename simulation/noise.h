@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+// Numbers that look random but belong to a place or a counter. Integer hashing and exact double operations only.
+
+namespace alidade {
+
+/// Spreads 64 bits over 64 bits, one to one. The finisher of the SplitMix64 generator (Steele, Lea, Flood 2014).
+inline std::uint64_t mix_bits(std::uint64_t value) {
+  value += 0x9e3779b97f4a7c15u;
+  value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
+  value = (value ^ (value >> 27)) * 0x94d049bb133111ebu;
+  return value ^ (value >> 31);
+}
+
+inline std::uint64_t hash_of(std::uint64_t a, std::uint64_t b) { return mix_bits(mix_bits(a) ^ (b * 0xd1342543de82ef95u)); }
+
+/// [0, 1), 53 bits.
+inline double unit_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+
+/// A number in [0, 1) for an integer cell of the plane.
+inline double cell_noise(double x, double y, std::uint32_t seed) {
+  const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x)));
+  const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(y)));
+  return unit_of(mix_bits(column * 0x8cb92ba72f3d8dd7u ^ mix_bits(row + (std::uint64_t{seed} << 32))));
+}
+
+/// Smooth noise in [0, 1): random values at integer places, eased between them.
+inline double smooth_noise(const glm::dvec3& place, std::uint32_t seed) {
+  const double floor_x = std::floor(place.x), floor_y = std::floor(place.y), floor_z = std::floor(place.z);
+  const double x = place.x - floor_x, y = place.y - floor_y, z = place.z - floor_z;
+  const double u = x * x * (3.0 - 2.0 * x), v = y * y * (3.0 - 2.0 * y), w = z * z * (3.0 - 2.0 * z);
+  const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_x));
+  const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_y));
+  const auto level = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_z));
+  const auto corner = [&](std::uint64_t dx, std::uint64_t dy, std::uint64_t dz) {
+    const std::uint64_t bits = mix_bits((column + dx) * 0x8cb92ba72f3d8dd7u ^ (row + dy) * 0xabc98388fb8fac03u ^
+                                        (level + dz) * 0xd1342543de82ef95u ^ (std::uint64_t{seed} << 32));
+    return static_cast<double>(bits >> 32) * 0x1p-32;
+  };
+  const auto across = [&](std::uint64_t dy, std::uint64_t dz) {
+    const double left = corner(0, dy, dz);
+    return left + u * (corner(1, dy, dz) - left);
+  };
+  const auto sheet = [&](std::uint64_t dz) {
+    const double near = across(0, dz);
+    return near + v * (across(1, dz) - near);
+  };
+  const double low = sheet(0);
+  return low + w * (sheet(1) - low);
+}
+
+}  // namespace alidade
