@@ -2,7 +2,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "octree/octree.h"
@@ -36,6 +38,11 @@ struct RaySetup {
   float t_low = 0.0f;  ///< local t below which nothing counts
 };
 
+/// 2^exponent for exponents of normal numbers, without the library call.
+inline double power_of_two(int exponent) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52);
+}
+
 /// Rounds towards +infinity with a little room, for upper limits that must not discard too much.
 inline float float_above(double value) {
   const auto f = static_cast<float>(value);
@@ -52,7 +59,7 @@ inline RaySetup set_up(const TreeView& tree, const Ray& ray, const RayQuery& que
   const glm::dvec3 size = tree.bounds.size();
   const glm::dvec3& scale = tree.lattice.scale;
   setup.widest_scale = std::max({scale.x, scale.y, scale.z});
-  const double frame_width = std::ldexp(setup.widest_scale, tree.root_level);
+  const double frame_width = setup.widest_scale * power_of_two(tree.root_level);
 
   double largest = 0.0, way = query.radius + size.x + size.y + size.z;
   for (int axis = 0; axis < 3; ++axis) {

@@ -119,8 +119,7 @@ class RayTraversal {
   /// Slots whose widened box the ray meets before t_cut_, empty ones included, and where it enters each.
   unsigned meet_boxes(const Node& node, const Visit& visit, float* t_near) const {
     float near_base[3], far_base[3], step[3];
-    const double grid_step =
-        std::bit_cast<double>(std::uint64_t(1023 + visit.level - k_min_frame_level) << 52);
+    const double grid_step = power_of_two(visit.level - k_min_frame_level);
     for (int axis = 0; axis < 3; ++axis) {
       const double scale = tree_.lattice.scale[axis];
       const double corner = (scale * visit.corner[axis] - setup_.origin[axis]) * setup_.inverse[axis];
@@ -165,12 +164,12 @@ class RayTraversal {
                                         tree_.lattice.scale[axis] * frame.corner[axis]);
     }
     const int shift = coordinate_shift(frame.level);
-    const double width = std::ldexp(setup_.widest_scale, frame.level);
-    const double lost = shift > 0 ? 2.0 * std::ldexp(setup_.widest_scale, shift) : 0.0;
+    const double width = setup_.widest_scale * power_of_two(frame.level);
+    const double lost = shift > 0 ? 2.0 * setup_.widest_scale * power_of_two(shift) : 0.0;
     const double error = setup_.double_error + 0x1p-18 * (width + query_.radius) + lost;
     const double widened = query_.radius + error;
     const double radius_sq = widened * widened;
-    const auto step = static_cast<float>(std::ldexp(1.0, shift));
+    const auto step = static_cast<float>(power_of_two(shift));
 
     const Floats d;
     const auto radius_sq_limit = hn::Set(d, float_above(radius_sq));
