@@ -27,19 +27,40 @@ glm::dvec3 unit(const glm::dvec3& v) {
   return largest > 0.0 ? glm::normalize(v / largest) : v;
 }
 
-/// Along one film axis: corners at `across` and `ahead` of the box's centre must stay within the slopes
-/// +-tangent. The nearest camera place that does it: `back` behind the centre, `aside` of it.
-struct Fit {
-  double aside = 0.0, back = 0.0;
+/// The corners of a box seen from a camera that looks at it from somewhere: offsets from the box's centre
+/// along the camera's axes.
+struct Corners {
+  std::array<double, 8> right{}, down{}, ahead{};
 };
 
-Fit fit_axis(const std::array<double, 8>& across, const std::array<double, 8>& ahead, double tangent) {
+/// The smallest distance behind the box's centre from which all corners lie within slopes of +-tangent on one
+/// film axis.
+double distance_to_fit(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
+                       double tangent) {
   double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
   for (int i = 0; i < 8; ++i) {
     highest = std::max(highest, across[i] - tangent * ahead[i]);
     lowest = std::min(lowest, across[i] + tangent * ahead[i]);
   }
-  return {0.5 * (highest + lowest), (highest - lowest) / (2.0 * tangent)};
+  return (highest - lowest) / (2.0 * tangent);
+}
+
+/// How far aside the camera must stand at this distance for equal margins on both sides of one film axis.
+double place_to_center(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
+                       double distance) {
+  double low = *std::min_element(across.begin(), across.end()),
+         high = *std::max_element(across.begin(), across.end());
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (low + high);
+    double left = std::numeric_limits<double>::infinity(), right = -left;
+    for (int i = 0; i < 8; ++i) {
+      const double slope = (across[i] - middle) / (ahead[i] + distance);
+      left = std::min(left, slope);
+      right = std::max(right, slope);
+    }
+    (left + right > 0.0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
 }
 
 }  // namespace
@@ -110,18 +131,20 @@ PinholeCamera overview_camera(const Bounds& bounds, int width, int height) {
   CameraPose pose = look_at(glm::dvec3(0.0), forward);
   PinholeCamera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
 
-  std::array<double, 8> right{}, down{}, ahead{};
+  Corners corners;
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 offset((corner & 1) ? half.x : -half.x, (corner & 2) ? half.y : -half.y,
                             (corner & 4) ? half.z : -half.z);
-    right[corner] = glm::dot(offset, pose.right);
-    down[corner] = glm::dot(offset, pose.down);
-    ahead[corner] = glm::dot(offset, pose.forward);
+    corners.right[corner] = glm::dot(offset, pose.right);
+    corners.down[corner] = glm::dot(offset, pose.down);
+    corners.ahead[corner] = glm::dot(offset, pose.forward);
   }
-  const Fit horizontal = fit_axis(right, ahead, (1.0 - k_margin) * camera.cx / camera.fx);
-  const Fit vertical = fit_axis(down, ahead, (1.0 - k_margin) * camera.cy / camera.fy);
-  camera.pose.position = center + horizontal.aside * pose.right + vertical.aside * pose.down -
-                         std::max(horizontal.back, vertical.back) * pose.forward;
+  const double distance =
+      std::max(distance_to_fit(corners.right, corners.ahead, (1.0 - k_margin) * camera.cx / camera.fx),
+               distance_to_fit(corners.down, corners.ahead, (1.0 - k_margin) * camera.cy / camera.fy));
+  camera.pose.position = center + place_to_center(corners.right, corners.ahead, distance) * pose.right +
+                         place_to_center(corners.down, corners.ahead, distance) * pose.down -
+                         distance * pose.forward;
   return camera;
 }
 

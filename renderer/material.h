@@ -16,7 +16,8 @@ struct Lambertian {
   std::optional<Rgb> albedo;
 };
 
-/// Mirror that blurs with roughness: 0 is a perfect mirror, 1 the roughest. Without an albedo the point's colour.
+/// Mirror that blurs with roughness: 0 is a perfect mirror, 1 the roughest. Without an albedo the point's
+/// colour.
 struct Metal {
   std::optional<Rgb> albedo;
   double roughness = 0.0;
@@ -35,24 +36,26 @@ struct Emissive {
 /// What a surface does with light; the word in scene files ("type") is the struct's name in lower case.
 using Material = std::variant<Lambertian, Metal, Dielectric, Emissive>;
 
-// How a surface turns light. Directions are unit vectors that LEAVE the surface, in a frame whose z axis is the outward normal:
-// `outgoing` towards the viewer, `incoming` towards the light. z < 0 is the inside; opaque materials look the same from both
-// sides. `color` is the hit point's linear colour and stands in where the material has no albedo of its own.
+// How a surface turns light. Directions are unit vectors that LEAVE the surface, in a frame whose z axis is
+// the outward normal: `outgoing` towards the viewer, `incoming` towards the light. z < 0 is the inside;
+// opaque materials look the same from both sides. `color` is the hit point's linear colour and stands in
+// where the material has no albedo of its own.
 
 /// A direction a material has chosen.
 struct MaterialSample {
   glm::dvec3 incoming{0.0, 0.0, 1.0};
-  Rgb weight{0.0f};       ///< eval / pdf; for a specular choice the share of light it carries over its probability
-  double pdf = 0.0;       ///< per solid angle; 0 for a specular choice, which has no density
+  Rgb weight{0.0f};  ///< eval / pdf; for a specular choice the share of light it carries over its probability
+  double pdf = 0.0;  ///< per solid angle; 0 for a specular choice, which has no density
   bool specular = false;  ///< mirror or refraction: a single direction, invisible to eval and pdf
 };
 
-/// Chooses a direction from three even numbers in [0, 1). Empty: the light is absorbed. Never creates energy: the mean weight is
-/// at most 1 in each channel.
-std::optional<MaterialSample> sample(const Material& material, const Rgb& color, const glm::dvec3& outgoing, const glm::dvec2& u,
-                                     double u_choice);
+/// Chooses a direction from three even numbers in [0, 1). Empty: the light is absorbed. Never creates energy:
+/// the mean weight is at most 1 in each channel.
+std::optional<MaterialSample> sample(const Material& material, const Rgb& color, const glm::dvec3& outgoing,
+                                     const glm::dvec2& u, double u_choice);
 
-/// Scattering function TIMES the cosine of `incoming`. Zero for specular directions and for emissive surfaces.
+/// Scattering function TIMES the cosine of `incoming`. Zero for specular directions and for emissive
+/// surfaces.
 Rgb eval(const Material& material, const Rgb& color, const glm::dvec3& outgoing, const glm::dvec3& incoming);
 
 /// Density per solid angle with which `sample` chooses `incoming`, specular choices left out.
@@ -61,7 +64,8 @@ double pdf(const Material& material, const glm::dvec3& outgoing, const glm::dvec
 /// Whether all the material's directions are specular, so that lights need not be sampled.
 bool is_specular(const Material& material);
 
-/// The colour an image layer shows: own albedo or the point's colour; 1 for clear glass, 0 for what only shines.
+/// The colour an image layer shows: own albedo or the point's colour; 1 for clear glass, 0 for what only
+/// shines.
 Rgb albedo(const Material& material, const Rgb& color);
 
 }  // namespace alidade

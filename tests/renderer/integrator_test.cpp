@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/integrator.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+#include "tests/renderer/tracer_scenes.h"
+
+// Light with answers known on paper. Derivations stand beside each scene.
+
+namespace alidade {
+namespace {
+
+using test::camera_at;
+using test::dark_scene;
+using test::expect_everywhere;
+using test::expect_mean;
+
+constexpr int k_many_bounces = 10000;
+
+/// The camera in the middle of a diffuse ball (radius 2) beside a small lamp in its centre (radius 0.5). Of
+/// the light that leaves the wall the share f = (0.5 / 2)^2 meets the lamp and is gone, 1 - f meets the wall;
+/// light of the lamp spreads evenly. So the wall's radiance is L f a (1 + a (1 - f) + ...) = L f a / (1 - a
+/// (1 - f)): the furnace 1 / (1 - albedo) with an exit.
+Scene furnace(float albedo, int max_bounces) {
+  Scene scene = dark_scene(camera_at({0, 0, 1}, {0, 0, 2}, 90.0), 512, max_bounces);
+  scene.objects = {Sphere{glm::dvec3(0.0), 2.0, Lambertian{Rgb(albedo)}},
+                   Sphere{glm::dvec3(0.0), 0.5, Emissive{Rgb(3.0f)}}};
+  return scene;
+}
+constexpr double k_lamp_share = 1.0 / 16.0;
+
+TEST(Furnace, closed_ball_with_a_lamp_has_the_radiance_of_the_whole_series) {
+  for (const float albedo : {0.2f, 0.5f, 0.9f}) {
+    expect_mean(render(furnace(albedo, k_many_bounces), nullptr),
+                3.0 * k_lamp_share * albedo / (1.0 - albedo * (1.0 - k_lamp_share)));
+  }
+}
+
+TEST(Furnace, max_bounces_ends_the_series_after_as_many_vertices_behind_the_first) {
+  for (const int max_bounces : {0, 1, 2, 5}) {
+    double series = 0.0, term = 3.0 * k_lamp_share * 0.8;
+    for (int bounce = 0; bounce <= max_bounces; ++bounce, term *= 0.8 * (1.0 - k_lamp_share)) series += term;
+    expect_mean(render(furnace(0.8f, max_bounces), nullptr), series);
+  }
+}
+
+TEST(Furnace, inside_an_even_lamp_a_ball_shows_its_albedo_times_the_lamp) {
+  Scene scene = dark_scene(camera_at({0, 0, 3}, {0, 0, 0}, 20.0), 64, k_many_bounces);
+  scene.objects = {Sphere{glm::dvec3(0.0), 10.0, Emissive{Rgb(2.0f)}},
+                   Sphere{glm::dvec3(0.0), 1.0, Lambertian{Rgb(0.6f)}}};
+  expect_mean(render(scene, nullptr), 1.2);
+}
+
+TEST(Furnace, what_reflects_everything_is_invisible_under_an_even_sky) {
+  for (const Material& material :
+       {Material(Lambertian{Rgb(1.0f)}), Material(Metal{Rgb(1.0f), 0.0}), Material(Dielectric{1.5})}) {
+    Scene scene = dark_scene(camera_at({0, 0, 3}, {0, 0, 0}, 60.0, 32), 4, k_many_bounces);
+    scene.sky = ConstantSky{Rgb(0.7f)};
+    scene.objects = {Sphere{glm::dvec3(0.0), 1.0, material}, Sphere{{0.5, 0.4, 1.0}, 0.3, material}};
+    expect_everywhere(render(scene, nullptr), 0.7);
+  }
+}
+
+TEST(Furnace, a_heap_of_white_points_is_invisible_under_an_even_sky) {
+  test::Random random;
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 500; ++i) positions.push_back(random.in_cube());
+  const LoadedCloud cloud = test::loaded(positions, 0.15);
+  for (const Material& material :
+       {Material(Lambertian{Rgb(1.0f)}), Material(Metal{Rgb(1.0f), 0.0}), Material(Dielectric{1.5})}) {
+    Scene scene = dark_scene(camera_at({0, 3, 3}, {0, 0, 0}, 40.0), 8, k_many_bounces);
+    scene.sky = ConstantSky{Rgb(0.7f)};
+    scene.cloud.emplace();
+    scene.cloud->material = material;
+    expect_everywhere(render(scene, &cloud), 0.7);
+  }
+}
+
+TEST(Furnace, rough_metal_never_gives_back_more_than_it_gets) {
+  for (const double roughness : {0.1, 0.4, 0.7, 1.0}) {
+    Scene scene = dark_scene(camera_at({0, 0, 3}, {0, 0, 0}, 60.0, 32), 64, k_many_bounces);
+    scene.sky = ConstantSky{Rgb(1.0f)};
+    scene.objects = {Sphere{glm::dvec3(0.0), 1.0, Metal{Rgb(1.0f), roughness}}};
+    for (const Rgb& color : render(scene, nullptr).color) {
+      ASSERT_LE(color.r, 1.0f + 1e-5f);
+      ASSERT_GT(color.r, 0.2f);
+    }
+  }
+}
+
+TEST(Furnace, a_convex_body_shows_its_albedo) {
+  Scene scene = dark_scene(camera_at({0, 0, 3}, {0, 0, 0}, 20.0), 4, 8);
+  scene.sky = ConstantSky{Rgb(2.0f)};
+  scene.objects = {Sphere{glm::dvec3(0.0), 1.0, Lambertian{Rgb(0.3f)}}};
+  expect_everywhere(render(scene, nullptr), 0.6);
+}
+
+TEST(Roulette, changes_no_mean) {
+  // Dark and deep: with albedo 0.9 nearly all light of the furnace comes by paths on which roulette was
+  // played.
+  Scene scene = furnace(0.9f, k_many_bounces);
+  scene.render.samples = 1024;
+  scene.render.seed = 99;
+  expect_mean(render(scene, nullptr), 3.0 * k_lamp_share * 0.9 / (1.0 - 0.9 * (1.0 - k_lamp_share)));
+}
+
+TEST(Sunlight, on_a_plane_is_irradiance_times_albedo_over_pi_times_sine_of_elevation) {
+  for (const double diameter : {0.0, 0.53, 20.0}) {
+    for (const double elevation : {12.0, 40.0, 90.0}) {
+      Scene scene = dark_scene(camera_at({0, 0, 5}, {1, 2, 0}, 40.0), 64, 8);
+      scene.sun = Sun{.elevation = elevation, .irradiance = Rgb(3.0f), .angular_diameter = diameter};
+      scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.5f)}}};
+      expect_mean(render(scene, nullptr), 3.0 * 0.5 / k_pi * std::sin(elevation * k_pi / 180.0));
+    }
+  }
+}
+
+TEST(Sunlight, counts_once_beside_the_sky) {
+  Scene scene = dark_scene(camera_at({0, 0, 5}, {1, 2, 0}, 40.0), 256, 8);
+  scene.sky = ConstantSky{Rgb(0.4f)};
+  // A wide sun, which many bounced rays run into.
+  scene.sun = Sun{.elevation = 50.0, .irradiance = Rgb(3.0f), .angular_diameter = 60.0};
+  scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.5f)}}};
+  expect_mean(render(scene, nullptr), 0.5 * (0.4 + 3.0 / k_pi * std::sin(50.0 * k_pi / 180.0)));
+}
+
+TEST(Sunlight, disc_seen_directly_and_in_a_mirror_has_irradiance_over_solid_angle) {
+  const double solid_angle = 2.0 * k_pi * (1.0 - std::cos(2.5 * k_pi / 180.0));
+  Scene scene = dark_scene(camera_at({0, 0, 0}, {0, 1, 1}, 1.0), 4, 8);
+  scene.sun = Sun{.azimuth = 0, .elevation = 45.0, .irradiance = Rgb(3.0f), .angular_diameter = 5.0};
+  expect_everywhere(render(scene, nullptr), 3.0 / solid_angle, 1e-3);
+  scene.camera = camera_at({0, 0, 1}, {0, 1, 0}, 1.0);
+  scene.objects = {GroundPlane{0.0, Metal{Rgb(1.0f), 0.0}}};
+  expect_everywhere(render(scene, nullptr), 3.0 / solid_angle, 1e-3);
+}
+
+TEST(Sunlight, a_point_throws_the_shadow_of_its_sphere) {
+  const LoadedCloud cloud = test::loaded({{0, 0, 3}}, 1.0);
+  Scene scene = dark_scene(camera_at({0, 0, 1.5}, {0, 0, 0}, 20.0), 4, 0);
+  scene.cloud.emplace();
+  scene.sun = Sun{.elevation = 90.0, .irradiance = Rgb(3.0f), .angular_diameter = 0.53};
+  scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.5f)}}};
+  EXPECT_EQ(test::image_mean(render(scene, &cloud)).mean, 0.0);
+  scene.camera = camera_at({1.5, 0, 1.5}, {1.5, 0, 0}, 20.0);
+  expect_mean(render(scene, &cloud), 1.5 / k_pi);
+}
+
+/// A lamp of radius 1 and radiance 2, its centre 3 above the plane: straight below it the irradiance is pi L
+/// (r / d)^2 (the view factor of a sphere that stands wholly above the horizon is (r / d)^2 cos), so the
+/// plane shows albedo * L / 9.
+Scene lamp_over_plane(const Material& material) {
+  Scene scene = dark_scene(camera_at({0, 0, 0.5}, {0, 0, 0}, 0.5, 4), 1024, 0);
+  scene.objects = {GroundPlane{0.0, material}, Sphere{{0, 0, 3}, 1.0, Emissive{Rgb(2.0f)}}};
+  return scene;
+}
+
+TEST(Lamplight, of_a_sphere_on_a_plane_is_its_view_factor) {
+  expect_mean(render(lamp_over_plane(Lambertian{Rgb(0.5f)}), nullptr), 0.5 * 2.0 / 9.0);
+}
+
+TEST(Lamplight, of_a_slanted_sphere_goes_with_the_cosine) {
+  Scene scene = lamp_over_plane(Lambertian{Rgb(0.5f)});
+  std::get<Sphere>(scene.objects[1]).center = {4.0, 0.0, 3.0};
+  expect_mean(render(scene, nullptr), 0.5 * 2.0 * (1.0 / 25.0) * 0.6);
+}
+
+TEST(Lamplight, of_several_spheres_adds_up) {
+  Scene scene = lamp_over_plane(Lambertian{Rgb(0.5f)});
+  scene.objects.push_back(Sphere{{4.0, 0.0, 3.0}, 1.0, Emissive{Rgb(20.0f)}});
+  scene.render.samples = 4096;
+  expect_mean(render(scene, nullptr), 0.5 * 2.0 / 9.0 + 0.5 * 20.0 / 25.0 * 0.6);
+}
+
+TEST(Lamplight, on_rough_metal_is_the_integral_over_the_lamp) {
+  for (const double roughness : {0.3, 0.6, 1.0}) {
+    const Metal metal{Rgb(0.8f), roughness};
+    // Midpoint rule over the cone the lamp fills as seen from the plane, from straight above.
+    const double cosine = std::sqrt(8.0) / 3.0;
+    double answer = 0.0;
+    constexpr int k_steps = 200000;
+    for (int i = 0; i < k_steps; ++i) {
+      const double z = 1.0 - (1.0 - cosine) * (i + 0.5) / k_steps;
+      answer += 2.0 * eval(metal, Rgb(1.0f), {0, 0, 1}, {std::sqrt(1.0 - z * z), 0.0, z}).r * (2.0 * k_pi) *
+                (1.0 - cosine) / k_steps;
+    }
+    expect_mean(render(lamp_over_plane(metal), nullptr), answer);
+  }
+}
+
+TEST(Lamplight, is_blocked_by_points_and_spheres) {
+  Scene scene = lamp_over_plane(Lambertian{Rgb(0.5f)});
+  scene.objects.push_back(Sphere{{0, 0, 1.5}, 0.9, Lambertian{Rgb(0.0f)}});
+  EXPECT_EQ(test::image_mean(render(scene, nullptr)).mean, 0.0);
+  scene.objects.pop_back();
+  const LoadedCloud cloud = test::loaded({{0, 0, 1.5}}, 0.9);
+  scene.cloud.emplace();
+  EXPECT_EQ(test::image_mean(render(scene, &cloud)).mean, 0.0);
+}
+
+TEST(Lamplight, lamp_seen_directly_has_its_radiance) {
+  Scene scene = lamp_over_plane(Lambertian{Rgb(0.5f)});
+  scene.camera = camera_at({0, 0, 0.5}, {0, 0, 3}, 5.0);
+  expect_everywhere(render(scene, nullptr), 2.0);
+}
+
+TEST(Path, a_glass_point_looks_like_a_glass_sphere) {
+  const LoadedCloud cloud = test::loaded({{0, 0, 0}}, 1.0);
+  Scene scene = dark_scene(camera_at({0, 3, 0.5}, {0, 0, 0}, 50.0, 32), 16, 20);
+  scene.sky = GradientSky{Rgb(1.0f), Rgb(0.0f)};
+  Scene with_point = scene;
+  with_point.cloud.emplace();
+  with_point.cloud->material = Dielectric{1.5};
+  scene.objects = {Sphere{glm::dvec3(0.0), 1.0, Dielectric{1.5}}};
+  const Film sphere = render(scene, nullptr), point = render(with_point, &cloud);
+  for (std::size_t pixel = 0; pixel < sphere.color.size(); ++pixel) {
+    ASSERT_NEAR(sphere.color[pixel].r, point.color[pixel].r, 1e-4f);
+  }
+}
+
+}  // namespace
+}  // namespace alidade
