@@ -122,16 +122,17 @@ bool PlyElement::has_lists() const {
 
 PlyHeader read_ply_header(InputFile& input) {
   TextScanner scanner(input);
-  const auto first = scanner.next_line();
-  if (!first || *first != "ply")
+  const std::string first(scanner.next_line().value_or(""));
+  Words words;
+  split_words(first, words);
+  if (words.size() != 1 || words[0] != "ply")
     throw Error({.file = input.name(),
                  .place = "byte 0",
                  .problem = "not a PLY file",
                  .expected = "a first line \"ply\"",
-                 .found = quote(first.value_or(""))});
+                 .found = quote(first)});
   PlyHeader header;
   bool has_format = false;
-  Words words;
   while (true) {
     const auto line = scanner.next_line();
     if (!line) scanner.fail("the header does not end", "end_header", "the end of the file");

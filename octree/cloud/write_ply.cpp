@@ -161,9 +161,14 @@ void append_binary(std::string& text, ScalarType type, double number) {
 /// The shortest digits that give the same number again.
 void append_ascii(std::string& text, ScalarType type, double number) {
   char digits[32];
-  const auto end = type == ScalarType::float32
-                       ? std::to_chars(digits, std::end(digits), static_cast<float>(number)).ptr
-                       : std::to_chars(digits, std::end(digits), number).ptr;
+  char* end = digits;
+  if (type == ScalarType::float64) {
+    end = std::to_chars(digits, std::end(digits), number).ptr;
+  } else if (type == ScalarType::float32) {
+    end = std::to_chars(digits, std::end(digits), static_cast<float>(number)).ptr;
+  } else {
+    end = std::to_chars(digits, std::end(digits), static_cast<std::int64_t>(number)).ptr;
+  }
   text.append(digits, static_cast<std::size_t>(end - digits));
 }
 

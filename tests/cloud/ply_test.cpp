@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/read_alone.h"
+
+namespace alidade::test {
+namespace {
+
+PointCloud read_ply(std::string_view text, AttributeSet wanted = AttributeSet::all()) {
+  return read_alone(open_ply, text, wanted);
+}
+
+std::string ply_error(std::string_view text) {
+  return reading_error(open_ply, text);
+}
+
+/// Appends a value big endian.
+template <class Value>
+void append_big(std::string& bytes, Value value) {
+  std::string each;
+  append(each, value);
+  std::reverse(each.begin(), each.end());
+  bytes += each;
+}
+
+TEST(Ply, ascii_with_any_order_of_properties_and_other_elements_before_and_after) {
+  const PointCloud cloud = read_ply(
+      "ply\r\nformat ascii 1.0\r\ncomment made by hand\r\nobj_info nothing\r\n"
+      "element face 2\r\nproperty list uchar int vertex_indices\r\n"
+      "element vertex 2\r\nproperty uchar blue\r\nproperty float z\r\nproperty uchar red\r\nproperty double "
+      "y\r\n"
+      "property uchar green\r\nproperty short x\r\nelement edge 1\r\nproperty int a\r\nend_header\r\n"
+      "3 0 1 0\r\n0\r\n"
+      "3 0.5 1 2.25 2 -7\r\n\r\n255 -1 0 100000 128 32767\r\n99\r\n");
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.world(0), glm::dvec3(-7, 2.25, 0.5));
+  EXPECT_EQ(cloud.world(1), glm::dvec3(32767, 100000, -1));
+  EXPECT_EQ(cloud.colors[0], Color16(257, 514, 771));
+  EXPECT_EQ(cloud.colors[1], Color16(0, 128 * 257, 65535));
+  EXPECT_EQ(cloud.files[0].format, "PLY");
+  EXPECT_EQ(cloud.files[0].version, "ascii 1.0");
+}
+
+TEST(Ply, every_scalar_type_under_both_names_in_both_byte_orders) {
+  const char* const names[][8] = {
+      {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"},
+      {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"}};
+  for (const auto& types : names) {
+    for (const bool big : {false, true}) {
+      std::string text = std::string("ply\nformat binary_") + (big ? "big" : "little") +
+                         "_endian 1.0\nelement vertex 1\nproperty " + types[7] + " x\nproperty " + types[4] +
+                         " y\nproperty " + types[6] + " z\n";
+      for (const char* type : types) text += std::string("property ") + type + " extra_" + type + "\n";
+      text += "end_header\n";
+      const auto put = [&](auto value) { big ? append_big(text, value) : append(text, value); };
+      put(1234567.125);
+      put(std::int32_t{-70000});
+      put(0.5f);
+      put(std::int8_t{-5});
+      put(std::uint8_t{250});
+      put(std::int16_t{-30000});
+      put(std::uint16_t{60000});
+      put(std::int32_t{-2000000000});
+      put(std::uint32_t{4000000000});
+      put(1.1f);
+      put(1.1);
+      const PointCloud cloud = read_ply(text);
+      ASSERT_EQ(cloud.size(), 1u);
+      EXPECT_EQ(cloud.world(0).y, -70000.0);
+      expect_near(cloud.world(0), {1234567.125, -70000.0, 0.5}, 1e-9);
+      const auto name = [&](int index) { return std::string("extra_") + types[index]; };
+      EXPECT_EQ(extra_value<std::int8_t>(cloud, name(0), 0), -5);
+      EXPECT_EQ(extra_value<std::uint8_t>(cloud, name(1), 0), 250);
+      EXPECT_EQ(extra_value<std::int16_t>(cloud, name(2), 0), -30000);
+      EXPECT_EQ(extra_value<std::uint16_t>(cloud, name(3), 0), 60000);
+      EXPECT_EQ(extra_value<std::int32_t>(cloud, name(4), 0), -2000000000);
+      EXPECT_EQ(extra_value<std::uint32_t>(cloud, name(5), 0), 4000000000u);
+      EXPECT_EQ(extra_value<float>(cloud, name(6), 0), 1.1f);
+      EXPECT_EQ(extra_value<double>(cloud, name(7), 0), 1.1);
+    }
+  }
+}
+
+TEST(Ply, lists_are_skipped_in_vertices_and_in_elements_before_them) {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement strip 2\nproperty list int short indices\nproperty "
+      "uchar tag\n"
+      "element empty 1000000000000\nelement fixed 3\nproperty double a\n"
+      "element vertex 2\nproperty float x\nproperty list uchar float weights\nproperty float y\nproperty "
+      "float z\n"
+      "element face 5\nproperty list uchar int vertex_indices\nend_header\n";
+  append(text, std::int32_t{3});
+  text.append(6, 'x');
+  text += 'T';
+  append(text, std::int32_t{0});
+  text += 'T';
+  text.append(24, 'y');
+  for (const float base : {1.0f, 4.0f}) {
+    append(text, base);
+    append(text, std::uint8_t{2});
+    text.append(8, 'w');
+    append(text, base + 1);
+    append(text, base + 2);
+  }
+  const PointCloud cloud = read_ply(text);
+  ASSERT_EQ(cloud.size(), 2u);
+  expect_near(cloud.world(0), {1, 2, 3}, 1e-7);
+  expect_near(cloud.world(1), {4, 5, 6}, 1e-7);
+  EXPECT_TRUE(cloud.extra_dimensions.empty());
+}
+
+TEST(Ply, attributes_are_known_by_the_names_programs_use) {
+  const PointCloud cloud = read_ply(
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property float nx\nproperty float ny\nproperty float nz\n"
+      "property uchar diffuse_red\nproperty uchar diffuse_green\nproperty uchar diffuse_blue\n"
+      "property ushort scalar_Intensity\nproperty float scalar_Classification\nproperty double GpsTime\n"
+      "property uchar return_number\nproperty uchar number_of_returns\nproperty ushort nir\n"
+      "property float scan_angle\nproperty uchar user_data\nproperty ushort PointSourceId\n"
+      "property uchar scan_direction_flag\nproperty uchar edge_of_flight_line\nproperty uchar class_flags\n"
+      "property uchar scan_channel\nproperty float scalar_Amplitude\nend_header\n"
+      "1 2 3 0 0.6 -0.8 1 2 3 4000 6 12345.678 2 3 50000 -12.5 9 77 1 1 5 2 0.25\n");
+  ASSERT_EQ(cloud.size(), 1u);
+  EXPECT_EQ(cloud.normals[0], glm::vec3(0.0f, 0.6f, -0.8f));
+  EXPECT_EQ(cloud.colors[0], Color16(257, 514, 771));
+  EXPECT_EQ(cloud.intensities[0], 4000);
+  EXPECT_EQ(cloud.classifications[0], 6);
+  EXPECT_EQ(cloud.gps_times[0], 12345.678);
+  EXPECT_EQ(cloud.returns[0], (ReturnNumbers{2, 3}));
+  EXPECT_EQ(cloud.near_infrared[0], 50000);
+  EXPECT_EQ(cloud.scan_angles[0], -12.5f);
+  EXPECT_EQ(cloud.user_data[0], 9);
+  EXPECT_EQ(cloud.point_source_ids[0], 77);
+  EXPECT_EQ(cloud.flags[0], 1 << 7 | 1 << 6 | 2 << 4 | 5);
+  EXPECT_EQ(extra_value<float>(cloud, "scalar_Amplitude", 0), 0.25f);
+  EXPECT_EQ(cloud.extra_dimensions.size(), 1u);
+}
+
+TEST(Ply, attributes_that_are_not_wanted_take_no_memory) {
+  const PointCloud cloud = read_ply(
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty ushort intensity\n"
+      "property int other\nend_header\n1 2 3 4 5 6 7 8\n",
+      Attribute::intensity);
+  EXPECT_EQ(cloud.attributes(), AttributeSet(Attribute::intensity));
+  EXPECT_EQ(cloud.intensities[0], 7);
+}
+
+std::string colored(const char* type, const char* values) {
+  const std::string property = std::string("property ") + type;
+  return "ply\nformat ascii 1.0\nelement vertex 2\nproperty int x\nproperty int y\nproperty int z\n" +
+         property + " red\n" + property + " green\n" + property + " blue\nend_header\n" + values;
+}
+
+TEST(Ply, colours_fill_16_bits_whatever_their_type) {
+  EXPECT_EQ(read_ply(colored("uchar", "0 0 0 255 1 0\n0 0 0 0 0 0\n")).colors[0], Color16(65535, 257, 0));
+  EXPECT_EQ(read_ply(colored("float", "0 0 0 1 0.5 0\n0 0 0 0 0 0\n")).colors[0], Color16(65535, 32768, 0));
+  EXPECT_EQ(read_ply(colored("float", "0 0 0 255 128 0\n0 0 0 1 0 0\n")).colors[1], Color16(257, 0, 0));
+  EXPECT_EQ(read_ply(colored("ushort", "0 0 0 65535 128 0\n0 0 0 256 0 0\n")).colors[1], Color16(256, 0, 0));
+  const PointCloud assumed = read_ply(colored("ushort", "0 0 0 255 128 0\n0 0 0 1 0 0\n"));
+  EXPECT_EQ(assumed.colors[0], Color16(65535, 128 * 257, 0));
+  EXPECT_TRUE(warns(assumed, "8-bit"));
+}
+
+TEST(Ply, float_intensities_up_to_1_are_stretched_and_negative_ones_start_at_0) {
+  const auto intensities = [](const char* values) {
+    return read_ply(
+               "ply\nformat ascii 1.0\nelement vertex 3\nproperty int x\nproperty int y\nproperty int z\n"
+               "property float intensity\nend_header\n" +
+               std::string(values))
+        .intensities;
+  };
+  using Values = std::vector<std::uint16_t>;
+  EXPECT_EQ(intensities("0 0 0 0\n0 0 0 0.5\n0 0 0 1\n"), (Values{0, 32768, 65535}));
+  EXPECT_EQ(intensities("0 0 0 0\n0 0 0 2\n0 0 0 255\n"), (Values{0, 514, 65535}));
+  EXPECT_EQ(intensities("0 0 0 0\n0 0 0 2\n0 0 0 4096\n"), (Values{0, 2, 4096}));
+  EXPECT_EQ(intensities("0 0 0 -20\n0 0 0 -10\n0 0 0 0\n"), (Values{0, 32768, 65535}));
+  EXPECT_EQ(intensities("0 0 0 nan\n0 0 0 0.5\n0 0 0 1\n"), (Values{0, 32768, 65535}));
+  EXPECT_EQ(intensities("0 0 0 -3\n0 0 0 -3\n0 0 0 -3\n"), (Values{0, 0, 0}));
+  EXPECT_EQ(intensities("0 0 0 -inf\n0 0 0 5\n0 0 0 inf\n").size(), 3u);
+}
+
+TEST(Ply, points_that_are_not_finite_are_dropped_and_counted) {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty "
+      "float z\n"
+      "property uchar classification\nend_header\n";
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinity = std::numeric_limits<float>::infinity();
+  const float rows[4][3] = {{1, 2, 3}, {nan, 2, 3}, {1, -infinity, 3}, {4, 5, 6}};
+  for (int i = 0; i < 4; ++i) {
+    for (const float value : rows[i]) append(text, value);
+    append(text, static_cast<std::uint8_t>(i));
+  }
+  const PointCloud cloud = read_ply(text);
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.files[0].dropped_count, 2u);
+  EXPECT_EQ(cloud.classifications, (std::vector<std::uint8_t>{0, 3}));
+  EXPECT_TRUE(warns(cloud, "2 points"));
+}
+
+TEST(Ply, float32_coordinates_are_kept_to_less_than_their_own_rounding) {
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 200\nproperty float x\nproperty float "
+      "y\nproperty float "
+      "z\nend_header\n";
+  std::vector<glm::vec3> points;
+  for (int i = 0; i < 200; ++i) {
+    points.emplace_back(690000.0f + 0.0625f * static_cast<float>(i),
+                        5325000.0f + 0.5f * static_cast<float>(i), 1.0f / static_cast<float>(i + 1));
+    for (int axis = 0; axis < 3; ++axis) append(text, points.back()[axis]);
+  }
+  const PointCloud cloud = read_ply(text);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(cloud.world(i).x, points[i].x, 0.03125);
+    EXPECT_NEAR(cloud.world(i).y, points[i].y, 0.25);
+    EXPECT_NEAR(cloud.world(i).z, points[i].z, 6e-8);
+  }
+}
+
+TEST(Ply, a_file_without_points_or_without_z_reads) {
+  const PointCloud empty = read_ply(
+      "ply\nformat binary_little_endian 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty "
+      "float z\n"
+      "end_header\n");
+  EXPECT_EQ(empty.size(), 0u);
+  const PointCloud flat = read_ply(
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float y\nproperty float x\nend_header\n1 2\n");
+  EXPECT_EQ(flat.world(0), glm::dvec3(2, 1, 0));
+  EXPECT_TRUE(warns(flat, "no z"));
+}
+
+TEST(Ply, errors_name_file_place_expectation_and_finding) {
+  const std::string start = "ply\nformat ascii 1.0\n";
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+  const auto expect = [](const std::string& text, const char* message) {
+    EXPECT_NE(ply_error(text).find(message), std::string::npos) << ply_error(text) << "\nfor\n"
+                                                                << text.substr(0, 300);
+  };
+  expect("plx\n", "memory:byte 0: not a PLY file; expected a first line \"ply\", found \"plx\"");
+  expect("ply\nformat ascii 2.0\n", "memory:line 2: unknown PLY format");
+  expect("ply\nelement vertex 1\n" + xyz + "end_header\n1 2 3\n", "no format line");
+  expect(start + "element vertex 1\n" + xyz, "memory:line 6: the header does not end; expected end_header");
+  expect(start + "property float x\n", "memory:line 3: a property stands before the first element");
+  expect(start + "element vertex -1\n", "memory:line 3: the element line cannot be read");
+  expect(start + "element vertex 99999999999999999999\n", "memory:line 3: the element line cannot be read");
+  expect(start + "element vertex 1\nproperty half x\n", "memory:line 4: unknown property type");
+  expect(start + "element vertex 1\nproperty list float int a\n", "memory:line 4: a list cannot be counted");
+  expect(start + "element vertex 1\nproperty x\n", "memory:line 4: the property line cannot be read");
+  expect(start + "elephant 1\n", "memory:line 3: unknown line in the header");
+  expect(start + "element face 1\nproperty int a\nend_header\n1\n",
+         "the header has no points; expected an element");
+  expect(start + "element vertex 1\nproperty int x\nelement vertex 1\nend_header\n1\n", "several elements");
+  expect(start + "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n",
+         "no x coordinate");
+  expect(start + "element vertex 1\n" + xyz + "property float x\nend_header\n1 2 3 4\n", "same name");
+  expect(start + "element vertex 2\n" + xyz + "end_header\n1 2 3\n4 5 six\n",
+         "memory:line 9: not a number; expected a number, found \"six\"");
+  expect(start + "element vertex 1\n" + xyz + "end_header\n1 2        \n", "memory:line 8: too few values");
+  expect(start + "element vertex 1\n" + xyz + "end_header\n1 2 3 4\n", "memory:line 8: too many values");
+  expect(start + "element vertex 3\n" + xyz + "end_header\n1.25 2.25 3.25\n4.25 5.25 6.25\n",
+         "the file ends early");
+  expect(start + "element vertex 1152921504606846976\n" + xyz + "end_header\n1 2 3\n",
+         "too short for its vertices; expected 1152921504606846976 vertices, found room for 1");
+  expect(
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1152921504606846976\n" + xyz + "end_header\n1234",
+      "memory:byte 133: the file is too short for its vertices");
+  expect(
+      "ply\nformat binary_little_endian 1.0\nelement other 1152921504606846976\nproperty double a\n"
+      "element vertex 0\n" +
+          xyz + "end_header\n1234",
+      "too short for its element \"other\"");
+  expect(start + "comment " + std::string(10 << 20, 'x') + "\n", "memory:line 3: the line does not end");
+}
+
+TEST(Ply, a_list_with_a_negative_or_impossible_length_is_an_error) {
+  const std::string header =
+      "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list int int a\n"
+      "element vertex 1\nproperty char x\nproperty char y\nproperty char z\nend_header\n";
+  for (const std::int32_t count : {-1, 1, 0x7fffffff}) {
+    std::string text = header;
+    append(text, count);
+    text += "xyz";
+    EXPECT_NE(ply_error(text).find("a list of \"a\" has an impossible length; expected 0 to 0, found " +
+                                   std::to_string(count)),
+              std::string::npos)
+        << ply_error(text);
+  }
+  EXPECT_NE(
+      ply_error("ply\nformat ascii 1.0\nelement vertex 1\nproperty list int int a\nproperty char x\nproperty "
+                "char y\nproperty char z\nend_header\n-1 1 2 3\n")
+          .find("line 9: a list has an impossible length"),
+      std::string::npos);
+}
+
+TEST(Ply, every_truncation_is_an_error_or_a_clean_read) {
+  const std::string ascii =
+      "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int i\nelement vertex 2\nproperty float x\n"
+      "property list uchar int skipped\nproperty float y\nproperty float z\nproperty int extra\nend_header\n"
+      "3 0 1 1\n1.5 2 7 8 2.5 3.5 4\n5.5 0 6.5 7.5 8\n";
+  std::string binary =
+      "ply\nformat binary_big_endian 1.0\nelement face 1\nproperty list uchar ushort i\nelement vertex 2\n"
+      "property char x\nproperty list uchar uchar skipped\nproperty char y\nproperty char z\nend_header\n";
+  binary += {1, 0, 9, 1, 2, 7, 7, 2, 3, 4, 0, 5, 6};
+  EXPECT_EQ(read_ply(ascii).size(), 2u);
+  EXPECT_EQ(read_ply(binary).size(), 2u);
+  // Text may lose the end of its last line and, unnoticed, nothing more than the last digit.
+  EXPECT_EQ(count_readable_prefixes(open_ply, ascii), 1u);
+  EXPECT_EQ(count_readable_prefixes(open_ply, binary), 0u);
+}
+
+TEST(Ply, reads_files_of_other_programs) {
+  const std::filesystem::path ascii_path = shared_data("ply/platonic_shelf_ascii.ply");
+  if (ascii_path.empty()) GTEST_SKIP() << k_no_shared_data;
+  const PointCloud ascii = read_alone(open_ply, InputFile(ascii_path));
+  const PointCloud big = read_alone(open_ply, InputFile(shared_data("ply/platonic_shelf_big_endian.ply")));
+  ASSERT_EQ(ascii.size(), 50u);
+  ASSERT_EQ(big.size(), 50u);
+  for (std::size_t i = 0; i < 50; ++i) expect_near(ascii.world(i), big.world(i), 1e-5);
+  expect_near(ascii.bounds().min, {-6.524307, -1.158087, -1.158087}, 1e-12);
+  expect_near(ascii.bounds().max, {6.963232, 1.158087, 1.158086}, 1e-12);
+
+  const PointCloud scan = read_alone(open_ply, InputFile(shared_data("ply/small_gicp_source.ply")));
+  ASSERT_EQ(scan.size(), 69792u);
+  expect_near(scan.bounds().min, {-23.75901985168457, -52.00114059448242, -3.021289825439453}, 2e-6);
+  expect_near(scan.bounds().max, {18.47993278503418, 6.507869243621826, 9.172804832458496}, 2e-6);
+  std::uint64_t sum = 0;
+  for (const std::uint16_t intensity : scan.intensities) sum += intensity;
+  EXPECT_EQ(sum, 2134792u * 257u);
+
+  const PointCloud colored_cloud = read_alone(open_ply, InputFile(shared_data("scene_sceaux/Sparse.ply")));
+  ASSERT_EQ(colored_cloud.size(), 12683u);
+  glm::u64vec3 color_sum(0);
+  for (const Color16& color : colored_cloud.colors) color_sum += glm::u64vec3(color);
+  EXPECT_EQ(color_sum, glm::u64vec3(1271762, 1284867, 1311483) * std::uint64_t{257});
+}
+
+TEST(Ply, malformed_files_of_other_projects) {
+  const std::filesystem::path no_vertex = shared_data("malformed/no_vertex.ply");
+  if (no_vertex.empty()) GTEST_SKIP() << k_no_shared_data;
+  const std::string message = error_of([&] { open_ply(no_vertex); });
+  EXPECT_NE(message.find("no_vertex.ply:line 3: the header has no points"), std::string::npos) << message;
+  const PointCloud odd = read_alone(open_ply, InputFile(shared_data("malformed/unsized_dims.ply")));
+  ASSERT_EQ(odd.size(), 1u);
+  EXPECT_EQ(odd.world(0), glm::dvec3(1, 12346, 0));
+  EXPECT_EQ(extra_value<double>(odd, "i", 0), 1234567890.0);
+  EXPECT_EQ(extra_value<std::int32_t>(odd, "j", 0), 12345);
+}
+
+}  // namespace
+}  // namespace alidade::test
