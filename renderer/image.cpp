@@ -19,6 +19,8 @@ namespace {
 // stays small.
 constexpr int k_rows_at_once = 64;
 
+constexpr int k_longest_jpeg_side = 65500;
+
 enum class ImageFormat { exr, png, jpeg };
 
 ImageFormat format_of(const std::filesystem::path& file) {
@@ -73,6 +75,8 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageMetada
     if (channel.name == "Z") spec.z_channel = static_cast<int>(i);
   }
   spec.attribute("compression", "zip");
+  // Left out, OpenImageIO writes the time: the same film would not give the same bytes.
+  spec.attribute("DateTime", "");
   for (const auto& [key, text] : metadata_texts(metadata)) spec.attribute(key, text);
   const glm::dvec3 offset = position_offset(metadata.camera);
   write_rows("openexr", output.file, file, spec,
@@ -84,6 +88,9 @@ void write_display(const Film& film, const OutputSettings& output, const ImageMe
   OIIO::ImageSpec spec(film.width, film.height, 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   if (format == ImageFormat::jpeg) {
+    // Checked here because libjpeg says it on stderr.
+    if (std::max(film.width, film.height) > k_longest_jpeg_side)
+      fail(output.file, "JPEG ends at 65500 pixels");
     spec.attribute("Compression", "jpeg:95");
     spec.attribute("jpeg:subsampling", "4:4:4");
   }

@@ -85,7 +85,14 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   }
   std::size_t literal_end(std::size_t length) const { return token_begin() + length; }
   std::size_t number_end() const {
-    return std::min(text_.find_first_not_of("+-.0123456789eE", token_begin()), text_.size());
+    const std::size_t begin = token_begin();
+    const std::size_t digits = begin + (text_.compare(begin, 1, "-") == 0 ? 1 : 0);
+    // A number that begins with 0 has no further digit before its point.
+    if (text_.compare(digits, 1, "0") == 0 && digits + 1 < text_.size() && text_[digits + 1] >= '0' &&
+        text_[digits + 1] <= '9') {
+      return digits + 1;
+    }
+    return std::min(text_.find_first_not_of("+-.0123456789eE", begin), text_.size());
   }
   std::size_t string_end() const {
     std::size_t byte = token_begin() + 1;

@@ -159,6 +159,10 @@ PinholeCamera read_intrinsics(const JsonNode& node, int width, int height, const
     const JsonFields alone(node, {"horizontal_fov"});
     return from_horizontal_fov(width, height, fov->number(k_field_of_view), pose);
   }
+  if (!fields.find("fx") && !fields.find("fy") && !fields.find("cx") && !fields.find("cy")) {
+    node.fail("no focal length", R"("vertical_fov", "horizontal_fov" or "fx", "fy", "cx", "cy")",
+              "none of them");
+  }
   return {.width = width,
           .height = height,
           .fx = fields.require("fx").number(k_focal_length),

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "tests/renderer/describe_scene.h"
+
+#include <fmt/format.h>
+
+namespace alidade::test {
+namespace {
+
+std::string text(double value) {
+  return fmt::format("{:.17g} ", value);
+}
+std::string text(const glm::dvec3& v) {
+  return text(v.x) + text(v.y) + text(v.z);
+}
+std::string text(const std::optional<Rgb>& color) {
+  return color ? text(glm::dvec3(*color)) : std::string("own ");
+}
+
+std::string text(const Material& material) {
+  struct {
+    std::string operator()(const Lambertian& m) const { return fmt::format("lambertian {}", text(m.albedo)); }
+    std::string operator()(const Metal& m) const {
+      return fmt::format("metal {}{}", text(m.albedo), text(m.roughness));
+    }
+    std::string operator()(const Dielectric& m) const {
+      return fmt::format("dielectric {}", text(m.refractive_index));
+    }
+    std::string operator()(const Emissive& m) const {
+      return fmt::format("emissive {}", text(glm::dvec3(m.radiance)));
+    }
+  } visitor;
+  return std::visit(visitor, material);
+}
+
+std::string text(const Object& object) {
+  struct {
+    std::string operator()(const Sphere& s) const {
+      return fmt::format("sphere {}{}{}", text(s.center), text(s.radius), text(s.material));
+    }
+    std::string operator()(const GroundPlane& p) const {
+      return fmt::format("plane {}{}", text(p.height), text(p.material));
+    }
+  } visitor;
+  return std::visit(visitor, object);
+}
+
+std::string text(const Sky& sky) {
+  struct {
+    std::string operator()(const ConstantSky& s) const {
+      return fmt::format("constant {}", text(glm::dvec3(s.radiance)));
+    }
+    std::string operator()(const GradientSky& s) const {
+      return fmt::format("gradient {}{}", text(glm::dvec3(s.horizon)), text(glm::dvec3(s.zenith)));
+    }
+  } visitor;
+  return std::visit(visitor, sky);
+}
+
+std::string text(const CloudSettings& cloud) {
+  std::string result = "cloud ";
+  for (const auto& file : cloud.files) result += file.string() + " ";
+  result +=
+      fmt::format("depth {} hits {} color {} ", int(cloud.color_depth), int(cloud.hits), int(cloud.color));
+  return result + (cloud.radius ? text(*cloud.radius) : "auto ") + text(cloud.material);
+}
+
+}  // namespace
+
+std::string describe(const PinholeCamera& camera) {
+  return fmt::format("{} x {} ", camera.width, camera.height) + text(camera.fx) + text(camera.fy) +
+         text(camera.cx) + text(camera.cy) + text(camera.pose.position) + text(camera.pose.right) +
+         text(camera.pose.down) + text(camera.pose.forward);
+}
+
+std::string describe(const Scene& scene) {
+  std::string result = scene.cloud ? text(*scene.cloud) : "no cloud";
+  for (const Object& object : scene.objects) result += fmt::format("\n{}", text(object));
+  result += fmt::format("\nsky {}", text(scene.sky));
+  if (const auto& sun = scene.sun) {
+    result += fmt::format("\nsun {}{}{}{}", text(sun->azimuth), text(sun->elevation),
+                          text(glm::dvec3(sun->irradiance)), text(sun->angular_diameter));
+  }
+  result += fmt::format("\ncamera {}", scene.camera ? describe(*scene.camera) : "chosen");
+  const RenderSettings& render = scene.render;
+  result += fmt::format("\nrender {} {} {}", render.samples, render.max_bounces, render.seed);
+  const OutputSettings& output = scene.output;
+  result += fmt::format("\noutput '{}' half {} {}", output.file.string(), output.half, text(output.exposure));
+  for (const Layer layer : output.layers) result += fmt::format("{} ", int(layer));
+  return result;
+}
+
+}  // namespace alidade::test

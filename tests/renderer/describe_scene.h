@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+
+#include "renderer/scene.h"
+
+namespace alidade::test {
+
+/// All that a scene holds, as text: equal texts for equal scenes, to the last bit of every number.
+std::string describe(const Scene& scene);
+std::string describe(const PinholeCamera& camera);
+
+}  // namespace alidade::test

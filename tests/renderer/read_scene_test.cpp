@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/read_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "octree/error.h"
+#include "tests/renderer/describe_scene.h"
+
+namespace alidade::test {
+namespace {
+
+Error::Parts scene_error(const std::string& text) {
+  try {
+    parse_scene(text, "scenes/yard.json");
+  } catch (const Error& error) {
+    return error.parts();
+  }
+  ADD_FAILURE() << "no error in " << text;
+  return {};
+}
+
+std::string with(const std::string& rest) {
+  return "{ \"version\": 1,\n  " + rest + " }";
+}
+
+TEST(ReadSceneTest, a_scene_says_what_its_file_says) {
+  const Scene scene = parse_scene(R"({
+    "version": 1, "description": "all of it",
+    "cloud": { "files": ["a.las", "../b.ply"], "radius": 0.05, "hits": "t", "color": "intensity", "color_depth": 8,
+               "material": { "type": "metal", "roughness": 0.25 } },
+    "objects": [ { "type": "sphere", "center": [2, 1.5, -1], "radius": 0.5,
+                   "material": { "type": "metal", "albedo": [0.9, 0.8, 0.7], "roughness": 0.1 } },
+                 { "type": "sphere", "center": [0, 0, 0], "radius": 1,
+                   "material": { "type": "dielectric", "refractive_index": 1.33 } },
+                 { "type": "sphere", "center": [0, 0, 0], "radius": 2,
+                   "material": { "type": "emissive", "radiance": [5, 6, 7] } },
+                 { "type": "ground_plane", "height": 3, "material": { "type": "lambertian", "albedo": [0, 0.5, 1] } },
+                 { "type": "ground_plane" } ],
+    "sky": { "type": "constant", "radiance": [0.25, 0.5, 0.75] },
+    "sun": { "azimuth": 90, "elevation": 45, "irradiance": [1, 2, 3], "angular_diameter": 0 },
+    "render": { "samples": 7, "max_bounces": 0, "seed": 18446744073709551615 },
+    "output": { "file": "out/yard.exr", "layers": ["id", "variance"], "exposure": -1.5, "precision": "float" } })",
+                                  "scenes/yard.json");
+  EXPECT_EQ(describe(scene),
+            "cloud scenes/a.las b.ply depth 1 hits 1 color 2 0.050000000000000003 metal own 0.25 \n"
+            "sphere 2 1.5 -1 0.5 metal 0.89999997615814209 0.80000001192092896 0.69999998807907104 "
+            "0.10000000000000001 \n"
+            "sphere 0 0 0 1 dielectric 1.3300000000000001 \n"
+            "sphere 0 0 0 2 emissive 5 6 7 \n"
+            "plane 3 lambertian 0 0.5 1 \n"
+            "plane 0 lambertian 0.5 0.5 0.5 \n"
+            "sky constant 0.25 0.5 0.75 \n"
+            "sun 90 45 1 2 3 0 \n"
+            "camera chosen\n"
+            "render 7 0 18446744073709551615\n"
+            "output 'scenes/out/yard.exr' half false -1.5 6 7 ");
+}
+
+TEST(ReadSceneTest, what_a_scene_leaves_out_is_as_in_the_structs) {
+  EXPECT_EQ(describe(parse_scene(R"({"version": 1})", "x.json")), describe(Scene{}));
+  Scene scene;
+  scene.cloud.emplace().files = {"a.las"};
+  scene.sun = Sun{};
+  EXPECT_EQ(describe(parse_scene(R"({"version": 1, "cloud": {"file": "a.las"}, "sun": {}})", "x.json")),
+            describe(scene));
+}
+
+TEST(ReadSceneTest, absolute_paths_stay) {
+  const Scene scene = parse_scene(R"({"version": 1, "cloud": {"file": "/data/a.las"}})", "scenes/yard.json");
+  EXPECT_EQ(scene.cloud->files.at(0), "/data/a.las");
+}
+
+TEST(ReadSceneTest, an_unknown_key_names_place_pointer_and_the_nearest_known_key) {
+  const Error::Parts parts =
+      scene_error(with(R"("objects": [ { "type": "sphere", "centre": [0, 0, 0], "radius": 1 } ])"));
+  EXPECT_EQ(parts.file, "scenes/yard.json");
+  EXPECT_EQ(parts.place, "2:36");
+  EXPECT_EQ(parts.problem, "unknown key, did you mean \"center\"? (at /objects/0/centre)");
+  EXPECT_EQ(parts.expected, "one of \"type\", \"center\", \"radius\", \"material\"");
+  EXPECT_EQ(parts.found, "\"centre\"");
+}
+
+TEST(ReadSceneTest, pointers_escape_slash_and_tilde) {
+  EXPECT_EQ(scene_error(with(R"("a/b~c": 1)")).problem, "unknown key (at /a~1b~0c)");
+}
+
+TEST(ReadSceneTest, every_mistake_is_named_at_its_place) {
+  struct Case {
+    std::string text, place, message;
+  };
+  const std::vector<Case> cases{
+      {"[]", "1:1", "wrong type (at the top); expected an object, found an array of 0 values"},
+      {"{}", "1:1", "missing key \"version\" (at the top)"},
+      {R"({"version": 2})", "1:13", "unknown version (at /version); expected 1, found 2"},
+      {with(R"("sun": { "elevation": -90 })"), "2:25",
+       "number out of range (at /sun/elevation); expected a number greater than -90 and at most 90, found "
+       "-90"},
+      {with(R"("sun": { "irradiance": [1, 2] })"), "2:26",
+       "wrong number of values (at /sun/irradiance); expected an array of 3 values, found an array of 2 "
+       "values"},
+      {with(R"("sky": { "type": "constnat" })"), "2:20",
+       "unknown word, did you mean \"constant\"? (at /sky/type); expected one of \"constant\", \"gradient\", "
+       "found "
+       "\"constnat\""},
+      {with(R"("sky": {})"), "2:10", "missing key \"type\" (at /sky)"},
+      {with(R"("cloud": {})"), "2:12", "missing key \"files\" (at /cloud); expected \"files\" or \"file\""},
+      {with(R"("cloud": { "file": "a", "files": ["a"] })"), "2:22", "both \"file\" and \"files\""},
+      {with(R"("cloud": { "file": "" })"), "2:22", "empty text (at /cloud/file)"},
+      {with(R"("cloud": { "file": "a\u0000b" })"), "2:22", "text holds a NUL character"},
+      {with(R"("cloud": { "file": "a", "radius": "Auto" })"), "2:37", "unknown word, did you mean \"auto\"?"},
+      {with(R"("cloud": { "file": "a", "radius": 0 })"), "2:37", "number out of range (at /cloud/radius)"},
+      {with(R"("cloud": { "file": "a", "radius": [1] })"), "2:37",
+       "wrong type (at /cloud/radius); expected a number"},
+      {with(R"("cloud": { "file": "a", "color_depth": 12 })"), "2:42", "unknown color depth"},
+      {with(
+           R"("objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": { "type": "metal" } } ])"),
+       "2:82", "missing key \"albedo\" (at /objects/0/material)"},
+      {with(
+           R"("objects": [ { "type": "ground_plane", "material": { "type": "lambertian", "roughness": 0 } } ])"),
+       "2:78", "unknown key (at /objects/0/material/roughness); expected one of \"type\", \"albedo\""},
+      {with(R"("render": { "samples": 0 })"), "2:26", "expected a whole number from 1 to 16777216, found 0"},
+      {with(R"("render": { "samples": 1.5 })"), "2:26", "not a whole number (at /render/samples)"},
+      {with(R"("render": { "seed": -1 })"), "2:23", "number out of range (at /render/seed)"},
+      {with(R"("render": { "seed": 18446744073709551616 })"), "2:23",
+       "number out of range (at /render/seed)"},
+      {with(R"("output": { "file": "a.tif" })"), "2:23", "unknown kind of image"},
+      {with(R"("output": { "layers": ["id", "id"] })"), "2:32", "layer stands twice (at /output/layers/1)"},
+      {with(R"("output": { "layers": [] })"), "2:25", "wrong number of values"},
+      {with(R"("camera": 5)"), "2:13", "wrong type (at /camera)"},
+      {with(R"("description": 5)"), "2:18",
+       "wrong type (at /description); expected a text in quotes, found 5"},
+  };
+  for (const Case& each : cases) {
+    const Error::Parts parts = scene_error(each.text);
+    EXPECT_EQ(parts.place, each.place) << each.text;
+    EXPECT_NE(std::string(Error(parts).what()).find(each.message), std::string::npos) << Error(parts).what();
+  }
+}
+
+TEST(ReadSceneTest, a_long_unknown_key_gives_a_short_message) {
+  const Error::Parts parts = scene_error(with("\"" + std::string(1'000'000, 'k') + "\": 1"));
+  EXPECT_LT(std::string(Error(parts).what()).size(), 400u);
+}
+
+class SceneFileTest : public ::testing::Test {
+ protected:
+  SceneFileTest() : folder_(std::filesystem::path(::testing::TempDir()) / "read_scene_test") {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_ / "cameras");
+  }
+  std::filesystem::path write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return folder_ / name;
+  }
+  static std::string message(const std::filesystem::path& file) {
+    try {
+      read_scene(file);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+  std::filesystem::path folder_;
+};
+
+constexpr const char* k_camera = R"({"version": 1, "model": "pinhole", "width": 6, "height": 4,
+  "intrinsics": {"vertical_fov": 50}, "pose": {"look_at": {"eye": [1, 2, 3], "target": [0, 0, 0]}}})";
+
+TEST_F(SceneFileTest, a_camera_file_is_found_beside_the_scene) {
+  write("cameras/front.json", k_camera);
+  const auto file = write("scene.json", R"({"version": 1, "camera": "cameras/front.json"})");
+  const auto inline_file = write("inline.json", R"({"version": 1, "camera": )" + std::string(k_camera) + "}");
+  EXPECT_EQ(describe(*read_scene(file).camera), describe(*read_scene(inline_file).camera));
+  EXPECT_EQ(describe(read_camera(folder_ / "cameras/front.json")), describe(*read_scene(file).camera));
+}
+
+TEST_F(SceneFileTest, mistakes_in_a_camera_file_name_that_file) {
+  const auto camera = write("cameras/front.json", "{\n \"version\": 1, \"modl\": \"pinhole\" }");
+  const auto file = write("scene.json", R"({"version": 1, "camera": "cameras/front.json"})");
+  EXPECT_TRUE(message(file).starts_with(camera.string() + ":2:16: unknown key, did you mean \"model\"?"))
+      << message(file);
+}
+
+TEST_F(SceneFileTest, files_that_cannot_be_read_are_errors) {
+  EXPECT_EQ(message(folder_ / "none.json"), (folder_ / "none.json").string() + ": no such file");
+  EXPECT_EQ(message(folder_), folder_.string() + ": not a regular file");
+  EXPECT_EQ(message("/dev/zero"), "/dev/zero: not a regular file");
+  const auto large = write("large.json", "");
+  std::filesystem::resize_file(large, (16u << 20) + 1);
+  EXPECT_NE(message(large).find("too large"), std::string::npos);
+  EXPECT_NE(message(write("empty.json", "")).find(":1:1: not valid JSON"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <regex>
+#include <set>
+
+#include "octree/error.h"
+#include "renderer/read_scene.h"
+#include "tests/renderer/describe_scene.h"
+#include "tests/renderer/schema_validator.h"
+
+// The JSON Schemas are the reference for scene and camera files. Reader and schemas are compared by documents
+// that use every key, and by small changes to them: whatever the change, both must accept or both must
+// refuse.
+
+namespace alidade::test {
+namespace {
+
+const std::filesystem::path k_scenes = std::filesystem::path(ALIDADE_SOURCE_DIR) / "scenes";
+
+struct Sample {
+  std::string schema;
+  Json document;
+};
+
+Json camera(const char* intrinsics, const char* pose) {
+  return Json{{"version", 1},
+              {"description", "a camera"},
+              {"model", "pinhole"},
+              {"width", 6},
+              {"height", 4},
+              {"intrinsics", Json::parse(intrinsics)},
+              {"pose", Json::parse(pose)}};
+}
+
+std::vector<Json> cameras() {
+  return {
+      camera(R"({"vertical_fov": 50})",
+             R"({"look_at": {"eye": [1, 2, 3], "target": [4, 4, 4], "up": [0, 1, 1]}})"),
+      camera(R"({"horizontal_fov": 60})",
+             R"({"matrix": [[1, 0, 0, 5], [0, 0, 1, 6], [0, -1, 0, 7], [0, 0, 0, 1]],
+                                              "convention": "opencv", "direction": "camera_to_world"})"),
+      camera(R"({"fx": 9, "fy": 8, "cx": 3, "cy": 2})",
+             R"({"quaternion": [0.6, 0, 0.8, 0], "translation": [1, 2, 3], "convention": "opengl",
+                 "direction": "world_to_camera"})"),
+  };
+}
+
+std::vector<Sample> samples() {
+  std::vector<Sample> all;
+  for (const Json& each : cameras()) all.push_back({"camera.schema.json", each});
+  Json scene = Json::parse(R"({
+    "version": 1, "description": "a scene",
+    "cloud": { "files": ["a.las", "b.las"], "radius": 0.5, "hits": "t", "color": "height", "color_depth": 16,
+               "material": { "type": "lambertian", "albedo": [0.1, 0.2, 0.3] } },
+    "objects": [
+      { "type": "sphere", "center": [1, 2, 3], "radius": 2,
+        "material": { "type": "metal", "albedo": [0.1, 0.2, 0.3], "roughness": 0.3 } },
+      { "type": "sphere", "center": [1, 2, 3], "radius": 2, "material": { "type": "dielectric", "refractive_index": 1.3 } },
+      { "type": "sphere", "center": [1, 2, 3], "radius": 2, "material": { "type": "emissive", "radiance": [1, 2, 3] } },
+      { "type": "ground_plane", "height": 3, "material": { "type": "lambertian", "albedo": [0.1, 0.2, 0.3] } } ],
+    "sky": { "type": "gradient", "horizon": [0.1, 0.2, 0.3], "zenith": [0.1, 0.2, 0.3] },
+    "sun": { "azimuth": 1, "elevation": 2, "irradiance": [1, 2, 3], "angular_diameter": 1 },
+    "render": { "samples": 3, "max_bounces": 4, "seed": 5 },
+    "output": { "file": "a.exr", "layers": ["depth", "id"], "exposure": 1, "precision": "float" } })");
+  scene["camera"] = cameras().front();
+  scene["camera"].erase("version");
+  all.push_back({"scene.schema.json", scene});
+  scene["cloud"] = Json::parse(R"({"file": "a.las", "radius": "auto", "material": {"type": "metal",
+    "albedo": [0.1, 0.2, 0.3], "roughness": 0.5}})");
+  scene["sky"] = Json::parse(R"({"type": "constant", "radiance": [1, 2, 3]})");
+  scene["camera"] = cameras().back();
+  all.push_back({"scene.schema.json", scene});
+  return all;
+}
+
+/// What the reader makes of a document, or the error. Scenes and cameras give comparable texts.
+struct Reading {
+  std::optional<std::string> description;
+  Error::Parts error;
+};
+
+Reading read(const Sample& sample) {
+  try {
+    const std::string text = sample.document.dump();
+    return {sample.schema == "scene.schema.json" ? describe(parse_scene(text, "none/scene.json"))
+                                                 : describe(parse_camera(text, "none/camera.json")),
+            {}};
+  } catch (const Error& error) {
+    return {{}, error.parts()};
+  }
+}
+
+/// Rules about several values at once, which JSON Schema has no words for.
+bool is_beyond_schema(const Error::Parts& error) {
+  return std::regex_search(
+      error.problem,
+      std::regex("^(rotation is|not a rigid transform|quaternion is not|look_at: |no such file)"));
+}
+
+void expect_agreement(const SchemaValidator& validator, const Sample& sample) {
+  const bool valid = validator.validate(sample.schema, sample.document).has_value();
+  const Reading reading = read(sample);
+  if (valid && !reading.description && is_beyond_schema(reading.error)) return;
+  EXPECT_EQ(valid, reading.description.has_value())
+      << (valid ? "schema accepts, reader does not: " : "reader accepts, schema does not: ")
+      << Error(reading.error).what() << "\n"
+      << sample.document.dump();
+}
+
+/// Pointers of all values of a document.
+std::vector<Json::json_pointer> places(const Json& document) {
+  std::vector<Json::json_pointer> all;
+  const std::function<void(const Json&, const Json::json_pointer&)> visit =
+      [&](const Json& value, const Json::json_pointer& place) {
+        all.push_back(place);
+        if (value.is_object()) {
+          for (const auto& [key, member] : value.items()) visit(member, place / key);
+        }
+        for (std::size_t i = 0; value.is_array() && i < value.size(); ++i) visit(value[i], place / i);
+      };
+  visit(document, Json::json_pointer());
+  return all;
+}
+
+class SceneSchemaTest : public ::testing::Test {
+ protected:
+  SchemaValidator validator_{k_scenes / "schema"};
+};
+
+TEST_F(SceneSchemaTest, reader_and_schema_accept_documents_that_use_every_key) {
+  std::set<const Json*> used;
+  for (const Sample& sample : samples()) {
+    const auto applied = validator_.validate(sample.schema, sample.document);
+    ASSERT_TRUE(applied) << sample.document.dump(1);
+    for (const auto& each : *applied) used.insert(each.schema);
+    EXPECT_TRUE(read(sample).description) << Error(read(sample).error).what();
+  }
+  for (const auto& [id, document] : validator_.documents()) {
+    for (const auto& place : places(document)) {
+      if (place.empty() || place.back() != "properties") continue;
+      for (const auto& [key, property] : document.at(place).items()) {
+        EXPECT_TRUE(used.contains(&document.at(place / key))) << id << place.to_string() << "/" << key;
+      }
+    }
+  }
+}
+
+void add_keys(const Json& schema, std::set<std::string>& keys) {
+  if (!schema.contains("properties")) return;
+  for (const auto& [key, property] : schema.at("properties").items()) keys.insert(key);
+}
+
+// The message about an unknown key lists the keys the reader knows at this place.
+TEST_F(SceneSchemaTest, reader_knows_exactly_the_keys_of_the_schema) {
+  const std::regex quoted("\"([a-z_]+)\"");
+  for (const Sample& sample : samples()) {
+    const auto applied = validator_.validate(sample.schema, sample.document).value();
+    for (const auto& place : places(sample.document)) {
+      if (!sample.document.at(place).is_object()) continue;
+      std::set<std::string> here, all;  // of the alternative that holds, of all alternatives
+      for (const auto& each : applied) {
+        if (each.place != place) continue;
+        add_keys(*each.schema, here);
+        add_keys(*each.schema, all);
+        if (!each.schema->contains("oneOf")) continue;
+        for (const Json& alternative : each.schema->at("oneOf"))
+          add_keys(validator_.resolved(alternative), all);
+      }
+      Sample changed = sample;
+      changed.document[place]["qqqqqqqqqqqq"] = 1;
+      const Error::Parts error = read(changed).error;
+      ASSERT_TRUE(error.problem.starts_with("unknown key (at ")) << error.problem;
+      std::set<std::string> known;
+      const std::string& list = error.expected;
+      for (std::sregex_iterator match(list.begin(), list.end(), quoted), end; match != end; ++match) {
+        known.insert((*match)[1]);
+      }
+      for (const std::string& key : known) EXPECT_TRUE(all.contains(key)) << place.to_string() << ": " << key;
+      for (const std::string& key : here)
+        EXPECT_TRUE(known.contains(key)) << place.to_string() << ": " << key;
+    }
+  }
+}
+
+TEST_F(SceneSchemaTest, leaving_a_key_out_means_the_default_in_the_schema) {
+  // What has no default: texts for people, and what a scene may do without.
+  const std::set<std::string> without_default{"version", "description", "cloud", "sun",
+                                              "camera",  "file",        "files", "albedo"};
+  int count = 0;
+  for (const Sample& sample : samples()) {
+    const auto applied = validator_.validate(sample.schema, sample.document).value();
+    for (const auto& each : applied) {
+      if (each.place.empty() || !each.schema->contains("default")) continue;
+      ++count;
+      Sample left_out = sample, written_out = sample;
+      left_out.document.at(each.place.parent_pointer()).erase(each.place.back());
+      written_out.document[each.place] = each.schema->at("default");
+      EXPECT_TRUE(validator_.validate(sample.schema, written_out.document)) << each.place.to_string();
+      ASSERT_TRUE(read(left_out).description) << Error(read(left_out).error).what();
+      EXPECT_EQ(read(left_out).description, read(written_out).description) << each.place.to_string();
+    }
+    for (const auto& place : places(sample.document)) {
+      if (place.empty() || !sample.document.at(place.parent_pointer()).is_object()) continue;
+      Sample left_out = sample;
+      left_out.document.at(place.parent_pointer()).erase(place.back());
+      if (!read(left_out).description || without_default.contains(place.back())) continue;
+      const bool has_default = std::ranges::any_of(
+          applied, [&](const auto& each) { return each.place == place && each.schema->contains("default"); });
+      EXPECT_TRUE(has_default) << place.to_string() << " may be left out but the schema tells no default";
+    }
+  }
+  EXPECT_GT(count, 30);
+}
+
+TEST_F(SceneSchemaTest, reader_and_schema_agree_at_the_limits_of_every_number) {
+  int count = 0;
+  for (const Sample& sample : samples()) {
+    const auto applied = validator_.validate(sample.schema, sample.document).value();
+    for (const auto& each : applied) {
+      for (const std::string limit : {"minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"}) {
+        if (!each.schema->contains(limit)) continue;
+        ++count;
+        const Json at = each.schema->at(limit);
+        std::vector<Json> probes{at};
+        if (at.is_number_unsigned() && at.get<std::uint64_t>() < UINT64_MAX)
+          probes.push_back(at.get<std::uint64_t>() + 1);
+        if (at.is_number_unsigned() && at.get<std::uint64_t>() > 0)
+          probes.push_back(at.get<std::uint64_t>() - 1);
+        probes.push_back(std::nextafter(at.get<double>(), -INFINITY));
+        probes.push_back(std::nextafter(at.get<double>(), INFINITY));
+        for (const Json& probe : probes) {
+          Sample changed = sample;
+          changed.document[each.place] = probe;
+          expect_agreement(validator_, changed);
+        }
+      }
+    }
+  }
+  EXPECT_GT(count, 100);
+}
+
+TEST_F(SceneSchemaTest, reader_and_schema_agree_on_small_changes_everywhere) {
+  const Json replacements =
+      Json::parse(R"([null, true, false, -1, 0, 0.5, 1, 1.0, 2, 16.0, 1e300, -1e300, "", "x", "x.png",
+    "auto", "entry", "sphere", "metal", "constant", [], {}, [1], ["id"], ["id", "id"], [1, 1, 1], [0.5, 0.5, 0.5],
+    [0.5, 0.5, 0.5, 0.5], [1, 1, "1"], [[1, 1, 1]], {"type": "emissive"}, {"type": "sphere"}, {"type": "metal"},
+    {"file": "a"}, {"file": "a", "files": ["a"]}, {"vertical_fov": 1}, {"vertical_fov": 1, "fx": 1}])");
+  int count = 0;
+  for (const Sample& sample : samples()) {
+    for (const auto& place : places(sample.document)) {
+      std::vector<Sample> changes;
+      for (const Json& replacement : replacements) {
+        changes.push_back(sample);
+        changes.back().document[place] = replacement;
+      }
+      if (!place.empty()) {
+        Json& parent = changes.emplace_back(sample).document.at(place.parent_pointer());
+        if (parent.is_object())
+          parent.erase(place.back());
+        else
+          parent.erase(parent.size() - 1);
+      }
+      if (sample.document.at(place).is_array()) {
+        Json& array = changes.emplace_back(sample).document.at(place);
+        array.push_back(array.front());
+      }
+      count += static_cast<int>(changes.size());
+      for (const Sample& changed : changes) expect_agreement(validator_, changed);
+    }
+  }
+  EXPECT_GT(count, 5000);
+}
+
+TEST_F(SceneSchemaTest, all_scenes_here_are_valid_and_read) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(k_scenes)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.ends_with(".json") || name.ends_with(".schema.json")) continue;
+    ++count;
+    const bool is_camera = name.ends_with(".camera.json");
+    std::ifstream stream(entry.path());
+    EXPECT_TRUE(
+        validator_.validate(is_camera ? "camera.schema.json" : "scene.schema.json", Json::parse(stream)))
+        << name;
+    if (is_camera)
+      EXPECT_NO_THROW(read_camera(entry.path()));
+    else
+      EXPECT_NO_THROW(read_scene(entry.path()));
+  }
+  EXPECT_GE(count, 8);
+}
+
+std::string manual_text() {
+  std::ifstream stream(std::filesystem::path(ALIDADE_SOURCE_DIR) / "docs/scene_format.md");
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+TEST_F(SceneSchemaTest, the_manuals_example_is_valid_and_read) {
+  const std::string manual = manual_text();
+  const std::size_t begin = manual.find("```json\n") + 8;
+  const Sample example{"scene.schema.json",
+                       Json::parse(manual.substr(begin, manual.find("```", begin) - begin))};
+  EXPECT_TRUE(validator_.validate(example.schema, example.document));
+  EXPECT_TRUE(read(example).description);
+}
+
+TEST_F(SceneSchemaTest, the_manual_explains_every_key_and_word_of_the_schemas) {
+  const std::string manual = manual_text();
+  for (const auto& [id, document] : validator_.documents()) {
+    for (const auto& place : places(document)) {
+      if (place.empty()) continue;
+      std::vector<std::string> words;
+      if (place.back() == "properties") {
+        for (const auto& [key, property] : document.at(place).items()) words.push_back(key);
+      }
+      if (place.back() == "enum") {
+        for (const Json& word : document.at(place))
+          words.push_back(word.is_string() ? word.get<std::string>() : word.dump());
+      }
+      if (place.back() == "const" && document.at(place).is_string()) words.push_back(document.at(place));
+      for (const std::string& word : words) {
+        const bool explained = manual.find("`" + word + "`") != std::string::npos ||
+                               manual.find("`\"" + word + "\"`") != std::string::npos;
+        EXPECT_TRUE(explained) << word;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace alidade::test
