@@ -149,6 +149,7 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
     source.reader.reset();
   }
   warn_of_gaps(given, options.attributes, cloud);
+  report(options.progress, bytes_to_read, bytes_to_read);
   return cloud;
 }
 

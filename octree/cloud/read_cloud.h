@@ -18,7 +18,7 @@ struct ReadOptions {
   /// `automatic`: 8 bits if no channel of any coloured LAS point exceeds 255 (and some channel is not 0), else 16.
   /// What was assumed stands in PointCloud::warnings when it is 8.
   ColorDepth color_depth = ColorDepth::automatic;
-  Progress progress;  ///< in bytes of input
+  Progress progress{};  ///< in bytes of input
 };
 
 /// Reads one or more cloud files into one cloud. The format is told by content, never by the file's name:

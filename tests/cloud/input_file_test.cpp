@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/input_file.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "tests/cloud/cloud_test_support.h"
+
+namespace alidade {
+namespace {
+
+using test::error_of;
+
+std::string text(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+/// The same ten bytes as a file on disk and in memory.
+class InputFileTest : public ::testing::TestWithParam<bool> {
+ protected:
+  InputFile open() {
+    if (GetParam()) return InputFile(std::as_bytes(std::span(content_)), "memory");
+    const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "input_file_test.txt";
+    test::write_text(path, content_);
+    return InputFile(path);
+  }
+  const std::string content_ = "0123456789";
+};
+
+TEST_P(InputFileTest, reads_anywhere) {
+  InputFile file = open();
+  EXPECT_EQ(file.size(), 10u);
+  EXPECT_EQ(text(file.view(7, 3)), "789");
+  EXPECT_EQ(text(file.view(0, 2)), "01");
+  EXPECT_EQ(text(file.view(3, 0)), "");
+  EXPECT_EQ(text(file.view(2, 8)), "23456789");
+  std::array<std::byte, 4> copy;
+  file.read_at(5, copy);
+  EXPECT_EQ(text(copy), "5678");
+}
+
+TEST_P(InputFileTest, view_up_to_stops_at_the_end) {
+  InputFile file = open();
+  EXPECT_EQ(text(file.view_up_to(8, 100)), "89");
+  EXPECT_EQ(text(file.view_up_to(10, 1)), "");
+  EXPECT_EQ(text(file.view_up_to(std::uint64_t(1) << 63, 1)), "");
+}
+
+TEST_P(InputFileTest, bytes_beyond_the_end_are_an_error_that_names_the_byte) {
+  InputFile file = open();
+  EXPECT_NE(error_of([&] { file.view(8, 3); }).find("byte 8"), std::string::npos);
+  EXPECT_NE(error_of([&] { file.view(~std::uint64_t(0), 2); }).find("ends early"), std::string::npos);
+  std::array<std::byte, 11> copy;
+  EXPECT_NE(error_of([&] { file.read_at(0, copy); }).find("expected 11 bytes from here, found 10"),
+            std::string::npos);
+  EXPECT_EQ(text(file.view(0, 10)), content_);
+}
+
+TEST_P(InputFileTest, reads_on_after_a_rest_and_a_move) {
+  InputFile file = open();
+  EXPECT_EQ(text(file.view(1, 2)), "12");
+  file.rest();
+  EXPECT_EQ(text(file.view(1, 2)), "12");
+  InputFile moved = std::move(file);
+  EXPECT_EQ(text(moved.view(4, 2)), "45");
+  file = std::move(moved);
+  EXPECT_EQ(text(file.view(4, 3)), "456");
+}
+
+INSTANTIATE_TEST_SUITE_P(, InputFileTest, ::testing::Bool(),
+                         [](const auto& test) { return test.param ? "in_memory" : "on_disk"; });
+
+TEST(InputFileErrorTest, a_missing_file_and_a_folder_are_errors) {
+  EXPECT_NE(error_of([] { InputFile(std::filesystem::path("/no/such/file")); }).find("cannot be opened"),
+            std::string::npos);
+  EXPECT_NE(error_of([] { InputFile{std::filesystem::path(::testing::TempDir())}; }).find("found a folder"),
+            std::string::npos);
+}
+
+TEST(InputFileErrorTest, a_file_that_became_shorter_is_an_error) {
+  const std::filesystem::path path = test::test_folder() / "shrinks.txt";
+  test::write_text(path, "0123456789");
+  InputFile file(path);
+  test::write_text(path, "012");
+  EXPECT_NE(error_of([&] { file.view(0, 10); }).find("became shorter"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/output_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/cloud/cloud_test_support.h"
+
+namespace alidade {
+namespace {
+
+using test::error_of;
+
+std::span<const std::byte> bytes_of(const std::string& text) {
+  return std::as_bytes(std::span(text));
+}
+
+std::string content(const std::filesystem::path& path) {
+  const std::vector<std::byte> bytes = test::read_bytes(path);
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::size_t files_in(const std::filesystem::path& folder) {
+  return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
+
+TEST(OutputFileTest, appears_whole_at_commit_and_leaves_nothing_else) {
+  const std::filesystem::path folder = test::test_folder(), path = folder / "out.txt";
+  OutputFile file(path, false);
+  file.write(bytes_of("hello "));
+  file.write(bytes_of("world"));
+  EXPECT_EQ(file.size(), 11u);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  file.commit();
+  EXPECT_EQ(content(path), "hello world");
+  EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(OutputFileTest, without_commit_nothing_is_left_and_an_earlier_file_stays) {
+  const std::filesystem::path folder = test::test_folder(), path = folder / "out.txt";
+  test::write_text(path, "earlier");
+  {
+    OutputFile file(path, true);
+    file.write(bytes_of("later"));
+  }
+  EXPECT_EQ(content(path), "earlier");
+  EXPECT_EQ(files_in(folder), 1u);
+}
+
+TEST(OutputFileTest, replaces_a_file_only_if_told) {
+  const std::filesystem::path path = test::test_folder() / "out.txt";
+  test::write_text(path, "earlier");
+  EXPECT_NE(error_of([&] { OutputFile(path, false); }).find("exists already"), std::string::npos);
+  EXPECT_NE(error_of([&] { check_output(path, false); }).find("exists already"), std::string::npos);
+  check_output(path, true);
+  OutputFile file(path, true);
+  file.write(bytes_of("later"));
+  file.commit();
+  EXPECT_EQ(content(path), "later");
+}
+
+TEST(OutputFileTest, a_file_that_appeared_in_the_meantime_is_not_replaced) {
+  const std::filesystem::path path = test::test_folder() / "out.txt";
+  OutputFile file(path, false);
+  test::write_text(path, "somebody else's");
+  EXPECT_NE(error_of([&] { file.commit(); }).find("exists already"), std::string::npos);
+  EXPECT_EQ(content(path), "somebody else's");
+}
+
+TEST(OutputFileTest, a_missing_folder_and_a_folder_as_file_are_errors) {
+  const std::filesystem::path folder = test::test_folder();
+  EXPECT_NE(error_of([&] { OutputFile(folder / "none" / "out.txt", false); }).find("no folder"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { OutputFile(folder, true); }).find("not a regular file"), std::string::npos);
+  EXPECT_NE(error_of([&] { OutputFile("/dev/null", true); }).find("not a regular file"), std::string::npos);
+}
+
+TEST(OutputFileTest, write_at_completes_bytes_already_written) {
+  const std::filesystem::path path = test::test_folder() / "out.txt";
+  OutputFile file(path, false);
+  const std::string large(1000000, 'x');
+  file.write(bytes_of("head"));
+  file.write(bytes_of(large));
+  file.write_at(1, bytes_of("EA"));
+  file.write(bytes_of("tail"));
+  file.write_at(1000002, bytes_of("XX"));
+  file.commit();
+  std::string expected = "head" + large + "tail";
+  expected.replace(1, 2, "EA");
+  expected.replace(1000002, 2, "XX");
+  EXPECT_EQ(content(path), expected);
+}
+
+TEST(OutputFileTest, the_temporary_file_has_the_final_extension_and_can_be_written_by_path) {
+  const std::filesystem::path path = test::test_folder() / "picture.exr";
+  OutputFile file(path, false);
+  EXPECT_EQ(file.temporary_path().extension(), ".exr");
+  EXPECT_EQ(file.temporary_path().parent_path(), path.parent_path());
+  EXPECT_TRUE(std::filesystem::exists(file.temporary_path()));
+  test::write_text(file.temporary_path(), "an image");
+  file.commit();
+  EXPECT_EQ(content(path), "an image");
+}
+
+TEST(OutputFileTest, a_symbolic_link_keeps_leading_to_the_file) {
+  const std::filesystem::path folder = test::test_folder();
+  test::write_text(folder / "target.txt", "earlier");
+  std::filesystem::create_symlink("target.txt", folder / "link.txt");
+  OutputFile file(folder / "link.txt", true);
+  file.write(bytes_of("later"));
+  file.commit();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.txt"));
+  EXPECT_EQ(content(folder / "target.txt"), "later");
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: MIT
+// Telling formats apart, and joining files to one cloud.
+#include "octree/cloud/read_cloud.h"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/las_builder.h"
+
+namespace alidade {
+namespace {
+
+using test::build_las;
+using test::error_of;
+using test::LasFile;
+using test::warns;
+
+/// A LAS file with one point per step given on the x axis.
+LasFile las(std::vector<std::int32_t> steps, double offset = 0, double scale = 0.01) {
+  LasFile file;
+  file.point_format = 0;
+  file.offset = {offset, 0, 0};
+  file.scale = {scale, scale, scale};
+  for (const std::int32_t x : steps) file.points.emplace_back().x = x;
+  return file;
+}
+
+/// Files in memory, read as one cloud; called first, second, ...
+PointCloud join(const std::vector<std::vector<std::byte>>& files, const ReadOptions& options = {}) {
+  static const char* const k_names[] = {"first", "second", "third"};
+  std::vector<InputFile> opened;
+  for (std::size_t i = 0; i < files.size(); ++i) opened.emplace_back(files[i], k_names[i]);
+  return join_files(std::move(opened), options);
+}
+
+std::vector<std::byte> text(const std::string& content) {
+  const auto bytes = std::as_bytes(std::span(content));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string format_of(const std::string& content) {
+  return test::read_memory(text(content)).files.at(0).format;
+}
+
+TEST(OpenCloudTest, formats_are_told_by_content) {
+  EXPECT_EQ(test::read_memory(build_las(las({1}))).files.at(0).format, "LAS");
+  EXPECT_EQ(
+      format_of(
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+          "end_header\n1 2 3\n"),
+      "PLY");
+  const std::string pcd =
+      "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\n"
+      "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 1\nDATA ascii\n1 2 3\n";
+  EXPECT_EQ(format_of(pcd), "PCD");
+  EXPECT_EQ(format_of("# .PCD v.7 - Point Cloud Data\n" + pcd), "PCD");
+  EXPECT_EQ(format_of("1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n"),
+            "PTX");
+  EXPECT_EQ(format_of("2\n1 2 3\n4 5 6\n"), "PTS");
+  EXPECT_EQ(format_of("x,y,z\n1,2,3\n"), "CSV");
+  EXPECT_EQ(format_of("1 2 3\n4 5 6\n"), "XYZ");
+}
+
+TEST(OpenCloudTest, an_empty_file_is_an_error) {
+  EXPECT_NE(error_of([] { test::read_memory({}); }).find("memory: is empty"), std::string::npos);
+}
+
+TEST(OpenCloudTest, binary_of_no_known_format_is_an_error_that_lists_the_formats) {
+  const std::string message = error_of([] {
+    test::read_memory(
+        text(std::string("\x7f"
+                         "ELF\2\1\1\0\0\0\0",
+                         11)));
+  });
+  EXPECT_NE(message.find("LAS, PLY, PCD, PTX, PTS, CSV or XYZ"), std::string::npos) << message;
+}
+
+TEST(OpenCloudTest, e57_is_an_error_that_names_it) {
+  EXPECT_NE(error_of([] { test::read_memory(text("ASTM-E57 and so on")); }).find("is E57"),
+            std::string::npos);
+}
+
+TEST(OpenCloudTest, a_missing_file_is_an_error) {
+  EXPECT_NE(error_of([] { read_cloud("/no/such/file.las"); }).find("/no/such/file.las: cannot be opened"),
+            std::string::npos);
+}
+
+TEST(ReadCloudTest, no_files_make_an_empty_cloud) {
+  EXPECT_EQ(read_cloud(std::span<const std::filesystem::path>()).size(), 0u);
+}
+
+TEST(ReadCloudTest, points_of_several_files_follow_in_the_order_given) {
+  const PointCloud cloud = join({build_las(las({1, 2})), build_las(las({3})), build_las(las({4, 5}))});
+  ASSERT_EQ(cloud.size(), 5u);
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(cloud.positions[static_cast<std::size_t>(i)].x, i + 1);
+  ASSERT_EQ(cloud.files.size(), 3u);
+  EXPECT_EQ(cloud.files[2].path, "third");
+  EXPECT_EQ(cloud.files[2].point_count, 2u);
+  EXPECT_EQ(cloud.positions.capacity(), 5u) << "room is reserved once";
+  EXPECT_EQ(cloud.intensities.capacity(), 5u);
+}
+
+TEST(ReadCloudTest, offsets_that_differ_by_whole_steps_share_the_first_lattice) {
+  const PointCloud cloud = join({build_las(las({1}, 690000)), build_las(las({1}, 690012.34))});
+  EXPECT_EQ(cloud.lattice.offset.x, 690000);
+  EXPECT_EQ(cloud.positions[1].x, 1235);
+}
+
+TEST(ReadCloudTest, another_scale_or_a_fraction_of_a_step_is_an_error_that_names_the_file) {
+  const std::string scale = error_of([] { join({build_las(las({1})), build_las(las({1}, 0, 0.001))}); });
+  EXPECT_NE(scale.find("second: does not share the lattice of first; expected scale 0.01"), std::string::npos)
+      << scale;
+  const std::string offset = error_of([] { join({build_las(las({1})), build_las(las({1}, 0.005))}); });
+  EXPECT_NE(offset.find("offset 0.005"), std::string::npos) << offset;
+}
+
+TEST(ReadCloudTest, files_too_far_apart_for_32_bits_are_an_error) {
+  const std::string message = error_of([] {
+    join({build_las(las({2147483647})), build_las(las({2147483647}, 1))});
+  });
+  EXPECT_NE(message.find("second: lies too far"), std::string::npos) << message;
+}
+
+TEST(ReadCloudTest, the_lattice_of_a_file_without_points_binds_nobody) {
+  const PointCloud cloud = join({build_las(las({}, 0, 0.3)), build_las(las({7}))});
+  EXPECT_EQ(cloud.lattice.scale.x, 0.01);
+  EXPECT_EQ(cloud.positions[0].x, 7);
+  EXPECT_EQ(join({build_las(las({}, 5, 0.3))}).lattice.scale.x, 0.3);
+}
+
+TEST(ReadCloudTest, attributes_of_some_files_only_are_zeros_in_the_others_and_said_so) {
+  LasFile colored = las({1});
+  colored.point_format = 2;
+  colored.points[0].color = {300, 200, 100};
+  const PointCloud cloud = join({build_las(las({1, 2})), build_las(colored), build_las(las({3}))});
+  EXPECT_EQ(cloud.colors, (std::vector<Color16>{{0, 0, 0}, {0, 0, 0}, {300, 200, 100}, {0, 0, 0}}));
+  EXPECT_TRUE(warns(cloud, "first: has no color, which is filled with zeros"));
+  EXPECT_TRUE(warns(cloud, "third: has no color"));
+  EXPECT_FALSE(warns(cloud, "second: has no"));
+}
+
+TEST(ReadCloudTest, extra_dimensions_are_joined_by_meaning) {
+  LasFile one = test::sample_las(4, 6, 2), two = test::sample_las(4, 6, 3, 9);
+  two.records = {
+      test::las_extra_bytes_record({test::las_extra_bytes_entry(3, 1 | 8 | 16, "Range", 0.01, 100.0),
+                                    test::las_extra_bytes_entry(0, 11, "Other")})};
+  const PointCloud cloud = join({build_las(one), build_las(two)});
+  ASSERT_EQ(cloud.extra_dimensions.size(), 5u);
+  const ExtraDimension& range = cloud.extra_dimensions[1];
+  ASSERT_EQ(range.values.size(), 10u);
+  EXPECT_EQ(range.values[0], one.points[0].extra[4]);
+  EXPECT_EQ(range.values[4], two.points[0].extra[0]);
+  EXPECT_EQ(cloud.extra_dimensions[4].values.size(), 5u * 11);
+  EXPECT_EQ(cloud.extra_dimensions[0].values[8], 0) << "the second file has no Deviation";
+}
+
+TEST(ReadCloudTest, another_crs_is_a_warning_that_names_the_file) {
+  LasFile one = las({1}), two = las({2});
+  one.records = {{"LASF_Projection", 2112, "", {'A', '[', ']', 0}}};
+  two.records = {{"LASF_Projection", 2112, "", {'B', '[', ']', 0}}};
+  const PointCloud cloud = join({build_las(one), build_las(two)});
+  EXPECT_EQ(cloud.crs.wkt, "A[]");
+  EXPECT_TRUE(warns(cloud, "second: states another coordinate reference system"));
+  EXPECT_FALSE(warns(join({build_las(one), build_las(one), build_las(las({3}))}), "coordinate reference"));
+}
+
+TEST(ReadCloudTest, records_that_tiles_repeat_are_kept_once) {
+  LasFile one = las({1});
+  one.records = {{"u", 1, "", {1}}, {"u", 1, "", {1}}, {"u", 2, "", {1}}};
+  LasFile two = las({2});
+  two.records = {{"u", 1, "", {1}}, {"u", 3, "", {1}}};
+  EXPECT_EQ(join({build_las(one), build_las(two)}).records.size(), 4u);
+}
+
+TEST(ReadCloudTest, thousands_of_files_need_few_handles) {
+  const std::filesystem::path path = test::test_folder() / "tile.las";
+  test::write_bytes(path, build_las(las({1})));
+  rlimit before{};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit few{64, before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &few);
+  const PointCloud cloud = read_cloud(std::vector<std::filesystem::path>(500, path));
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(cloud.size(), 500u);
+}
+
+TEST(ReadCloudTest, free_coordinates_share_a_lattice_over_all_files) {
+  const PointCloud cloud = join({text("690000.5 5325000.25 480\n"), text("690100 5325100 530.125\n")});
+  EXPECT_EQ(cloud.lattice.scale, glm::dvec3(0.001));
+  ASSERT_EQ(cloud.size(), 2u);
+  EXPECT_EQ(cloud.world(0), glm::dvec3(690000.5, 5325000.25, 480));
+  EXPECT_EQ(cloud.world(1), glm::dvec3(690100, 5325100, 530.125));
+}
+
+TEST(ReadCloudTest, free_coordinates_beside_las_go_to_the_lattice_of_the_las_file) {
+  const PointCloud cloud = join({text("1.25 2 3\n4.126 5 6\n"), build_las(las({700}))});
+  EXPECT_EQ(cloud.lattice.scale, glm::dvec3(0.01));
+  EXPECT_EQ(cloud.positions, (std::vector<LatticePosition>{{125, 200, 300}, {413, 500, 600}, {700, 0, 0}}));
+  EXPECT_TRUE(warns(cloud, "first: coordinates are rounded to steps of 0.01"));
+  const std::string message = error_of([] { join({build_las(las({700})), text("1e9 2 3\n")}); });
+  EXPECT_NE(message.find("second: lies too far away for the lattice of first"), std::string::npos) << message;
+}
+
+TEST(ReadCloudTest, progress_runs_from_file_to_file_up_to_the_total) {
+  const std::vector<std::vector<std::byte>> files = {build_las(las({1})), text("1 2 3\n4 5 6\n")};
+  std::uint64_t last = 0, whole = 0;
+  ReadOptions options;
+  options.progress = [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_GE(done, last);
+    last = done;
+    whole = total;
+    return true;
+  };
+  join(files, options);
+  EXPECT_EQ(whole, files[0].size() + 2 * files[1].size());
+  EXPECT_EQ(last, whole);
+}
+
+/// The colours of a LAS file with these, read with a depth.
+std::vector<Color16> colors_of(const std::vector<std::array<std::uint16_t, 3>>& colors, ColorDepth depth,
+                               std::vector<std::string>* warnings = nullptr) {
+  LasFile file;
+  for (const auto& color : colors) file.points.emplace_back().color = color;
+  ReadOptions options;
+  options.color_depth = depth;
+  PointCloud cloud = test::read_memory(build_las(file), options);
+  if (warnings) *warnings = cloud.warnings;
+  return cloud.colors;
+}
+
+TEST(ColorDepthTest, eight_bit_colours_are_found_and_spread_over_16_bits) {
+  std::vector<std::string> warnings;
+  EXPECT_EQ(colors_of({{1, 2, 3}, {254, 0, 0}}, ColorDepth::automatic, &warnings),
+            (std::vector<Color16>{{257, 514, 771}, {65278, 0, 0}}));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0],
+            "memory: colours use 8 of 16 bits (largest value 254); pass --color-depth 16 if that is wrong");
+}
+
+TEST(ColorDepthTest, sixteen_bit_and_black_colours_stay) {
+  std::vector<std::string> warnings;
+  EXPECT_EQ(colors_of({{1, 2, 3}, {256, 0, 0}}, ColorDepth::automatic, &warnings),
+            (std::vector<Color16>{{1, 2, 3}, {256, 0, 0}}));
+  EXPECT_EQ(colors_of({{0, 0, 0}}, ColorDepth::automatic, &warnings), (std::vector<Color16>{{0, 0, 0}}));
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST(ColorDepthTest, the_caller_decides_if_he_says_so) {
+  EXPECT_EQ(colors_of({{1, 2, 3}}, ColorDepth::bits_16), (std::vector<Color16>{{1, 2, 3}}));
+  std::vector<std::string> warnings;
+  EXPECT_EQ(colors_of({{1, 2, 300}}, ColorDepth::bits_8, &warnings),
+            (std::vector<Color16>{{257, 514, 65535}}));
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("above 255"), std::string::npos);
+}
+
+TEST(ColorDepthTest, each_file_has_its_own_depth) {
+  LasFile shallow, deep;
+  shallow.points.emplace_back().color = {255, 0, 0};
+  deep.points.emplace_back().color = {65535, 255, 0};
+  const PointCloud cloud = join({build_las(shallow), build_las(deep), build_las(shallow)});
+  EXPECT_EQ(cloud.colors, (std::vector<Color16>{{65535, 0, 0}, {65535, 255, 0}, {65535, 0, 0}}));
+}
+
+TEST(ColorDepthTest, near_infrared_follows_the_colours_if_it_is_no_deeper) {
+  LasFile file;
+  file.version_minor = 4;
+  file.point_format = 8;
+  file.points.resize(2);
+  file.points[0].color = {200, 0, 0};
+  file.points[0].near_infrared = 100;
+  const auto read = [&] { return test::read_memory(build_las(file)); };
+  EXPECT_EQ(read().near_infrared[0], 25700);
+  file.points[1].near_infrared = 1000;
+  EXPECT_EQ(read().near_infrared[0], 100);
+  EXPECT_EQ(read().colors[0].x, 51400);
+}
+
+}  // namespace
+}  // namespace alidade
