@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: MIT
+// Any bytes through the LAS reader: an Error or a cloud whose size the input can pay for.
+#include <cstdint>
+#include <cstdlib>
+
+#include "octree/cloud/cloud_reader.h"
+#include "octree/error.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto bytes = std::as_bytes(std::span(data, size));
+  try {
+    alidade::open_las(alidade::InputFile(bytes, "input"));
+    // The same file twice also goes through the joining of lattices, columns and records.
+    std::vector<alidade::InputFile> files;
+    files.emplace_back(bytes, "first");
+    files.emplace_back(bytes, "second");
+    const alidade::PointCloud cloud = alidade::join_files(std::move(files), {});
+    if (cloud.size() * 20 > 2 * size) std::abort();
+  } catch (const alidade::Error&) {
+  }
+  return 0;
+}
