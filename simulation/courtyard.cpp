@@ -36,6 +36,7 @@ shapes::Ground ground() {
       {{0.0, -29.2}, {62.0, 3.2}, false, slab},
       {{0.0, -43.2}, {62.0, 2.4}, false, slab},
       {{0.0, -36.6}, {62.0, 4.2}, false, asphalt},
+      {{0.0, -36.6}, {62.0, 0.08}, false, static_cast<int>(Pavement::road_marking)},
       {{-5.0, -29.2}, {2.4, 3.2}, false, cobble},
       {{-19.0, -29.5}, {0.9, 0.9}, false, soil},
       {{11.0, -29.5}, {0.9, 0.9}, false, soil},

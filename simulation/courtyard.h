@@ -5,7 +5,30 @@
 
 namespace alidade {
 
-/// The sample site: a courtyard between four wings with a gateway, in UTM-like coordinates. Always the same.
+/// The sample site: a courtyard between four wings, in UTM-like coordinates. Always the same, down to the last leaf.
+/// Its own frame has its zero at world (690000, 5325000, 600): x east, y north, the yard's paving at z = 0; the land
+/// beyond the buildings rolls by up to a metre. All of it lies within |x| <= 62, |y| <= 54.
+///
+///      y                          garden, trees
+///      26 ┌─────────────────────────────────────────────────┐
+///         │ north wing, three storeys, dormers, ridge 12.4  │
+///    16.5 ├──────┬────flower bed───┤door├───flower bed──┬───┤
+///         │ west │ tree on a lawn     │   tree on a lawn│ e │
+///         │ wing,│                    │                 │ a │        neighbour's
+///       0 │ ar-  │  bench         fountain (0,-0.5)     │ s │        house
+///         │ cade │            four benches round it     │ t │
+///         │      │ tree on a lawn                       │   │
+///         │      │ flowers     │          cars          │   │
+///   -17.5 │      ├────────────gate──────────────────────┤   │
+///         │      │ south wing, gateway at x = -5        │   │
+///     -26 └──────┴──────────────────────────────────────┴───┘
+///                pavement with trees and lamps
+///     -36   ═════════════ street, a parked car ══════════════
+///     -45   houses across the street
+///   x:   -33   -24.5         -5   0                  24.5  33
+///
+/// A view to show: from (23, -15.2, 6.8) to (-5, 2.5, 1.2), vertical field of view 56 degrees, picture 3:2, the sun at
+/// azimuth 150, elevation 40: over cars and fountain to arcade and main house.
 /// Cost: about a tenth of a second.
 Site courtyard();
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr dvec3 k_yellow(0.90, 0.80, 0.575), k_rose(0.86, 0.64, 0.53), k_cream(0.91, 0.865, 0.76), k_white(0.90, 0.885, 0.84),
     k_ochre(0.85, 0.70, 0.46), k_stone(0.80, 0.755, 0.675);
-constexpr dvec3 k_red_tile(0.645, 0.345, 0.235), k_brown_tile(0.545, 0.325, 0.25), k_slate(0.40, 0.405, 0.43);
+constexpr dvec3 k_red_tile(0.605, 0.375, 0.285), k_brown_tile(0.50, 0.335, 0.275), k_slate(0.40, 0.405, 0.43);
 
 void add_chimney(Objects& objects, const dvec2& place, double bottom, double top) {
   objects.push_back({upright_box({place.x - 0.45, place.y - 0.35, bottom}, {place.x + 0.45, place.y + 0.35, top}),

@@ -93,8 +93,8 @@ void add_car(Objects& objects, const dvec3& place, const dvec2& forward, const d
 }  // namespace
 
 void add_cars(Objects& objects, const shapes::Ground& ground) {
-  add_car(objects, {11.6, -9.6, 0.0}, {0.28, 0.96}, {0.66, 0.12, 0.11});
-  add_car(objects, {17.4, -10.6, 0.0}, {0.0, -1.0}, {0.17, 0.30, 0.52});
+  add_car(objects, {11.6, -9.0, 0.0}, {-0.6, 0.8}, {0.66, 0.12, 0.11});
+  add_car(objects, {14.8, -3.4, 0.0}, {-0.28, -0.96}, {0.17, 0.30, 0.52});
   const dvec2 street(17.0, -33.4);
   add_car(objects, dvec3(street, shapes::height_at(ground, street).height), {-1.0, 0.0}, {0.80, 0.80, 0.79});
 }

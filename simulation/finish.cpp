@@ -83,6 +83,7 @@ dvec3 terrain(int face, const dvec3& position) {
     case Pavement::slab: return slab(position);
     case Pavement::gravel: return gravel(position);
     case Pavement::asphalt: return asphalt(position);
+    case Pavement::road_marking: return fraction(position.x / 6.0) < 0.5 ? dvec3(0.80, 0.80, 0.78) : asphalt(position);
     case Pavement::soil: return soil(position);
     case Pavement::grass: break;
   }
@@ -214,7 +215,10 @@ std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint&
   constexpr std::uint8_t k_unclassified = 1, k_ground = 2, k_low_vegetation = 3, k_high_vegetation = 5, k_building = 6,
                          k_water = 9, k_road = 11, k_car = 64, k_furniture = 65, k_target = 66;
   switch (finish.material) {
-    case SiteMaterial::terrain: return static_cast<Pavement>(surface.face) == Pavement::asphalt ? k_road : k_ground;
+    case SiteMaterial::terrain: {
+      const auto pavement = static_cast<Pavement>(surface.face);
+      return pavement == Pavement::asphalt || pavement == Pavement::road_marking ? k_road : k_ground;
+    }
     case SiteMaterial::plaster:
     case SiteMaterial::trim:
     case SiteMaterial::brick:

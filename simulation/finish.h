@@ -33,7 +33,7 @@ enum class SiteMaterial : std::uint8_t {
 };
 
 /// Faces of the terrain (shapes::Patch::face): what lies on the ground.
-enum class Pavement : int { grass, cobble, slab, gravel, asphalt, soil };
+enum class Pavement : int { grass, cobble, slab, gravel, asphalt, road_marking, soil };
 
 /// How one shape of a site looks.
 struct Finish {

@@ -12,7 +12,7 @@ ScanOptions courtyard_scan(std::uint64_t point_count, std::uint64_t seed) {
   ScanOptions options;
   options.point_count = point_count;
   options.seed = seed;
-  const glm::dvec2 yard[] = {{-16.5, -1.5}, {-3.2, 9.5}, {8.0, 3.0}, {19.5, 9.8}, {17.8, -5.0}, {5.2, -12.6}, {-11.9, -14.8}};
+  const glm::dvec2 yard[] = {{-16.5, -1.5}, {-3.2, 9.5}, {8.0, 3.0}, {19.5, 9.8}, {18.2, -8.4}, {5.2, -12.6}, {-11.9, -14.8}};
   const glm::dvec2 street[] = {{-5.0, -30.5}, {28.0, -38.0}, {-36.0, -36.5}};
   const shapes::Ground ground = courtyard_parts::ground();
   const auto set_up = [&](const glm::dvec2& place) {

@@ -86,8 +86,11 @@ struct Delivery {
     if (batch.size() > missing()) batch.resize(static_cast<std::size_t>(missing()));
     if (batch.size() == 0) return;
     sink(batch);
+    const std::uint64_t before = delivered;
     delivered += batch.size();
-    report(progress, delivered, options.point_count);
+    constexpr std::uint64_t k_points_per_report = 131072;
+    if (delivered / k_points_per_report != before / k_points_per_report || missing() == 0)
+      report(progress, delivered, options.point_count);
   }
 };
 

@@ -46,7 +46,7 @@ AttributeSet scan_attributes();
 /// standard deviations), rounded to the lattice. point_source_id counts stations, then lines, from 1; gps_time increases.
 ///
 /// Errors: no flight line; a flight pass that meets nothing; a point outside the lattice. Throws Cancelled if asked to stop.
-/// Cost: about a microsecond per point on two cores; memory: a few megabytes.
+/// Cost: about a microsecond per point on two cores; memory: some 20 MB.
 void scan(const Site& site, const ScanOptions& options, const PointSink& sink, const Progress& progress = {});
 
 }  // namespace alidade
