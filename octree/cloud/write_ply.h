@@ -13,7 +13,7 @@ enum class PlyEncoding { ascii, binary_little_endian };
 struct PlyWriteOptions {
   PlyEncoding encoding = PlyEncoding::binary_little_endian;
   bool overwrite = false;
-  Progress progress;  ///< in points
+  Progress progress{};  ///< in points
 };
 
 /// Writes a cloud as PLY: double x y z, then nx ny nz, red green blue (uchar: colours are rounded to 8 bits),
