@@ -188,15 +188,25 @@ void scan(const Site& site, const ScanOptions& options, const PointSink& sink, c
   }
 
   emission.range_noise = options.drone.range_noise;
+  constexpr int k_most_passes = 1000;
+  double sent = 0.0, met = 0.0;
   for (int pass = 0; delivery.missing() > 0; ++pass) {
+    // Every beam is expected to meet the site until experience says otherwise.
+    const double share_met = met > 0.0 ? met / sent : 1.0;
+    auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(delivery.missing()) / share_met));
+    constexpr std::uint64_t k_second_try = 100000;
+    if (pass > 0 && met == 0.0) count = std::max(count, k_second_try);
+    if (pass == k_most_passes || (pass > 1 && met == 0.0)) throw Error({.problem = "the flight over the site meets nothing"});
+
     const std::uint64_t before = delivery.delivered;
-    const FlightBeams beams(options.drone, options.flight_lines, site.origin().z, delivery.missing(), pass);
-    send_beams(site, header, emission, beams.count(),
+    const FlightBeams beams(options.drone, options.flight_lines, site.origin().z, count, pass);
+    send_beams(site, header, emission, count,
                [&](std::uint64_t index) {
                  return std::pair(beams.beam(index), static_cast<std::uint16_t>(options.stations.size() + beams.line_of(index) + 1));
                },
                delivery);
-    if (delivery.delivered == before) throw Error({.problem = "a flight over the site gives no points"});
+    sent += static_cast<double>(count);
+    met += static_cast<double>(delivery.delivered - before);
     ++emission.pass;
     emission.start_time += beams.seconds() + k_pause;
   }

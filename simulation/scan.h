@@ -39,13 +39,14 @@ AttributeSet scan_attributes();
 /// How the number comes out exact without cutting anything off: a coarse survey of each station tells the share of its beams
 /// that meet something; from it one angular step for all stations is chosen that gives about terrestrial_share of
 /// the points. The flight then sends as many beams as points are missing, spread evenly over its lines; beams that miss
-/// the site are made up for by further passes. (Only if the stations alone should give more than point_count, which takes
-/// a share of nearly 1 or a handful of points, are the surplus points left out.)
+/// the site are made up for by further passes, each as large as the share of hits so far lets expect. (Surplus points are left out only
+/// if the stations alone should give more than point_count, which takes a share of nearly 1 or a handful of points, and
+/// behind such further passes; courtyard() needs none.)
 ///
 /// Each point lies on its beam, off the surface by the range noise (a sum of eight uniform numbers, so never beyond 5
 /// standard deviations), rounded to the lattice. point_source_id counts stations, then lines, from 1; gps_time increases.
 ///
-/// Errors: no flight line; a flight pass that meets nothing; a point outside the lattice. Throws Cancelled if asked to stop.
+/// Errors: no flight line, or one that is not level above the origin; a flight that meets nothing; a point outside the lattice. Throws Cancelled if asked to stop.
 /// Cost: about a microsecond per point on two cores; memory: some 20 MB.
 void scan(const Site& site, const ScanOptions& options, const PointSink& sink, const Progress& progress = {});
 

@@ -86,6 +86,8 @@ std::optional<double> intersect_shape(const Frustum& frustum, const Ray& ray) {
   const double c = glm::dot(across, across) - radius * radius;
   const double discriminant = b * b - a * c;
   if (discriminant < 0.0) return std::nullopt;
+  if (a == 0.0 && b == 0.0) return std::nullopt;  // along the mantle of a cylinder
+  // The root that does not cancel first, the other from the product of both.
   const double q = -(b + std::copysign(std::sqrt(discriminant), b));
   double near = q != 0.0 ? c / q : 0.0;
   double far = a != 0.0 ? q / a : near;

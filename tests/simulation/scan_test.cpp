@@ -12,7 +12,7 @@
 #include "octree/cloud/read_cloud.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"
-#include "tests/simulation/random_numbers.h"
+#include "tests/support/random.h"
 
 namespace alidade {
 namespace {
@@ -83,7 +83,6 @@ TEST(Scan, SeedsChangeTheNoiseAndOnlyTheNoise) {
   EXPECT_GT(differ, one.size() / 3);
 }
 
-/// The scanner's place for each point of a station.
 TEST(Scan, StationPointsLieOnTheFirstSurfaceOfTheirBeamWithinTheNoise) {
   const Site site = courtyard();
   const ScanOptions options = courtyard_scan(60000, 3);
@@ -91,7 +90,6 @@ TEST(Scan, StationPointsLieOnTheFirstSurfaceOfTheirBeamWithinTheNoise) {
   // 5 standard deviations and the rounding to the lattice; to be told from the surface itself the beam must not graze.
   const double k_limit = 5.0 * options.terrestrial.range_noise + 0.001;
   std::size_t checked = 0, near = 0;
-  double sum = 0.0, sum_sq = 0.0;
   for (std::size_t i = 0; i < cloud.size() && cloud.point_source_ids[i] <= options.stations.size(); ++i) {
     const dvec3 eye = options.stations[cloud.point_source_ids[i] - 1u].position;
     const dvec3 to_point = cloud.world(i) - eye;
@@ -102,8 +100,6 @@ TEST(Scan, StationPointsLieOnTheFirstSurfaceOfTheirBeamWithinTheNoise) {
     if (!hit || std::fabs(hit->t - range) > k_limit + 0.02) continue;
     ++near;
     if (glm::dot(hit->normal, -glm::normalize(to_point)) < 0.5) continue;
-    sum += range - hit->t;
-    sum_sq += (range - hit->t) * (range - hit->t);
     ASSERT_LE(std::fabs(hit->t - range), k_limit + 0.001);
   }
   EXPECT_GT(checked, 30000u);
@@ -147,7 +143,7 @@ TEST(Scan, LeavesAShadowBehindTheWall) {
 
 TEST(Scan, DensityFallsAsARasterOfEqualAnglesMust) {
   const Site site = field_with_wall();
-  const PointCloud cloud = collect(site, field_options(site, 400000));
+  const PointCloud cloud = collect(site, field_options(site, 1500000));
   // On level ground a beam's place is height / tan(depression), so a ring between distances a and b holds
   // columns * (atan(height / a) - atan(height / b)) / step points.
   const auto ring = [&](double from, double to) {
@@ -162,8 +158,9 @@ TEST(Scan, DensityFallsAsARasterOfEqualAnglesMust) {
   };
   const auto expected = [](double from, double to) { return std::atan(1.7 / from) - std::atan(1.7 / to); };
   const double near = ring(4, 8), middle = ring(8, 16), far = ring(16, 32);
-  EXPECT_NEAR(near / middle, expected(4, 8) / expected(8, 16), 0.05);
-  EXPECT_NEAR(middle / far, expected(8, 16) / expected(16, 32), 0.05);
+  // Within a raster row more or less.
+  EXPECT_NEAR(near / middle, expected(4, 8) / expected(8, 16), 0.08);
+  EXPECT_NEAR(middle / far, expected(8, 16) / expected(16, 32), 0.12);
   EXPECT_GT(near / (64.0 - 16.0), 6.0 * middle / (256.0 - 64.0));  // per area
 }
 
@@ -234,8 +231,8 @@ TEST(Scan, ColumnsAreFilledAsDocumented) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     ASSERT_EQ(cloud.returns[i], (ReturnNumbers{1, 1}));
     ASSERT_LE(std::fabs(cloud.scan_angles[i]), 180.0f);
-    if (i > 0) ASSERT_GT(cloud.gps_times[i], cloud.gps_times[i - 1]);
   }
+  for (std::size_t i = 1; i < cloud.size(); ++i) ASSERT_GT(cloud.gps_times[i], cloud.gps_times[i - 1]);
 }
 
 TEST(GenerateCourtyard, WritesWhatTheScanGives) {

@@ -5,13 +5,13 @@
 
 #include <cmath>
 
-#include "tests/simulation/random_numbers.h"
+#include "tests/support/random.h"
 
 namespace alidade {
 namespace {
 
 TEST(SineCosine, DiffersFromTheStandardLibraryByLessThan1e15) {
-  test::RandomNumbers random;
+  test::Random random;
   for (int i = 0; i < 200000; ++i) {
     const double angle = random.between(-100.0, 100.0);
     const SineCosine own = sine_cosine(angle);
