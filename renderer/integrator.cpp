@@ -12,14 +12,14 @@ constexpr int k_first_roulette_vertex = 3;
 /// A place on a path, with what light scattered there needs.
 struct Vertex {
   Surface surface;
-  Frame frame;
-  glm::dvec3 outgoing;  ///< in the frame
+  Basis basis;
+  glm::dvec3 outgoing;  ///< in the basis
   Departure departure;
 
   Vertex(const Ray& ray, const Intersection& intersection, const Surface& surface_there)
       : surface(surface_there),
-        frame(frame_around(surface.normal)),
-        outgoing(frame.to_local(-ray.direction)) {
+        basis(basis_around(surface.normal)),
+        outgoing(basis.to_local(-ray.direction)) {
     departure.from = intersection.on_cloud ? Departure::From::point : Departure::From::object;
     departure.index = intersection.index;
     departure.center = intersection.center;
@@ -38,7 +38,7 @@ struct Vertex {
 Rgb sunlight(const World& world, const SunDisc& sun, const Vertex& vertex, Sampler& sampler,
              std::uint64_t& ray_count) {
   const glm::dvec3 direction = sun.sample(sampler.next_2d());
-  const glm::dvec3 incoming = vertex.frame.to_local(direction);
+  const glm::dvec3 incoming = vertex.basis.to_local(direction);
   const Rgb light = sun.sample_weight() * vertex.eval(incoming);
   if (light == Rgb(0.0f)) return light;
   ++ray_count;
@@ -49,7 +49,7 @@ Rgb lamplight(const World& world, const Lights& lights, const Vertex& vertex, Sa
               std::uint64_t& ray_count) {
   const double u_choice = sampler.next_1d();
   const LightSample lamp = lights.sample(vertex.surface.position, u_choice, sampler.next_2d());
-  const glm::dvec3 incoming = vertex.frame.to_local(lamp.direction);
+  const glm::dvec3 incoming = vertex.basis.to_local(lamp.direction);
   const double both_pdf = lamp.pdf + pdf(*vertex.surface.material, vertex.outgoing, incoming);
   const Rgb light = lamp.radiance * vertex.eval(incoming) / static_cast<float>(both_pdf);
   if (light == Rgb(0.0f)) return light;
@@ -110,7 +110,7 @@ PathResult trace_path(const World& world, const Lights& lights, const Ray& camer
       if (!(u_roulette < survival)) return result;
       throughput /= survival;
     }
-    ray = {vertex.surface.position, vertex.frame.to_world(next->incoming)};
+    ray = {vertex.surface.position, vertex.basis.to_world(next->incoming)};
     departure = vertex.leaving(next->incoming);
     bounce_pdf = next->pdf;
     only_specular = only_specular && next->specular;

@@ -45,8 +45,8 @@ LightSample Lights::sample(const glm::dvec3& position, double u_choice, const gl
   const double height = cap_height(chosen->sphere, position);
   const glm::dvec3 offset = chosen->sphere.center - position;
   const double distance = glm::length(offset);
-  const Frame frame = frame_around(distance > 0.0 ? offset / distance : glm::dvec3(0.0, 0.0, 1.0));
-  return {chosen->object, frame.to_world(sample_cone(u, height)), chosen->radiance,
+  const Basis basis = basis_around(distance > 0.0 ? offset / distance : glm::dvec3(0.0, 0.0, 1.0));
+  return {chosen->object, basis.to_world(sample_cone(u, height)), chosen->radiance,
           chosen->chance * pdf_cone(height)};
 }
 

@@ -19,7 +19,7 @@ constexpr double k_pi = std::numbers::pi;
 
 /// Three unit axes at right angles with the normal as z; directions in local coordinates have z = cosine to
 /// the normal.
-struct Frame {
+struct Basis {
   glm::dvec3 tangent{1.0, 0.0, 0.0}, bitangent{0.0, 1.0, 0.0}, normal{0.0, 0.0, 1.0};
 
   glm::dvec3 to_local(const glm::dvec3& world) const {
@@ -30,8 +30,8 @@ struct Frame {
   }
 };
 
-/// A frame around a unit normal. Source: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017.
-inline Frame frame_around(const glm::dvec3& normal) {
+/// A basis around a unit normal. Source: Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017.
+inline Basis basis_around(const glm::dvec3& normal) {
   const double sign = std::copysign(1.0, normal.z);
   const double a = -1.0 / (sign + normal.z);
   const double b = normal.x * normal.y * a;

@@ -13,27 +13,27 @@ class SunDisc {
   explicit SunDisc(const Sun& sun) : irradiance_(sun.irradiance) {
     const SineCosine azimuth = sine_cosine_of_degrees(sun.azimuth),
                      elevation = sine_cosine_of_degrees(sun.elevation);
-    frame_ = frame_around(glm::normalize(
+    basis_ = basis_around(glm::normalize(
         glm::dvec3(azimuth.sine * elevation.cosine, azimuth.cosine * elevation.cosine, elevation.sine)));
     const double half_sine = sine_cosine_of_degrees(0.25 * sun.angular_diameter).sine;
     cap_height_ = 2.0 * half_sine * half_sine;
   }
 
   /// Towards the middle of the disc.
-  const glm::dvec3& center() const { return frame_.normal; }
+  const glm::dvec3& center() const { return basis_.normal; }
 
   /// Parallel light comes from a point that no ray can hit.
   bool is_parallel() const { return cap_height_ == 0.0; }
 
   /// What a ray sees that ends in the disc; zero for any other and for parallel light.
   Rgb radiance(const glm::dvec3& direction) const {
-    const bool inside = !is_parallel() && glm::dot(direction, frame_.normal) >= 1.0 - cap_height_;
+    const bool inside = !is_parallel() && glm::dot(direction, basis_.normal) >= 1.0 - cap_height_;
     return inside ? irradiance_ / static_cast<float>(projected_solid_angle()) : Rgb(0.0f);
   }
 
   /// A direction towards the disc, evenly.
   glm::dvec3 sample(const glm::dvec2& u) const {
-    return is_parallel() ? center() : frame_.to_world(sample_cone(u, cap_height_));
+    return is_parallel() ? center() : basis_.to_world(sample_cone(u, cap_height_));
   }
 
   /// Radiance over density of a sampled direction: what the scattering function times cosine is multiplied
@@ -46,7 +46,7 @@ class SunDisc {
  private:
   double projected_solid_angle() const { return k_pi * cap_height_ * (2.0 - cap_height_); }
 
-  Frame frame_;
+  Basis basis_;
   Rgb irradiance_;
   double cap_height_ = 0.0;  ///< 1 - cosine of half the angular diameter
 };

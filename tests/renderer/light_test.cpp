@@ -28,9 +28,9 @@ TEST(Sun, radiance_of_the_disc_is_irradiance_over_solid_angle) {
   const double half = 0.265 * k_pi / 180.0;
   const double solid_angle = 2.0 * k_pi * (1.0 - std::cos(half));
   EXPECT_NEAR(disc.radiance(disc.center()).g * solid_angle, 2.0, 2e-5);
-  const Frame frame = frame_around(disc.center());
+  const Basis basis = basis_around(disc.center());
   const auto at = [&](double angle) {
-    return disc.radiance(frame.to_world({std::sin(angle), 0.0, std::cos(angle)}));
+    return disc.radiance(basis.to_world({std::sin(angle), 0.0, std::cos(angle)}));
   };
   EXPECT_GT(at(0.999 * half).r, 0.0f);
   EXPECT_EQ(at(1.001 * half).r, 0.0f);

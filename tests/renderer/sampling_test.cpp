@@ -8,20 +8,20 @@
 namespace alidade {
 namespace {
 
-TEST(Sampling, frame_is_right_handed_and_orthonormal_for_every_normal) {
+TEST(Sampling, basis_is_right_handed_and_orthonormal_for_every_normal) {
   test::Random random;
   for (int i = 0; i < 5000; ++i) {
     glm::dvec3 normal = glm::normalize(random.direction());
     if (i == 0) normal = {0, 0, 1};
     if (i == 1) normal = {0, 0, -1};
     if (i == 2) normal = {1, 0, -0.0};
-    const Frame frame = frame_around(normal);
-    ASSERT_NEAR(glm::length(glm::cross(frame.tangent, frame.bitangent) - normal), 0.0, 1e-14);
-    ASSERT_NEAR(glm::dot(frame.tangent, normal), 0.0, 1e-14);
-    ASSERT_NEAR(glm::length(frame.tangent), 1.0, 1e-14);
-    ASSERT_NEAR(glm::length(frame.bitangent), 1.0, 1e-14);
+    const Basis basis = basis_around(normal);
+    ASSERT_NEAR(glm::length(glm::cross(basis.tangent, basis.bitangent) - normal), 0.0, 1e-14);
+    ASSERT_NEAR(glm::dot(basis.tangent, normal), 0.0, 1e-14);
+    ASSERT_NEAR(glm::length(basis.tangent), 1.0, 1e-14);
+    ASSERT_NEAR(glm::length(basis.bitangent), 1.0, 1e-14);
     const glm::dvec3 v = random.in_cube();
-    ASSERT_NEAR(glm::length(frame.to_world(frame.to_local(v)) - v), 0.0, 1e-14);
+    ASSERT_NEAR(glm::length(basis.to_world(basis.to_local(v)) - v), 0.0, 1e-14);
   }
 }
 

@@ -79,7 +79,7 @@ TEST(Surface, a_ray_that_leaves_a_point_never_meets_it_again) {
       const double sine = std::sqrt(1.0 - cosine * cosine), turns = random.unit();
       const SineCosine turn = sine_cosine_of_turns(turns);
       const glm::dvec3 direction =
-          frame_around(surface.normal).to_world({sine * turn.cosine, sine * turn.sine, cosine});
+          basis_around(surface.normal).to_world({sine * turn.cosine, sine * turn.sine, cosine});
       ASSERT_FALSE(world.nearest({surface.position, direction}, departure)) << "cosine " << cosine;
       ASSERT_FALSE(world.blocked({surface.position, direction}, departure)) << "cosine " << cosine;
     }
@@ -119,7 +119,7 @@ TEST(Surface, a_ray_that_leaves_an_object_never_meets_it_again_outside) {
     const SineCosine turn = sine_cosine_of_turns(random.unit());
     const double cosine = std::pow(10.0, random.between(-18.0, 0.0)), sine = std::sqrt(1.0 - cosine * cosine);
     const glm::dvec3 direction =
-        frame_around(normal).to_world({sine * turn.cosine, sine * turn.sine, cosine});
+        basis_around(normal).to_world({sine * turn.cosine, sine * turn.sine, cosine});
     const Ray ray{k_utm + 1000.0 * normal, direction};
     ASSERT_FALSE(world.nearest(ray, {Departure::From::object, 0, {}, false}));
     ASSERT_FALSE(world.blocked(ray, {Departure::From::object, 0, {}, false}));
