@@ -19,7 +19,8 @@ struct Beam {
   double seconds = 0.0;     ///< since the scan or flight began
 };
 
-/// The raster of a terrestrial scanner. Beam = column * rows + row; columns follow azimuth, rows elevation upwards.
+/// The raster of a terrestrial scanner. Beam = column * rows + row; columns follow azimuth, rows elevation
+/// upwards.
 class StationBeams {
  public:
   /// About as many steps per degree in both directions; at least one of each.
@@ -35,13 +36,15 @@ class StationBeams {
   std::vector<SineCosine> rows_;  ///< of the elevation of each row
 };
 
-/// `count` beams spread evenly over flight lines: as many on each as the strip it covers is long and wide, in sweeps as far
-/// apart as the beams of a sweep.
+/// `count` beams spread evenly over flight lines: as many on each as the strip it covers is long and wide, in
+/// sweeps as far apart as the beams of a sweep.
 class FlightBeams {
  public:
-  /// `ground_height` is the level the strips are reckoned on; `pass` shifts the sweeps so that a second pass falls between the first's.
-  /// Errors: no lines; a line without length; a line not above the ground; pitch or field of view out of their limits.
-  FlightBeams(const DroneScanner& scanner, const std::vector<FlightLine>& lines, double ground_height, std::uint64_t count, int pass);
+  /// `ground_height` is the level the strips are reckoned on; `pass` shifts the sweeps so that a second pass
+  /// falls between the first's. Errors: no lines; a line without length; a line not above the ground; pitch
+  /// or field of view out of their limits.
+  FlightBeams(const DroneScanner& scanner, const std::vector<FlightLine>& lines, double ground_height,
+              std::uint64_t count, int pass);
 
   std::uint64_t count() const { return count_; }
   double seconds() const { return seconds_; }

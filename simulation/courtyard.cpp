@@ -56,6 +56,7 @@ Site courtyard() {
   Objects objects;
   objects.push_back({land, {.material = SiteMaterial::terrain}});
   add_buildings(objects);
+  add_neighbours(objects);
   add_plants(objects, land);
   add_furniture(objects);
   add_cars(objects, land);

@@ -5,9 +5,10 @@
 
 namespace alidade {
 
-/// The sample site: a courtyard between four wings, in UTM-like coordinates. Always the same, down to the last leaf.
-/// Its own frame has its zero at world (690000, 5325000, 600): x east, y north, the yard's paving at z = 0; the land
-/// beyond the buildings rolls by up to a metre. All of it lies within |x| <= 62, |y| <= 54.
+/// The sample site: a courtyard between four wings, in UTM-like coordinates. Always the same, down to the
+/// last leaf. Its own frame has its zero at world (690000, 5325000, 600): x east, y north, the yard's paving
+/// at z = 0; the land beyond the buildings rolls by up to a metre. All of it lies within |x| <= 62, |y|
+/// <= 54.
 ///
 ///      y                          garden, trees
 ///      26 ┌─────────────────────────────────────────────────┐
@@ -27,9 +28,9 @@ namespace alidade {
 ///     -45   houses across the street
 ///   x:   -33   -24.5         -5   0                  24.5  33
 ///
-/// A view to show: from (23, -15.2, 6.8) to (-5, 2.5, 1.2), vertical field of view 56 degrees, picture 3:2, the sun at
-/// azimuth 150, elevation 40: over cars and fountain to arcade and main house.
-/// Cost: about a tenth of a second.
+/// A view to show: from (23, -15.2, 6.8) to (-5, 2.5, 1.2), vertical field of view 56 degrees, picture 3:2,
+/// the sun at azimuth 150, elevation 40: over cars and fountain to arcade and main house. Cost: about a tenth
+/// of a second.
 Site courtyard();
 
 }  // namespace alidade

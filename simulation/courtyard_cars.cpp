@@ -25,7 +25,8 @@ struct Side {
   dvec3 through, normal;
 };
 
-shapes::ConvexSolid bodywork(const CarFrame& frame, const std::vector<Side>& sides, const dvec3& min, const dvec3& max) {
+shapes::ConvexSolid bodywork(const CarFrame& frame, const std::vector<Side>& sides, const dvec3& min,
+                             const dvec3& max) {
   shapes::ConvexSolid solid;
   for (const Side& side : sides) {
     const dvec3 normal = frame.direction(glm::normalize(side.normal));
@@ -44,16 +45,18 @@ void add_wheel(Objects& objects, const CarFrame& frame, double x, double side) {
   const Finish tyre{.material = SiteMaterial::tyre};
   objects.push_back({rod(at(0.66), at(0.905), k_radius, k_radius), tyre});
   objects.push_back({shapes::Disc{at(0.905), outward, k_radius, 0.0}, tyre});
-  objects.push_back({shapes::Disc{at(0.66), outward, k_radius, 0.0}, {.material = SiteMaterial::car_body, .tint = dvec3(0.08)}});
-  objects.push_back({shapes::Disc{at(0.893), outward, 0.395, 0.0}, {.material = SiteMaterial::car_body, .tint = dvec3(0.07)}});
+  objects.push_back({shapes::Disc{at(0.66), outward, k_radius, 0.0},
+                     {.material = SiteMaterial::car_body, .tint = dvec3(0.08)}});
+  objects.push_back({shapes::Disc{at(0.893), outward, 0.395, 0.0},
+                     {.material = SiteMaterial::car_body, .tint = dvec3(0.07)}});
 }
 
 void add_car(Objects& objects, const dvec3& place, const dvec2& forward, const dvec3& tint) {
   const CarFrame frame{place, dvec3(forward, 0.0), dvec3(-forward.y, forward.x, 0.0)};
-  std::vector<Side> body = {{{0, 0, 0.24}, {0, 0, -1}},         {{0, 0, 0.93}, {0, 0, 1}},
-                            {{2.18, 0, 0.5}, {1, 0, 0.10}},     {{2.18, 0, 0.45}, {0.8, 0, -0.6}},
-                            {{1.05, 0, 0.93}, {0.11, 0, 1}},    {{2.08, 0, 0.76}, {0.7, 0, 0.7}},
-                            {{-2.15, 0, 0.6}, {-1, 0, 0.06}},   {{-2.15, 0, 0.42}, {-0.8, 0, -0.6}},
+  std::vector<Side> body = {{{0, 0, 0.24}, {0, 0, -1}},        {{0, 0, 0.93}, {0, 0, 1}},
+                            {{2.18, 0, 0.5}, {1, 0, 0.10}},    {{2.18, 0, 0.45}, {0.8, 0, -0.6}},
+                            {{1.05, 0, 0.93}, {0.11, 0, 1}},   {{2.08, 0, 0.76}, {0.7, 0, 0.7}},
+                            {{-2.15, 0, 0.6}, {-1, 0, 0.06}},  {{-2.15, 0, 0.42}, {-0.8, 0, -0.6}},
                             {{-2.08, 0, 0.88}, {-0.7, 0, 0.7}}};
   std::vector<Side> cabin = {{{0, 0, 0.85}, {0, 0, -1}},          {{0, 0, 1.46}, {0, 0, 1}},
                              {{1.08, 0, 0.90}, {0.70, 0, 0.714}}, {{-1.95, 0, 0.90}, {-0.84, 0, 0.54}},
@@ -67,11 +70,14 @@ void add_car(Objects& objects, const dvec3& place, const dvec2& forward, const d
     cabin.push_back({{0, side * 0.80, 0.92}, {0, side * 0.93, 0.36}});
     cabin.push_back({{0, side * 0.52, 1.45}, {0, side * 0.32, 0.947}});
   }
-  objects.push_back({bodywork(frame, body, {-2.25, -0.9, 0.2}, {2.25, 0.9, 0.95}), {.material = SiteMaterial::car_body, .tint = tint}});
-  objects.push_back({bodywork(frame, cabin, {-2.0, -0.9, 0.8}, {1.2, 0.9, 1.5}), {.material = SiteMaterial::car_cabin, .tint = tint}});
+  objects.push_back({bodywork(frame, body, {-2.25, -0.9, 0.2}, {2.25, 0.9, 0.95}),
+                     {.material = SiteMaterial::car_body, .tint = tint}});
+  objects.push_back({bodywork(frame, cabin, {-2.0, -0.9, 0.8}, {1.2, 0.9, 1.5}),
+                     {.material = SiteMaterial::car_cabin, .tint = tint}});
 
   const Finish paint{.material = SiteMaterial::metal, .tint = 0.97 * tint};
-  const Finish light{.material = SiteMaterial::metal, .tint = {0.88, 0.89, 0.88}}, rear_light{.material = SiteMaterial::metal, .tint = {0.60, 0.08, 0.08}};
+  const Finish light{.material = SiteMaterial::metal, .tint = {0.88, 0.89, 0.88}},
+      rear_light{.material = SiteMaterial::metal, .tint = {0.60, 0.08, 0.08}};
   const auto pillar = [&](const dvec3& foot, const dvec3& head, double radius) {
     objects.push_back({rod(frame.position(foot), frame.position(head), radius, radius), paint});
   };
@@ -87,7 +93,8 @@ void add_car(Objects& objects, const dvec3& place, const dvec2& forward, const d
     objects.push_back({shapes::Sphere{frame.position({0.78, side * 0.93, 0.98}), 0.085}, paint});
   }
   for (const double end : {2.17, -2.14})
-    objects.push_back({turned_box(frame.position({end, 0.0, 0.50}), forward, {0.03, 0.26, 0.055}), {.material = SiteMaterial::metal, .tint = dvec3(0.9)}});
+    objects.push_back({turned_box(frame.position({end, 0.0, 0.50}), forward, {0.03, 0.26, 0.055}),
+                       {.material = SiteMaterial::metal, .tint = dvec3(0.9)}});
 }
 
 }  // namespace

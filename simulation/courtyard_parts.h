@@ -9,17 +9,21 @@
 #include "simulation/shapes.h"
 #include "simulation/site.h"
 
-// What courtyard() is put together from. Positions in the site's own frame: metres, x east, y north, the yard's paving at z = 0.
+// What courtyard() is put together from. Positions in the site's own frame: metres, x east, y north, the
+// yard's paving at z = 0.
 
 namespace alidade::courtyard_parts {
 
 using Objects = std::vector<SiteObject>;
 
-/// The rolling ground with everything that lies on it. Trees and houses outside the yard ask it where to stand.
+/// The rolling ground with everything that lies on it. Trees and houses outside the yard ask it where to
+/// stand.
 shapes::Ground ground();
 
-/// Four wings round the yard, with gateway and arcade, and the neighbours.
+/// Four wings round the yard, with gateway and arcade.
 void add_buildings(Objects& objects);
+/// Houses across the street and to both sides.
+void add_neighbours(Objects& objects);
 /// Trees, hedges and clipped balls.
 void add_plants(Objects& objects, const shapes::Ground& ground);
 /// Fountain, benches, lamp posts, barrels, stone balls, survey targets.
@@ -38,7 +42,8 @@ shapes::Frustum rod(const glm::dvec3& from, const glm::dvec3& to, double from_ra
 
 enum class Filling { window, door, passage };
 
-/// An opening in a wall, seen from outside: `u` is its middle from the wall's left end, `bottom` a height above z = 0.
+/// An opening in a wall, seen from outside: `u` is its middle from the wall's left end, `bottom` a height
+/// above z = 0.
 struct WallOpening {
   double u = 0.0, bottom = 1.0;
   glm::dvec2 size{1.1, 1.6};
@@ -48,24 +53,26 @@ struct WallOpening {
 /// A house wall from left to right as seen from outside.
 struct WallPlan {
   glm::dvec2 left{0.0}, right{1.0, 0.0};
-  double base = 0.0, top = 6.0;    ///< heights
+  double base = 0.0, top = 6.0;  ///< heights
   glm::dvec3 tint{0.8};
-  double plinth = 0.7;             ///< height of its upper edge above z = 0
+  double plinth = 0.7;  ///< height of its upper edge above z = 0
   std::vector<WallOpening> openings{};
   glm::dvec3 door_tint{0.30, 0.20, 0.13};
   bool shutters = false;
   glm::dvec3 shutter_tint{0.25, 0.37, 0.30};
   bool cornice = true;
 };
-/// The wall with niches behind its windows and doors, their stone frames and sills, and a cornice below the eaves.
+/// The wall with niches behind its windows and doors, their stone frames and sills, and a cornice below the
+/// eaves.
 void add_wall(Objects& objects, const WallPlan& plan);
 
 /// `count` windows evenly over [from, to] of a wall.
 void add_windows(WallPlan& plan, int count, double from, double to, double bottom, const glm::dvec2& size);
 
-/// A gable roof over a rectangle, its ridge along x or y, with gutters and ridge tiles. Gable walls are closed at both ends.
+/// A gable roof over a rectangle, its ridge along x or y, with gutters and ridge tiles. Gable walls are
+/// closed at both ends.
 struct RoofPlan {
-  glm::dvec2 min{0.0}, max{1.0};   ///< of the walls below
+  glm::dvec2 min{0.0}, max{1.0};  ///< of the walls below
   bool ridge_along_x = true;
   double eaves = 6.0, ridge = 9.0;  ///< heights
   glm::dvec3 tint{0.62, 0.33, 0.22};
@@ -73,5 +80,7 @@ struct RoofPlan {
   double gable_overhang = 0.25;
 };
 void add_roof(Objects& objects, const RoofPlan& plan);
+
+void add_chimney(Objects& objects, const glm::dvec2& place, double bottom, double top);
 
 }  // namespace alidade::courtyard_parts

@@ -48,12 +48,19 @@ void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& grou
   const dvec3 crown = foot + dvec3(0, 0, 0.62 * plan.height);
   const dvec3 crown_radii(plan.crown_radius, plan.crown_radius, 0.36 * plan.height);
   const dvec3 bark_tint(0.40, 0.335, 0.27);
-  const auto bark = [&] { return Finish{.material = SiteMaterial::bark, .tint = bark_tint, .seed = dice.bits()}; };
+  const auto bark = [&] {
+    return Finish{.material = SiteMaterial::bark, .tint = bark_tint, .seed = dice.bits()};
+  };
 
   const dvec3 fork = foot + dvec3(dice.between(-0.2, 0.2), dice.between(-0.2, 0.2), 0.36 * plan.height);
-  objects.push_back({rod(foot - dvec3(0, 0, 0.3), foot + dvec3(0, 0, 0.35), 1.7 * plan.trunk_radius, 1.05 * plan.trunk_radius), bark()});
-  objects.push_back({rod(foot + dvec3(0, 0, 0.3), fork, 1.05 * plan.trunk_radius, 0.75 * plan.trunk_radius), bark()});
-  objects.push_back({rod(fork, crown + dvec3(0, 0, 0.4 * crown_radii.z), 0.75 * plan.trunk_radius, 0.15 * plan.trunk_radius), bark()});
+  objects.push_back({rod(foot - dvec3(0, 0, 0.3), foot + dvec3(0, 0, 0.35), 1.7 * plan.trunk_radius,
+                         1.05 * plan.trunk_radius),
+                     bark()});
+  objects.push_back(
+      {rod(foot + dvec3(0, 0, 0.3), fork, 1.05 * plan.trunk_radius, 0.75 * plan.trunk_radius), bark()});
+  objects.push_back({rod(fork, crown + dvec3(0, 0, 0.4 * crown_radii.z), 0.75 * plan.trunk_radius,
+                         0.15 * plan.trunk_radius),
+                     bark()});
 
   struct Clump {
     dvec3 center;
@@ -62,14 +69,18 @@ void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& grou
   constexpr int k_clump_count = 34, k_branch_count = 9;
   std::vector<Clump> clumps;
   for (int i = 0; i < k_clump_count; ++i)
-    clumps.push_back({crown + dice.between(0.45, 0.82) * dice.direction() * crown_radii, dice.between(0.26, 0.42) * plan.crown_radius});
+    clumps.push_back({crown + dice.between(0.45, 0.82) * dice.direction() * crown_radii,
+                      dice.between(0.26, 0.42) * plan.crown_radius});
   for (int i = 0; i < k_branch_count; ++i)
-    objects.push_back({rod(fork + dvec3(0, 0, 0.12 * i), clumps[i].center, 0.42 * plan.trunk_radius, 0.1 * plan.trunk_radius), bark()});
+    objects.push_back({rod(fork + dvec3(0, 0, 0.12 * i), clumps[i].center, 0.42 * plan.trunk_radius,
+                           0.1 * plan.trunk_radius),
+                       bark()});
 
   for (int i = 0; i < plan.leaf_count; ++i) {
     const Clump& clump = clumps[static_cast<std::size_t>(i % k_clump_count)];
     const dvec3 outward = dice.direction();
-    const double reach = std::max(dice.between(0.1, 1.0), dice.between(0.1, 1.0));  // more leaves outside than inside
+    const double reach =
+        std::max(dice.between(0.1, 1.0), dice.between(0.1, 1.0));  // more leaves outside than inside
     const dvec3 place = clump.center + clump.radius * reach * outward;
     const dvec3 facing = glm::normalize(outward + 0.9 * dice.direction() + dvec3(0, 0, 0.5));
     const double height_share = (place.z - crown.z) / crown_radii.z;  // sunlit leaves on top are yellower
@@ -89,7 +100,8 @@ void add_topiary(Objects& objects, const dvec2& place, double base) {
   const dvec3 foot(place, base);
   const Finish clay{.material = SiteMaterial::trim, .tint = {0.66, 0.40, 0.29}};
   objects.push_back({rod(foot, foot + dvec3(0, 0, 0.5), 0.24, 0.34), clay});
-  objects.push_back({shapes::Disc{foot + dvec3(0, 0, 0.46), {0, 0, 1}, 0.33, 0.0}, {.material = SiteMaterial::bark, .tint = {0.28, 0.21, 0.15}}});
+  objects.push_back({shapes::Disc{foot + dvec3(0, 0, 0.46), {0, 0, 1}, 0.33, 0.0},
+                     {.material = SiteMaterial::bark, .tint = {0.28, 0.21, 0.15}}});
   objects.push_back({shapes::Ellipsoid{foot + dvec3(0, 0, 0.92), {0.46, 0.46, 0.50}},
                      {.material = SiteMaterial::hedge, .tint = {0.24, 0.38, 0.15}, .seed = 71}});
 }
@@ -102,25 +114,36 @@ void add_flowers(Objects& objects, const dvec2& min, const dvec2& max, int count
     const double x = dice.between(min.x, max.x), y = dice.between(min.y, max.y), z = dice.between(0.08, 0.5);
     const bool blossom = z > 0.33;
     const dvec3 facing = glm::normalize(dice.direction() + dvec3(0, 0, 1.1));
-    const dvec3 tint = blossom ? blossoms[static_cast<int>(4.0 * cell_noise(0.8 * x, 0.8 * y, seed))] : dvec3(0.27, 0.42, 0.16);
-    objects.push_back({shapes::Disc{{x, y, z}, facing, blossom ? dice.between(0.06, 0.10) : dice.between(0.08, 0.15), 0.0},
-                       {.material = SiteMaterial::leaf, .tint = tint, .seed = dice.bits()}});
+    const dvec3 tint = blossom ? blossoms[static_cast<int>(4.0 * cell_noise(0.8 * x, 0.8 * y, seed))]
+                               : dvec3(0.27, 0.42, 0.16);
+    objects.push_back(
+        {shapes::Disc{{x, y, z}, facing, blossom ? dice.between(0.06, 0.10) : dice.between(0.08, 0.15), 0.0},
+         {.material = SiteMaterial::leaf, .tint = tint, .seed = dice.bits()}});
   }
 }
 
 }  // namespace
 
 void add_plants(Objects& objects, const shapes::Ground& ground) {
-  const dvec3 linden(0.36, 0.49, 0.17), maple(0.40, 0.47, 0.16), beech(0.46, 0.27, 0.20), oak(0.29, 0.42, 0.16);
+  const dvec3 linden(0.36, 0.49, 0.17), maple(0.40, 0.47, 0.16), beech(0.46, 0.27, 0.20),
+      oak(0.29, 0.42, 0.16);
   const TreePlan trees[] = {
-      {{-13.0, 8.2}, 10.5, 3.7, 0.26, 7000, 0.115, linden, 1},   {{13.5, 8.4}, 9.2, 3.2, 0.22, 6000, 0.11, maple, 2},
-      {{-15.5, -9.0}, 7.4, 2.5, 0.17, 4200, 0.10, oak, 3},      {{-24.0, 38.0}, 12.0, 4.2, 0.32, 2600, 0.20, oak, 4},
-      {{-7.0, 43.0}, 10.0, 3.6, 0.25, 2200, 0.19, linden, 5},    {{9.0, 35.5}, 8.0, 2.8, 0.20, 2000, 0.17, beech, 6},
-      {{24.0, 42.5}, 11.5, 4.0, 0.30, 2400, 0.20, maple, 7},     {{41.0, 32.0}, 9.5, 3.4, 0.24, 2200, 0.18, linden, 8},
-      {{-46.0, 40.0}, 11.0, 3.9, 0.28, 2400, 0.20, maple, 9},    {{-42.0, -7.0}, 10.5, 3.7, 0.27, 2400, 0.19, oak, 10},
-      {{-52.0, -23.0}, 9.0, 3.3, 0.22, 2200, 0.18, linden, 11},  {{42.0, 12.0}, 9.5, 3.3, 0.24, 2200, 0.18, beech, 12},
-      {{52.0, 21.0}, 10.5, 3.7, 0.26, 2400, 0.19, oak, 13},      {{45.0, -29.5}, 8.0, 2.6, 0.18, 2000, 0.16, linden, 14},
-      {{-19.0, -29.5}, 8.0, 2.5, 0.17, 2000, 0.15, linden, 15},  {{11.0, -29.5}, 7.6, 2.4, 0.17, 2000, 0.15, linden, 16},
+      {{-13.0, 8.2}, 10.5, 3.7, 0.26, 7000, 0.115, linden, 1},
+      {{13.5, 8.4}, 9.2, 3.2, 0.22, 6000, 0.11, maple, 2},
+      {{-15.5, -9.0}, 7.4, 2.5, 0.17, 4200, 0.10, oak, 3},
+      {{-24.0, 38.0}, 12.0, 4.2, 0.32, 2600, 0.20, oak, 4},
+      {{-7.0, 43.0}, 10.0, 3.6, 0.25, 2200, 0.19, linden, 5},
+      {{9.0, 35.5}, 8.0, 2.8, 0.20, 2000, 0.17, beech, 6},
+      {{24.0, 42.5}, 11.5, 4.0, 0.30, 2400, 0.20, maple, 7},
+      {{41.0, 32.0}, 9.5, 3.4, 0.24, 2200, 0.18, linden, 8},
+      {{-46.0, 40.0}, 11.0, 3.9, 0.28, 2400, 0.20, maple, 9},
+      {{-42.0, -7.0}, 10.5, 3.7, 0.27, 2400, 0.19, oak, 10},
+      {{-52.0, -23.0}, 9.0, 3.3, 0.22, 2200, 0.18, linden, 11},
+      {{42.0, 12.0}, 9.5, 3.3, 0.24, 2200, 0.18, beech, 12},
+      {{52.0, 21.0}, 10.5, 3.7, 0.26, 2400, 0.19, oak, 13},
+      {{45.0, -29.5}, 8.0, 2.6, 0.18, 2000, 0.16, linden, 14},
+      {{-19.0, -29.5}, 8.0, 2.5, 0.17, 2000, 0.15, linden, 15},
+      {{11.0, -29.5}, 7.6, 2.4, 0.17, 2000, 0.15, linden, 16},
       {{25.0, -29.5}, 8.2, 2.6, 0.18, 2000, 0.15, linden, 17},
   };
   for (const TreePlan& tree : trees) add_tree(objects, tree, ground);

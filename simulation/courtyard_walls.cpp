@@ -17,14 +17,16 @@ constexpr dvec3 k_up(0.0, 0.0, 1.0);
 constexpr dvec3 k_trim_tint(0.80, 0.755, 0.675);
 
 std::uint32_t seed_of(const dvec3& place) {
-  return static_cast<std::uint32_t>(cell_noise(16.0 * (place.x + 7.0 * place.z), 16.0 * place.y, 5) * 4294967295.0);
+  return static_cast<std::uint32_t>(cell_noise(16.0 * (place.x + 7.0 * place.z), 16.0 * place.y, 5) *
+                                    4294967295.0);
 }
 
 /// A wall's own frame: u along it, v up, `outward` away from the house.
 struct WallFrame {
   dvec3 corner, along, outward;
 
-  /// A box that covers [u_min, u_max] x [z_min, z_max] and reaches from `behind` to `front` of the wall's face.
+  /// A box that covers [u_min, u_max] x [z_min, z_max] and reaches from `behind` to `front` of the wall's
+  /// face.
   shapes::Box box(double u_min, double u_max, double z_min, double z_max, double behind, double front) const {
     const dvec3 face = corner + 0.5 * (u_min + u_max) * along;
     const dvec3 center = dvec3(face.x, face.y, 0.5 * (z_min + z_max)) + 0.5 * (front - behind) * outward;
@@ -34,11 +36,13 @@ struct WallFrame {
 };
 
 void add_niche(Objects& objects, const WallPlan& plan, const WallFrame& frame, const WallOpening& opening) {
-  constexpr double k_depth = 0.22, k_lap = 0.002;  // the niche is a trifle wider than the hole, so that no ray slips between them
+  constexpr double k_depth = 0.22,
+                   k_lap =
+                       0.002;  // the niche is a trifle wider than the hole, so that no ray slips between them
   const bool is_door = opening.filling == Filling::door;
   const double u_min = opening.u - 0.5 * opening.size.x, u_max = opening.u + 0.5 * opening.size.x;
-  const shapes::Box box = frame.box(u_min - k_lap, u_max + k_lap, opening.bottom - k_lap, opening.bottom + opening.size.y + k_lap,
-                                    k_depth, 0.0);
+  const shapes::Box box = frame.box(u_min - k_lap, u_max + k_lap, opening.bottom - k_lap,
+                                    opening.bottom + opening.size.y + k_lap, k_depth, 0.0);
   objects.push_back({shapes::Niche{box},
                      {.material = is_door ? SiteMaterial::door : SiteMaterial::window,
                       .tint = is_door ? plan.door_tint : plan.tint,
@@ -53,28 +57,36 @@ void add_frame(Objects& objects, const WallFrame& frame, const WallOpening& open
   const double bottom = opening.bottom, top = opening.bottom + opening.size.y;
   objects.push_back({frame.box(left - k_width, left, bottom, top, 0.0, k_front), stone});
   objects.push_back({frame.box(right, right + k_width, bottom, top, 0.0, k_front), stone});
-  objects.push_back({frame.box(left - k_width, right + k_width, top, top + 1.3 * k_width, 0.0, 1.6 * k_front), stone});
+  objects.push_back(
+      {frame.box(left - k_width, right + k_width, top, top + 1.3 * k_width, 0.0, 1.6 * k_front), stone});
   if (opening.filling == Filling::window)
-    objects.push_back({frame.box(left - 1.3 * k_width, right + 1.3 * k_width, bottom - 0.09, bottom, 0.0, 0.13), stone});
+    objects.push_back(
+        {frame.box(left - 1.3 * k_width, right + 1.3 * k_width, bottom - 0.09, bottom, 0.0, 0.13), stone});
   else
     objects.push_back({frame.box(left - 0.25, right + 0.25, bottom - 0.6, bottom, 0.0, 0.55), stone});
 }
 
-void add_shutters(Objects& objects, const WallPlan& plan, const WallFrame& frame, const WallOpening& opening) {
+void add_shutters(Objects& objects, const WallPlan& plan, const WallFrame& frame,
+                  const WallOpening& opening) {
   const double half = 0.5 * opening.size.x, leaf_width = half - 0.02, gap = 0.15;
   const double top = opening.bottom + opening.size.y;
   for (const double left : {opening.u - half - gap - leaf_width, opening.u + half + gap}) {
-    const shapes::Box box = frame.box(left, left + leaf_width, opening.bottom + 0.02, top - 0.02, -0.02, 0.06);
-    objects.push_back({box, {.material = SiteMaterial::wood, .tint = plan.shutter_tint, .seed = seed_of(box.center)}});
+    const shapes::Box box =
+        frame.box(left, left + leaf_width, opening.bottom + 0.02, top - 0.02, -0.02, 0.06);
+    objects.push_back(
+        {box, {.material = SiteMaterial::wood, .tint = plan.shutter_tint, .seed = seed_of(box.center)}});
   }
 }
 
 }  // namespace
 
-shapes::Box upright_box(const dvec3& min, const dvec3& max) { return {0.5 * (min + max), dmat3(1.0), 0.5 * (max - min)}; }
+shapes::Box upright_box(const dvec3& min, const dvec3& max) {
+  return {0.5 * (min + max), dmat3(1.0), 0.5 * (max - min)};
+}
 
 shapes::Box turned_box(const dvec3& center, const dvec2& forward, const dvec3& half_size) {
-  return {center, dmat3(dvec3(forward.x, forward.y, 0.0), dvec3(-forward.y, forward.x, 0.0), k_up), half_size};
+  return {center, dmat3(dvec3(forward.x, forward.y, 0.0), dvec3(-forward.y, forward.x, 0.0), k_up),
+          half_size};
 }
 
 shapes::Frustum rod(const dvec3& from, const dvec3& to, double from_radius, double to_radius) {
@@ -97,7 +109,8 @@ void add_wall(Objects& objects, const WallPlan& plan) {
   for (const WallOpening& opening : plan.openings) {
     const double bottom = opening.bottom - plan.base;
     const dvec2 half(0.5 * opening.size.x, 0.0);
-    panel.openings.push_back({dvec2(opening.u, bottom) - half, dvec2(opening.u, bottom + opening.size.y) + half,
+    panel.openings.push_back({dvec2(opening.u, bottom) - half,
+                              dvec2(opening.u, bottom + opening.size.y) + half,
                               opening.filling == Filling::passage});
     if (opening.filling == Filling::passage) continue;
     add_niche(objects, plan, frame, opening);
@@ -134,8 +147,10 @@ void add_roof(Objects& objects, const RoofPlan& plan) {
     dvec3 sideways = along;
     if (normal.z < 0.0) normal = -normal, sideways = -along;
     const dvec3 center = ridge_middle + 0.5 * slope_length * down + 0.5 * k_thickness * normal;
-    objects.push_back({shapes::Box{center, dmat3(sideways, up_slope, normal), {reach, 0.5 * slope_length, 0.5 * k_thickness}},
-                       {.material = SiteMaterial::roof_tile, .tint = plan.tint, .seed = seed_of(center)}});
+    objects.push_back(
+        {shapes::Box{
+             center, dmat3(sideways, up_slope, normal), {reach, 0.5 * slope_length, 0.5 * k_thickness}},
+         {.material = SiteMaterial::roof_tile, .tint = plan.tint, .seed = seed_of(center)}});
     const dvec3 eaves = ridge_middle + (slope_length + 0.05) * down;
     shapes::Frustum gutter = rod(eaves - reach * along, eaves + reach * along, 0.085, 0.085);
     gutter.keep = {0.0, 0.0, -1.0};
@@ -150,6 +165,15 @@ void add_roof(Objects& objects, const RoofPlan& plan) {
     objects.push_back({shapes::Polygon{{foot - half_depth * across, foot + half_depth * across, apex}},
                        {.material = SiteMaterial::plaster, .tint = plan.gable_tint, .seed = seed_of(apex)}});
   }
+}
+
+void add_chimney(Objects& objects, const dvec2& place, double bottom, double top) {
+  objects.push_back(
+      {upright_box({place.x - 0.45, place.y - 0.35, bottom}, {place.x + 0.45, place.y + 0.35, top}),
+       {.material = SiteMaterial::brick, .tint = {0.56, 0.33, 0.26}, .seed = 3}});
+  objects.push_back(
+      {upright_box({place.x - 0.53, place.y - 0.43, top}, {place.x + 0.53, place.y + 0.43, top + 0.14}),
+       {.material = SiteMaterial::trim, .tint = k_trim_tint}});
 }
 
 }  // namespace alidade::courtyard_parts

@@ -9,27 +9,28 @@
 
 namespace alidade {
 
-/// What a surface of a site is made of. Decides the pattern of its colour, its class and how strongly it answers a laser.
+/// What a surface of a site is made of. Decides the pattern of its colour, its class and how strongly it
+/// answers a laser.
 enum class SiteMaterial : std::uint8_t {
-  terrain,     ///< the site's ground: a Pavement by its face
-  plaster,     ///< house wall; `size.y` is the height of the darker plinth
-  trim,        ///< stone frames, cornices and pillars of a house
+  terrain,  ///< the site's ground: a Pavement by its face
+  plaster,  ///< house wall; `size.y` is the height of the darker plinth
+  trim,     ///< stone frames, cornices and pillars of a house
   brick,
-  stone,       ///< dressed stone in courses
+  stone,  ///< dressed stone in courses
   roof_tile,
-  window,      ///< niche with reveal, frame and panes; `size` is the opening's
-  door,        ///< niche with reveal and boards; `size` is the opening's
+  window,  ///< niche with reveal, frame and panes; `size` is the opening's
+  door,    ///< niche with reveal and boards; `size` is the opening's
   wood,
   metal,
   bark,
-  leaf,        ///< one leaf, its shade from `seed`
-  hedge,       ///< clipped shrub
+  leaf,   ///< one leaf, its shade from `seed`
+  hedge,  ///< clipped shrub
   water,
   car_body,
-  car_cabin,   ///< glass all round below the roof
+  car_cabin,  ///< glass all round below the roof
   tyre,
   lamp_glass,
-  target,      ///< white reference sphere of surveyors
+  target,  ///< white reference sphere of surveyors
 };
 
 /// Faces of the terrain (shapes::Patch::face): what lies on the ground.
@@ -43,15 +44,17 @@ struct Finish {
   std::uint32_t seed = 0;  ///< tells like shapes apart
 };
 
-/// Colour at one place, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor only, so it is
-/// the same bits on every machine.
+/// Colour at one place, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor only,
+/// so it is the same bits on every machine.
 glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
 
-/// ASPRS class: 1 unclassified, 2 ground, 3 low and 5 high vegetation, 6 building, 9 water, 11 road surface; own: 64 car,
-/// 65 street furniture, 66 survey target.
-std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
+/// ASPRS class: 1 unclassified, 2 ground, 3 low and 5 high vegetation, 6 building, 9 water, 11 road surface;
+/// own: 64 car, 65 street furniture, 66 survey target.
+std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint& surface,
+                               const glm::dvec3& position);
 
-/// Share of a near-infrared laser's light that the place sends back, 0 .. 1: from its colour, higher for leaves and grass.
+/// Share of a near-infrared laser's light that the place sends back, 0 .. 1: from its colour, higher for
+/// leaves and grass.
 double reflectance_of(SiteMaterial material, const glm::dvec3& color);
 
 }  // namespace alidade

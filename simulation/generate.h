@@ -19,8 +19,9 @@ struct GenerateOptions {
 /// The stations and flight lines of the sample scan of courtyard().
 ScanOptions courtyard_scan(std::uint64_t point_count, std::uint64_t seed);
 
-/// Scans courtyard() into a LAS 1.4 file, in bounded memory. The same bytes for the same count and seed, everywhere.
-/// Errors: the file exists or cannot be written. Throws Cancelled if asked to stop; the file then does not appear.
+/// Scans courtyard() into a LAS 1.4 file, in bounded memory. The same bytes for the same count and seed,
+/// everywhere. Errors: the file exists or cannot be written. Throws Cancelled if asked to stop; the file then
+/// does not appear.
 void generate_courtyard(const std::filesystem::path& path, const GenerateOptions& options = {});
 
 }  // namespace alidade

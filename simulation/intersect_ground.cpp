@@ -14,7 +14,7 @@ namespace {
 struct Ease {
   double value = 0.0, slope = 0.0;
 };
-constexpr double k_steepest_ease = 1.875;        // largest slope of 6x^5 - 15x^4 + 10x^3, at x = 1/2
+constexpr double k_steepest_ease = 1.875;         // largest slope of 6x^5 - 15x^4 + 10x^3, at x = 1/2
 constexpr double k_strongest_bend = 5.773502692;  // largest second derivative, 10 / sqrt(3)
 
 Ease ease(double x) {
@@ -23,8 +23,8 @@ Ease ease(double x) {
   return {x * x * x * (10.0 + x * (6.0 * x - 15.0)), 30.0 * x * x * (1.0 - x) * (1.0 - x)};
 }
 
-/// Bound on the second derivative of the height along any level direction: of fade * waves by the product rule, where
-/// fade = ease_x + ease_y - ease_x * ease_y.
+/// Bound on the second derivative of the height along any level direction: of fade * waves by the product
+/// rule, where fade = ease_x + ease_y - ease_x * ease_y.
 double curvature_bound(const Ground& ground) {
   double value = 0.0, slope = 0.0, bend = 0.0;
   for (const Wave& wave : ground.waves) {
@@ -44,7 +44,8 @@ bool in_core(const Ground& ground, const glm::dvec3& position) {
   return std::fabs(position.x) <= ground.core.x && std::fabs(position.y) <= ground.core.y;
 }
 
-/// Cuts the ray's interval down to where it can meet the ground: over its rectangle and between its extreme heights.
+/// Cuts the ray's interval down to where it can meet the ground: over its rectangle and between its extreme
+/// heights.
 bool clip(const Ground& ground, Ray& ray) {
   const glm::dvec3 reach(ground.half_size.x, ground.half_size.y, amplitude_of(ground));
   for (int axis = 0; axis < 3; ++axis) {
@@ -111,7 +112,8 @@ std::optional<double> intersect_ground(const Ground& ground, const Ray& whole_ra
     if (gap < 0.0) gap = -gap, closing = -closing;
     if (gap <= k_close_enough) return t;
     if (bend == 0.0 && closing >= 0.0) return std::nullopt;
-    // gap + closing * s - bend / 2 * s^2 is the least the gap can be after s more metres; its root is a free step.
+    // gap + closing * s - bend / 2 * s^2 is the least the gap can be after s more metres; its root is a free
+    // step.
     const double root = std::sqrt(closing * closing + 2.0 * bend * gap);
     const double step = closing < 0.0 ? 2.0 * gap / (root - closing) : (closing + root) / bend;
     if (!(t + step > t)) return t;

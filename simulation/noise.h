@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-// Numbers that look random but belong to a place or a counter. Integer hashing and exact double operations only.
+// Numbers that look random but belong to a place or a counter. Integer hashing and exact double operations
+// only.
 
 namespace alidade {
 
-/// Spreads 64 bits over 64 bits, one to one. The finisher of the SplitMix64 generator (Steele, Lea, Flood 2014).
+/// Spreads 64 bits over 64 bits, one to one. The finisher of the SplitMix64 generator (Steele, Lea, Flood
+/// 2014).
 inline std::uint64_t mix_bits(std::uint64_t value) {
   value += 0x9e3779b97f4a7c15u;
   value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -17,10 +19,14 @@ inline std::uint64_t mix_bits(std::uint64_t value) {
   return value ^ (value >> 31);
 }
 
-inline std::uint64_t hash_of(std::uint64_t a, std::uint64_t b) { return mix_bits(mix_bits(a) ^ (b * 0xd1342543de82ef95u)); }
+inline std::uint64_t hash_of(std::uint64_t a, std::uint64_t b) {
+  return mix_bits(mix_bits(a) ^ (b * 0xd1342543de82ef95u));
+}
 
 /// [0, 1), 53 bits.
-inline double unit_of(std::uint64_t bits) { return static_cast<double>(bits >> 11) * 0x1p-53; }
+inline double unit_of(std::uint64_t bits) {
+  return static_cast<double>(bits >> 11) * 0x1p-53;
+}
 
 /// A number in [0, 1) for an integer cell of the plane.
 inline double cell_noise(double x, double y, std::uint32_t seed) {
@@ -38,8 +44,9 @@ inline double smooth_noise(const glm::dvec3& place, std::uint32_t seed) {
   const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_y));
   const auto level = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_z));
   const auto corner = [&](std::uint64_t dx, std::uint64_t dy, std::uint64_t dz) {
-    const std::uint64_t bits = mix_bits((column + dx) * 0x8cb92ba72f3d8dd7u ^ (row + dy) * 0xabc98388fb8fac03u ^
-                                        (level + dz) * 0xd1342543de82ef95u ^ (std::uint64_t{seed} << 32));
+    const std::uint64_t bits =
+        mix_bits((column + dx) * 0x8cb92ba72f3d8dd7u ^ (row + dy) * 0xabc98388fb8fac03u ^
+                 (level + dz) * 0xd1342543de82ef95u ^ (std::uint64_t{seed} << 32));
     return static_cast<double>(bits >> 32) * 0x1p-32;
   };
   const auto across = [&](std::uint64_t dy, std::uint64_t dz) {

@@ -21,36 +21,44 @@ constexpr std::uint64_t k_beams_per_batch = 32768;
 /// Batches under way at once; more than threads, so that none waits. Bounds the memory.
 constexpr std::size_t k_batches_under_way = 16;
 
-/// Nearly normal deviate, variance 1, within +-4.9: the sum of eight 16-bit uniform numbers, which doubles hold exactly.
+/// Nearly normal deviate, variance 1, within +-4.9: the sum of eight 16-bit uniform numbers, which doubles
+/// hold exactly.
 double deviate(std::uint64_t seed, std::uint64_t source, std::uint64_t beam) {
   const std::uint64_t bits[] = {hash_of(seed ^ (source << 48), beam), hash_of(~seed ^ (source << 48), beam)};
   std::uint64_t sum = 0;
   for (const std::uint64_t word : bits)
     for (int shift = 0; shift < 64; shift += 16) sum += (word >> shift) & 0xffffu;
-  constexpr double k_deviation = 0.81649658092772603 * 65536.0;  // sqrt(8 / 12) of a uniform number over 65536
+  constexpr double k_deviation =
+      0.81649658092772603 * 65536.0;  // sqrt(8 / 12) of a uniform number over 65536
   return (static_cast<double>(sum) - 4.0 * 65535.0) / k_deviation;
 }
 
-std::uint16_t to_16_bits(double share) { return static_cast<std::uint16_t>(std::floor(std::clamp(share, 0.0, 1.0) * 65535.0 + 0.5)); }
+std::uint16_t to_16_bits(double share) {
+  return static_cast<std::uint16_t>(std::floor(std::clamp(share, 0.0, 1.0) * 65535.0 + 0.5));
+}
 
 /// What the beams of a batch share.
 struct Emission {
   std::uint64_t seed = 0;
-  std::uint64_t pass = 0;    ///< tells the noise of one scan from that of another
+  std::uint64_t pass = 0;  ///< tells the noise of one scan from that of another
   double range_noise = 0.0;
-  double start_time = 0.0;   ///< GPS seconds
+  double start_time = 0.0;  ///< GPS seconds
 };
 
 /// Sends one beam and appends the point it gives, if it meets the site.
-void measure(const Site& site, const Emission& emission, const Beam& beam, std::uint64_t index, std::uint16_t source, PointCloud& batch) {
+void measure(const Site& site, const Emission& emission, const Beam& beam, std::uint64_t index,
+             std::uint16_t source, PointCloud& batch) {
   const std::optional<SiteHit> hit = site.closest(beam.ray);
   if (!hit) return;
   const double range = hit->t + emission.range_noise * deviate(emission.seed, emission.pass, index);
   const std::optional<LatticePosition> position = to_lattice(batch.lattice, beam.ray.position(range));
-  if (!position) throw Error({.problem = "a scanned point lies beyond the reach of the 1 mm lattice around the site's origin"});
+  if (!position)
+    throw Error(
+        {.problem = "a scanned point lies beyond the reach of the 1 mm lattice around the site's origin"});
   const double facing = std::fabs(glm::dot(hit->normal, beam.ray.direction));
   constexpr double k_half_range = 40.0;  // metres over which the answer falls to a half
-  const double echo = reflectance_of(hit->material, hit->color) * (0.25 + 0.75 * facing) / (1.0 + hit->t / k_half_range);
+  const double echo =
+      reflectance_of(hit->material, hit->color) * (0.25 + 0.75 * facing) / (1.0 + hit->t / k_half_range);
 
   batch.positions.push_back(*position);
   batch.colors.emplace_back(to_16_bits(hit->color.x), to_16_bits(hit->color.y), to_16_bits(hit->color.z));
@@ -94,33 +102,39 @@ struct Delivery {
   }
 };
 
-/// Sends beams 0 .. count-1 in parallel batches, which reach the delivery in order. `beam_of(index)` gives the beam and its source.
+/// Sends beams 0 .. count-1 in parallel batches, which reach the delivery in order. `beam_of(index)` gives
+/// the beam and its source.
 template <typename BeamOf>
-void send_beams(const Site& site, const PointCloud& header, const Emission& emission, std::uint64_t count, const BeamOf& beam_of,
-                Delivery& delivery) {
+void send_beams(const Site& site, const PointCloud& header, const Emission& emission, std::uint64_t count,
+                const BeamOf& beam_of, Delivery& delivery) {
   std::uint64_t next = 0;
-  const auto source = tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
-    const std::uint64_t begin = next;
-    if (begin >= count || delivery.missing() == 0) control.stop();
-    next += k_beams_per_batch;
-    return begin;
-  });
-  const auto trace = tbb::make_filter<std::uint64_t, std::shared_ptr<PointCloud>>(tbb::filter_mode::parallel, [&](std::uint64_t begin) {
-    const std::uint64_t end = std::min(count, begin + k_beams_per_batch);
-    auto batch = std::make_shared<PointCloud>(header);
-    reserve(*batch, static_cast<std::size_t>(end - begin));
-    for (std::uint64_t index = begin; index < end; ++index) {
-      const auto [beam, source_id] = beam_of(index);
-      measure(site, emission, beam, index, source_id, *batch);
-    }
-    return batch;
-  });
+  const auto source = tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order,
+                                                            [&](tbb::flow_control& control) {
+                                                              const std::uint64_t begin = next;
+                                                              if (begin >= count || delivery.missing() == 0)
+                                                                control.stop();
+                                                              next += k_beams_per_batch;
+                                                              return begin;
+                                                            });
+  const auto trace = tbb::make_filter<std::uint64_t, std::shared_ptr<PointCloud>>(
+      tbb::filter_mode::parallel, [&](std::uint64_t begin) {
+        const std::uint64_t end = std::min(count, begin + k_beams_per_batch);
+        auto batch = std::make_shared<PointCloud>(header);
+        reserve(*batch, static_cast<std::size_t>(end - begin));
+        for (std::uint64_t index = begin; index < end; ++index) {
+          const auto [beam, source_id] = beam_of(index);
+          measure(site, emission, beam, index, source_id, *batch);
+        }
+        return batch;
+      });
   const auto deliver = tbb::make_filter<std::shared_ptr<PointCloud>, void>(
-      tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<PointCloud>& batch) { delivery.take(*batch); });
+      tbb::filter_mode::serial_in_order,
+      [&](const std::shared_ptr<PointCloud>& batch) { delivery.take(*batch); });
   tbb::parallel_pipeline(k_batches_under_way, source & trace & deliver);
 }
 
-/// Sum over the stations of the share of beams that meet the site, from a coarse raster of some ten thousand beams each.
+/// Sum over the stations of the share of beams that meet the site, from a coarse raster of some ten thousand
+/// beams each.
 double survey(const Site& site, const ScanOptions& options) {
   constexpr double k_survey_steps_per_degree = 0.5;
   const StationBeams beams(options.terrestrial, k_survey_steps_per_degree);
@@ -129,7 +143,8 @@ double survey(const Site& site, const ScanOptions& options) {
       tbb::blocked_range<std::uint64_t>(0, count, 256), std::uint64_t{0},
       [&](const tbb::blocked_range<std::uint64_t>& range, std::uint64_t sum) {
         for (std::uint64_t i = range.begin(); i < range.end(); ++i)
-          sum += site.occluded(beams.beam(options.stations[i / beams.count()], i % beams.count()).ray) ? 1 : 0;
+          sum +=
+              site.occluded(beams.beam(options.stations[i / beams.count()], i % beams.count()).ray) ? 1 : 0;
         return sum;
       },
       std::plus<>());
@@ -142,8 +157,8 @@ constexpr double k_pause = 60.0;                  // between one scan and the ne
 void check(const ScanOptions& options) {
   if (!(options.terrestrial_share >= 0.0 && options.terrestrial_share <= 1.0))
     throw Error({.problem = "share of points from the stations is out of range", .expected = "0 .. 1"});
-  if (!(options.terrestrial.elevation_min < options.terrestrial.elevation_max) || options.terrestrial.elevation_min < -90.0 ||
-      options.terrestrial.elevation_max > 90.0)
+  if (!(options.terrestrial.elevation_min < options.terrestrial.elevation_max) ||
+      options.terrestrial.elevation_min < -90.0 || options.terrestrial.elevation_max > 90.0)
     throw Error({.problem = "elevation limits of the scanner are not in order within -90 .. 90 degrees"});
 }
 
@@ -163,8 +178,8 @@ PointCloud scan_header(const Site& site) {
 }
 
 AttributeSet scan_attributes() {
-  return Attribute::color | Attribute::intensity | Attribute::classification | Attribute::returns | Attribute::scan_angle |
-         Attribute::point_source_id | Attribute::gps_time;
+  return Attribute::color | Attribute::intensity | Attribute::classification | Attribute::returns |
+         Attribute::scan_angle | Attribute::point_source_id | Attribute::gps_time;
 }
 
 void scan(const Site& site, const ScanOptions& options, const PointSink& sink, const Progress& progress) {
@@ -180,8 +195,10 @@ void scan(const Site& site, const ScanOptions& options, const PointSink& sink, c
     const StationBeams beams(options.terrestrial, std::sqrt(wanted / (share * degrees)));
     for (std::size_t i = 0; i < options.stations.size(); ++i) {
       const auto source = static_cast<std::uint16_t>(i + 1);
-      send_beams(site, header, emission, beams.count(),
-                 [&](std::uint64_t index) { return std::pair(beams.beam(options.stations[i], index), source); }, delivery);
+      send_beams(
+          site, header, emission, beams.count(),
+          [&](std::uint64_t index) { return std::pair(beams.beam(options.stations[i], index), source); },
+          delivery);
       ++emission.pass;
       emission.start_time += options.terrestrial.seconds + k_pause;
     }
@@ -196,15 +213,18 @@ void scan(const Site& site, const ScanOptions& options, const PointSink& sink, c
     auto count = static_cast<std::uint64_t>(std::ceil(static_cast<double>(delivery.missing()) / share_met));
     constexpr std::uint64_t k_second_try = 100000;
     if (pass > 0 && met == 0.0) count = std::max(count, k_second_try);
-    if (pass == k_most_passes || (pass > 1 && met == 0.0)) throw Error({.problem = "the flight over the site meets nothing"});
+    if (pass == k_most_passes || (pass > 1 && met == 0.0))
+      throw Error({.problem = "the flight over the site meets nothing"});
 
     const std::uint64_t before = delivery.delivered;
     const FlightBeams beams(options.drone, options.flight_lines, site.origin().z, count, pass);
-    send_beams(site, header, emission, count,
-               [&](std::uint64_t index) {
-                 return std::pair(beams.beam(index), static_cast<std::uint16_t>(options.stations.size() + beams.line_of(index) + 1));
-               },
-               delivery);
+    send_beams(
+        site, header, emission, count,
+        [&](std::uint64_t index) {
+          return std::pair(beams.beam(index),
+                           static_cast<std::uint16_t>(options.stations.size() + beams.line_of(index) + 1));
+        },
+        delivery);
     sent += static_cast<double>(count);
     met += static_cast<double>(delivery.delivered - before);
     ++emission.pass;

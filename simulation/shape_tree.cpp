@@ -37,22 +37,26 @@ struct ShapeTree::Builder {
     return bounds;
   }
 
-  /// Sorts the items of a node into two parts; where the second begins. Deep down, and where all centres are equal, halves.
+  /// Sorts the items of a node into two parts; where the second begins. Deep down, and where all centres are
+  /// equal, halves.
   std::size_t split(std::size_t begin, std::size_t end, int depth) {
     Bounds centers;
     for (std::size_t i = begin; i < end; ++i) centers.grow(boxes[items[i]].center());
     const glm::dvec3 size = centers.size();
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const auto first = items.begin() + static_cast<std::ptrdiff_t>(begin), last = items.begin() + static_cast<std::ptrdiff_t>(end);
+    const auto first = items.begin() + static_cast<std::ptrdiff_t>(begin),
+               last = items.begin() + static_cast<std::ptrdiff_t>(end);
     const auto halves = [&] {
       const std::size_t middle = begin + (end - begin) / 2;
-      std::nth_element(first, items.begin() + static_cast<std::ptrdiff_t>(middle), last, [&](std::uint32_t a, std::uint32_t b) {
-        const double x = boxes[a].center()[axis], y = boxes[b].center()[axis];
-        return x < y || (x == y && a < b);
-      });
+      std::nth_element(first, items.begin() + static_cast<std::ptrdiff_t>(middle), last,
+                       [&](std::uint32_t a, std::uint32_t b) {
+                         const double x = boxes[a].center()[axis], y = boxes[b].center()[axis];
+                         return x < y || (x == y && a < b);
+                       });
       return middle;
     };
-    constexpr int k_depth_for_halves = k_deepest - 32;  // 2^32 items at most: halving from here on stays within k_deepest
+    constexpr int k_depth_for_halves =
+        k_deepest - 32;  // 2^32 items at most: halving from here on stays within k_deepest
     if (!(size[axis] > 0.0) || depth >= k_depth_for_halves) return halves();
 
     const auto bin_of = [&](std::uint32_t item) {

@@ -12,23 +12,25 @@
 
 namespace alidade {
 
-/// A bounding-volume hierarchy over boxes: finds those that a ray may meet, nearest first. Knows nothing of shapes.
-/// Built by the surface area heuristic; immutable.
+/// A bounding-volume hierarchy over boxes: finds those that a ray may meet, nearest first. Knows nothing of
+/// shapes. Built by the surface area heuristic; immutable.
 class ShapeTree {
  public:
   ShapeTree() = default;
   /// One finite, non-empty box per item.
   explicit ShapeTree(std::span<const Bounds> boxes);
 
-  /// Calls visit(item) for every item whose box the ray meets within [t_min, t_max], roughly nearest first, and some more.
-  /// visit returns the t_max to go on with, not larger than before; below t_min it ends the walk.
+  /// Calls visit(item) for every item whose box the ray meets within [t_min, t_max], roughly nearest first,
+  /// and some more. visit returns the t_max to go on with, not larger than before; below t_min it ends the
+  /// walk.
   template <typename Visit>
   void walk(const Ray& ray, Visit&& visit) const;
 
  private:
   static constexpr int k_deepest = 60;  ///< levels below the root, kept by the builder
 
-  /// Either two children, at first and first + 1, or `count` > 0 entries of items_ from `first`. Faces are rounded outwards.
+  /// Either two children, at first and first + 1, or `count` > 0 entries of items_ from `first`. Faces are
+  /// rounded outwards.
   struct Node {
     float faces[2][3];  ///< min, max
     std::uint32_t first = 0;
@@ -44,13 +46,14 @@ class ShapeTree {
 template <typename Visit>
 void ShapeTree::walk(const Ray& ray, Visit&& visit) const {
   if (nodes_.empty()) return;
-  // A level direction divides by a tiny number instead of zero: faces then lie far away on their proper side, and the boxes'
-  // outward rounding covers the difference.
+  // A level direction divides by a tiny number instead of zero: faces then lie far away on their proper side,
+  // and the boxes' outward rounding covers the difference.
   constexpr double k_tiny = 1e-200;
   const auto reciprocal = [&](double component) {
     return 1.0 / (component < 0.0 ? std::min(component, -k_tiny) : std::max(component, k_tiny));
   };
-  const std::array<double, 3> inverse{reciprocal(ray.direction.x), reciprocal(ray.direction.y), reciprocal(ray.direction.z)};
+  const std::array<double, 3> inverse{reciprocal(ray.direction.x), reciprocal(ray.direction.y),
+                                      reciprocal(ray.direction.z)};
   const std::array<int, 3> near{inverse[0] < 0.0, inverse[1] < 0.0, inverse[2] < 0.0};
   double t_max = ray.t_max;
   // The box is left out only if it is missed by more than any rounding here.

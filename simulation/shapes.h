@@ -11,8 +11,9 @@
 #include "octree/bounds.h"
 #include "octree/ray.h"
 
-// The exact surfaces an analytic site is made of. All lengths in metres, z up, in the site's own frame (near zero).
-// Everything is double; every intersection is a closed form, except the rolling ground's, which is solved to rounding.
+// The exact surfaces an analytic site is made of. All lengths in metres, z up, in the site's own frame (near
+// zero). Everything is double; every intersection is a closed form, except the rolling ground's, which is
+// solved to rounding.
 
 namespace alidade::shapes {
 
@@ -27,8 +28,8 @@ struct Ellipsoid {
   glm::dvec3 radii{1.0};
 };
 
-/// The mantle of a cone or cylinder along `axis` (length 1), open at both ends. Where `keep` is not zero only the half
-/// with dot(position - base, keep) >= 0 exists: the vault of a passage, for instance.
+/// The mantle of a cone or cylinder along `axis` (length 1), open at both ends. Where `keep` is not zero only
+/// the half with dot(position - base, keep) >= 0 exists: the vault of a passage, for instance.
 struct Frustum {
   glm::dvec3 base{0.0};
   glm::dvec3 axis{0.0, 0.0, 1.0};
@@ -57,8 +58,8 @@ struct Niche {
   Box box;
 };
 
-/// A hole in a panel, in the panel's own (u, v) metres. An arched one has a half circle over its width as its top: `max.y` is
-/// the crown.
+/// A hole in a panel, in the panel's own (u, v) metres. An arched one has a half circle over its width as its
+/// top: `max.y` is the crown.
 struct Opening {
   glm::dvec2 min{0.0}, max{1.0};
   bool arched = false;
@@ -90,7 +91,8 @@ struct ConvexSolid {
   Bounds bounds;
 };
 
-/// One wave of the rolling ground: amplitude * sin(dot(frequency, (x, y)) + phase), frequency in radians per metre.
+/// One wave of the rolling ground: amplitude * sin(dot(frequency, (x, y)) + phase), frequency in radians per
+/// metre.
 struct Wave {
   double amplitude = 0.0;
   glm::dvec2 frequency{0.0};
@@ -104,8 +106,10 @@ struct Patch {
   int face = 0;
 };
 
-/// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y. Inside the core
-/// (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves fade in over `fade_width`.
+/// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y. Inside the
+/// core
+/// (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves fade in over
+/// `fade_width`.
 struct Ground {
   glm::dvec2 half_size{60.0, 50.0};
   glm::dvec2 core{30.0, 25.0};
@@ -123,17 +127,19 @@ GroundHeight height_at(const Ground& ground, const glm::dvec2& position);
 
 using Shape = std::variant<Sphere, Ellipsoid, Frustum, Disc, Box, Niche, Panel, Polygon, ConvexSolid, Ground>;
 
-/// The smallest t in the ray's closed interval at which the ray meets the shape's surface, from either side. The interval must
-/// be bounded below; `ray.direction` has length 1. Solids are surfaces: a ray that starts inside meets them from within.
+/// The smallest t in the ray's closed interval at which the ray meets the shape's surface, from either side.
+/// The interval must be bounded below; `ray.direction` has length 1. Solids are surfaces: a ray that starts
+/// inside meets them from within.
 std::optional<double> intersect(const Shape& shape, const Ray& ray);
 
 /// What a shape says about a point on it.
 struct SurfacePoint {
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< length 1, outward for solids, to the open side for a niche
-  /// Metres on the surface. Box and niche: from the lower corner along the face's two axes; panel: u, v; ground: x, y;
-  /// frustum: 0, height along the axis; disc: distance from the centre, 0. Zero for the others.
+  /// Metres on the surface. Box and niche: from the lower corner along the face's two axes; panel: u, v;
+  /// ground: x, y; frustum: 0, height along the axis; disc: distance from the centre, 0. Zero for the others.
   glm::dvec2 uv{0.0};
-  /// Box and niche: 0 is -x, 1 is +x, ... 5 is +z; convex solid: index of the side; ground: of the patch. Else 0.
+  /// Box and niche: 0 is -x, 1 is +x, ... 5 is +z; convex solid: index of the side; ground: of the patch.
+  /// Else 0.
   int face = 0;
 };
 

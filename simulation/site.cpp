@@ -24,7 +24,8 @@ void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint3
   if (nearest) shortened.t_max = nearest->t;
   const std::optional<double> t = shapes::intersect(object.shape, shortened);
   if (!t) return;
-  if (!nearest || *t < nearest->t || (*t == nearest->t && index < nearest->object)) nearest = Nearest{*t, index};
+  if (!nearest || *t < nearest->t || (*t == nearest->t && index < nearest->object))
+    nearest = Nearest{*t, index};
 }
 
 SiteHit describe(const Site& site, const Nearest& nearest, const Ray& ray, const Ray& local) {
@@ -41,11 +42,14 @@ SiteHit describe(const Site& site, const Nearest& nearest, const Ray& ray, const
           .object = nearest.object};
 }
 
-bool is_ground(const SiteObject& object) { return std::holds_alternative<shapes::Ground>(object.shape); }
+bool is_ground(const SiteObject& object) {
+  return std::holds_alternative<shapes::Ground>(object.shape);
+}
 
 }  // namespace
 
-Site::Site(std::vector<SiteObject> objects, const glm::dvec3& origin) : objects_(std::move(objects)), origin_(origin) {
+Site::Site(std::vector<SiteObject> objects, const glm::dvec3& origin)
+    : objects_(std::move(objects)), origin_(origin) {
   std::vector<Bounds> boxes;
   Bounds local;
   for (std::uint32_t index = 0; index < objects_.size(); ++index) {
@@ -93,12 +97,15 @@ namespace brute_force {
 std::optional<SiteHit> closest(const Site& site, const Ray& ray) {
   const Ray local = to_local(ray, site.origin());
   std::optional<Nearest> nearest;
-  for (std::uint32_t index = 0; index < site.objects().size(); ++index) offer(nearest, site.objects()[index], index, local);
+  for (std::uint32_t index = 0; index < site.objects().size(); ++index)
+    offer(nearest, site.objects()[index], index, local);
   if (!nearest) return std::nullopt;
   return describe(site, *nearest, ray, local);
 }
 
-bool occluded(const Site& site, const Ray& ray) { return closest(site, ray).has_value(); }
+bool occluded(const Site& site, const Ray& ray) {
+  return closest(site, ray).has_value();
+}
 
 }  // namespace brute_force
 

@@ -73,7 +73,8 @@ TEST(Scan, IsTheSameOnOneAndOnTwoThreads) {
 
 TEST(Scan, SeedsChangeTheNoiseAndOnlyTheNoise) {
   const Site site = courtyard();
-  const PointCloud one = collect(site, courtyard_scan(20000, 1)), two = collect(site, courtyard_scan(20000, 2));
+  const PointCloud one = collect(site, courtyard_scan(20000, 1)),
+                   two = collect(site, courtyard_scan(20000, 2));
   EXPECT_EQ(one.colors, two.colors);
   std::size_t differ = 0;
   for (std::size_t i = 0; i < one.size(); ++i) {
@@ -87,7 +88,8 @@ TEST(Scan, StationPointsLieOnTheFirstSurfaceOfTheirBeamWithinTheNoise) {
   const Site site = courtyard();
   const ScanOptions options = courtyard_scan(60000, 3);
   const PointCloud cloud = collect(site, options);
-  // 5 standard deviations and the rounding to the lattice; to be told from the surface itself the beam must not graze.
+  // 5 standard deviations and the rounding to the lattice; to be told from the surface itself the beam must
+  // not graze.
   const double k_limit = 5.0 * options.terrestrial.range_noise + 0.001;
   std::size_t checked = 0, near = 0;
   for (std::size_t i = 0; i < cloud.size() && cloud.point_source_ids[i] <= options.stations.size(); ++i) {
@@ -96,7 +98,8 @@ TEST(Scan, StationPointsLieOnTheFirstSurfaceOfTheirBeamWithinTheNoise) {
     const double range = glm::length(to_point);
     const auto hit = site.closest(make_ray(eye, to_point, 0.0));
     ++checked;
-    // Rounding turns the beam by up to a millimetre at the point, so next to an edge it may meet something else.
+    // Rounding turns the beam by up to a millimetre at the point, so next to an edge it may meet something
+    // else.
     if (!hit || std::fabs(hit->t - range) > k_limit + 0.02) continue;
     ++near;
     if (glm::dot(hit->normal, -glm::normalize(to_point)) < 0.5) continue;
@@ -112,7 +115,8 @@ Site field_with_wall() {
   ground.half_size = {100, 100};
   ground.core = {100, 100};
   return Site({{ground, {.material = SiteMaterial::terrain}},
-               {shapes::Box{{0, 10, 2}, glm::dmat3(1.0), {5, 0.1, 2}}, {.material = SiteMaterial::plaster, .tint = dvec3(0.8)}}},
+               {shapes::Box{{0, 10, 2}, glm::dmat3(1.0), {5, 0.1, 2}},
+                {.material = SiteMaterial::plaster, .tint = dvec3(0.8)}}},
               {690000.0, 5325000.0, 600.0});
 }
 
@@ -132,8 +136,10 @@ TEST(Scan, LeavesAShadowBehindTheWall) {
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.point_source_ids[i] != 1) continue;
     const dvec3 place = cloud.world(i) - site.origin();
-    // The wall's shadow on the ground: behind it within the angle it covers, for the wall is higher than the scanner.
-    ASSERT_FALSE(place.y > 10.2 && std::fabs(place.x) < 0.49 * place.y && place.z < 3.0) << place.x << ' ' << place.y;
+    // The wall's shadow on the ground: behind it within the angle it covers, for the wall is higher than the
+    // scanner.
+    ASSERT_FALSE(place.y > 10.2 && std::fabs(place.x) < 0.49 * place.y && place.z < 3.0)
+        << place.x << ' ' << place.y;
     before += place.y > 1.0 && place.y < 9.0 && std::fabs(place.x) < 0.49 * place.y ? 1 : 0;
     wall += std::fabs(place.y - 9.9) < 0.02 && place.z > 0.1 ? 1 : 0;
   }
@@ -211,7 +217,9 @@ TEST(Scan, ErrorsWhenNothingCanBeMeasured) {
 
 TEST(Scan, StopsWhenAskedTo) {
   const Site site = courtyard();
-  EXPECT_THROW(scan(site, courtyard_scan(1000000, 1), [](const PointCloud&) {}, [](std::uint64_t, std::uint64_t) { return false; }),
+  EXPECT_THROW(scan(
+                   site, courtyard_scan(1000000, 1), [](const PointCloud&) {},
+                   [](std::uint64_t, std::uint64_t) { return false; }),
                Cancelled);
 }
 
@@ -236,7 +244,8 @@ TEST(Scan, ColumnsAreFilledAsDocumented) {
 }
 
 TEST(GenerateCourtyard, WritesWhatTheScanGives) {
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "alidade_simulation_courtyard.las";
+  const std::filesystem::path path =
+      std::filesystem::path(::testing::TempDir()) / "alidade_simulation_courtyard.las";
   GenerateOptions options;
   options.point_count = 40000;
   options.overwrite = true;

@@ -17,7 +17,8 @@ using glm::dmat3;
 using glm::dvec2;
 using glm::dvec3;
 
-std::optional<double> shoot(const Shape& shape, const dvec3& origin, const dvec3& direction, double t_min = 0.0, double t_max = 1e9) {
+std::optional<double> shoot(const Shape& shape, const dvec3& origin, const dvec3& direction,
+                            double t_min = 0.0, double t_max = 1e9) {
   return intersect(shape, make_ray(origin, direction, t_min, t_max));
 }
 
@@ -29,9 +30,10 @@ dmat3 some_axes() {
 TEST(Sphere, MeetsTheClosedForm) {
   const Sphere sphere{{1, 2, 3}, 2.0};
   EXPECT_DOUBLE_EQ(*shoot(sphere, {1, 2, 13}, {0, 0, -1}), 8.0);
-  EXPECT_DOUBLE_EQ(*shoot(sphere, {1, 2, 3}, {0, 1, 0}), 2.0);                      // from inside
-  EXPECT_DOUBLE_EQ(*shoot(sphere, {1, 3.2, 13}, {0, 0, -1}), 10.0 - 1.6);           // 3-4-5 triangle
-  EXPECT_DOUBLE_EQ(*shoot(sphere, {1, 2, 13}, {0, 0, -1}, 8.5), 12.0);              // the far side, when the near one is too near
+  EXPECT_DOUBLE_EQ(*shoot(sphere, {1, 2, 3}, {0, 1, 0}), 2.0);             // from inside
+  EXPECT_DOUBLE_EQ(*shoot(sphere, {1, 3.2, 13}, {0, 0, -1}), 10.0 - 1.6);  // 3-4-5 triangle
+  EXPECT_DOUBLE_EQ(*shoot(sphere, {1, 2, 13}, {0, 0, -1}, 8.5),
+                   12.0);  // the far side, when the near one is too near
   EXPECT_FALSE(shoot(sphere, {1, 2, 13}, {0, 0, -1}, 0.0, 7.99));
   EXPECT_FALSE(shoot(sphere, {1, 4.001, 13}, {0, 0, -1}));
 }
@@ -58,12 +60,13 @@ TEST(Disc, HasAHole) {
 }
 
 TEST(Panel, OpeningsLetRaysThroughAndArchesAreRound) {
-  const Panel wall{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {10, 5}, {{{1, 1}, {3, 2}, false}, {{5, 0}, {7, 4}, true}}};
+  const Panel wall{
+      {0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {10, 5}, {{{1, 1}, {3, 2}, false}, {{5, 0}, {7, 4}, true}}};
   const auto through = [&](double u, double v) { return !shoot(wall, {u, -4, v}, {0, 1, 0}); };
   EXPECT_DOUBLE_EQ(*shoot(wall, {0.5, -4, 0.5}, {0, 1, 0}), 4.0);
   EXPECT_TRUE(through(2, 1.5));
   EXPECT_FALSE(through(2, 2.01));
-  EXPECT_TRUE(through(5.01, 2.99));        // below the spring of the arch, whose radius is 1
+  EXPECT_TRUE(through(5.01, 2.99));  // below the spring of the arch, whose radius is 1
   EXPECT_FALSE(through(5.1, 3.9));
   EXPECT_TRUE(through(6 + 0.6, 3 + 0.79));
   EXPECT_FALSE(through(6 + 0.6, 3 + 0.81));
@@ -73,10 +76,11 @@ TEST(Panel, OpeningsLetRaysThroughAndArchesAreRound) {
 
 TEST(Niche, IsOpenTowardsItsFrontOnly) {
   const Niche niche{{{0, 0, 0}, dmat3(1.0), {1, 1, 0.25}}};
-  EXPECT_DOUBLE_EQ(*shoot(niche, {0, 0, 3}, {0, 0, -1}), 3.25);               // to the pane
-  EXPECT_DOUBLE_EQ(*shoot(niche, {0, 0, 3}, glm::normalize(dvec3(1, 0, -3))), std::sqrt(10.0));  // to the reveal
-  EXPECT_DOUBLE_EQ(*shoot(niche, {0, 0, -3}, {0, 0, 1}), 2.75);               // its back
-  EXPECT_FALSE(shoot(niche, {0, 0, 0}, {0, 0, 1}));                           // out of it
+  EXPECT_DOUBLE_EQ(*shoot(niche, {0, 0, 3}, {0, 0, -1}), 3.25);  // to the pane
+  EXPECT_DOUBLE_EQ(*shoot(niche, {0, 0, 3}, glm::normalize(dvec3(1, 0, -3))),
+                   std::sqrt(10.0));                             // to the reveal
+  EXPECT_DOUBLE_EQ(*shoot(niche, {0, 0, -3}, {0, 0, 1}), 2.75);  // its back
+  EXPECT_FALSE(shoot(niche, {0, 0, 0}, {0, 0, 1}));              // out of it
   EXPECT_EQ(surface_at(niche, {0.2, 0.3, -0.25}).face, 4);
   EXPECT_EQ(surface_at(niche, {0.2, 0.3, -0.25}).normal, dvec3(0, 0, 1));
   EXPECT_EQ(surface_at(niche, {1.0, 0.3, 0.1}).normal, dvec3(-1, 0, 0));
@@ -129,14 +133,15 @@ TEST(Ground, SlopeIsTheDerivativeOfTheHeight) {
     for (int axis = 0; axis < 2; ++axis) {
       dvec2 step(0.0);
       step[axis] = k_step;
-      const double difference = (height_at(ground, place + step).height - height_at(ground, place - step).height) / (2 * k_step);
+      const double difference =
+          (height_at(ground, place + step).height - height_at(ground, place - step).height) / (2 * k_step);
       EXPECT_NEAR(here.slope[axis], difference, 1e-8);
     }
   }
 }
 
-/// A shape together with an independent description of its surface: zero on it, and changing sign across it. NaN where the
-/// description does not hold (beyond the ends of an open mantle).
+/// A shape together with an independent description of its surface: zero on it, and changing sign across it.
+/// NaN where the description does not hold (beyond the ends of an open mantle).
 struct Implicit {
   const char* name;
   Shape shape;
@@ -149,23 +154,31 @@ std::vector<Implicit> implicits() {
   const Box box{{0.3, -0.2, 0.5}, some_axes(), {1.0, 0.6, 1.7}};
   const Frustum cone{{0.1, 0.2, -1.0}, some_axes()[0], 3.0, 1.2, 0.4, dvec3(0.0)};
   const Frustum tube{{-0.4, 0.2, -1.0}, some_axes()[1], 2.5, 0.7, 0.7, dvec3(0.0)};
-  const Ground ground{{60, 50}, {20, 10}, 18.0, {{0.75, {0.155, 0.060}, 0.7}, {0.45, {-0.090, 0.245}, 2.1}, {0.18, {0.43, 0.31}, 4.0}}, {}};
+  const Ground ground{{60, 50},
+                      {20, 10},
+                      18.0,
+                      {{0.75, {0.155, 0.060}, 0.7}, {0.45, {-0.090, 0.245}, 2.1}, {0.18, {0.43, 0.31}, 4.0}},
+                      {}};
   ConvexSolid solid;
-  for (const dvec3& normal : {dvec3(1, 0, 0), dvec3(-1, 0.2, 0), dvec3(0, 1, 0.3), dvec3(0.1, -1, 0), dvec3(0, 0.2, 1), dvec3(0.3, 0, -1)})
+  for (const dvec3& normal : {dvec3(1, 0, 0), dvec3(-1, 0.2, 0), dvec3(0, 1, 0.3), dvec3(0.1, -1, 0),
+                              dvec3(0, 0.2, 1), dvec3(0.3, 0, -1)})
     solid.sides.push_back({glm::normalize(normal), 1.0 + 0.3 * normal.x});
   solid.bounds = {dvec3(-3.0), dvec3(3.0)};
   const auto mantle = [nan](const Frustum& frustum) {
     return [frustum, nan](const dvec3& p) {
       const double height = glm::dot(p - frustum.base, frustum.axis);
       if (height < 0.0 || height > frustum.length) return nan;
-      const double radius = frustum.base_radius + (frustum.top_radius - frustum.base_radius) * height / frustum.length;
+      const double radius =
+          frustum.base_radius + (frustum.top_radius - frustum.base_radius) * height / frustum.length;
       return glm::length(p - frustum.base - height * frustum.axis) - radius;
     };
   };
   return {
-      {"sphere", Sphere{{0.5, -0.3, 0.2}, 1.1}, [](const dvec3& p) { return glm::length(p - dvec3(0.5, -0.3, 0.2)) - 1.1; }, dvec3(2.0)},
+      {"sphere", Sphere{{0.5, -0.3, 0.2}, 1.1},
+       [](const dvec3& p) { return glm::length(p - dvec3(0.5, -0.3, 0.2)) - 1.1; }, dvec3(2.0)},
       {"ellipsoid", Ellipsoid{{0.5, -0.3, 0.2}, {0.5, 1.0, 1.5}},
-       [](const dvec3& p) { return glm::length((p - dvec3(0.5, -0.3, 0.2)) / dvec3(0.5, 1.0, 1.5)) - 1.0; }, dvec3(2.0)},
+       [](const dvec3& p) { return glm::length((p - dvec3(0.5, -0.3, 0.2)) / dvec3(0.5, 1.0, 1.5)) - 1.0; },
+       dvec3(2.0)},
       {"cone", cone, mantle(cone), dvec3(2.5)},
       {"tube", tube, mantle(tube), dvec3(2.5)},
       {"box", box,
@@ -177,7 +190,8 @@ std::vector<Implicit> implicits() {
       {"convex solid", solid,
        [solid](const dvec3& p) {
          double most = -1e9;
-         for (const HalfSpace& side : solid.sides) most = std::max(most, glm::dot(p, side.normal) - side.offset);
+         for (const HalfSpace& side : solid.sides)
+           most = std::max(most, glm::dot(p, side.normal) - side.offset);
          return most;
        },
        dvec3(2.0)},
@@ -251,7 +265,8 @@ TEST(AnyShape, BoundsEncloseEveryHit) {
   for (const Implicit& implicit : implicits()) shapes.push_back(implicit.shape);
   shapes.push_back(Disc{{0.3, 0.1, 0.2}, glm::normalize(dvec3(1, 2, 3)), 1.4, 0.3});
   shapes.push_back(Niche{{{0.3, -0.2, 0.5}, some_axes(), {1.0, 0.6, 1.7}}});
-  shapes.push_back(Panel{{-1, 0.3, -1}, some_axes()[0], some_axes()[1], {2.5, 2.0}, {{{0.5, 0.5}, {1, 1}, false}}});
+  shapes.push_back(
+      Panel{{-1, 0.3, -1}, some_axes()[0], some_axes()[1], {2.5, 2.0}, {{{0.5, 0.5}, {1, 1}, false}}});
   shapes.push_back(Polygon{{{-1, 0, -1}, {1.5, 0.5, -1}, {0.5, 0.2, 1.5}}});
   for (const Shape& shape : shapes) {
     Bounds bounds = bounds_of(shape);

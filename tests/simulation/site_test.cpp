@@ -20,7 +20,8 @@ Site crowd(test::Random& random) {
   std::vector<SiteObject> objects;
   const auto add = [&](shapes::Shape shape) {
     const auto seed = static_cast<std::uint32_t>(objects.size());
-    objects.push_back({std::move(shape), {.material = SiteMaterial::metal, .tint = dvec3(0.5), .seed = seed}});
+    objects.push_back(
+        {std::move(shape), {.material = SiteMaterial::metal, .tint = dvec3(0.5), .seed = seed}});
   };
   for (int i = 0; i < 40; ++i) {
     const dvec3 place = 10.0 * random.in_cube(), axis = glm::normalize(random.direction());
@@ -47,11 +48,13 @@ Site crowd(test::Random& random) {
 
 Ray some_ray(test::Random& random, const dvec3& half, int kind) {
   dvec3 origin = random.in_cube() * half, direction = glm::normalize(random.direction());
-  if (kind % 5 == 1) direction = dvec3(0.0), direction[static_cast<int>(random.below(3))] = random.below(2) == 0 ? 1.0 : -1.0;
+  if (kind % 5 == 1)
+    direction = dvec3(0.0), direction[static_cast<int>(random.below(3))] = random.below(2) == 0 ? 1.0 : -1.0;
   if (kind % 5 == 2) origin = glm::round(origin);
   if (kind % 5 == 3) direction.z = 0.0;
   if (kind % 5 == 4) origin *= 1000.0, direction = random.in_cube() * half - origin;
-  return make_ray(k_origin + origin, direction, random.between(-5.0, 1.0), kind % 7 == 0 ? random.between(0.0, 20.0) : 1e9);
+  return make_ray(k_origin + origin, direction, random.between(-5.0, 1.0),
+                  kind % 7 == 0 ? random.between(0.0, 20.0) : 1e9);
 }
 
 TEST(Site, ClosestEqualsBruteForceOnACrowdOfAllShapes) {
@@ -120,7 +123,8 @@ TEST(Courtyard, GivesKnownAnswers) {
   ASSERT_TRUE(paving);
   EXPECT_NEAR(paving->t, 1.7, 1e-9);
   EXPECT_EQ(paving->classification, 2);
-  const auto facade = from({10.0, 0.0, 3.6}, {0, 1, 0});  // between two storeys of the north wing, whose wall stands at y = 16.5
+  const auto facade = from(
+      {10.0, 0.0, 3.6}, {0, 1, 0});  // between two storeys of the north wing, whose wall stands at y = 16.5
   ASSERT_TRUE(facade);
   EXPECT_NEAR(facade->t, 16.5, 0.5);
   EXPECT_EQ(facade->classification, 6);
@@ -136,16 +140,19 @@ TEST(Courtyard, ColorsAreWithinZeroAndOneAndNormalsFaceTheRay) {
   const Site site = courtyard();
   std::array<int, 256> classes{};
   for (int i = 0; i < 40000; ++i) {
-    const Ray ray = make_ray(site.origin() + random.in_cube() * dvec3(24, 17, 4) + dvec3(0, 0, 4.1), glm::normalize(random.direction()), 0.0);
+    const Ray ray = make_ray(site.origin() + random.in_cube() * dvec3(24, 17, 4) + dvec3(0, 0, 4.1),
+                             glm::normalize(random.direction()), 0.0);
     const auto hit = site.closest(ray);
     if (!hit) continue;
     ++classes[hit->classification];
-    for (int channel = 0; channel < 3; ++channel) ASSERT_TRUE(hit->color[channel] >= 0.0 && hit->color[channel] <= 1.0);
+    for (int channel = 0; channel < 3; ++channel)
+      ASSERT_TRUE(hit->color[channel] >= 0.0 && hit->color[channel] <= 1.0);
     ASSERT_LE(glm::dot(hit->normal, ray.direction), 0.0);
     ASSERT_NEAR(glm::length(hit->normal), 1.0, 1e-9);
     ASSERT_LT(glm::length(hit->position - ray.position(hit->t)), 1e-6);
   }
-  for (const int expected : {2, 5, 6, 9, 64, 65}) EXPECT_GT(classes[static_cast<std::size_t>(expected)], 0) << expected;
+  for (const int expected : {2, 5, 6, 9, 64, 65})
+    EXPECT_GT(classes[static_cast<std::size_t>(expected)], 0) << expected;
 }
 
 }  // namespace
