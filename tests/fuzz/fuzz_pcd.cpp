@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/lzf.h"
+#include "tests/fuzz/fuzz_reader.h"
+
+// A point takes two bytes at least, before compression.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  alidade::test::fuzz_reader(alidade::open_pcd, data, size, alidade::k_lzf_largest_ratio);
+  return 0;
+}
