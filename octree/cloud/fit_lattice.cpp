@@ -28,8 +28,9 @@ double power_of_ten(int exponent) {
 /// Exponent of the finest scale at which `reach` is within 32 bits.
 int finest_exponent(double reach) {
   if (reach == 0.0) return k_finest_exponent;
-  int exponent =
-      std::max(static_cast<int>(std::floor(std::log10(reach / k_largest_step))), k_finest_exponent);
+  // A subnormal reach would make the step zero, which has no logarithm.
+  const double step = std::max(reach / k_largest_step, std::numeric_limits<double>::min());
+  int exponent = std::max(static_cast<int>(std::floor(std::log10(step))), k_finest_exponent);
   while (reach / power_of_ten(exponent) > k_largest_step - 1) ++exponent;
   return exponent;
 }
