@@ -12,7 +12,7 @@ namespace alidade {
 
 struct LasWriteOptions {
   bool overwrite = false;  ///< otherwise an existing file is an Error
-  Progress progress{};       ///< in points
+  Progress progress{};     ///< in points
   /// Creation date for the header, given by the caller so that equal input makes equal files: day of the year
   /// (1 = 1 January) and year; 0 = unknown.
   std::uint16_t creation_day = 0, creation_year = 0;

@@ -79,7 +79,8 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
 
 inline constexpr const char* k_no_shared_data = "../shared/data beside the repository is not there";
 
-/// A file of ../shared/data beside the repository; empty if it is not there: skip the test then and say k_no_shared_data.
+/// A file of ../shared/data beside the repository; empty if it is not there: skip the test then and say
+/// k_no_shared_data.
 inline std::filesystem::path shared_data(const std::string& name) {
   const std::filesystem::path path = std::filesystem::path(ALIDADE_SHARED_DATA) / name;
   return std::filesystem::exists(path) ? path : std::filesystem::path();
