@@ -42,19 +42,19 @@ Rgb sunlight(const World& world, const SunDisc& sun, const Vertex& vertex, Sampl
   const Rgb light = sun.sample_weight() * vertex.eval(incoming);
   if (light == Rgb(0.0f)) return light;
   ++ray_count;
-  return world.blocked({vertex.surface.position, direction}, vertex.leaving(incoming)) ? Rgb(0.0f) : light;
+  return world.blocked({vertex.surface.departure, direction}, vertex.leaving(incoming)) ? Rgb(0.0f) : light;
 }
 
 Rgb lamplight(const World& world, const Lights& lights, const Vertex& vertex, Sampler& sampler,
               std::uint64_t& ray_count) {
   const double u_choice = sampler.next_1d();
-  const LightSample lamp = lights.sample(vertex.surface.position, u_choice, sampler.next_2d());
+  const LightSample lamp = lights.sample(vertex.surface.departure, u_choice, sampler.next_2d());
   const glm::dvec3 incoming = vertex.basis.to_local(lamp.direction);
   const double both_pdf = lamp.pdf + pdf(*vertex.surface.material, vertex.outgoing, incoming);
   const Rgb light = lamp.radiance * vertex.eval(incoming) / static_cast<float>(both_pdf);
   if (light == Rgb(0.0f)) return light;
   ++ray_count;
-  const auto met = world.nearest({vertex.surface.position, lamp.direction}, vertex.leaving(incoming));
+  const auto met = world.nearest({vertex.surface.departure, lamp.direction}, vertex.leaving(incoming));
   return met && !met->on_cloud && met->index == lamp.object ? light : Rgb(0.0f);
 }
 
@@ -110,7 +110,7 @@ PathResult trace_path(const World& world, const Lights& lights, const Ray& camer
       if (!(u_roulette < survival)) return result;
       throughput /= survival;
     }
-    ray = {vertex.surface.position, vertex.basis.to_world(next->incoming)};
+    ray = {vertex.surface.departure, vertex.basis.to_world(next->incoming)};
     departure = vertex.leaving(next->incoming);
     bounce_pdf = next->pdf;
     only_specular = only_specular && next->specular;

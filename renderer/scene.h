@@ -27,6 +27,12 @@ enum class HitMode {
   t,      ///< the point projected first, the paper's naive way: can show a sphere behind another one
 };
 
+/// Which way the surface of a cloud faces where a ray meets a point.
+enum class NormalMode {
+  sphere,  ///< outward from the point: exact spheres
+  smooth,  ///< across the plane of the points around: even walls instead of bumps, where the points form a surface
+};
+
 /// The scanned part of a scene.
 struct CloudSettings {
   std::vector<std::filesystem::path> files;
@@ -35,6 +41,7 @@ struct CloudSettings {
   HitMode hits = HitMode::entry;
   PointColor color = PointColor::automatic;
   Material material = Lambertian{};
+  NormalMode normals = NormalMode::sphere;  ///< glass points are always spheres
 };
 
 struct Sphere {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "renderer/deterministic_math.h"
@@ -13,6 +14,13 @@ namespace {
 /// Nothing real reflects all light; an overexposed white point would otherwise light its surroundings for
 /// ever.
 constexpr float k_brightest_point = 0.95f;
+
+/// Neighbourhood that smooths a normal, in radii of a point.
+constexpr double k_normal_reach = 2.5;
+
+/// Height above a smooth surface's points from which rays leave it, in radii: a little above the tops of the
+/// spheres.
+constexpr double k_departure_height = 1.25;
 
 constexpr double k_none = std::numeric_limits<double>::infinity();
 
@@ -48,7 +56,7 @@ Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double rad
   Surface surface;
   surface.normal = glm::normalize(ray.origin + t * ray.direction - center);
   // Put back on the sphere: a distant camera has left some rounding in t.
-  surface.position = center + radius * surface.normal;
+  surface.position = surface.departure = center + radius * surface.normal;
   return surface;
 }
 
@@ -75,6 +83,9 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
                 .entry_min = smallest_entry(cloud->octree.bounds(), cloud->radius)},
       .material = settings.material,
   };
+  if (settings.normals == NormalMode::smooth && !std::holds_alternative<Dielectric>(settings.material)) {
+    smooth_normals_.emplace(cloud->octree, k_normal_reach * cloud->radius);
+  }
   linear_.resize(65536);
   for (int value = 0; value < 65536; ++value) {
     linear_[value] = std::min(static_cast<float>(linear_from_srgb(value / 65535.0)), k_brightest_point);
@@ -116,12 +127,23 @@ bool World::blocked(const Ray& ray, const Departure& departure) const {
   return occluded(*cloud_->octree, Ray{ray.origin, ray.direction, 0.0, k_none}, cloud_->query);
 }
 
+void World::smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const {
+  const SmoothNormal found = smooth_normals_->at(intersection.index, intersection.center);
+  const glm::dvec3 facing = glm::dot(found.normal, ray.direction) > 0.0 ? -found.normal : found.normal;
+  const double height = glm::dot(surface.position - intersection.center, facing);
+  const double lift = k_departure_height * cloud_->query.radius - height;
+  surface.departure += found.trust * lift * facing;
+  // Both face the ray, and so does their mean.
+  surface.normal = glm::normalize(glm::mix(surface.normal, facing, found.trust));
+}
+
 Surface World::surface_at(const Ray& ray, const Intersection& intersection) const {
   if (intersection.on_cloud) {
     Surface surface = on_sphere(ray, intersection.t, intersection.center, cloud_->query.radius);
     const Color16& color = cloud_->colors[intersection.index];
     surface.color = {linear_[color.r], linear_[color.g], linear_[color.b]};
     surface.material = &cloud_->material;
+    if (smooth_normals_) smooth(ray, intersection, surface);
     return surface;
   }
   const Object& object = (*objects_)[intersection.index];
@@ -133,6 +155,7 @@ Surface World::surface_at(const Ray& ray, const Intersection& intersection) cons
   const auto& plane = std::get<GroundPlane>(object);
   Surface surface{.position = ray.origin + intersection.t * ray.direction, .material = &plane.material};
   surface.position.z = plane.height;
+  surface.departure = surface.position;
   return surface;
 }
 

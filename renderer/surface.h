@@ -11,6 +11,7 @@
 #include "octree/query.h"
 #include "renderer/render.h"
 #include "renderer/scene.h"
+#include "renderer/smooth_normals.h"
 
 // What rays meet: the spheres around the cloud's points, and the scene's objects. Everything here is in
 // double, since a micrometre at UTM coordinates is the tenth digit.
@@ -44,6 +45,7 @@ struct Intersection {
 /// The hit place, ready for shading.
 struct Surface {
   glm::dvec3 position{0.0};
+  glm::dvec3 departure{0.0};  ///< where rays leave: `position`, but above the bumps of a smooth surface
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< outward, unit; may show away from the ray when it comes from inside
   Rgb color{1.0f};                   ///< linear colour of the point; white on objects
   const Material* material = nullptr;
@@ -70,10 +72,12 @@ class World {
   const std::vector<Object>& objects() const { return *objects_; }
 
  private:
+  void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
   Intersection nearest_object(const Ray& ray, const Departure& departure) const;
 
   const std::vector<Object>* objects_;
   std::optional<CloudGeometry> cloud_;
+  std::optional<SmoothNormals> smooth_normals_;
   std::vector<float> linear_;  ///< linear value of each 16-bit display value
 };
 

@@ -74,7 +74,10 @@ TEST(Furnace, a_heap_of_white_points_is_invisible_under_an_even_sky) {
     scene.sky = ConstantSky{Rgb(0.7f)};
     scene.cloud.emplace();
     scene.cloud->material = material;
-    expect_everywhere(render(scene, &cloud), 0.7);
+    for (const NormalMode normals : {NormalMode::sphere, NormalMode::smooth}) {
+      scene.cloud->normals = normals;
+      expect_everywhere(render(scene, &cloud), 0.7);
+    }
   }
 }
 
@@ -203,6 +206,56 @@ TEST(Lamplight, lamp_seen_directly_has_its_radiance) {
   Scene scene = lamp_over_plane(Lambertian{Rgb(0.5f)});
   scene.camera = camera_at({0, 0, 0.5}, {0, 0, 3}, 5.0);
   expect_everywhere(render(scene, nullptr), 2.0);
+}
+
+/// A floor of points that are not quite level, seen from above.
+Scene smooth_floor() {
+  Scene scene = dark_scene(camera_at({0, 0, 2}, {0, 0, 0}, 30.0), 16, 8);
+  scene.cloud.emplace();
+  scene.cloud->material = Lambertian{Rgb(0.5f)};
+  scene.cloud->normals = NormalMode::smooth;
+  return scene;
+}
+
+LoadedCloud rough_floor(double roughness) {
+  test::Random random;
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 40000; ++i) {
+    positions.push_back(
+        {random.between(-3, 3), random.between(-3, 3), random.between(-roughness, roughness)});
+  }
+  return test::loaded(positions, 0.08);
+}
+
+TEST(SmoothFloor, of_points_is_lit_like_a_plane) {
+  // Level but for a little noise: as Sunlight.on_a_plane, and albedo times radiance under an even sky.
+  const LoadedCloud cloud = rough_floor(0.004);
+  for (const double elevation : {15.0, 40.0, 90.0}) {
+    Scene scene = smooth_floor();
+    scene.sun = Sun{.elevation = elevation, .irradiance = Rgb(3.0f)};
+    const double answer = 3.0 * 0.5 / k_pi * std::sin(elevation * k_pi / 180.0);
+    EXPECT_NEAR(test::image_mean(render(scene, &cloud)).mean, answer, 0.005 * answer) << elevation;
+  }
+  Scene scene = smooth_floor();
+  scene.sky = ConstantSky{Rgb(0.8f)};
+  EXPECT_NEAR(test::image_mean(render(scene, &cloud)).mean, 0.4, 0.002);
+}
+
+TEST(SmoothFloor, exact_spheres_shade_each_other_where_the_smooth_surface_does_not) {
+  const LoadedCloud cloud = rough_floor(0.004);
+  Scene scene = smooth_floor();
+  scene.sky = ConstantSky{Rgb(0.8f)};
+  scene.cloud->normals = NormalMode::sphere;
+  scene.render.max_bounces = 0;
+  EXPECT_LT(test::image_mean(render(scene, &cloud)).mean, 0.39);
+}
+
+TEST(SmoothFloor, keeps_what_stands_on_it_in_shadow) {
+  LoadedCloud cloud = rough_floor(0.004);
+  Scene scene = smooth_floor();
+  scene.sun = Sun{.elevation = 90.0, .irradiance = Rgb(3.0f)};
+  scene.objects = {Sphere{{0, 0, 3.5}, 1.0, Lambertian{Rgb(0.0f)}}};
+  EXPECT_EQ(test::image_mean(render(scene, &cloud)).mean, 0.0);
 }
 
 TEST(Path, a_glass_point_looks_like_a_glass_sphere) {

@@ -44,16 +44,20 @@ void expect_same(const Film& a, const Film& b) {
 
 TEST(Render, film_does_not_depend_on_the_number_of_threads) {
   const LoadedCloud cloud = mixed_cloud();
-  Film films[3];
-  RenderStatistics statistics[3];
-  for (int threads = 1; threads <= 3; ++threads) {
-    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    films[threads - 1] = render(mixed_scene(), &cloud, {}, &statistics[threads - 1]);
+  for (const NormalMode normals : {NormalMode::sphere, NormalMode::smooth}) {
+    Scene scene = mixed_scene();
+    scene.cloud->normals = normals;
+    Film films[3];
+    RenderStatistics statistics[3];
+    for (int threads = 1; threads <= 3; ++threads) {
+      const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+      films[threads - 1] = render(scene, &cloud, {}, &statistics[threads - 1]);
+    }
+    expect_same(films[0], films[1]);
+    expect_same(films[0], films[2]);
+    EXPECT_EQ(statistics[0].ray_count, statistics[1].ray_count);
+    EXPECT_GT(statistics[0].ray_count, 70u * 50 * 5);
   }
-  expect_same(films[0], films[1]);
-  expect_same(films[0], films[2]);
-  EXPECT_EQ(statistics[0].ray_count, statistics[1].ray_count);
-  EXPECT_GT(statistics[0].ray_count, 70u * 50 * 5);
 }
 
 TEST(Render, film_does_not_depend_on_the_instruction_set) {
