@@ -33,8 +33,8 @@ class TableReader : public CloudReader {
 
   TableReader(InputFile input, std::string format);
 
-  /// Sets the columns, whose roles have been assigned. Errors: two columns of one name; no x or no y. A
-  /// missing z is said in the warnings.
+  /// Sets the columns, whose roles have been assigned. Errors: two columns of one name; more than 4096; no x
+  /// or no y. A missing z is said in the warnings.
   void set_columns(std::vector<TableColumn> columns);
 
   /// Shows every row to `visit`, in order. A point without a place has NaN coordinates.
