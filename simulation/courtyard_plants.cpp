@@ -52,7 +52,10 @@ void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& grou
     return Finish{.material = SiteMaterial::bark, .tint = bark_tint, .seed = dice.bits()};
   };
 
-  const dvec3 fork = foot + dvec3(dice.between(-0.2, 0.2), dice.between(-0.2, 0.2), 0.36 * plan.height);
+  // One draw per statement: the order of evaluation within one is the compiler's choice.
+  const double lean_x = dice.between(-0.2, 0.2);
+  const double lean_y = dice.between(-0.2, 0.2);
+  const dvec3 fork = foot + dvec3(lean_x, lean_y, 0.36 * plan.height);
   objects.push_back({rod(foot - dvec3(0, 0, 0.3), foot + dvec3(0, 0, 0.35), 1.7 * plan.trunk_radius,
                          1.05 * plan.trunk_radius),
                      bark()});
@@ -68,9 +71,11 @@ void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& grou
   };
   constexpr int k_clump_count = 34, k_branch_count = 9;
   std::vector<Clump> clumps;
-  for (int i = 0; i < k_clump_count; ++i)
-    clumps.push_back({crown + dice.between(0.45, 0.82) * dice.direction() * crown_radii,
-                      dice.between(0.26, 0.42) * plan.crown_radius});
+  for (int i = 0; i < k_clump_count; ++i) {
+    const dvec3 outward = dice.direction();
+    const double reach = dice.between(0.45, 0.82);
+    clumps.push_back({crown + reach * outward * crown_radii, dice.between(0.26, 0.42) * plan.crown_radius});
+  }
   for (int i = 0; i < k_branch_count; ++i)
     objects.push_back({rod(fork + dvec3(0, 0, 0.12 * i), clumps[i].center, 0.42 * plan.trunk_radius,
                            0.1 * plan.trunk_radius),
