@@ -172,4 +172,12 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) 
   return loaded;
 }
 
+Bounds visible_bounds(const LoadedCloud& cloud) {
+  Bounds bounds = cloud.octree.bounds();
+  if (bounds.empty()) return bounds;
+  bounds.min -= glm::dvec3(cloud.radius);
+  bounds.max += glm::dvec3(cloud.radius);
+  return bounds;
+}
+
 }  // namespace alidade

@@ -27,6 +27,9 @@ struct LoadedCloud {
 /// Errors: as read_cloud. Peak memory: about 31 bytes per point.
 LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {});
 
+/// Box around the spheres of the cloud's points: what overview_camera should show. Empty for a cloud without points.
+Bounds visible_bounds(const LoadedCloud& cloud);
+
 struct RenderOptions {
   Progress progress;  ///< in camera samples (pixels * samples per pixel); called from one thread at a time
 };

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "octree/cloud/write_las.h"
+#include "octree/spacing.h"
+#include "tests/renderer/tracer_scenes.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A LAS file of 1000 points in a 10 m cube with the attributes that `fill` adds; gone with the test.
+class LoadCloud : public ::testing::Test {
+ protected:
+  LoadCloud()
+      : folder_(
+            fs::path(::testing::TempDir()) /
+            (std::string("load_cloud_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~LoadCloud() override { fs::remove_all(folder_); }
+
+  template <class Fill>
+  CloudSettings settings_for(const Fill& fill) {
+    test::Random random("load cloud");
+    std::vector<glm::dvec3> positions;
+    for (int i = 0; i < 1000; ++i)
+      positions.push_back({random.between(0, 10), random.between(0, 10), 0.01 * i});
+    PointCloud cloud = test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)});
+    fill(cloud);
+    CloudSettings settings;
+    settings.files = {folder_ / "site.las"};
+    write_las(settings.files[0], cloud);
+    return settings;
+  }
+
+  static bool warns_of(const LoadedCloud& cloud, const std::string& text) {
+    return std::any_of(cloud.warnings.begin(), cloud.warnings.end(),
+                       [&](const std::string& warning) { return warning.find(text) != std::string::npos; });
+  }
+
+  fs::path folder_;
+};
+
+void add_colors(PointCloud& cloud) {
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    cloud.colors.push_back(Color16(static_cast<std::uint16_t>(id * 60), 1000, 65535));
+  }
+}
+
+void add_intensities(PointCloud& cloud) {
+  for (std::size_t id = 0; id < cloud.size(); ++id)
+    cloud.intensities.push_back(static_cast<std::uint16_t>(id));
+}
+
+TEST_F(LoadCloud, automatic_takes_colours_first) {
+  const LoadedCloud cloud = load_cloud(settings_for([](PointCloud& points) {
+    add_colors(points);
+    add_intensities(points);
+  }));
+  EXPECT_EQ(cloud.color, PointColor::rgb);
+  ASSERT_EQ(cloud.colors.size(), 1000u);
+  EXPECT_EQ(cloud.colors[7], Color16(420, 1000, 65535));
+  EXPECT_EQ(cloud.octree.size(), 1000u);
+  EXPECT_EQ(cloud.radius, automatic_radius(cloud.octree));
+  ASSERT_EQ(cloud.files.size(), 1u);
+  EXPECT_EQ(cloud.files[0].format, "LAS");
+}
+
+TEST_F(LoadCloud, automatic_takes_intensity_where_colour_is_missing_or_black_and_says_so) {
+  const LoadedCloud plain = load_cloud(settings_for(add_intensities));
+  EXPECT_EQ(plain.color, PointColor::intensity);
+  EXPECT_TRUE(warns_of(plain, "site.las has no colour: coloured by intensity"));
+  fs::remove(folder_ / "site.las");
+  const LoadedCloud black = load_cloud(settings_for([](PointCloud& points) {
+    points.colors.assign(points.size(), Color16(0));
+    add_intensities(points);
+  }));
+  EXPECT_EQ(black.color, PointColor::intensity);
+  EXPECT_TRUE(warns_of(black, "has only black as colour: coloured by intensity"));
+}
+
+TEST_F(LoadCloud, automatic_takes_height_where_nothing_else_varies_and_says_so) {
+  const LoadedCloud cloud =
+      load_cloud(settings_for([](PointCloud& points) { points.intensities.assign(points.size(), 7); }));
+  EXPECT_EQ(cloud.color, PointColor::height);
+  EXPECT_TRUE(warns_of(cloud, "coloured by height"));
+  EXPECT_NE(cloud.colors[0], cloud.colors[500]);
+  EXPECT_NE(cloud.colors[500], cloud.colors[999]);
+}
+
+TEST_F(LoadCloud, intensity_is_stretched_over_all_but_two_percent_at_either_end) {
+  CloudSettings settings = settings_for([](PointCloud& points) {
+    add_intensities(points);
+    points.intensities[999] = 65535;  // glare
+  });
+  settings.color = PointColor::intensity;
+  const LoadedCloud cloud = load_cloud(settings);
+  EXPECT_TRUE(cloud.warnings.empty());
+  EXPECT_EQ(cloud.colors[10], Color16(0));
+  EXPECT_EQ(cloud.colors[990], Color16(65535));
+  EXPECT_EQ(cloud.colors[999], Color16(65535));
+  EXPECT_NEAR(cloud.colors[500].r, 32768, 300);
+  EXPECT_EQ(cloud.colors[500].r, cloud.colors[500].b);
+}
+
+TEST_F(LoadCloud, height_can_be_asked_for) {
+  CloudSettings settings = settings_for(add_colors);
+  settings.color = PointColor::height;
+  const LoadedCloud cloud = load_cloud(settings);
+  EXPECT_EQ(cloud.color, PointColor::height);
+  EXPECT_EQ(cloud.colors[3], cloud.colors[12]);  // both in the lowest two percent
+  EXPECT_NE(cloud.colors[100], cloud.colors[900]);
+}
+
+TEST_F(LoadCloud, what_is_asked_for_by_name_and_missing_is_an_error) {
+  CloudSettings settings = settings_for(add_intensities);
+  settings.color = PointColor::rgb;
+  EXPECT_THROW(load_cloud(settings), Error);
+  settings.color = PointColor::intensity;
+  EXPECT_NO_THROW(load_cloud(settings));
+}
+
+TEST_F(LoadCloud, radius_of_the_settings_is_kept_and_checked) {
+  CloudSettings settings = settings_for(add_colors);
+  settings.radius = 0.123;
+  EXPECT_EQ(load_cloud(settings).radius, 0.123);
+  for (const double bad : {0.0, -1.0, static_cast<double>(NAN), static_cast<double>(INFINITY)}) {
+    settings.radius = bad;
+    EXPECT_THROW(load_cloud(settings), Error);
+  }
+}
+
+TEST_F(LoadCloud, odd_clouds_are_rendered) {
+  const glm::dvec3 place(690000.0, 5325000.0, 500.0);
+  const std::vector<glm::dvec3> shapes[] = {
+      {}, {place}, std::vector<glm::dvec3>(100, place), {place, place + glm::dvec3(1, 0, 0)}};
+  int number = 0;
+  for (const std::vector<glm::dvec3>& positions : shapes) {
+    CloudSettings settings;
+    settings.files = {folder_ / (std::to_string(number++) + ".las")};
+    write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), place}));
+    const LoadedCloud cloud = load_cloud(settings);
+    EXPECT_EQ(warns_of(cloud, "has no points"), positions.empty());
+    for (const NormalMode normals : {NormalMode::sphere, NormalMode::smooth}) {
+      settings.normals = normals;
+      Scene scene;
+      scene.cloud = settings;
+      scene.sun.emplace();
+      scene.camera = overview_camera(visible_bounds(cloud), 60, 40);
+      scene.render.samples = 2;
+      const Film film = render(scene, &cloud);
+      const auto seen =
+          std::count_if(film.id.begin(), film.id.end(), [](std::uint32_t id) { return id != 0; });
+      EXPECT_EQ(seen > 0, !positions.empty()) << positions.size();
+      for (const Rgb& color : film.color) ASSERT_TRUE(std::isfinite(color.r) && color.r >= 0.0f);
+    }
+  }
+}
+
+TEST_F(LoadCloud, reading_can_be_stopped) {
+  EXPECT_THROW(load_cloud(settings_for(add_colors), [](std::uint64_t, std::uint64_t) { return false; }),
+               Cancelled);
+}
+
+}  // namespace
+}  // namespace alidade
