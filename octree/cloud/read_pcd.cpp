@@ -53,7 +53,7 @@ class PcdReader final : public TableReader {
       columns.push_back(std::move(column));
     }
     assign_roles(columns, NameRules::point_format);
-    set_columns(std::move(columns));
+    set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
     if (!skipped.empty()) warn("fields with several values per point were left out: " + skipped);
   }
 
@@ -77,7 +77,7 @@ class PcdReader final : public TableReader {
   Cell read_cell(const std::byte* place, std::size_t column) const {
     const ScalarType type = columns()[column].type;
     if (columns()[column].role == ColumnRole::packed_color)
-      return {0.0, value_from<std::uint32_t>(place, std::endian::little)};
+      return {0.0, load<std::uint32_t>(place, std::endian::little)};
     return cell_from(place, type, std::endian::little);
   }
 
@@ -122,8 +122,8 @@ class PcdReader final : public TableReader {
     if (header_.point_count == 0) return {};
     ByteCursor cursor(input_, header_.data_place);
     const std::byte* const sizes = cursor.take(8);
-    const std::uint32_t packed = value_from<std::uint32_t>(sizes, std::endian::little);
-    const std::uint32_t unpacked = value_from<std::uint32_t>(sizes + 4, std::endian::little);
+    const std::uint32_t packed = load<std::uint32_t>(sizes, std::endian::little);
+    const std::uint32_t unpacked = load<std::uint32_t>(sizes + 4, std::endian::little);
     const std::string place = "byte " + std::to_string(header_.data_place);
     if (packed > input_.size() - cursor.place())
       fail(place, "the file is too short for its compressed points", std::to_string(packed) + " bytes",

@@ -27,7 +27,7 @@ class PlyReader final : public TableReader {
           {property.name, property.type, property.is_list ? ColumnRole::ignored : ColumnRole::extra});
     }
     assign_roles(columns, NameRules::point_format);
-    set_columns(std::move(columns));
+    set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
   }
 
  protected:

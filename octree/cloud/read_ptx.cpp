@@ -49,7 +49,7 @@ class PtxReader final : public TableReader {
       columns.push_back({"green", ScalarType::float64, ColumnRole::green});
       columns.push_back({"blue", ScalarType::float64, ColumnRole::blue});
     }
-    set_columns(std::move(columns));
+    set_columns(std::move(columns), "line 1");
   }
 
  protected:
@@ -78,6 +78,7 @@ class PtxReader final : public TableReader {
   glm::dvec3 resolution(const Bounds&) const override {
     return written_.resolution() * (std::isfinite(scale_) && scale_ > 0.0 ? scale_ : 1.0);
   }
+  IntensityScale intensity_scale() const override { return IntensityScale::unit; }
   std::string reason_to_drop() const override { return "without a return"; }
 
  private:

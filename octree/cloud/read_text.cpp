@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -18,7 +19,7 @@ class TextReader final : public TableReader {
  public:
   TextReader(InputFile input, TextLayout layout)
       : TableReader(std::move(input), layout.format), layout_(std::move(layout)) {
-    set_columns(layout_.columns);
+    set_columns(layout_.columns, "line " + std::to_string(std::max<std::uint64_t>(layout_.line_count, 1)));
     for (const std::string& remark : layout_.remarks) warn(remark);
   }
 
@@ -49,7 +50,9 @@ class TextReader final : public TableReader {
   }
 
   glm::dvec3 resolution(const Bounds&) const override { return written_.resolution(); }
-  bool has_signed_intensities() const override { return layout_.format != "CSV"; }
+  IntensityScale intensity_scale() const override {
+    return layout_.format == "CSV" ? IntensityScale::free : IntensityScale::signed_12_bit;
+  }
 
  private:
   /// The number in a count line of a PTS file, checked against what is left of the file.

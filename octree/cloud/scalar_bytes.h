@@ -6,19 +6,18 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
+#include "octree/cloud/byte_order.h"
 #include "octree/cloud/column_roles.h"
 
 namespace alidade {
 
-/// Reads a value from bytes that need not be aligned; turns them round if the file's order is not the
-/// machine's.
+/// The value at any address, aligned or not; turned round if the file's order is not the machine's.
 template <class Value>
-Value value_from(const std::byte* place, std::endian order) {
+Value load(const std::byte* at, std::endian order) {
+  if (order == std::endian::native) return load<Value>(at);
   std::array<std::byte, sizeof(Value)> bytes;
-  std::memcpy(bytes.data(), place, sizeof(Value));
-  if (order != std::endian::native) std::reverse(bytes.begin(), bytes.end());
+  std::reverse_copy(at, at + sizeof(Value), bytes.begin());
   return std::bit_cast<Value>(bytes);
 }
 
@@ -26,29 +25,29 @@ Value value_from(const std::byte* place, std::endian order) {
 inline Cell cell_from(const std::byte* place, ScalarType type, std::endian order) {
   switch (type) {
     case ScalarType::uint8:
-      return {static_cast<double>(value_from<std::uint8_t>(place, order)), 0};
+      return {static_cast<double>(load<std::uint8_t>(place, order)), 0};
     case ScalarType::int8:
-      return {static_cast<double>(value_from<std::int8_t>(place, order)), 0};
+      return {static_cast<double>(load<std::int8_t>(place, order)), 0};
     case ScalarType::uint16:
-      return {static_cast<double>(value_from<std::uint16_t>(place, order)), 0};
+      return {static_cast<double>(load<std::uint16_t>(place, order)), 0};
     case ScalarType::int16:
-      return {static_cast<double>(value_from<std::int16_t>(place, order)), 0};
+      return {static_cast<double>(load<std::int16_t>(place, order)), 0};
     case ScalarType::uint32:
-      return {static_cast<double>(value_from<std::uint32_t>(place, order)), 0};
+      return {static_cast<double>(load<std::uint32_t>(place, order)), 0};
     case ScalarType::int32:
-      return {static_cast<double>(value_from<std::int32_t>(place, order)), 0};
+      return {static_cast<double>(load<std::int32_t>(place, order)), 0};
     case ScalarType::uint64: {
-      const auto value = value_from<std::uint64_t>(place, order);
+      const auto value = load<std::uint64_t>(place, order);
       return {static_cast<double>(value), value};
     }
     case ScalarType::int64: {
-      const auto value = value_from<std::int64_t>(place, order);
+      const auto value = load<std::int64_t>(place, order);
       return {static_cast<double>(value), static_cast<std::uint64_t>(value)};
     }
     case ScalarType::float32:
-      return {static_cast<double>(value_from<float>(place, order)), 0};
+      return {static_cast<double>(load<float>(place, order)), 0};
     case ScalarType::float64:
-      return {value_from<double>(place, order), 0};
+      return {load<double>(place, order), 0};
     case ScalarType::bytes:
       break;
   }

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "octree/cloud/table_appender.h"
 
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "octree/cloud/append_rows.h"
+#include "octree/cloud/byte_order.h"
 
 namespace alidade {
 
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "extra dimensions are kept little endian");
 
 /// Nearest value of an integer type, held at its ends; NaN becomes 0.
 template <class Integer>
@@ -30,12 +27,7 @@ float to_float(double value) {
   return static_cast<float>(std::copysign(std::numeric_limits<double>::infinity(), value));
 }
 
-template <class Value>
-void store(std::uint8_t* place, Value value) {
-  std::memcpy(place, &value, sizeof value);
-}
-
-void store_as(ScalarType type, const Cell& cell, std::uint8_t* place) {
+void store_as(ScalarType type, const Cell& cell, std::byte* place) {
   switch (type) {
     case ScalarType::uint8:
       return store(place, nearest<std::uint8_t>(cell.number));
@@ -165,7 +157,7 @@ void TableAppender::put(const Target& target, const Cell& cell) {
     case ColumnRole::extra: {
       ExtraDimension& dimension = cloud_.extra_dimensions[target.dimension];
       const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
-      store_as(target.type, cell, dimension.values.data() + next_ * bytes);
+      store_as(target.type, cell, reinterpret_cast<std::byte*>(dimension.values.data() + next_ * bytes));
       return;
     }
     case ColumnRole::x:

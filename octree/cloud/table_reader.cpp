@@ -25,17 +25,18 @@ TableReader::TableReader(InputFile input, std::string format) : input_(std::move
   description_.format = std::move(format);
 }
 
-void TableReader::set_columns(std::vector<TableColumn> columns) {
+void TableReader::set_columns(std::vector<TableColumn> columns, const std::string& place) {
   if (columns.size() > k_most_columns)
-    fail({}, "too many columns", "at most " + std::to_string(k_most_columns), std::to_string(columns.size()));
+    fail(place, "too many columns", "at most " + std::to_string(k_most_columns),
+         std::to_string(columns.size()));
   std::unordered_set<std::string> names;
   for (const TableColumn& column : columns) {
     if (column.role == ColumnRole::ignored) continue;
     if (!names.insert(column.name).second)
-      fail({}, "two columns have the same name", "names that differ", quote(column.name));
+      fail(place, "two columns have the same name", "names that differ", quote(column.name));
   }
-  if (!find_role(columns, ColumnRole::x)) fail({}, "no x coordinate among the columns", "x, y and z");
-  if (!find_role(columns, ColumnRole::y)) fail({}, "no y coordinate among the columns", "x, y and z");
+  if (!find_role(columns, ColumnRole::x)) fail(place, "no x coordinate among the columns", "x, y and z");
+  if (!find_role(columns, ColumnRole::y)) fail(place, "no y coordinate among the columns", "x, y and z");
   if (!find_role(columns, ColumnRole::z)) warn("has no z coordinate; it was taken as 0");
   columns_ = std::move(columns);
 }
@@ -64,9 +65,9 @@ void TableReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& p
   if (find_role(columns_, ColumnRole::near_infrared))
     appender.scale_near_infrared(color_scaling(type_of(ColumnRole::near_infrared), survey_->near_infrared()));
   if (find_role(columns_, ColumnRole::intensity))
-    appender.scale_intensities(assume(
-        Attribute::intensity,
-        intensity_scaling(type_of(ColumnRole::intensity), survey_->intensities(), has_signed_intensities())));
+    appender.scale_intensities(
+        assume(Attribute::intensity,
+               intensity_scaling(type_of(ColumnRole::intensity), survey_->intensities(), intensity_scale())));
   visit_rows(
       [&](std::span<const Cell> row) {
         if (appender.add(row)) return;

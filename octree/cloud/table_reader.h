@@ -33,9 +33,9 @@ class TableReader : public CloudReader {
 
   TableReader(InputFile input, std::string format);
 
-  /// Sets the columns, whose roles have been assigned. Errors: two columns of one name; more than 4096; no x
-  /// or no y. A missing z is said in the warnings.
-  void set_columns(std::vector<TableColumn> columns);
+  /// Sets the columns, whose roles have been assigned; `place` is where the file tells them. Errors: two
+  /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
+  void set_columns(std::vector<TableColumn> columns, const std::string& place);
 
   /// Shows every row to `visit`, in order. A point without a place has NaN coordinates.
   virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
@@ -47,8 +47,8 @@ class TableReader : public CloudReader {
   /// Says why points were left out, as a clause.
   virtual std::string reason_to_drop() const { return "without finite coordinates"; }
 
-  /// Whether intensities from -2048 to 2047 are the scale of the format.
-  virtual bool has_signed_intensities() const { return false; }
+  /// What the format says about intensities.
+  virtual IntensityScale intensity_scale() const { return IntensityScale::free; }
 
   /// Adds a sentence about this file, for the cloud's warnings.
   void warn(const std::string& clause);

@@ -14,6 +14,7 @@ bool is_float(ScalarType type) {
 }  // namespace
 
 ValueScaling color_scaling(ScalarType type, const ValueRange& range) {
+  if (range.max <= 0.0) return {};
   if (type == ScalarType::uint8 || type == ScalarType::int8) return {.factor = 257.0, .assumption = {}};
   if (is_float(type) && range.max <= 1.0)
     return {.factor = 65535.0, .assumption = "colours go from 0 to 1 since none is larger"};
@@ -24,17 +25,20 @@ ValueScaling color_scaling(ScalarType type, const ValueRange& range) {
   return {};
 }
 
-ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, bool signed_12_bit) {
+ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, IntensityScale scale) {
   if (type == ScalarType::uint8) return {.factor = 257.0, .assumption = {}};
   if (type == ScalarType::uint16 || !(range.min <= range.max)) return {};
   if (range.min >= 0.0) {
+    if (range.max == 0.0) return {};
     if (is_float(type) && range.max <= 1.0)
-      return {.factor = 65535.0, .assumption = "intensities go from 0 to 1 since none is larger"};
+      return {.factor = 65535.0,
+              .assumption =
+                  scale == IntensityScale::unit ? "" : "intensities go from 0 to 1 since none is larger"};
     if (range.max <= 255.0)
       return {.factor = 257.0, .assumption = "intensities go from 0 to 255 since none is larger"};
     if (range.max <= 65535.0) return {};
   }
-  if (signed_12_bit && range.min >= -2048.0 && range.max <= 2047.0)
+  if (scale == IntensityScale::signed_12_bit && range.min >= -2048.0 && range.max <= 2047.0)
     return {.origin = -2048.0,
             .factor = 65535.0 / 4095.0,
             .assumption = "intensities go from -2048 to 2047 since some are negative"};

@@ -41,11 +41,18 @@ struct ValueScaling {
 /// to 1 times 65535, values up to 255 times 257, larger ones as they are.
 ValueScaling color_scaling(ScalarType type, const ValueRange& range);
 
+/// What a format says about its intensities.
+enum class IntensityScale {
+  free,           ///< nothing
+  unit,           ///< 0 to 1 (PTX)
+  signed_12_bit,  ///< -2048 to 2047, though many programs write 0 to 255 (PTS and its relatives)
+};
+
 /// Intensities: unsigned 8-bit integers times 257, unsigned 16-bit ones as they are. Other types by the range
 /// of the whole file: floats within 0 .. 1 times 65535; within 0 .. 255 times 257; within 0 .. 65535 as they
-/// are; within -2048 .. 2047 (the scale of PTS files, `signed_12_bit` only) linearly from that interval;
-/// anything else linearly from the smallest to the largest value.
-ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, bool signed_12_bit);
+/// are; within -2048 .. 2047 (the scale of PTS files, IntensityScale::signed_12_bit only) linearly from that
+/// interval; anything else linearly from the smallest to the largest value.
+ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, IntensityScale scale);
 
 /// Columns of x, y and z. A file without z is flat: its z is 0. Requires x and y.
 class PositionColumns {

@@ -83,8 +83,10 @@ bool fits(const Sample& sample, std::string_view layout) {
   return true;
 }
 
-/// Gives unnamed columns their roles by number and content; answers how they were read.
-std::string assign_by_content(std::vector<TableColumn>& columns, const Sample& sample) {
+/// Gives unnamed columns their roles by number and content, and says how they were read unless there was no
+/// choice.
+void assign_by_content(TextLayout& result, const Sample& sample) {
+  std::vector<TableColumn>& columns = result.columns;
   const auto give = [&](std::size_t column, ColumnRole role, const char* name) {
     columns[column] = {name, ScalarType::float64, role};
   };
@@ -116,7 +118,7 @@ std::string assign_by_content(std::vector<TableColumn>& columns, const Sample& s
   }
   std::string reading;
   for (const TableColumn& each : columns) reading += (reading.empty() ? "" : " ") + each.name;
-  return "columns have no names; they were read as " + reading;
+  if (columns.size() > 3) result.remarks.push_back("columns have no names; they were read as " + reading);
 }
 
 char separator_of(std::string_view line) {
@@ -203,7 +205,7 @@ TextLayout read_text_layout(InputFile& input) {
     line = scanner.next_line();
     if (!line) {
       layout.columns = unnamed_columns(3);
-      assign_by_content(layout.columns, {});
+      assign_by_content(layout, {});
       return layout;
     }
     if (!is_comment_or_empty(*line)) break;
@@ -217,7 +219,7 @@ TextLayout read_text_layout(InputFile& input) {
     std::size_t column_count = 0;
     const Sample sample = take_sample(scanner, layout.separator, column_count);
     layout.columns = unnamed_columns(std::max<std::size_t>(column_count, 3));
-    layout.remarks.push_back(assign_by_content(layout.columns, sample));
+    assign_by_content(layout, sample);
     return layout;
   }
 
@@ -252,7 +254,7 @@ TextLayout read_text_layout(InputFile& input) {
   layout.has_names = has_place(layout.columns);
   if (!layout.has_names) {
     layout.columns = unnamed_columns(column_count);
-    layout.remarks.push_back(assign_by_content(layout.columns, sample));
+    assign_by_content(layout, sample);
   }
   return layout;
 }

@@ -21,6 +21,7 @@ namespace alidade {
 ///   numbers 0 .. 65535 or of numbers 0 .. 1, normals three columns of vectors of length 1 (or 0). The first
 ///   layout of the list that fits is taken; the columns of others become extra dimensions column_4, column_5,
 ///   ...
+///     3  x y z
 ///     4  x y z intensity
 ///     6  x y z normal | x y z color
 ///     7  x y z intensity color | x y z color intensity | x y z intensity normal | x y z normal intensity

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <bit>
 #include <charconv>
-#include <cstring>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "octree/cloud/byte_order.h"
 #include "octree/cloud/column_roles.h"
 #include "octree/cloud/output_file.h"
 #include "octree/cloud/scalar_bytes.h"
@@ -130,11 +130,9 @@ void add_extra(const PointCloud& cloud, std::vector<Property>& properties) {
 
 template <class Value>
 void append_bytes(std::string& text, double number) {
-  static_assert(std::endian::native == std::endian::little);
-  const Value value = static_cast<Value>(number);
-  char bytes[sizeof value];
-  std::memcpy(bytes, &value, sizeof value);
-  text.append(bytes, sizeof value);
+  std::byte bytes[sizeof(Value)];
+  store(bytes, static_cast<Value>(number));
+  text.append(reinterpret_cast<const char*>(bytes), sizeof bytes);
 }
 
 void append_binary(std::string& text, ScalarType type, double number) {

@@ -89,7 +89,7 @@ TEST(Text, columns_without_names_go_by_number_and_content) {
     }
     return std::string("no warning");
   };
-  EXPECT_EQ(names("1 2 3\n"), "x y z");
+  EXPECT_EQ(names("1 2 3\n"), "no warning");
   EXPECT_EQ(names("1 2 3 0.5\n"), "x y z intensity");
   EXPECT_EQ(names("1 2 3 4 5\n"), "x y z column_4 column_5");
   EXPECT_EQ(names("1 2 3 255 0 128\n"), "x y z red green blue");
@@ -238,8 +238,8 @@ TEST(Text, a_header_that_names_a_column_twice_is_an_error) {
   const std::filesystem::path path = shared_data("malformed/badheader.txt");
   if (path.empty()) GTEST_SKIP() << k_no_shared_data;
   const std::string message = error_of([&] { open_text(path); });
-  EXPECT_NE(message.find("badheader.txt"), std::string::npos) << message;
-  EXPECT_NE(message.find("two columns have the same name"), std::string::npos) << message;
+  EXPECT_NE(message.find("badheader.txt:line 1: two columns have the same name"), std::string::npos)
+      << message;
 }
 
 }  // namespace
