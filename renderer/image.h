@@ -23,6 +23,9 @@ struct ImageMetadata {
   std::vector<std::pair<std::string, std::string>> further;  ///< any other key and text
 };
 
+/// Lets a long render fail before it starts. Errors: the name ends in none of .exr, .png, .jpg, .jpeg.
+void check_image_name(const std::filesystem::path& file);
+
 /// Writes the film by the extension of `output.file`: .exr with the layers asked for, .png (8 bit) or .jpg
 /// with exposure and the sRGB curve. The file appears whole or not at all. Channel names and metadata keys:
 /// docs/scene_format.md. Errors: unknown extension, existing file without `overwrite`, anything OpenImageIO

@@ -42,6 +42,7 @@ std::string explain_unknown_word(const CommandLine& words, const std::vector<Com
     if (std::find(option_names.begin(), option_names.end(), option) == option_names.end()) {
       return unknown("option", option, option_names);
     }
+    if (words[i].ends_with("=")) return fmt::format("option {} has no value behind its '='", option);
   }
   return {};
 }

@@ -18,12 +18,15 @@ constexpr std::uint64_t k_most_threads = 1024;
 
 }  // namespace
 
-double parse_number(const std::string& text) {
+double parse_number(const std::string& text, double least, double most) {
   double number = 0.0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
   if (error != std::errc() || stop != end || !std::isfinite(number)) {
     throw CLI::ValidationError("expected a number, found '" + text + "'");
+  }
+  if (number < least || number > most) {
+    throw CLI::ValidationError(fmt::format("expected a number from {} to {}, found '{}'", least, most, text));
   }
   return number;
 }
@@ -57,7 +60,16 @@ ImageSize parse_image_size(const std::string& text) {
 
 CLI::Option* add_value(CLI::App& command, const std::string& names, const std::string& kind,
                        const std::string& help, std::function<void(const std::string&)> take) {
-  return command.add_option_function<std::string>(names, take, help)->option_text(kind)->take_last();
+  const auto take_or_name_option = [names, take](const std::string& text) {
+    try {
+      take(text);
+    } catch (const CLI::ValidationError& error) {
+      throw CLI::ValidationError(names, error.what());
+    }
+  };
+  return command.add_option_function<std::string>(names, take_or_name_option, help)
+      ->option_text(kind)
+      ->take_last();
 }
 
 void add_verbosity(CLI::App& command, VerbosityOptions& options) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -20,8 +21,9 @@ namespace alidade {
 /// "2000000", "2e6", "1.5e3": a whole number in [least, most].
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most);
 
-/// A finite number.
-double parse_number(const std::string& text);
+/// A finite number in [least, most].
+double parse_number(const std::string& text, double least = std::numeric_limits<double>::lowest(),
+                    double most = std::numeric_limits<double>::max());
 
 /// "600x400": width and height in pixels, each in [1, 65536].
 struct ImageSize {

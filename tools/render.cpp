@@ -82,6 +82,7 @@ ImageMetadata metadata(const Scene& scene, const LoadedCloud* cloud, const Comma
 ExitCode run(const RenderCommand& command, const CommandLine& words) {
   const Verbosity verbosity = command.verbosity.verbosity();
   Scene scene = requested_scene(command);
+  check_image_name(scene.output.file);
   check_writable(scene.output.file, command.overwrite);
   if (verbosity == Verbosity::verbose) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));

@@ -55,7 +55,7 @@ void add_picture_options(CLI::App& render, RenderCommand& command) {
               command.max_bounces = static_cast<int>(parse_count(text, 0, k_most_bounces));
             });
   add_value(render, "--exposure", "STOPS", "brightness of PNG and JPEG: +1 is twice as bright (default 0)",
-            [&command](const std::string& text) { command.exposure = parse_number(text); });
+            [&command](const std::string& text) { command.exposure = parse_number(text, -64.0, 64.0); });
   add_value(render, "--layers", "LIST", "layers of an EXR: color,depth,distance,normal,position,albedo,id",
             [&command](const std::string& text) { command.layers = parse_layers(text); });
   add_value(render, "--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 const fs::path k_repository = ALIDADE_SOURCE_FOLDER;
 
 int run_shell(const std::string& script) {
-  const int status = std::system(("bash -euo pipefail " + script).c_str());
+  const int status = std::system(fmt::format("bash -euo pipefail {}", script).c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
@@ -52,7 +52,7 @@ class ReadersFolder {
   int run(const std::string& commands) const {
     const fs::path script = path_ / "commands.sh";
     std::ofstream(script) << "cd '" << path_.string() << "'\n" << commands;
-    return run_shell("'" + script.string() + "'");
+    return run_shell(fmt::format("'{}'", script.string()));
   }
 
  private:
@@ -121,8 +121,8 @@ TEST_P(DocumentsTest, every_named_dev_command_exists) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Pages, DocumentsTest, ::testing::ValuesIn(document_names(k_repository)),
-                         [](const auto& info) {
-                           std::string name = info.param;
+                         [](const auto& page) {
+                           std::string name = page.param;
                            for (char& letter : name)
                              letter = std::isalnum(static_cast<unsigned char>(letter)) ? letter : '_';
                            return name;
