@@ -43,7 +43,7 @@ struct JsonDocument {
 
 /// Parses strict JSON (RFC 8259: UTF-8, no comments, no trailing commas), nested at most 64 deep.
 /// Errors: Error with line and column, for anything else, for a number beyond double, and for a key that
-/// stands twice in one object. Cost: linear; memory at most about 60 times the text.
+/// stands twice in one object. Cost: linear; memory at most about 100 times the text.
 JsonDocument parse_json(std::string text, std::string name);
 
 }  // namespace alidade

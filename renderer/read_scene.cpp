@@ -11,7 +11,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::uintmax_t k_largest_file = 16u << 20;
+constexpr std::uintmax_t k_largest_file = 4u << 20;
 constexpr std::uint64_t k_most_samples = 1u << 24;
 
 std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
@@ -19,7 +19,8 @@ std::filesystem::path path_beside(const std::filesystem::path& scene_file, const
 }
 
 CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
-  const JsonFields fields(node, {"files", "file", "radius", "hits", "color", "color_depth", "material"});
+  const JsonFields fields(node,
+                          {"files", "file", "radius", "hits", "color", "color_depth", "normals", "material"});
   CloudSettings cloud;
   const auto files = fields.find("files"), file = fields.find("file");
   if (files && file) file->fail("both \"file\" and \"files\"", "one of them", "the second");
@@ -55,6 +56,10 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
       if (bits != 8 && bits != 16) depth->fail("unknown color depth", "8, 16 or \"automatic\"");
       cloud.color_depth = bits == 8 ? ColorDepth::bits_8 : ColorDepth::bits_16;
     }
+  }
+  if (const auto normals = fields.find("normals")) {
+    constexpr std::array<std::string_view, 2> words{"sphere", "smooth"};
+    cloud.normals = std::array{NormalMode::sphere, NormalMode::smooth}[normals->choice(words)];
   }
   if (const auto material = fields.find("material")) cloud.material = read_material(*material, true);
   return cloud;
@@ -172,7 +177,7 @@ std::string read_text_file(const std::filesystem::path& file) {
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error || size > k_largest_file) {
     throw Error(
-        {.file = file.string(), .problem = "too large for a scene or camera", .expected = "at most 16 MiB"});
+        {.file = file.string(), .problem = "too large for a scene or camera", .expected = "at most 4 MiB"});
   }
   std::ifstream stream(file, std::ios::binary);
   std::string text(size, '\0');

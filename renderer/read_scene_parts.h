@@ -31,7 +31,7 @@ Material read_material(const JsonNode& node, bool of_cloud);
 /// Three values, each in `range`.
 Rgb read_rgb(const JsonNode& node, const NumberRange& range);
 
-/// A text file of at most 16 MiB. Errors: missing, not a regular file, too large, unreadable.
+/// A text file of at most 4 MiB. Errors: missing, not a regular file, too large, unreadable.
 std::string read_text_file(const std::filesystem::path& file);
 
 }  // namespace alidade

@@ -59,8 +59,8 @@ std::string text(const Sky& sky) {
 std::string text(const CloudSettings& cloud) {
   std::string result = "cloud ";
   for (const auto& file : cloud.files) result += file.string() + " ";
-  result +=
-      fmt::format("depth {} hits {} color {} ", int(cloud.color_depth), int(cloud.hits), int(cloud.color));
+  result += fmt::format("depth {} hits {} color {} normals {} ", int(cloud.color_depth), int(cloud.hits),
+                        int(cloud.color), int(cloud.normals));
   return result + (cloud.radius ? text(*cloud.radius) : "auto ") + text(cloud.material);
 }
 
