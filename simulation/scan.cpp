@@ -6,7 +6,9 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
 #include <glm/geometric.hpp>
 #include <memory>
 
@@ -107,30 +109,52 @@ struct Delivery {
 template <typename BeamOf>
 void send_beams(const Site& site, const PointCloud& header, const Emission& emission, std::uint64_t count,
                 const BeamOf& beam_of, Delivery& delivery) {
+  /// What became of a batch. Exceptions travel along and leave behind the pipeline, which loses what is under
+  /// way in it when one passes through.
+  struct Traced {
+    PointCloud points;
+    std::exception_ptr failure;
+  };
+  std::exception_ptr failure;
+  std::atomic<bool> finished = false;
   std::uint64_t next = 0;
   const auto source = tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order,
                                                             [&](tbb::flow_control& control) {
                                                               const std::uint64_t begin = next;
-                                                              if (begin >= count || delivery.missing() == 0)
-                                                                control.stop();
+                                                              if (begin >= count || finished) control.stop();
                                                               next += k_beams_per_batch;
                                                               return begin;
                                                             });
-  const auto trace = tbb::make_filter<std::uint64_t, std::shared_ptr<PointCloud>>(
-      tbb::filter_mode::parallel, [&](std::uint64_t begin) {
-        const std::uint64_t end = std::min(count, begin + k_beams_per_batch);
-        auto batch = std::make_shared<PointCloud>(header);
-        reserve(*batch, static_cast<std::size_t>(end - begin));
-        for (std::uint64_t index = begin; index < end; ++index) {
-          const auto [beam, source_id] = beam_of(index);
-          measure(site, emission, beam, index, source_id, *batch);
-        }
-        return batch;
-      });
-  const auto deliver = tbb::make_filter<std::shared_ptr<PointCloud>, void>(
-      tbb::filter_mode::serial_in_order,
-      [&](const std::shared_ptr<PointCloud>& batch) { delivery.take(*batch); });
-  tbb::parallel_pipeline(k_batches_under_way, source & trace & deliver);
+  const auto trace = [&](std::uint64_t begin) {
+    const auto traced = std::make_shared<Traced>();
+    try {
+      const std::uint64_t end = std::min(count, begin + k_beams_per_batch);
+      traced->points = header;
+      reserve(traced->points, static_cast<std::size_t>(end - begin));
+      for (std::uint64_t index = begin; index < end; ++index) {
+        const auto [beam, source_id] = beam_of(index);
+        measure(site, emission, beam, index, source_id, traced->points);
+      }
+    } catch (...) {
+      traced->failure = std::current_exception();
+    }
+    return traced;
+  };
+  const auto deliver = [&](const std::shared_ptr<Traced>& traced) {
+    if (finished) return;
+    try {
+      if (traced->failure) std::rethrow_exception(traced->failure);
+      delivery.take(traced->points);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    finished = failure != nullptr || delivery.missing() == 0;
+  };
+  tbb::parallel_pipeline(
+      k_batches_under_way,
+      source & tbb::make_filter<std::uint64_t, std::shared_ptr<Traced>>(tbb::filter_mode::parallel, trace) &
+          tbb::make_filter<std::shared_ptr<Traced>, void>(tbb::filter_mode::serial_in_order, deliver));
+  if (failure) std::rethrow_exception(failure);
 }
 
 /// Sum over the stations of the share of beams that meet the site, from a coarse raster of some ten thousand

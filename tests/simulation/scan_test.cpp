@@ -223,6 +223,26 @@ TEST(Scan, StopsWhenAskedTo) {
                Cancelled);
 }
 
+TEST(Scan, ErrorsOfTheSinkReachTheCaller) {
+  const Site site = courtyard();
+  int batches = 0;
+  const auto failing = [&](const PointCloud&) {
+    if (++batches == 3) throw Error({.problem = "no space"});
+  };
+  EXPECT_THROW(scan(site, courtyard_scan(1000000, 1), failing), Error);
+  EXPECT_EQ(batches, 3);
+}
+
+TEST(Scan, ErrorsWhenAPointIsBeyondTheLattice) {
+  // 3000 km away: more than 2^31 millimetres.
+  const Site site({{shapes::Disc{{3e6, 0, 0}, {0, 0, 1}, 100.0, 0.0}, {}}}, {690000.0, 5325000.0, 600.0});
+  ScanOptions options;
+  options.point_count = 1000;
+  options.flight_lines = {
+      {site.origin() + dvec3(3e6 - 10.0, 0, 60), site.origin() + dvec3(3e6 + 10.0, 0, 60)}};
+  EXPECT_THROW(collect(site, options), Error);
+}
+
 TEST(Scan, ColumnsAreFilledAsDocumented) {
   const Site site = courtyard();
   const PointCloud cloud = collect(site, courtyard_scan(50000, 1));
