@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/render_options.h"
 
+#include <algorithm>
+#include <sstream>
+
 #include "octree/error.h"
 #include "renderer/camera.h"
 #include "renderer/read_scene.h"
@@ -18,17 +21,15 @@ const std::vector<std::pair<std::string, Layer>> k_layer_names = {
 
 std::vector<Layer> parse_layers(const std::string& text) {
   std::vector<Layer> layers;
-  for (const std::string& word : CLI::detail::split(text, ',')) {
-    bool known = false;
-    for (const auto& [name, layer] : k_layer_names) {
-      if (word != name) continue;
-      layers.push_back(layer);
-      known = true;
-    }
-    if (!known) {
+  std::istringstream words(text + ",");
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto known = std::find_if(k_layer_names.begin(), k_layer_names.end(),
+                                    [&word](const auto& entry) { return entry.first == word; });
+    if (known == k_layer_names.end()) {
       throw CLI::ValidationError("expected some of color,depth,distance,normal,position,albedo,id, found '" +
                                  word + "'");
     }
+    layers.push_back(known->second);
   }
   return layers;
 }
