@@ -108,7 +108,9 @@ void write_display(const Film& film, const OutputSettings& output, const ImageMe
 
 }  // namespace
 
-void check_image_name(const std::filesystem::path& file) { format_of(file); }
+void check_image_name(const std::filesystem::path& file) {
+  format_of(file);
+}
 
 void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                  bool overwrite) {
