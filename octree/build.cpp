@@ -75,13 +75,13 @@ struct Storage {
 
 class Builder {
  public:
-  Builder(const SortedPoints& sorted, const std::vector<LatticePosition>& cloud_positions, int leaf_size,
+  Builder(SortedPoints& sorted, const std::vector<LatticePosition>& cloud_positions, int leaf_size,
           Storage& storage)
       : sorted_(sorted), cloud_positions_(cloud_positions), leaf_size_(leaf_size), storage_(storage) {}
 
   StepBox build_root(int level) {
     storage_.nodes.resize(1);
-    return build_node({0, static_cast<std::uint32_t>(sorted_.count), 0}, level, storage_.nodes, 0, 0);
+    return build_node({0, static_cast<std::uint32_t>(sorted_.size()), 0}, level, storage_.nodes, 0, 0);
   }
 
  private:
@@ -145,6 +145,9 @@ class Builder {
       const Slot& slot = slots[inner.slot[i]];
       subtrees[i].resize(1);
       boxes[inner.slot[i]] = build_node(slot, child_level(slot, level), subtrees[i], 0, inner.place[i]);
+      // The points now stand in their leaves; giving the entries back keeps the peak at what the cloud itself
+      // took.
+      if (slot.count() <= k_parallel_points) sorted_.discard(slot.begin, slot.end);
     });
     for (int i = 0; i < inner.count; ++i) {
       // Node 1 of the subtree comes to stand at the end of `nodes`; its root goes to the place kept for it.
@@ -165,7 +168,7 @@ class Builder {
     for (;;) {
       int chosen = -1;
       for (int s = 0; s < slots.count; ++s) {
-        const bool splits = slots[s].level > sorted_.key_shift && !becomes_leaf(slots[s], level);
+        const bool splits = slots[s].level > sorted_.space().key_shift && !becomes_leaf(slots[s], level);
         if (!splits || (chosen >= 0 && !larger(slots[s], slots[chosen]))) continue;
         if (octants[s].count == 0) octants[s] = split(slots[s]);
         if (slots.count - 1 + octants[s].count <= k_node_width) chosen = s;
@@ -187,8 +190,8 @@ class Builder {
 
   /// The non-empty octants of the smallest cell around a range.
   SlotList split(const Slot& slot) const {
-    const int digit_shift = 3 * (slot.level - sorted_.key_shift - 1);
-    const auto digit = [&](std::uint32_t i) { return sorted_.entries[i].key() >> digit_shift & 7; };
+    const int digit_shift = 3 * (slot.level - sorted_.space().key_shift - 1);
+    const auto digit = [&](std::uint32_t i) { return sorted_[i].key() >> digit_shift & 7; };
     SlotList octants;
     for (std::uint32_t begin = slot.begin; begin < slot.end;) {
       const std::uint64_t here = digit(begin);
@@ -216,8 +219,8 @@ class Builder {
   }
 
   Slot with_level(Slot slot) const {
-    const std::uint64_t difference = sorted_.entries[slot.begin].key() ^ sorted_.entries[slot.end - 1].key();
-    slot.level = (std::bit_width(difference) + 2) / 3 + sorted_.key_shift;
+    const std::uint64_t difference = sorted_[slot.begin].key() ^ sorted_[slot.end - 1].key();
+    slot.level = (std::bit_width(difference) + 2) / 3 + sorted_.space().key_shift;
     return slot;
   }
 
@@ -232,12 +235,13 @@ class Builder {
   }
 
   Steps steps(std::uint32_t i) const {
-    const SortEntry& entry = sorted_.entries[i];
+    const SortEntry entry = sorted_[i];
     Steps result;
     for (int axis = 0; axis < 3; ++axis) {
-      result[axis] = sorted_.key_shift == 0 ? morton_coordinate(entry.key(), axis)
-                                            : static_cast<std::uint32_t>(cloud_positions_[entry.id][axis]) -
-                                                  static_cast<std::uint32_t>(sorted_.base[axis]);
+      result[axis] = sorted_.space().key_shift == 0
+                         ? morton_coordinate(entry.key(), axis)
+                         : static_cast<std::uint32_t>(cloud_positions_[entry.id][axis]) -
+                               static_cast<std::uint32_t>(sorted_.space().base[axis]);
     }
     return result;
   }
@@ -262,7 +266,7 @@ class Builder {
         coordinates[axis * count + i] =
             static_cast<std::uint16_t>((point[axis] - corner[axis]) >> coordinate_shift(level));
       }
-      const std::uint32_t id = sorted_.entries[slot.begin + i].id;
+      const std::uint32_t id = sorted_[slot.begin + i].id;
       storage_.ids[place + i] = id;
       if (storage_.positions) storage_.positions[place + i] = cloud_positions_[id];
       box.grow(point);
@@ -270,7 +274,7 @@ class Builder {
     return box;
   }
 
-  const SortedPoints& sorted_;
+  SortedPoints& sorted_;
   const std::vector<LatticePosition>& cloud_positions_;
   const int leaf_size_;
   Storage& storage_;
@@ -284,9 +288,9 @@ LatticePosition lattice_position(const LatticePosition& base, const Steps& steps
   return position;
 }
 
-/// `released` is the vector behind `positions` if it may be emptied, otherwise null.
+/// `given` is the vector behind `positions` if it is to be emptied, otherwise null.
 Octree build_from(const Lattice& lattice, const std::vector<LatticePosition>& positions,
-                  std::vector<LatticePosition>* released, const BuildOptions& options) {
+                  std::vector<LatticePosition>* given, const BuildOptions& options) {
   if (options.leaf_size < 1 || options.leaf_size > k_max_leaf_size) {
     throw Error({.problem = "leaf size of the octree is out of range",
                  .expected = "1 to " + std::to_string(k_max_leaf_size),
@@ -306,23 +310,26 @@ Octree build_from(const Lattice& lattice, const std::vector<LatticePosition>& po
   auto storage = std::make_shared<Storage>();
   if (count > 0) {
     report(options.progress, 0, count);
-    const SortedPoints sorted = sort_points(positions, released);
+    const KeySpace space = key_space(positions);
+    // Keys that do not hold the positions need them beside, up to the end.
+    const bool lossless = space.key_shift == 0;
+    SortedPoints sorted = sort_points(space, given && lossless ? std::move(*given) : positions);
     report(options.progress, count / 2, count);
 
     const std::size_t coordinate_count = 3 * count + k_coordinate_padding;
     storage->coordinates = std::make_unique_for_overwrite<std::uint16_t[]>(coordinate_count);
     std::fill_n(storage->coordinates.get() + 3 * count, k_coordinate_padding, std::uint16_t{0});
     storage->ids = std::make_unique_for_overwrite<std::uint32_t[]>(count);
-    if (sorted.key_shift > 0) storage->positions = std::make_unique_for_overwrite<LatticePosition[]>(count);
+    if (!lossless) storage->positions = std::make_unique_for_overwrite<LatticePosition[]>(count);
 
-    view.base = sorted.base;
-    view.root_level = std::max(k_min_frame_level, sorted.extent_bits);
+    view.base = space.base;
+    view.root_level = std::max(k_min_frame_level, space.extent_bits);
     view.point_count = static_cast<std::uint32_t>(count);
     const StepBox box = Builder(sorted, positions, options.leaf_size, *storage).build_root(view.root_level);
     storage->nodes.shrink_to_fit();
-    view.bounds.grow(to_world(lattice, lattice_position(sorted.base, box.low)));
-    view.bounds.grow(to_world(lattice, lattice_position(sorted.base, box.high)));
-    if (released) std::vector<LatticePosition>().swap(*released);
+    view.bounds.grow(to_world(lattice, lattice_position(space.base, box.low)));
+    view.bounds.grow(to_world(lattice, lattice_position(space.base, box.high)));
+    if (given) std::vector<LatticePosition>().swap(*given);
     report(options.progress, count, count);
   }
   view.node_count = static_cast<std::uint32_t>(storage->nodes.size());

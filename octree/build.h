@@ -17,13 +17,15 @@ struct BuildOptions {
 };
 
 /// Builds the adaptive octree over a cloud's points, in parallel. The result does not depend on the number of
-/// threads. The cloud is only read. Cost: about n log n; 10 million points take a second or two on two cores.
-/// Memory: at the peak 12 B per point beside the cloud; the finished octree takes about 11 B per point (23 B
-/// when the cloud spans more than 2^21 lattice steps on an axis). At most 2^32 - 1 points; more is an Error.
+/// threads. The cloud is only read. Cost: about n log n; 10 million points take about a second on two cores.
+/// Memory: the finished octree takes about 11 B per point (23 B when the cloud spans more than 2^21 lattice
+/// steps on an axis); at the peak the build holds about 14 B per point (26 B) beside the cloud. At most 2^32
+/// - 2 points; more is an Error.
 Octree build(const PointCloud& cloud, const BuildOptions& options = {});
 
-/// The same, but takes the positions out of the cloud (cloud.positions is empty afterwards) and frees them as
-/// early as possible: the octree holds every position without loss. Attributes stay in the cloud.
+/// The same, but takes the positions out of the cloud (cloud.positions is empty afterwards) and sorts and
+/// packs in their memory, so that the build needs next to nothing beside what the cloud took: the octree
+/// holds every position without loss. Attributes stay in the cloud.
 Octree build(PointCloud&& cloud, const BuildOptions& options = {});
 
 }  // namespace alidade

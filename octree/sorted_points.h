@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "octree/cloud/lattice.h"
@@ -10,7 +11,7 @@
 
 namespace alidade {
 
-/// A point under way into the octree: Morton key and row, 12 bytes.
+/// A point under way into the octree: Morton key and row. As large as the position it takes the place of.
 struct SortEntry {
   std::uint32_t key_low;
   std::uint32_t key_high;
@@ -18,22 +19,39 @@ struct SortEntry {
 
   std::uint64_t key() const { return std::uint64_t{key_high} << 32 | key_low; }
 };
-static_assert(sizeof(SortEntry) == 12);
+static_assert(sizeof(SortEntry) == sizeof(LatticePosition));
 
-/// Points in Morton order.
-struct SortedPoints {
+/// Where a cloud's positions lie, and how keys are made of them.
+struct KeySpace {
   LatticePosition base{0};  ///< lowest lattice position on each axis
   int extent_bits = 0;      ///< bits that hold the largest step count from base
   int key_shift = 0;        ///< key coordinates are steps >> key_shift; 0 = keys hold positions without loss
-  std::size_t count = 0;
-  std::unique_ptr<SortEntry[]> entries;
 };
 
-/// Sorts by (Morton key, id), in parallel; the result does not depend on the number of threads.
-/// At most 2^32 - 1 positions. Memory: 12 bytes per point. If keys hold the positions without loss (extents
-/// below 2^21 steps), `released` (null, or the very vector) is emptied as soon as it is not needed any more:
-/// before sorting.
-SortedPoints sort_points(const std::vector<LatticePosition>& positions,
-                         std::vector<LatticePosition>* released);
+/// Cost: one pass, in parallel.
+KeySpace key_space(const std::vector<LatticePosition>& positions);
+
+/// Points in (Morton key, id) order.
+class SortedPoints {
+ public:
+  SortedPoints(const KeySpace& space, std::vector<LatticePosition> packed)
+      : space_(space), packed_(std::move(packed)) {}
+
+  const KeySpace& space() const { return space_; }
+  std::size_t size() const { return packed_.size(); }
+  SortEntry operator[](std::size_t i) const { return std::bit_cast<SortEntry>(packed_[i]); }
+
+  /// Gives the memory of these entries back to the system as far as it fills whole pages; they must not be
+  /// read again. May be called for different ranges from several threads.
+  void discard(std::size_t begin, std::size_t end);
+
+ private:
+  KeySpace space_;
+  std::vector<LatticePosition> packed_;  ///< SortEntry by SortEntry, in the memory of the positions
+};
+
+/// Sorts in the memory of `positions`, in parallel; the result does not depend on the number of threads.
+/// At most 2^32 - 1 positions.
+SortedPoints sort_points(const KeySpace& space, std::vector<LatticePosition> positions);
 
 }  // namespace alidade
