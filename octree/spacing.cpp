@@ -66,7 +66,7 @@ double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Fram
 
 }  // namespace
 
-Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
+std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count) {
   const TreeView& tree = octree.view();
   const std::uint64_t stride =
       std::max<std::uint64_t>(1, tree.point_count / std::max<std::size_t>(sample_count, 1));
@@ -78,6 +78,12 @@ Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
           to_world(tree.lattice, position_of(tree, leaf, static_cast<std::uint32_t>(place - leaf.place))));
     }
   });
+  return samples;
+}
+
+Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
+  const TreeView& tree = octree.view();
+  const std::vector<glm::dvec3> samples = sample_positions(octree, sample_count);
   std::vector<double> distances(samples.size());
   tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
     distances[i] = std::sqrt(nearest_other_sq(tree, samples[i], root_frame(tree)));

@@ -2,10 +2,16 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/vec3.hpp>
+#include <vector>
 
 #include "octree/octree.h"
 
 namespace alidade {
+
+/// World positions of up to about `sample_count` points, taken evenly in octree order, so every place counts
+/// by its number of points. Deterministic. Cost: one pass over the leaves.
+std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count);
 
 /// Distances to the nearest other point, over a sample of points.
 struct Spacing {

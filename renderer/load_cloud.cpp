@@ -63,6 +63,12 @@ Color16 from_unit(const glm::dvec3& color) {
   return Color16(color * 65535.0 + 0.5);
 }
 
+/// Grey of an intensity, display value: the darkest is no black, which would hide all shape in the shade.
+Color16 intensity_color(double place) {
+  constexpr double k_darkest = 0.2, k_brightest = 0.95;
+  return from_unit(glm::dvec3(k_darkest + (k_brightest - k_darkest) * place));
+}
+
 /// Meadow, straw, clay, rock, snow: display values at even steps of height.
 Color16 height_color(double place) {
   constexpr std::array<glm::dvec3, 5> k_ramp = {glm::dvec3(0.30, 0.45, 0.34), glm::dvec3(0.60, 0.68, 0.42),
@@ -138,7 +144,7 @@ void color_points(PointColor color, PointCloud& cloud) {
   if (color == PointColor::intensity) {
     const Stretch stretch = intensity_stretch(cloud.intensities);
     for (std::size_t id = 0; id < cloud.size(); ++id) {
-      cloud.colors[id] = from_unit(glm::dvec3(stretch.place(cloud.intensities[id])));
+      cloud.colors[id] = intensity_color(stretch.place(cloud.intensities[id]));
     }
   } else {
     const Stretch stretch = height_stretch(cloud.positions);
@@ -173,10 +179,24 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) 
 }
 
 Bounds visible_bounds(const LoadedCloud& cloud) {
-  Bounds bounds = cloud.octree.bounds();
-  if (bounds.empty()) return bounds;
-  bounds.min -= glm::dvec3(cloud.radius);
-  bounds.max += glm::dvec3(cloud.radius);
+  constexpr std::size_t k_sample_count = 20000;
+  constexpr double k_stray_share = 0.005, k_margin = 0.05;
+  const Bounds& all = cloud.octree.bounds();
+  Bounds bounds;
+  if (all.empty()) return bounds;
+  const std::vector<glm::dvec3> samples = sample_positions(cloud.octree, k_sample_count);
+  const auto stray = static_cast<std::size_t>(k_stray_share * static_cast<double>(samples.size()));
+  std::vector<double> values(samples.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(samples, values.begin(),
+                           [&](const glm::dvec3& position) { return position[axis]; });
+    std::ranges::sort(values);
+    const double low = values[stray], high = values[values.size() - 1 - stray],
+                 margin = k_margin * (high - low);
+    // A site without strays is shown to its very edge: the margin makes up for the share that was cut.
+    bounds.min[axis] = std::max(all.min[axis], low - margin) - cloud.radius;
+    bounds.max[axis] = std::min(all.max[axis], high + margin) + cloud.radius;
+  }
   return bounds;
 }
 

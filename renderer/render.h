@@ -15,19 +15,20 @@ namespace alidade {
 /// The cloud of a scene, ready to be traced.
 struct LoadedCloud {
   Octree octree;
-  std::vector<Color16> colors;     ///< display-referred, one per point id
-  double radius = 0.0;             ///< metres, the one used
+  std::vector<Color16> colors;         ///< display-referred, one per point id
+  double radius = 0.0;                 ///< metres, the one used
   PointColor color = PointColor::rgb;  ///< what the colours show: rgb, intensity or height
   Crs crs;
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;
 };
 
-/// Reads the files, keeps only what the picture needs, builds the octree, measures the radius if it is "auto".
-/// Errors: as read_cloud. Peak memory: about 31 bytes per point.
+/// Reads the files, keeps only what the picture needs, builds the octree, measures the radius if it is
+/// "auto". Errors: as read_cloud. Peak memory: about 31 bytes per point.
 LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {});
 
-/// Box around the spheres of the cloud's points: what overview_camera should show. Empty for a cloud without points.
+/// Box around the spheres of the cloud's points but for strays (the outermost half percent on either side of
+/// an axis, where they lie far out): what overview_camera should show. Empty for a cloud without points.
 Bounds visible_bounds(const LoadedCloud& cloud);
 
 struct RenderOptions {
@@ -39,8 +40,9 @@ struct RenderStatistics {
   double seconds = 0.0;
 };
 
-/// Path-traces the scene (its camera must be set). `cloud` may be null for scenes of objects alone. Runs on as many threads as
-/// the caller's oneTBB arena allows; the film's bytes do not depend on their number, nor on the instruction set.
+/// Path-traces the scene (its camera must be set). `cloud` may be null for scenes of objects alone. Runs on
+/// as many threads as the caller's oneTBB arena allows; the film's bytes do not depend on their number, nor
+/// on the instruction set.
 Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
             RenderStatistics* statistics = nullptr);
 

@@ -102,10 +102,11 @@ TEST_F(LoadCloud, intensity_is_stretched_over_all_but_two_percent_at_either_end)
   settings.color = PointColor::intensity;
   const LoadedCloud cloud = load_cloud(settings);
   EXPECT_TRUE(cloud.warnings.empty());
-  EXPECT_EQ(cloud.colors[10], Color16(0));
-  EXPECT_EQ(cloud.colors[990], Color16(65535));
-  EXPECT_EQ(cloud.colors[999], Color16(65535));
-  EXPECT_NEAR(cloud.colors[500].r, 32768, 300);
+  // Dark grey to nearly white.
+  EXPECT_EQ(cloud.colors[10], Color16(13107));
+  EXPECT_EQ(cloud.colors[990], Color16(62258));
+  EXPECT_EQ(cloud.colors[999], Color16(62258));
+  EXPECT_NEAR(cloud.colors[500].r, 37683, 300);
   EXPECT_EQ(cloud.colors[500].r, cloud.colors[500].b);
 }
 
@@ -161,6 +162,25 @@ TEST_F(LoadCloud, odd_clouds_are_rendered) {
       for (const Rgb& color : film.color) ASSERT_TRUE(std::isfinite(color.r) && color.r >= 0.0f);
     }
   }
+}
+
+TEST_F(LoadCloud, strays_do_not_widen_what_is_shown) {
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 10000; ++i) positions.emplace_back(i % 100, i / 100, 0.01 * (i % 7));
+  CloudSettings settings;
+  settings.radius = 0.5;
+  settings.files = {folder_ / "plain.las"};
+  write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)}));
+  const Bounds plain = visible_bounds(load_cloud(settings));
+  EXPECT_EQ(plain.min, glm::dvec3(-0.5, -0.5, -0.5));
+  EXPECT_EQ(plain.max, glm::dvec3(99.5, 99.5, 0.56));
+
+  for (int i = 0; i < 20; ++i) positions.emplace_back(2000.0, 3000.0 + i, 500.0);
+  settings.files = {folder_ / "strays.las"};
+  write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)}));
+  const Bounds strays = visible_bounds(load_cloud(settings));
+  EXPECT_EQ(strays.min, plain.min);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_LT(strays.max[axis], plain.max[axis] + 5.0) << axis;
 }
 
 TEST_F(LoadCloud, reading_can_be_stopped) {
