@@ -3,6 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "octree/simd/instruction_set.h"
 #include "renderer/camera.h"
 #include "renderer/image.h"
@@ -13,27 +17,21 @@
 namespace alidade {
 namespace {
 
-/// Words that say where the result goes, or how it is computed, but not what it is.
-bool leaves_picture_unchanged(const std::string& word) {
-  return word == "--overwrite" || word == "-q" || word == "--quiet" || word == "-v" || word == "--verbose";
-}
-
-bool names_output_or_threads(const std::string& word) {
-  return word == "-o" || word == "--output" || word == "--threads";
-}
-
-/// The command line as metadata keep it: without the words that cannot change the picture, so that the same
-/// picture is the same file.
+/// The command line as metadata keep it: without the words that only say where the picture goes or how it is
+/// computed, so that the same picture is the same file.
 std::string picture_command(const CommandLine& words) {
+  constexpr std::array<std::string_view, 5> k_alone = {"--overwrite", "-q", "--quiet", "-v", "--verbose"};
+  constexpr std::array<std::string_view, 3> k_with_value = {"-o", "--output", "--threads"};
   std::string text = "alidade";
   for (std::size_t i = 1; i < words.size(); ++i) {
-    if (leaves_picture_unchanged(words[i])) continue;
-    if (words[i].starts_with("--output=") || words[i].starts_with("--threads=")) continue;
-    if (names_output_or_threads(words[i])) {
+    const std::string& word = words[i];
+    if (std::ranges::find(k_alone, word) != k_alone.end()) continue;
+    if (word.starts_with("--output=") || word.starts_with("--threads=")) continue;
+    if (std::ranges::find(k_with_value, word) != k_with_value.end()) {
       ++i;
-      continue;
+    } else {
+      text += " " + word;
     }
-    text += " " + words[i];
   }
   return text;
 }
