@@ -61,7 +61,7 @@ PinholeCamera choose_camera(const RenderCommand& command, const LoadedCloud* clo
         {.file = file, .problem = "holds no points, so there is no view of it", .expected = "--camera FILE"});
   }
   const ImageSize size = command.size.value_or(ImageSize{1200, 800});
-  return overview_camera(cloud->octree.bounds(), size.width, size.height);
+  return overview_camera(visible_bounds(*cloud), size.width, size.height);
 }
 
 ImageMetadata metadata(const Scene& scene, const LoadedCloud* cloud, const CommandLine& words) {

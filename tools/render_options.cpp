@@ -76,6 +76,11 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
   add_choice<HitMode>(render, "--hits",
                       "nearest by sphere entry (default) or by projected point, the paper's naive way",
                       command.hits, {{"entry", HitMode::entry}, {"t", HitMode::t}});
+  add_choice<NormalMode>(
+      render, "--normals",
+      "normals of each sphere, or across the points around, which evens out walls (default: the "
+      "scene's; smooth without a scene)",
+      command.normals, {{"sphere", NormalMode::sphere}, {"smooth", NormalMode::smooth}});
 }
 
 /// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
@@ -83,23 +88,27 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
 Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
   Scene scene;
   scene.sky = GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
-  scene.cloud.emplace().files = cloud_files;
-  scene.sun = Sun{};
+  CloudSettings& cloud = scene.cloud.emplace();
+  cloud.files = cloud_files;
+  cloud.normals = NormalMode::smooth;
+  scene.sun = Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
   return scene;
 }
 
 void apply_cloud_options(const RenderCommand& command, Scene& scene) {
-  const bool any = command.radius || command.color_depth || command.color || command.hits;
+  const bool any = command.radius || command.color_depth || command.color || command.hits || command.normals;
   if (!any) return;
   if (!scene.cloud) {
-    throw Error({.file = command.scene_file.string(),
-                 .problem = "the scene has no cloud for --radius, --color-depth, --color or --hits"});
+    throw Error(
+        {.file = command.scene_file.string(),
+         .problem = "the scene has no cloud for --radius, --color-depth, --color, --hits or --normals"});
   }
   CloudSettings& cloud = *scene.cloud;
   if (command.radius) cloud.radius = *command.radius;
   cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
   cloud.color = command.color.value_or(cloud.color);
   cloud.hits = command.hits.value_or(cloud.hits);
+  cloud.normals = command.normals.value_or(cloud.normals);
 }
 
 }  // namespace

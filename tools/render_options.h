@@ -24,6 +24,7 @@ struct RenderCommand {
   std::optional<ColorDepth> color_depth;
   std::optional<PointColor> color;
   std::optional<HitMode> hits;
+  std::optional<NormalMode> normals;
   std::optional<double> exposure;
   std::vector<Layer> layers;
   bool overwrite = false;
