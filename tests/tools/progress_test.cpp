@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#include "tools/progress.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace alidade::test {
+namespace {
+
+/// What a task of a hundred reports leaves in a log.
+std::string log_of_a_task(Verbosity verbosity) {
+  ::testing::internal::CaptureStderr();
+  {
+    ProgressLine line("counting", "sheep", verbosity);
+    const Progress progress = line.callback();
+    for (std::uint64_t done = 0; done <= 100; ++done) EXPECT_TRUE(progress(done, 100));
+    line.finish();
+  }
+  return ::testing::internal::GetCapturedStderr();
+}
+
+TEST(progress_line, a_short_task_is_one_line_in_a_log) {
+  const std::string log = log_of_a_task(Verbosity::normal);
+  EXPECT_EQ(std::count(log.begin(), log.end(), '\n'), 1) << log;
+  EXPECT_EQ(log.rfind("counting: 100 sheep in ", 0), 0u) << log;
+  EXPECT_EQ(log.find('\r'), std::string::npos);
+}
+
+TEST(progress_line, quiet_says_nothing) {
+  EXPECT_EQ(log_of_a_task(Verbosity::quiet), "");
+}
+
+TEST(progress_line, counts_are_short) {
+  EXPECT_EQ(short_count(0), "0");
+  EXPECT_EQ(short_count(9999), "9999");
+  EXPECT_EQ(short_count(10000), "10 k");
+  EXPECT_EQ(short_count(123456), "123 k");
+  EXPECT_EQ(short_count(999499), "999 k");
+  EXPECT_EQ(short_count(999500), "1 M");
+  EXPECT_EQ(short_count(1234567), "1.23 M");
+  EXPECT_EQ(short_count(2e9), "2 G");
+}
+
+TEST(progress_line, times_are_minutes_and_seconds) {
+  EXPECT_EQ(clock_time(0), "0:00");
+  EXPECT_EQ(clock_time(59.6), "1:00");
+  EXPECT_EQ(clock_time(754), "12:34");
+  EXPECT_EQ(clock_time(3723), "1:02:03");
+}
+
+}  // namespace
+}  // namespace alidade::test
