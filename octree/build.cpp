@@ -302,8 +302,7 @@ Octree build_from(const Lattice& lattice, const std::vector<LatticePosition>& po
                  .expected = "at most 4294967294",
                  .found = std::to_string(count)});
   }
-  const InstructionSet instruction_set =
-      options.instruction_set == InstructionSet::best ? best_instruction_set() : options.instruction_set;
+  const InstructionSet instruction_set = usable(options.instruction_set);
 
   TreeView view;
   view.lattice = lattice;

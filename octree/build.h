@@ -13,7 +13,7 @@ struct BuildOptions {
   int leaf_size = 32;
   /// Instruction set of the traversal; answers do not depend on it.
   InstructionSet instruction_set = InstructionSet::best;
-  Progress progress;  ///< in points, roughly
+  Progress progress{};  ///< in points; asked before sorting, before packing and at the end only
 };
 
 /// Builds the adaptive octree over a cloud's points, in parallel. The result does not depend on the number of

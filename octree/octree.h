@@ -58,9 +58,10 @@ class Octree {
 
   const TreeView& view() const { return view_; }
   InstructionSet instruction_set() const { return instruction_set_; }
-  /// The same index (shared arrays), traversed with another available instruction set.
+  /// The same index (shared arrays), traversed with another instruction set. Errors: not available on this
+  /// machine.
   Octree with_instruction_set(InstructionSet instruction_set) const {
-    return Octree(view_, storage_, instruction_set);
+    return Octree(view_, storage_, usable(instruction_set));
   }
 
  private:

@@ -50,7 +50,7 @@ std::optional<Hit> closest(const Octree& octree, const Ray& ray, const RayQuery&
 bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query);
 
 /// The same for many rays in parallel (oneTBB, as many threads as the caller's arena allows).
-/// Answers in the order of the rays; `hits` and `answers` must be as long as `rays`.
+/// Answers in the order of the rays. Errors: as above; `hits` or `answers` not as long as `rays`.
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
              std::span<std::optional<Hit>> hits);
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include "octree/tree_walk.h"
@@ -30,6 +31,10 @@ double distance_sq(const glm::dvec3& point, const Bounds& box) {
     sum += outside * outside;
   }
   return sum;
+}
+
+bool before(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
 /// Squared distance to the nearest point that is not at the very place; infinite if there is none.
@@ -68,8 +73,8 @@ double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Fram
 
 std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count) {
   const TreeView& tree = octree.view();
-  const std::uint64_t stride =
-      std::max<std::uint64_t>(1, tree.point_count / std::max<std::size_t>(sample_count, 1));
+  const std::uint64_t wanted = std::max<std::size_t>(sample_count, 1);
+  const std::uint64_t stride = std::max<std::uint64_t>(1, (tree.point_count + wanted - 1) / wanted);
   std::vector<glm::dvec3> samples;
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint64_t place = (leaf.place + stride - 1) / stride * stride; place < leaf.place + leaf.count;
@@ -83,14 +88,24 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
 
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
   const TreeView& tree = octree.view();
-  const std::vector<glm::dvec3> samples = sample_positions(octree, sample_count);
+  std::vector<glm::dvec3> samples = sample_positions(octree, sample_count);
+  // A search passes over all points at its own place; so each place is searched once, however many points it
+  // holds.
+  std::ranges::sort(samples, before);
+  std::vector<std::size_t> firsts;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i == 0 || samples[i] != samples[i - 1]) firsts.push_back(i);
+  }
   std::vector<double> distances(samples.size());
-  tbb::parallel_for(std::size_t{0}, samples.size(), [&](std::size_t i) {
-    distances[i] = std::sqrt(nearest_other_sq(tree, samples[i], root_frame(tree)));
+  tbb::parallel_for(std::size_t{0}, firsts.size(), [&](std::size_t f) {
+    const std::size_t begin = firsts[f], end = f + 1 < firsts.size() ? firsts[f + 1] : samples.size();
+    const double distance = std::sqrt(nearest_other_sq(tree, samples[begin], root_frame(tree)));
+    std::fill(distances.begin() + static_cast<std::ptrdiff_t>(begin),
+              distances.begin() + static_cast<std::ptrdiff_t>(end), distance);
   });
   std::erase_if(distances, [](double d) { return std::isinf(d); });
   if (distances.empty()) return {};
-  std::sort(distances.begin(), distances.end());
+  std::ranges::sort(distances);
   return {distances[distances.size() / 2], distances[distances.size() * 9 / 10], distances.size()};
 }
 

@@ -9,8 +9,9 @@
 
 namespace alidade {
 
-/// World positions of up to about `sample_count` points, taken evenly in octree order, so every place counts
-/// by its number of points. Deterministic. Cost: one pass over the leaves.
+/// World positions of at most `sample_count` points (and at least half as many where there are), taken evenly
+/// in octree order, so every place counts by its number of points. Deterministic. Cost: one pass over the
+/// leaves.
 std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count);
 
 /// Distances to the nearest other point, over a sample of points.
@@ -21,13 +22,13 @@ struct Spacing {
 };
 
 /// Measures nearest-neighbour spacing on up to `sample_count` points taken evenly in octree order (so every
-/// place counts by its number of points). Points with a twin at the same place are left out. A cloud of fewer
-/// than two distinct points gives zeros. Deterministic. Cost: microseconds per sample.
+/// place counts by its number of points). Points at the same place are no neighbours of
+/// each other. A cloud of fewer
+/// than two distinct places gives zeros. Deterministic. Cost: microseconds per sample.
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count = 20000);
 
-/// Sphere radius that closes a scanned surface: the renderer's "radius": "auto". Always > 0 for a cloud of at
-/// least two distinct points; for less it is a thousandth of the bounds' diagonal, or 0.01 if that is zero
-/// too.
+/// Sphere radius that closes a scanned surface: the renderer's "radius": "auto". Always > 0: where no
+/// spacing can be measured it is a thousandth of the bounds' diagonal, or 0.01 if that is zero too.
 double automatic_radius(const Octree& octree);
 
 }  // namespace alidade

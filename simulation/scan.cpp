@@ -179,6 +179,7 @@ constexpr double k_first_second = 402'000'000.0;  // adjusted GPS time: a day in
 constexpr double k_pause = 60.0;                  // between one scan and the next
 
 void check(const ScanOptions& options) {
+  if (options.flight_lines.empty()) throw Error({.problem = "a scan needs a flight line"});
   if (!(options.terrestrial_share >= 0.0 && options.terrestrial_share <= 1.0))
     throw Error({.problem = "share of points from the stations is out of range", .expected = "0 .. 1"});
   if (!(options.terrestrial.elevation_min < options.terrestrial.elevation_max) ||

@@ -3,6 +3,7 @@
 
 #include <hwy/targets.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <string>
@@ -57,6 +58,16 @@ InstructionSet best_instruction_set() {
                .problem = "no such instruction set on this machine",
                .expected = "one of " + names,
                .found = wanted});
+}
+
+InstructionSet usable(InstructionSet requested) {
+  if (requested == InstructionSet::best) return best_instruction_set();
+  const std::vector<InstructionSet> sets = available_instruction_sets();
+  if (std::ranges::find(sets, requested) == sets.end()) {
+    throw Error(
+        {.problem = "instruction set " + std::string(name(requested)) + " is not available on this machine"});
+  }
+  return requested;
 }
 
 }  // namespace alidade

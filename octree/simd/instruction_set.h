@@ -18,4 +18,8 @@ std::string_view name(InstructionSet instruction_set);
 /// otherwise the widest available. Errors: the variable names a set that is unknown or not available.
 InstructionSet best_instruction_set();
 
+/// The set to use for a request: `best` becomes best_instruction_set(). Errors: not available on this
+/// machine.
+InstructionSet usable(InstructionSet requested);
+
 }  // namespace alidade

@@ -15,11 +15,14 @@ namespace alidade::simd {
 /// What a traversal needs of a ray, computed once in double.
 ///
 /// Boxes are tested in float against slabs widened by radius + error, where `error` exceeds everything that
-/// can go wrong between the float test and the double decision: F = width of the root's frame, W = largest
-/// coordinate, all in metres.
-///   float part   2^-21 (F + radius): three roundings of 2^-24 on terms up to 2 F + 2 radius
-///   double part  2^-48 (W + way):    cancellation in p - origin and in t, for origins `way` metres from the
-///   points clamp part   4e-12 way:          direction components are kept away from zero by 1e-12
+/// can go wrong between the float test and the double decision. With F the width of the root's frame (at
+/// least 256 steps), W the largest coordinate and `way` the distance from the origin to the far end of the
+/// points, all in metres, it is the sum of
+/// - 2^-21 (F + radius): three roundings of 2^-24 on terms up to 2 F + 2 radius; it also pays for the
+/// rounding of
+///   scale * steps in world coordinates, at most 2^-22 steps;
+/// - 2^-48 (W + way): cancellation in point - origin and in t;
+/// - 4e-12 way: direction components are kept 1e-12 away from zero, which turns the ray by as much.
 /// Local t counts from `shift`, where the ray enters the root's box, so that origins far away cost no
 /// precision.
 struct RaySetup {

@@ -76,7 +76,8 @@ class RayTraversal {
     alignas(32) float t_near[k_node_width];
     std::uint64_t kinds;
     std::memcpy(&kinds, node.kind, 8);
-    const unsigned met = meet_boxes(node, visit, t_near);
+    unsigned met = meet_boxes(node, visit, t_near);
+    if (visit.level == k_min_frame_level) met &= ~twins_of_first(node);
 
     constexpr std::uint64_t k_high_bits = 0x8080808080808080u;
     const unsigned inner = gather_high_bits(kinds & k_high_bits);
@@ -109,6 +110,24 @@ class RayTraversal {
       for (; at > bottom && stack[at - 1].t_near < child.t_near; --at) stack[at] = stack[at - 1];
       stack[at] = child;
     }
+  }
+
+  /// Slots whose points all stand at the one place of slot 0. Boxes are exact at the lowest level, and only
+  /// parts of one place can have equal boxes there; their ids are higher, so they never win over slot 0. This
+  /// is what keeps a ray through a million equal points from testing each.
+  static unsigned twins_of_first(const Node& node) {
+    std::uint64_t difference = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::uint64_t low, high;
+      std::memcpy(&low, node.low[axis], 8);
+      std::memcpy(&high, node.high[axis], 8);
+      const std::uint64_t first = node.low[axis][0] * 0x0101010101010101u;
+      difference |= (low ^ first) | (high ^ first);
+    }
+    constexpr std::uint64_t k_low_bits = 0x7f7f7f7f7f7f7f7fu;
+    const unsigned equal =
+        gather_high_bits(~(((difference & k_low_bits) + k_low_bits) | difference) & ~k_low_bits);
+    return (equal & 1u) != 0 ? equal & ~1u : 0u;
   }
 
   /// Bit 7 of byte i becomes bit i.
@@ -168,13 +187,11 @@ class RayTraversal {
     const double lost = shift > 0 ? 2.0 * setup_.widest_scale * power_of_two(shift) : 0.0;
     const double error = setup_.double_error + 0x1p-18 * (width + query_.radius) + lost;
     const double widened = query_.radius + error;
-    const double radius_sq = widened * widened;
     const auto step = static_cast<float>(power_of_two(shift));
 
     const Floats d;
-    const auto radius_sq_limit = hn::Set(d, float_above(radius_sq));
-    // Where an entry can lie at the earliest: the half chord with room for the error of the squared distance.
-    const auto chord_sq_limit = hn::Set(d, float_above(radius_sq + 3.0 * widened * error));
+    // Also good for the half chord: (r + e)^2 - (d + e)^2 >= r^2 - d^2 for every d <= r.
+    const auto radius_sq_limit = hn::Set(d, float_above(widened * widened));
     const auto low = hn::Set(d, float_below(setup_.t_low - local_shift - error));
     const auto cut = hn::Set(d, float_above(t_cut_ - local_shift + error));
     const auto direction_x = hn::Set(d, setup_.direction[0]), direction_y = hn::Set(d, setup_.direction[1]),
@@ -198,7 +215,7 @@ class RayTraversal {
                                        hn::Mul(across_z, across_z));
       auto earliest = t;
       if constexpr (measure == Measure::entry) {
-        earliest = hn::Sub(t, hn::Sqrt(hn::Max(hn::Sub(chord_sq_limit, distance_sq), hn::Zero(d))));
+        earliest = hn::Sub(t, hn::Sqrt(hn::Max(hn::Sub(radius_sq_limit, distance_sq), hn::Zero(d))));
       }
       const auto may_count =
           hn::And(hn::And(hn::Le(distance_sq, radius_sq_limit), hn::Ge(t, low)), hn::Le(earliest, cut));

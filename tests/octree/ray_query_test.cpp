@@ -188,6 +188,54 @@ TEST(RayQuery, a_batch_answers_each_ray_in_order_on_any_number_of_threads) {
   }
 }
 
+TEST(RayQuery, a_batch_whose_answers_have_no_room_is_an_error) {
+  const Octree octree = build(three_points_on_a_line());
+  const std::vector<Ray> rays(3, make_ray({0, 0, 0}, {1, 0, 0}));
+  std::vector<std::optional<Hit>> hits(2);
+  std::vector<std::uint8_t> blocked(4);
+  EXPECT_THROW(closest(octree, rays, {.radius = 1.0}, hits), Error);
+  EXPECT_THROW(occluded(octree, rays, {.radius = 1.0}, blocked), Error);
+}
+
+TEST(RayQuery, a_batch_on_an_empty_octree_answers_nothing) {
+  const std::vector<Ray> rays(2, make_ray({0, 0, 0}, {1, 0, 0}));
+  std::vector<std::optional<Hit>> hits(2, Hit{});
+  std::vector<std::uint8_t> blocked(2, 1);
+  closest(build(PointCloud{}), rays, {.radius = 1.0}, hits);
+  occluded(build(PointCloud{}), rays, {.radius = 1.0}, blocked);
+  EXPECT_EQ(hits, std::vector<std::optional<Hit>>(2));
+  EXPECT_EQ(blocked, std::vector<std::uint8_t>(2, 0));
+}
+
+TEST(RayQuery, many_points_at_few_places_keep_the_lowest_id) {
+  // So many that whole subtrees stand at one place, on a lattice fine enough that keys do not hold positions.
+  Random random;
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 40000; ++i)
+    positions.push_back(0.0625 * std::floor(random.between(0, 3)) * glm::dvec3(1, 0, 1));
+  for (const double scale : {0.0009765625, 0x1p-28}) {
+    positions.back() = scale < 1e-6 ? glm::dvec3(1.5, 0, 0) : positions.back();
+    const PointCloud cloud = test::make_cloud(positions, {glm::dvec3(scale), glm::dvec3(0)});
+    const Octree octree = build(cloud);
+    for (const RayCase& c : ray_cases(cloud, 300, random)) {
+      ASSERT_EQ(closest(octree, c.ray, c.query), brute_force::closest(cloud, c.ray, c.query));
+    }
+  }
+}
+
+TEST(Octree, an_instruction_set_the_machine_lacks_is_an_error) {
+  const std::vector<InstructionSet> available = available_instruction_sets();
+  for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::ssse3, InstructionSet::sse4,
+                                   InstructionSet::avx2, InstructionSet::avx512}) {
+    const bool has = std::ranges::find(available, set) != available.end();
+    if (has) {
+      EXPECT_EQ(build(PointCloud{}, options_for(set)).instruction_set(), set);
+    } else {
+      EXPECT_THROW(build(PointCloud{}, options_for(set)), Error);
+    }
+  }
+}
+
 TEST(Ray, a_direction_is_normalised_at_the_entrance) {
   for (const double scale : {1.0, 1e-300, 1e300, 7.0}) {
     const Ray ray = make_ray({0, 0, 0}, glm::dvec3(3, 0, 4) * scale);

@@ -43,8 +43,17 @@ TEST(Spacing, a_sample_of_a_grid_finds_its_step) {
   const Octree octree = build(test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)}));
   const Spacing spacing = measure_spacing(octree, 1000);
   EXPECT_NEAR(spacing.median, 0.05, 1e-12);
-  EXPECT_GE(spacing.sample_count, 1000u);
-  EXPECT_LE(spacing.sample_count, 1026u);
+  EXPECT_EQ(spacing.sample_count, 1000u);
+}
+
+TEST(Spacing, at_most_as_many_points_as_asked_for_are_sampled) {
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 1999; ++i) positions.emplace_back(i, 0.0, 0.0);
+  const Octree octree = build(test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)}));
+  EXPECT_EQ(sample_positions(octree, 1000).size(), 1000u);
+  EXPECT_EQ(sample_positions(octree, 1999).size(), 1999u);
+  EXPECT_EQ(sample_positions(octree, 5000).size(), 1999u);
+  EXPECT_EQ(sample_positions(octree, 1998).size(), 1000u);
 }
 
 TEST(Spacing, a_radius_is_found_for_clouds_without_spacing) {
