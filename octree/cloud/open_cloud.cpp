@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "octree/cloud/cloud_reader.h"
+#include "octree/cloud/text_scanner.h"
 #include "octree/error.h"
 
 namespace alidade {
@@ -13,17 +14,11 @@ namespace {
 constexpr std::size_t k_looked_at = 4096;
 constexpr const char* k_supported = "LAS, PLY, PCD, PTX, PTS, CSV or XYZ";
 
-bool is_space(char c) {
-  return c == ' ' || c == '\t' || c == '\r';
-}
-
 /// The next line without spaces at its ends; `text` keeps what follows.
 std::string_view next_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());
-  std::string_view line = text.substr(0, end);
+  const std::string_view line = trim(text.substr(0, end));
   text.remove_prefix(std::min(end + 1, text.size()));
-  while (!line.empty() && is_space(line.front())) line.remove_prefix(1);
-  while (!line.empty() && is_space(line.back())) line.remove_suffix(1);
   return line;
 }
 
@@ -75,7 +70,7 @@ std::unique_ptr<CloudReader> open_cloud(InputFile file) {
   const std::span<const std::byte> bytes = file.view_up_to(0, k_looked_at);
   // A copy, because the file is handed on.
   const std::string copy(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  const std::string_view start = copy;
+  std::string_view start = copy;
   if (start.empty()) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
   if (start.starts_with("LASF")) return open_las(std::move(file));
   if (start.starts_with("ASTM-E57")) {
@@ -83,7 +78,9 @@ std::unique_ptr<CloudReader> open_cloud(InputFile file) {
                  .problem = "is E57, which this version does not read",
                  .expected = k_supported});
   }
-  if (start.starts_with("ply") && start.size() > 3 && (is_space(start[3]) || start[3] == '\n')) {
+  // Every reader of text skips a byte order mark.
+  if (start.starts_with(k_byte_order_mark)) start.remove_prefix(k_byte_order_mark.size());
+  if (start.starts_with("ply") && start.size() > 3 && (is_blank(start[3]) || start[3] == '\n')) {
     return open_ply(std::move(file));
   }
   if (is_pcd(start)) return open_pcd(std::move(file));

@@ -82,6 +82,7 @@ void take_line(const TextScanner& scanner, const Words& words, Lines& lines, Pcd
   if (keyword == "VERSION") {
     header.version = words.size() > 1 ? words[1] : "";
   } else if (keyword == "FIELDS" || keyword == "COLUMNS") {
+    require_few_columns(scanner, words.size() - 1);
     lines.fields.assign(words.begin() + 1, words.end());
   } else if (keyword == "SIZE") {
     lines.sizes = require_counts(scanner, words, lines);
@@ -117,6 +118,7 @@ void take_fields(const TextScanner& scanner, const Lines& lines, PcdHeader& head
     scanner.fail("the header has no sizes", "a line SIZE after FIELDS");
   if (lines.types.size() != lines.fields.size())
     scanner.fail("the header has no types", "a line TYPE after FIELDS");
+  std::uint64_t point_size = 0;
   for (std::size_t i = 0; i < lines.fields.size(); ++i) {
     const auto type = scalar_type(lines.types[i], lines.sizes[i]);
     if (!type)
@@ -127,8 +129,8 @@ void take_fields(const TextScanner& scanner, const Lines& lines, PcdHeader& head
     if (count > k_largest_point)
       scanner.fail("a field is too wide", "at most a mebibyte", std::to_string(count));
     header.fields.push_back({lines.fields[i], *type, count});
-    if (header.point_size() > k_largest_point)
-      scanner.fail("the points are too wide", "at most a mebibyte each");
+    point_size += header.fields.back().size();
+    if (point_size > k_largest_point) scanner.fail("the points are too wide", "at most a mebibyte each");
   }
 }
 

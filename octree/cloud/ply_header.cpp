@@ -147,7 +147,9 @@ PlyHeader read_ply_header(InputFile& input) {
       header.elements.push_back(require_element(scanner, words));
     } else if (keyword == "property") {
       if (header.elements.empty()) scanner.fail("a property stands before the first element");
-      header.elements.back().properties.push_back(require_property(scanner, words));
+      std::vector<PlyProperty>& properties = header.elements.back().properties;
+      properties.push_back(require_property(scanner, words));
+      require_few_columns(scanner, properties.size());
     } else {
       scanner.fail("unknown line in the header", "format, element, property, comment, obj_info or end_header",
                    quote(keyword));

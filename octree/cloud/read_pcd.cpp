@@ -44,12 +44,15 @@ class PcdReader final : public TableReader {
     description_.version = header_.version;
     std::vector<TableColumn> columns;
     std::string skipped;
+    bool has_color = false;
     for (const PcdField& field : header_.fields) {
       TableColumn column{field.name, field.type, ColumnRole::extra};
       if (field.name == "_" || field.count != 1) column.role = ColumnRole::ignored;
       if (field.name != "_" && field.count != 1) skipped += (skipped.empty() ? "" : ", ") + quote(field.name);
-      if (is_packed_color(field) && !find_role(columns, ColumnRole::packed_color))
+      if (is_packed_color(field) && !has_color) {
         column.role = ColumnRole::packed_color;
+        has_color = true;
+      }
       columns.push_back(std::move(column));
     }
     assign_roles(columns, NameRules::point_format);
@@ -149,13 +152,9 @@ class PcdReader final : public TableReader {
     std::vector<Cell> row(header_.fields.size());
     for (std::uint64_t point = 0; point < header_.point_count; ++point) {
       if (point % k_rows_per_report == 0) report(progress, scanner.place(), input_.size());
-      do {
-        const auto line = scanner.next_line();
-        if (!line)
-          scanner.fail("the file ends early", std::to_string(header_.point_count) + " points",
-                       std::to_string(point));
-        split_words(*line, words_);
-      } while (words_.empty());
+      if (!scanner.next_words(words_))
+        scanner.fail("the file ends early", std::to_string(header_.point_count) + " points",
+                     std::to_string(point));
       parse_row(scanner, row);
       visit(row);
     }

@@ -125,11 +125,8 @@ class PlyReader final : public TableReader {
 
   /// Fills words_ from the next line that is not empty.
   void next_words(TextScanner& scanner, const PlyElement& element) {
-    do {
-      const auto line = scanner.next_line();
-      if (!line) scanner.fail("the file ends early", "more lines of the element " + quote(element.name));
-      split_words(*line, words_);
-    } while (words_.empty());
+    if (!scanner.next_words(words_))
+      scanner.fail("the file ends early", "more lines of the element " + quote(element.name));
   }
 
   void parse_row(const TextScanner& scanner, std::vector<Cell>& row) {

@@ -33,10 +33,10 @@ class PtxReader final : public TableReader {
  public:
   explicit PtxReader(InputFile input) : TableReader(std::move(input), "PTX") {
     TextScanner scanner(input_);
-    while (next_words(scanner)) {
+    while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
       if (header.point_count == 0) continue;
-      if (!next_words(scanner)) fail_early(scanner);
+      if (!scanner.next_words(words_)) fail_early(scanner);
       value_count_ = require_value_count(scanner);
       break;
     }
@@ -58,7 +58,7 @@ class PtxReader final : public TableReader {
     written_ = WrittenResolution(columns());
     row_.assign(columns().size(), {});
     scale_ = std::numeric_limits<double>::infinity();
-    while (next_words(scanner)) {
+    while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
       if (header.was_transposed && !warned_) {
         warn("the transform is written by columns instead of by rows; it was transposed");
@@ -68,7 +68,7 @@ class PtxReader final : public TableReader {
       scale_ = std::min(scale_, std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]));
       for (std::uint64_t point = 0; point < header.point_count; ++point) {
         if (point % k_lines_per_report == 0) report(progress, scanner.place(), input_.size());
-        if (!next_words(scanner)) fail_early(scanner);
+        if (!scanner.next_words(words_)) fail_early(scanner);
         parse_row(scanner, header.transform);
         visit(row_);
       }
@@ -82,14 +82,6 @@ class PtxReader final : public TableReader {
   std::string reason_to_drop() const override { return "without a return"; }
 
  private:
-  bool next_words(TextScanner& scanner) {
-    while (const auto line = scanner.next_line()) {
-      split_words(*line, words_);
-      if (!words_.empty()) return true;
-    }
-    return false;
-  }
-
   [[noreturn]] static void fail_early(const TextScanner& scanner) {
     scanner.fail("the file ends early", "more lines of the scan", "the end of the file");
   }
@@ -120,7 +112,7 @@ class PtxReader final : public TableReader {
   /// Reads the ten lines; the first of them is in words_ already.
   ScanHeader read_scan_header(TextScanner& scanner) {
     const auto next = [&] {
-      if (!next_words(scanner)) fail_early(scanner);
+      if (!scanner.next_words(words_)) fail_early(scanner);
     };
     const std::uint64_t width = require_grid_size(scanner, "columns");
     next();

@@ -13,22 +13,12 @@
 
 namespace alidade {
 
-namespace {
-
-/// Far beyond any real file; a header of nothing but columns must not take quadratic time.
-constexpr std::size_t k_most_columns = 4096;
-
-}  // namespace
-
 TableReader::TableReader(InputFile input, std::string format) : input_(std::move(input)) {
   description_.path = input_.name();
   description_.format = std::move(format);
 }
 
 void TableReader::set_columns(std::vector<TableColumn> columns, const std::string& place) {
-  if (columns.size() > k_most_columns)
-    fail(place, "too many columns", "at most " + std::to_string(k_most_columns),
-         std::to_string(columns.size()));
   std::unordered_set<std::string> names;
   for (const TableColumn& column : columns) {
     if (column.role == ColumnRole::ignored) continue;

@@ -159,7 +159,10 @@ Sample take_sample(TextScanner scanner, char separator, std::size_t& column_coun
     if (is_comment_or_empty(*line)) continue;
     split_line(*line, separator, words);
     if (words.size() == 1) continue;
-    if (column_count == 0) column_count = words.size();
+    if (column_count == 0) {
+      require_few_columns(scanner, words.size());
+      column_count = words.size();
+    }
     if (words.size() != column_count) break;
     std::vector<double>& row = sample.rows.emplace_back();
     for (const std::string_view word : words) row.push_back(parse_number(word).value_or(std::nan("")));
@@ -232,6 +235,7 @@ TextLayout read_text_layout(InputFile& input) {
       layout.separator = '\t';
       split_line(*line, layout.separator, words);
     }
+    require_few_columns(scanner, words.size());
     layout.format = layout.separator == ' ' ? "XYZ" : "CSV";
     layout.columns = named_columns(words);
     if (!has_place(layout.columns))
@@ -246,6 +250,7 @@ TextLayout read_text_layout(InputFile& input) {
   }
 
   if (words.size() < 3) scanner.fail("too few columns for a point", "at least 3 numbers", quote(*line));
+  require_few_columns(scanner, words.size());
   std::size_t column_count = words.size();
   const Sample sample =
       take_sample(TextScanner(input, layout.data_place, layout.line_count), layout.separator, column_count);

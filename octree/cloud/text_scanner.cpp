@@ -14,6 +14,8 @@ namespace {
 
 constexpr std::size_t k_window = 1 << 20;
 
+}  // namespace
+
 bool is_blank(char letter) {
   return letter == ' ' || letter == '\t' || letter == '\r';
 }
@@ -23,8 +25,6 @@ std::string_view trim(std::string_view text) {
   while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
   return text;
 }
-
-}  // namespace
 
 TextScanner::TextScanner(InputFile& file, std::uint64_t place, std::uint64_t line_number)
     : file_(file), window_place_(place), line_number_(line_number) {}
@@ -38,7 +38,7 @@ std::optional<std::string_view> TextScanner::next_line() {
     used_ = 0;
     const auto bytes = file_.view_up_to(window_place_, k_window);
     window_ = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    if (window_place_ == 0 && window_.starts_with("\xEF\xBB\xBF")) used_ = 3;
+    if (window_place_ == 0 && window_.starts_with(k_byte_order_mark)) used_ = k_byte_order_mark.size();
     start = window_.data() + used_;
     left = window_.size() - used_;
     end = left > 0 ? static_cast<const char*>(std::memchr(start, '\n', left)) : nullptr;
@@ -55,12 +55,25 @@ std::optional<std::string_view> TextScanner::next_line() {
   return line;
 }
 
+bool TextScanner::next_words(std::vector<std::string_view>& words) {
+  while (const auto line = next_line()) {
+    split_words(*line, words);
+    if (!words.empty()) return true;
+  }
+  return false;
+}
+
 void TextScanner::fail(std::string problem, std::string expected, std::string found) const {
   throw Error({.file = file_.name(),
                .place = "line " + std::to_string(line_number_),
                .problem = std::move(problem),
                .expected = std::move(expected),
                .found = std::move(found)});
+}
+
+void require_few_columns(const TextScanner& scanner, std::size_t count) {
+  if (count > k_most_columns)
+    scanner.fail("too many columns", "at most " + std::to_string(k_most_columns), std::to_string(count));
 }
 
 std::optional<double> parse_number(std::string_view word) {

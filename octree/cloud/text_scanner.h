@@ -23,6 +23,10 @@ class TextScanner {
   /// The next line without its end, valid until the next call; empty optional at the end of the file.
   std::optional<std::string_view> next_line();
 
+  /// Fills `words` from the next line that is not blank; they are valid until the next call. False at the end
+  /// of the file.
+  bool next_words(std::vector<std::string_view>& words);
+
   /// Number of the line last given, from 1.
   std::uint64_t line_number() const { return line_number_; }
   /// Byte after the line last given, its end included.
@@ -38,6 +42,22 @@ class TextScanner {
   std::size_t used_ = 0;  ///< bytes of the window already given out
   std::uint64_t line_number_;
 };
+
+/// Most columns of a point table: far beyond any real file, so that a header of nothing but columns is
+/// refused before anything is done for each of them.
+inline constexpr std::size_t k_most_columns = 4096;
+
+/// Errors: a table with more than k_most_columns, said of the line last given.
+void require_few_columns(const TextScanner& scanner, std::size_t count);
+
+/// UTF-8 for U+FEFF, which some programs put before a text.
+inline constexpr std::string_view k_byte_order_mark = "\xEF\xBB\xBF";
+
+/// Blank, tab or carriage return.
+bool is_blank(char letter);
+
+/// The text without is_blank() letters at its ends.
+std::string_view trim(std::string_view text);
 
 /// The number a whole word stands for: decimal or scientific, with an optional sign, "nan", "inf"; empty if
 /// it is none. Never depends on the locale. Too large a number is infinite, too small a one is zero.

@@ -28,6 +28,12 @@ std::string xyz_header(const std::string& width, const std::string& data) {
   return header("x y z", "4 4 4", "F F F", "1 1 1", width, data);
 }
 
+std::string repeated(const std::string& text, int count) {
+  std::string result;
+  for (int i = 0; i < count; ++i) result += text;
+  return result;
+}
+
 /// LZF of literals only: valid, if no smaller than its input.
 std::string stored_lzf(std::string_view bytes) {
   std::string packed;
@@ -194,6 +200,23 @@ TEST(Pcd, errors_name_file_place_expectation_and_finding) {
   expect(xyz_header("2", "ascii") + "1.25 2.25 3.25\n", "the file ends early; expected 2 points, found 1");
   expect("# .PCD\nVIEWPOINT 0 0 zero\n", "memory:line 2: not a number");
   expect(std::string(10 << 20, 'x'), "memory:line 1: the line does not end");
+}
+
+TEST(Pcd, more_than_4096_fields_are_an_error_of_their_line) {
+  const auto with_fields = [](int count) {
+    return header("x y z" + repeated(" _", count - 3), "4 4 4" + repeated(" 1", count - 3),
+                  "F F F" + repeated(" U", count - 3), "1 1 1" + repeated(" 1", count - 3), "0", "binary");
+  };
+  EXPECT_EQ(pcd_error(with_fields(4096)), "");
+  const std::string expected = "memory:line 3: too many columns; expected at most 4096, found 4097";
+  EXPECT_EQ(pcd_error(with_fields(4097)).substr(0, expected.size()), expected);
+}
+
+TEST(Pcd, only_the_first_packed_colour_is_the_colour) {
+  const PointCloud cloud = read_pcd(
+      header("x y z rgba rgb", "4 4 4 4 4", "F F F U U", "1 1 1 1 1", "1", "ascii") + "1 2 3 255 256\n");
+  EXPECT_EQ(cloud.colors[0], Color16(0, 0, 65535));
+  EXPECT_EQ(extra_value<std::uint32_t>(cloud, "rgb", 0), 256u);
 }
 
 TEST(Pcd, every_truncation_is_an_error_or_a_clean_read) {

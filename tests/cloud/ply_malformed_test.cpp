@@ -56,6 +56,17 @@ TEST(PlyMalformed, errors_name_file_place_expectation_and_finding) {
   expect(start + "comment " + std::string(10 << 20, 'x') + "\n", "memory:line 3: the line does not end");
 }
 
+TEST(PlyMalformed, more_than_4096_properties_are_an_error_of_their_line) {
+  const auto with_properties = [](int count) {
+    std::string text = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\n";
+    for (int i = 2; i < count; ++i) text += "property float p" + std::to_string(i) + "\n";
+    return text + "end_header\n";
+  };
+  EXPECT_EQ(ply_error(with_properties(4096)), "");
+  const std::string expected = "memory:line 4100: too many columns; expected at most 4096, found 4097";
+  EXPECT_EQ(ply_error(with_properties(4097)).substr(0, expected.size()), expected);
+}
+
 TEST(PlyMalformed, a_list_with_a_negative_or_impossible_length_is_an_error) {
   const std::string header =
       "ply\nformat binary_little_endian 1.0\nelement face 1\nproperty list int int a\n"

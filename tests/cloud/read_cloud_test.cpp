@@ -65,6 +65,24 @@ TEST(OpenCloudTest, formats_are_told_by_content) {
   EXPECT_EQ(format_of("1 2 3\n4 5 6\n"), "XYZ");
 }
 
+TEST(OpenCloudTest, a_byte_order_mark_hides_no_format) {
+  const std::string mark = "\xEF\xBB\xBF";
+  const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
+  EXPECT_EQ(format_of(mark + "ply\nformat ascii 1.0\nelement vertex 1\n" + xyz + "end_header\n1 2 3\n"),
+            "PLY");
+  EXPECT_EQ(format_of(mark + "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nDATA ascii\n1 2 3\n"), "PCD");
+  const PointCloud scan = test::read_memory(
+      text(mark + "1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n10 0 0 1\n1.5 2 3 0.5\n"));
+  EXPECT_EQ(scan.files.at(0).format, "PTX");
+  ASSERT_EQ(scan.size(), 1u);
+  EXPECT_NEAR(scan.world(0).x, 11.5, 1e-9);
+  const PointCloud table = test::read_memory(text(mark + "x,y,z\n1.5,2,3\n"));
+  EXPECT_EQ(table.files.at(0).format, "CSV");
+  ASSERT_EQ(table.size(), 1u);
+  EXPECT_NEAR(table.world(0).x, 1.5, 1e-9);
+  EXPECT_EQ(format_of(mark + "1 2 3\n4 5 6\n"), "XYZ");
+}
+
 TEST(OpenCloudTest, an_empty_file_is_an_error) {
   EXPECT_NE(error_of([] { test::read_memory({}); }).find("memory: is empty"), std::string::npos);
 }

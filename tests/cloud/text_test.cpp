@@ -202,6 +202,20 @@ TEST(Text, errors_name_file_line_expectation_and_finding) {
          "names with x, y and z among them, found \"???\"");
 }
 
+TEST(Text, more_than_4096_columns_are_an_error_of_their_line) {
+  std::string names = "x,y,z", numbers = "1 2 3";
+  for (int i = 4; i <= 4096; ++i) {
+    names += ",c" + std::to_string(i);
+    numbers += " 0.5";
+  }
+  for (const std::string& text : {names + "\n", numbers + "\n", "1\n" + numbers + "\n"})
+    EXPECT_EQ(text_error(text), "");
+  const std::string expected = "too many columns; expected at most 4096, found 4097";
+  EXPECT_NE(text_error(names + ",last\n").find("memory:line 1: " + expected), std::string::npos);
+  EXPECT_NE(text_error(numbers + " 7\n").find("memory:line 1: " + expected), std::string::npos);
+  EXPECT_NE(text_error("1\n" + numbers + " 7\n").find("memory:line 2: " + expected), std::string::npos);
+}
+
 TEST(Text, every_truncation_is_an_error_or_a_clean_read) {
   const std::string pts = "2\n1.5 2 3 4 5 6 7\n1.5 2 3 4 5 6 7\n1\n1.5 2 3 4 5 6 7\n";
   const std::string csv = "x,y,z,\"a b\"\n1.5,2,3,4\n1.5,2,3,4\n";
