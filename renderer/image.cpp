@@ -21,15 +21,9 @@ constexpr int k_rows_at_once = 64;
 
 constexpr int k_longest_jpeg_side = 65500;
 
-enum class ImageFormat { exr, png, jpeg };
-
 ImageFormat format_of(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
-  if (extension == ".exr") return ImageFormat::exr;
-  if (extension == ".png") return ImageFormat::png;
-  if (extension == ".jpg" || extension == ".jpeg") return ImageFormat::jpeg;
+  if (const std::optional<ImageFormat> format = image_format(file)) return *format;
+  const std::string extension = file.extension().string();
   throw Error({.file = file.string(),
                .problem = "unknown kind of image",
                .expected = "a name that ends in .exr, .png, .jpg or .jpeg",
@@ -107,6 +101,16 @@ void write_display(const Film& film, const OutputSettings& output, const ImageMe
 }
 
 }  // namespace
+
+std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  if (extension == ".exr") return ImageFormat::exr;
+  if (extension == ".png") return ImageFormat::png;
+  if (extension == ".jpg" || extension == ".jpeg") return ImageFormat::jpeg;
+  return std::nullopt;
+}
 
 void check_image_name(const std::filesystem::path& file) {
   format_of(file);

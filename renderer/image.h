@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,12 @@ struct ImageMetadata {
   double radius = 0.0;                                       ///< metres, 0 without a cloud
   std::vector<std::pair<std::string, std::string>> further;  ///< any other key and text
 };
+
+enum class ImageFormat { exr, png, jpeg };
+
+/// What the name of a picture asks for: .exr, .png, .jpg or .jpeg, in upper or lower case; empty for any
+/// other.
+std::optional<ImageFormat> image_format(const std::filesystem::path& file);
 
 /// Lets a long render fail before it starts. Errors: the name ends in none of .exr, .png, .jpg, .jpeg.
 void check_image_name(const std::filesystem::path& file);

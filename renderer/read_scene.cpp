@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/read_scene.h"
 
+#include <algorithm>
 #include <array>
 #include <fstream>
 #include <system_error>
 
 #include "octree/error.h"
+#include "renderer/image.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {
 namespace {
 
 constexpr std::uintmax_t k_largest_file = 4u << 20;
-constexpr std::uint64_t k_most_samples = 1u << 24;
 
 std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
   return (scene_file.parent_path() / node.text()).lexically_normal();
@@ -114,23 +115,21 @@ RenderSettings read_render_settings(const JsonNode& node) {
   const JsonFields fields(node, {"samples", "max_bounces", "seed"});
   RenderSettings render;
   if (const auto samples = fields.find("samples")) {
-    render.samples = static_cast<int>(samples->whole_number(1, k_most_samples));
+    render.samples = static_cast<int>(samples->whole_number(1, k_max_samples));
   }
   if (const auto bounces = fields.find("max_bounces")) {
-    render.max_bounces = static_cast<int>(bounces->whole_number(0, 1000));
+    render.max_bounces = static_cast<int>(bounces->whole_number(0, k_max_bounces));
   }
   if (const auto seed = fields.find("seed")) render.seed = seed->whole_number(0, UINT64_MAX);
   return render;
 }
 
 std::vector<Layer> read_layers(const JsonNode& node) {
-  constexpr std::array<std::string_view, 8> words{"color",    "depth",  "distance", "normal",
-                                                  "position", "albedo", "id",       "variance"};
-  constexpr std::array values{Layer::color,    Layer::depth,  Layer::distance, Layer::normal,
-                              Layer::position, Layer::albedo, Layer::id,       Layer::variance};
+  std::array<std::string_view, k_layers.size()> words;
+  std::ranges::transform(k_layers, words.begin(), &NamedLayer::name);
   std::vector<Layer> layers;
   for (const JsonNode& each : node.elements(1, words.size())) {
-    const Layer layer = values[each.choice(words)];
+    const Layer layer = k_layers[each.choice(words)].layer;
     for (const Layer earlier : layers) {
       if (earlier == layer) each.fail("layer stands twice", "every layer once");
     }
@@ -144,10 +143,8 @@ OutputSettings read_output_settings(const JsonNode& node, const std::filesystem:
   OutputSettings output;
   if (const auto file = fields.find("file")) {
     output.file = path_beside(scene_file, *file);
-    const std::string extension = output.file.extension().string();
-    if (extension != ".exr" && extension != ".png" && extension != ".jpg" && extension != ".jpeg") {
+    if (!image_format(output.file))
       file->fail("unknown kind of image", "a name that ends in .exr, .png, .jpg or .jpeg");
-    }
   }
   if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
   if (const auto exposure = fields.find("exposure")) output.exposure = exposure->number({-64, 64});

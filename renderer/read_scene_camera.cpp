@@ -12,8 +12,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::uint64_t k_longest_side = 1u << 16;
-constexpr std::uint64_t k_most_pixels = 1u << 28;
 // Wider or narrower views are mistakes; the focal length stays an ordinary number.
 constexpr NumberRange k_field_of_view{1e-6, 179.999};
 constexpr NumberRange k_focal_length{1e-6, 1e12};
@@ -180,9 +178,9 @@ PinholeCamera read_camera_node(const JsonNode& node) {
   if (const auto description = fields.find("description")) description->text();
   constexpr std::array<std::string_view, 1> models{"pinhole"};
   fields.require("model").choice(models);
-  const std::uint64_t width = fields.require("width").whole_number(1, k_longest_side);
-  const std::uint64_t height = fields.require("height").whole_number(1, k_longest_side);
-  if (width * height > k_most_pixels) {
+  const std::uint64_t width = fields.require("width").whole_number(1, k_max_image_side);
+  const std::uint64_t height = fields.require("height").whole_number(1, k_max_image_side);
+  if (width * height > k_max_pixels) {
     node.fail("image too large", "at most 2^28 pixels", std::to_string(width * height) + " pixels");
   }
   const CameraPose pose = read_pose(fields.require("pose"));

@@ -1,24 +1,28 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 #include "octree/cloud/read_cloud.h"
 #include "renderer/material.h"
 
-// A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative to the working
-// directory. World coordinates are double, z up, in the unit of the cloud's CRS (metres unless the file says otherwise).
+// A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative
+// to the working directory. World coordinates are double, z up, in the unit of the cloud's CRS (metres unless
+// the file says otherwise).
 
 namespace alidade {
 
-/// Which of a point's values becomes its colour. `automatic`: rgb if the cloud has it, else intensity, else height.
+/// Which of a point's values becomes its colour. `automatic`: rgb if the cloud has it, else intensity, else
+/// height.
 enum class PointColor { automatic, rgb, intensity, height };
 
 /// How a ray meets the sphere around a point.
@@ -30,7 +34,8 @@ enum class HitMode {
 /// Which way the surface of a cloud faces where a ray meets a point.
 enum class NormalMode {
   sphere,  ///< outward from the point: exact spheres
-  smooth,  ///< across the plane of the points around: even walls instead of bumps, where the points form a surface
+  smooth,  ///< across the plane of the points around: even walls instead of bumps, where the points form a
+           ///< surface
 };
 
 /// The scanned part of a scene.
@@ -63,7 +68,8 @@ struct ConstantSky {
   Rgb radiance{0.0f};
 };
 
-/// Sky that changes from horizon to zenith with the sine of the elevation; below the horizon as at the horizon.
+/// Sky that changes from horizon to zenith with the sine of the elevation; below the horizon as at the
+/// horizon.
 struct GradientSky {
   Rgb horizon{1.0f, 1.0f, 1.0f};
   Rgb zenith{0.5f, 0.7f, 1.0f};
@@ -73,10 +79,10 @@ using Sky = std::variant<ConstantSky, GradientSky>;
 
 /// The sun: a disc of even radiance, infinitely far away.
 struct Sun {
-  double azimuth = 135.0;          ///< degrees, clockwise from north (+y), so 90 is east (+x)
-  double elevation = 40.0;         ///< degrees above the horizon, (-90, 90]
+  double azimuth = 135.0;            ///< degrees, clockwise from north (+y), so 90 is east (+x)
+  double elevation = 40.0;           ///< degrees above the horizon, (-90, 90]
   Rgb irradiance{3.0f, 2.9f, 2.7f};  ///< on a surface that faces it
-  double angular_diameter = 0.53;  ///< degrees, [0, 180); 0 = parallel light
+  double angular_diameter = 0.53;    ///< degrees, [0, 180); 0 = parallel light
 };
 
 /// Where the optical axis of a camera points and which axes its own frame has.
@@ -85,7 +91,8 @@ enum class AxisConvention {
   opengl,  ///< +x right, +y up, +z backward
 };
 
-/// Camera frame -> world, right-handed, rotation orthonormal: columns right, down, forward (opencv), then the place.
+/// Camera frame -> world, right-handed, rotation orthonormal: columns right, down, forward (opencv), then the
+/// place.
 struct CameraPose {
   glm::dvec3 position{0.0};
   glm::dvec3 right{1.0, 0.0, 0.0};
@@ -101,20 +108,43 @@ struct PinholeCamera {
   CameraPose pose;
 };
 
+// Largest values that scene files and command lines may ask for, inclusive.
+
+inline constexpr int k_max_samples = 1 << 24;            ///< paths per pixel
+inline constexpr int k_max_bounces = 1000;               ///< path vertices after the first
+inline constexpr int k_max_image_side = 1 << 16;         ///< pixels
+inline constexpr std::uint64_t k_max_pixels = 1u << 28;  ///< width times height
+
 struct RenderSettings {
-  int samples = 50;              ///< paths per pixel, >= 1
-  int max_bounces = 8;           ///< path vertices after the first, >= 0
+  int samples = 50;     ///< paths per pixel, 1 .. k_max_samples
+  int max_bounces = 8;  ///< path vertices after the first, 0 .. k_max_bounces
   std::uint64_t seed = 1;
 };
 
 /// One group of image channels.
 enum class Layer { color, depth, distance, normal, position, albedo, id, variance };
 
+/// A layer and the word for it in scene files and on command lines.
+struct NamedLayer {
+  std::string_view name;
+  Layer layer;
+};
+
+/// Every layer, in the order of the enum.
+inline constexpr std::array<NamedLayer, 8> k_layers = {{{"color", Layer::color},
+                                                        {"depth", Layer::depth},
+                                                        {"distance", Layer::distance},
+                                                        {"normal", Layer::normal},
+                                                        {"position", Layer::position},
+                                                        {"albedo", Layer::albedo},
+                                                        {"id", Layer::id},
+                                                        {"variance", Layer::variance}}};
+
 struct OutputSettings {
-  std::filesystem::path file;            ///< .exr, .png, .jpg; may be empty in a scene file
+  std::filesystem::path file;               ///< .exr, .png, .jpg; may be empty in a scene file
   std::vector<Layer> layers{Layer::color};  ///< EXR only
-  double exposure = 0.0;                 ///< stops: PNG and JPEG show color * 2^exposure through the sRGB curve
-  bool half = true;                      ///< EXR: colour, normal and albedo as half; all others are always float or uint
+  double exposure = 0.0;  ///< stops: PNG and JPEG show color * 2^exposure through the sRGB curve
+  bool half = true;       ///< EXR: colour, normal and albedo as half; all others are always float or uint
 };
 
 struct Scene {
@@ -122,7 +152,7 @@ struct Scene {
   std::vector<Object> objects;
   Sky sky = GradientSky{};
   std::optional<Sun> sun;
-  std::optional<PinholeCamera> camera;   ///< empty = a view is chosen that shows the whole cloud
+  std::optional<PinholeCamera> camera;  ///< empty = a view is chosen that shows the whole cloud
   RenderSettings render;
   OutputSettings output;
 };
