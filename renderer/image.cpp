@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/image.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <cassert>
+#include <span>
 
 #include "octree/cloud/output_file.h"
 #include "octree/error.h"
@@ -34,13 +36,16 @@ ImageFormat format_of(const std::filesystem::path& file) {
   throw Error({.file = file.string(), .problem = "image cannot be written: " + message});
 }
 
-// Opens the file, hands over the rows that `pack(y, bytes of row y)` fills, and closes it.
+// Encodes the rows that `pack(y, bytes of row y)` fills in memory and then writes them: libpng and libjpeg,
+// as OpenImageIO calls them, overlook a full disk or end the program.
 template <typename PackRow>
-void write_rows(const std::string& format, const std::filesystem::path& final_name,
-                const std::filesystem::path& file, const OIIO::ImageSpec& spec, const PackRow& pack) {
+void write_rows(const std::string& format, const std::filesystem::path& final_name, OutputFile& file,
+                const OIIO::ImageSpec& spec, const PackRow& pack) {
+  OIIO::Filesystem::IOVecOutput encoded;
   const auto image = OIIO::ImageOutput::create(format);
   if (!image) fail(final_name, OIIO::geterror());
-  if (!image->open(file.string(), spec)) fail(final_name, image->geterror());
+  if (!image->set_ioproxy(&encoded)) fail(final_name, format + " cannot be encoded in memory");
+  if (!image->open(final_name.string(), spec)) fail(final_name, image->geterror());
   const std::size_t row_bytes = spec.scanline_bytes(true);
   std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(std::min(k_rows_at_once, spec.height)));
   for (int begin = 0; begin < spec.height; begin += k_rows_at_once) {
@@ -52,10 +57,11 @@ void write_rows(const std::string& format, const std::filesystem::path& final_na
       fail(final_name, image->geterror());
   }
   if (!image->close()) fail(final_name, image->geterror());
+  file.write(std::as_bytes(std::span(encoded.buffer())));
 }
 
 void write_exr(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
-               const std::filesystem::path& file) {
+               OutputFile& file) {
   const std::vector<Channel> channels = exr_channels(output);
   if (channels.empty()) fail(output.file, "no layer is asked for");
   OIIO::ImageSpec spec(film.width, film.height, static_cast<int>(channels.size()), OIIO::TypeFloat);
@@ -78,7 +84,7 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageMetada
 }
 
 void write_display(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
-                   ImageFormat format, const std::filesystem::path& file) {
+                   ImageFormat format, OutputFile& file) {
   OIIO::ImageSpec spec(film.width, film.height, 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");
   if (format == ImageFormat::jpeg) {
@@ -122,9 +128,9 @@ void write_image(const Film& film, const OutputSettings& output, const ImageMeta
   assert(film.width > 0 && film.height > 0);
   OutputFile file(output.file, overwrite);
   if (format == ImageFormat::exr)
-    write_exr(film, output, metadata, file.temporary_path());
+    write_exr(film, output, metadata, file);
   else
-    write_display(film, output, metadata, format, file.temporary_path());
+    write_display(film, output, metadata, format, file);
   file.commit();
 }
 

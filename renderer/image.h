@@ -35,8 +35,8 @@ void check_image_name(const std::filesystem::path& file);
 
 /// Writes the film by the extension of `output.file`: .exr with the layers asked for, .png (8 bit) or .jpg
 /// with exposure and the sRGB curve. The file appears whole or not at all. Channel names and metadata keys:
-/// docs/scene_format.md. Errors: unknown extension, existing file without `overwrite`, anything OpenImageIO
-/// reports.
+/// docs/scene_format.md. Errors: unknown extension, existing file without `overwrite`, a full disk and other
+/// write failures, anything OpenImageIO reports. Memory: the encoded picture.
 void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                  bool overwrite);
 

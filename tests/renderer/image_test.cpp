@@ -3,8 +3,11 @@
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <limits>
 
@@ -62,10 +65,12 @@ ImageMetadata metadata() {
 
 class ImageTest : public ::testing::Test {
  protected:
-  ImageTest() : folder_(std::filesystem::path(::testing::TempDir()) / "image_test") {
+  ImageTest()
+      : folder_(std::filesystem::path(::testing::TempDir()) / ("image_test_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }
+  ~ImageTest() override { std::filesystem::remove_all(folder_); }
   OutputSettings output(const std::string& name) const { return {.file = folder_ / name}; }
   static std::string error_of(const Film& film, const OutputSettings& settings, bool overwrite = false) {
     try {
@@ -314,6 +319,45 @@ TEST_F(ImageTest, failures_are_errors_and_leave_nothing_behind) {
   std::filesystem::remove(folder_ / "wide.jpg");
   EXPECT_NE(error_of(Film(1, 1), {.file = folder_ / "no" / "folder.png"}), "no error");
   EXPECT_TRUE(std::filesystem::is_empty(folder_));
+}
+
+/// While it lives, files of this process end at so many bytes, as on a full disk.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  void (*handler_)(int);
+  rlimit before_{};
+};
+
+TEST_F(ImageTest, a_full_disk_is_an_error_in_every_format_and_leaves_nothing_behind) {
+  const Film film = colorful_film(200, 200);
+  for (const std::string name : {"full.png", "full.jpg", "full.exr"}) {
+    // Nothing fits; the beginning fits; all but the end fits.
+    write_image(film, output(name), metadata(), false);
+    const std::uintmax_t size = std::filesystem::file_size(folder_ / name);
+    std::filesystem::remove(folder_ / name);
+    for (const std::uintmax_t bytes : {std::uintmax_t{0}, std::uintmax_t{5000}, size - 1}) {
+      std::string error;
+      {
+        const FileSizeLimit limit(bytes);
+        error = error_of(film, output(name));
+      }
+      EXPECT_NE(error.find(name + ": writing failed"), std::string::npos) << error;
+      EXPECT_TRUE(std::filesystem::is_empty(folder_)) << name << " " << bytes;
+    }
+  }
 }
 
 }  // namespace
