@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -82,10 +83,12 @@ std::optional<double> distance_to_sphere(const Ray& ray, const glm::dvec3& cente
 TEST(CheckScenesTest, sphere_of_points_is_seen_between_the_exact_spheres_and_loses_no_light) {
   const glm::dvec3 center(690000, 5325000, 500);
   Scene scene = check_scene("sphere_of_points");
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "sphere_of_points.ply";
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) /
+                                     ("sphere_of_points_" + std::to_string(::getpid()) + ".ply");
   write_ply(file, points_on_sphere(200000, 10.0, center), {.overwrite = true, .progress = {}});
   scene.cloud->files = {file};
   const LoadedCloud cloud = load_cloud(*scene.cloud);
+  std::filesystem::remove(file);
   EXPECT_EQ(cloud.radius, 0.15);
   const Film film = render(scene, &cloud);
   int seen = 0;

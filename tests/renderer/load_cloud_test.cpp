@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -17,9 +18,10 @@ namespace fs = std::filesystem;
 class LoadCloud : public ::testing::Test {
  protected:
   LoadCloud()
-      : folder_(
-            fs::path(::testing::TempDir()) /
-            (std::string("load_cloud_") + ::testing::UnitTest::GetInstance()->current_test_info()->name())) {
+      : folder_(fs::path(::testing::TempDir()) /
+                (std::string("load_cloud_") +
+                 ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
+                 std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

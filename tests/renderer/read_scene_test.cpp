@@ -2,6 +2,7 @@
 #include "renderer/read_scene.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -147,10 +148,13 @@ TEST(ReadSceneTest, a_long_unknown_key_gives_a_short_message) {
 
 class SceneFileTest : public ::testing::Test {
  protected:
-  SceneFileTest() : folder_(std::filesystem::path(::testing::TempDir()) / "read_scene_test") {
+  SceneFileTest()
+      : folder_(std::filesystem::path(::testing::TempDir()) /
+                ("read_scene_test_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_ / "cameras");
   }
+  ~SceneFileTest() override { std::filesystem::remove_all(folder_); }
   std::filesystem::path write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
     return folder_ / name;
