@@ -82,7 +82,7 @@ class World {
 };
 
 /// Smallest entry at which a ray that starts on a sphere of this radius may meet another: below it lies only
-/// rounding of coordinates as large as those of the bounds. A few nanometres for UTM coordinates.
+/// rounding of coordinates as large as those of the bounds. About 20 nanometres at UTM northings.
 double smallest_entry(const Bounds& bounds, double radius);
 
 }  // namespace alidade
