@@ -13,8 +13,9 @@ namespace alidade {
 
 /// What the variable length records of a LAS file say.
 struct LasRecords {
-  Crs crs;
-  /// Extra dimensions in the order of their bytes; together they cover all extra bytes of a point.
+  Crs crs;  ///< its WKT is that of a libLAS record, also in `others`, if there is no other
+  /// Extra dimensions in the order of their bytes; together they cover all extra bytes of a point. Bytes that
+  /// are not described, or not by the first 341 entries, are dimensions "undocumented".
   std::vector<ExtraDimension> extra_dimensions;
   std::vector<VariableLengthRecord> others;
 };
@@ -36,5 +37,8 @@ VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dime
 void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool extended);
 
 inline constexpr std::size_t k_longest_las_record = 65535;  ///< data of a record that is not extended
+inline constexpr std::size_t k_extra_bytes_entry = 192;     ///< bytes that describe one extra dimension
+/// Most extra dimensions that a record can describe.
+inline constexpr std::size_t k_most_extra_dimensions = k_longest_las_record / k_extra_bytes_entry;
 
 }  // namespace alidade

@@ -10,6 +10,7 @@
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/fit_lattice.h"
+#include "octree/cloud/join_records.h"
 #include "octree/cloud/spread_colors.h"
 #include "octree/error.h"
 
@@ -86,12 +87,17 @@ Lattice shared_lattice(const std::vector<Source>& sources) {
   return lattice;
 }
 
+/// The rule stands at read_cloud(). It does not ask what floats of the size of the coordinates could tell
+/// apart: far from the origin that is centimetres.
 void warn_of_rounding(const Source& source, PointCloud& cloud) {
+  constexpr double k_matters = 1e-6;
   if (source.has_lattice() || source.point_count() == 0) return;
+  const glm::dvec3 sides = source.survey.bounds.max - source.survey.bounds.min;
+  const double longest = std::max({sides.x, sides.y, sides.z});
   for (int axis = 0; axis < 3; ++axis) {
-    // Files of doubles (resolution 0) are always rounded; the header of read_cloud() says so.
     const double resolution = source.survey.resolution[axis];
-    if (resolution == 0.0 || 0.5 * cloud.lattice.scale[axis] <= resolution * (1 + 1e-9)) continue;
+    const double rounding = 0.5 * cloud.lattice.scale[axis];
+    if (resolution == 0.0 || rounding <= std::max(resolution * (1 + 1e-9), k_matters * longest)) continue;
     cloud.warnings.push_back(fmt::format("{}: coordinates are rounded to steps of {}", source.path().string(),
                                          cloud.lattice.scale[axis]));
     return;
@@ -136,18 +142,22 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
   cloud.positions.reserve(static_cast<std::size_t>(point_count));
 
   std::vector<AttributeSet> given;
+  std::vector<ColoredRows> colored;
+  JoinedRecords records(cloud.records);
   for (Source& source : sources) {
-    const std::size_t first_row = cloud.size();
+    const std::size_t first_row = cloud.size(), first_record = cloud.records.size();
     source.reader->read(cloud, options.attributes, progress.pass(source.bytes));
+    records.join(first_record);
     given.push_back(source.reader->attributes());
     warn_of_rounding(source, cloud);
-    if (source.reader->file().format == "LAS" &&
+    if (source.reader->file().format == "LAS" && cloud.size() > first_row &&
         (given.back() & options.attributes).contains(Attribute::color)) {
-      spread_colors(cloud, first_row, options.color_depth, source.path().string());
+      colored.push_back({source.path().string(), first_row, cloud.size()});
     }
     cloud.files.push_back(source.reader->file());
     source.reader.reset();
   }
+  spread_colors(cloud, colored, options.color_depth);
   warn_of_gaps(given, options.attributes, cloud);
   report(options.progress, bytes_to_read, bytes_to_read);
   return cloud;

@@ -169,12 +169,7 @@ void LasReader::add_file_facts(PointCloud& cloud) const {
         fmt::format("{}: states another coordinate reference system than the files before it; theirs is kept",
                     file_.name()));
   }
-  // Tiles of one survey repeat their records: one copy is enough. Repetitions within one file stay.
-  const std::size_t earlier = cloud.records.size();
-  for (const VariableLengthRecord& record : records_.others) {
-    const auto end = cloud.records.begin() + static_cast<std::ptrdiff_t>(earlier);
-    if (std::find(cloud.records.begin(), end, record) == end) cloud.records.push_back(record);
-  }
+  cloud.records.insert(cloud.records.end(), records_.others.begin(), records_.others.end());
 }
 
 void LasReader::take_positions(const Block& block, const glm::i64vec3& shift, PointCloud& cloud) const {

@@ -12,7 +12,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_extra_bytes_entry = 192;
 constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
 
 /// A record's header and where its data stand.
@@ -62,14 +61,12 @@ std::vector<T> read_values(InputFile& file, const RecordPlace& record) {
   return values;
 }
 
-std::string read_wkt(InputFile& file, const RecordPlace& record, std::vector<std::string>& warnings) {
+/// The text of a WKT record; empty, with `problem` set, if it is none.
+std::string read_wkt(InputFile& file, const RecordPlace& record, bool& problem) {
   const std::vector<std::uint8_t> data = read_data(file, record);
   std::string wkt(data.begin(), std::find(data.begin(), data.end(), 0));
-  if (!wkt.empty() && wkt.find('[') == std::string::npos) {
-    warnings.push_back(fmt::format("{}: the WKT record holds no WKT and is left out", file.name()));
-    wkt.clear();
-  }
-  return wkt;
+  problem = !wkt.empty() && wkt.find('[') == std::string::npos;
+  return problem ? std::string() : wkt;
 }
 
 /// What is wrong with GeoTIFF keys; empty if nothing is. Source: GeoTIFF 1.0, section 2.4: a head of four
@@ -138,6 +135,13 @@ std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
   const std::byte* const bytes = reinterpret_cast<const std::byte*>(data.data());
   int described = 0;
   for (std::size_t place = 0; place + k_extra_bytes_entry <= data.size(); place += k_extra_bytes_entry) {
+    if (dimensions.size() == k_most_extra_dimensions) {
+      warnings.push_back(fmt::format(
+          "{}: the extra-bytes record describes more than {} dimensions; the bytes of the others are kept as "
+          "undocumented bytes",
+          file_name, k_most_extra_dimensions));
+      break;
+    }
     const ExtraDimension& dimension = dimensions.emplace_back(read_extra_bytes_entry(bytes + place));
     described += dimension.byte_count;
     if (dimension.byte_count == 0 || described > extra_bytes) {
@@ -159,9 +163,13 @@ std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
 LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings) {
   LasRecords result;
   std::vector<std::uint8_t> extra_bytes_data;
+  std::string liblas_wkt;
   const auto take = [&](const RecordPlace& record) {
     if (record.is("LASF_Projection", 2112)) {
-      std::string wkt = read_wkt(file, record, warnings);
+      bool problem = false;
+      std::string wkt = read_wkt(file, record, problem);
+      if (problem)
+        warnings.push_back(fmt::format("{}: the WKT record holds no WKT and is left out", file.name()));
       if (result.crs.wkt.empty()) result.crs.wkt = std::move(wkt);
     } else if (record.is("LASF_Projection", 34735)) {
       result.crs.geotiff_keys = read_values<std::uint16_t>(file, record);
@@ -175,6 +183,9 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     } else if (record.is("LASF_Spec", 65535)) {
       warnings.push_back(fmt::format("{}: wave packets are left out", file.name()));
     } else {
+      // libLAS wrote WKT before the standard had a place for it. The record is handed on too.
+      bool problem = false;
+      if (record.is("liblas", 2112)) liblas_wkt = read_wkt(file, record, problem);
       result.others.push_back({.user_id = record.user_id,
                                .record_id = record.record_id,
                                .description = record.description,
@@ -196,6 +207,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     place = record.place + record.size;
   }
 
+  if (result.crs.wkt.empty()) result.crs.wkt = std::move(liblas_wkt);
   if (!result.crs.geotiff_keys.empty()) {
     if (const std::string problem = geotiff_problem(result.crs); !problem.empty()) {
       warnings.push_back(fmt::format(

@@ -12,8 +12,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_extra_bytes_entry = 192;
-
 template <class T>
 std::vector<std::uint8_t> bytes_of(const std::vector<T>& values) {
   std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
@@ -93,7 +91,7 @@ VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dime
   if (record.data.size() > k_longest_las_record) {
     throw Error({.file = file_name,
                  .problem = "too many extra dimensions for LAS",
-                 .expected = fmt::format("{} or fewer", k_longest_las_record / k_extra_bytes_entry),
+                 .expected = fmt::format("{} or fewer", k_most_extra_dimensions),
                  .found = std::to_string(record.data.size() / k_extra_bytes_entry)});
   }
   return record;

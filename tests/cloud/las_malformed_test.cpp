@@ -175,6 +175,38 @@ TEST(LasMalformedTest, damaged_geotiff_keys_are_a_warning) {
   }
 }
 
+TEST(LasMalformedTest, extra_dimensions_beyond_the_341_of_one_record_are_kept_as_undocumented_bytes) {
+  const auto read = [](int count) {
+    test::LasFile file = sample_las(4, 6, 2);
+    file.records.clear();
+    file.extra_bytes = 600;
+    file.points = test::random_las_points(6, 2, 600, 5);
+    const std::vector<std::vector<std::uint8_t>> entries(static_cast<std::size_t>(count),
+                                                         test::las_extra_bytes_entry(1, 0, "same"));
+    file.extended_records = {test::las_extra_bytes_record(entries)};
+    const PointCloud cloud = read_memory(build_las(file));
+    for (std::size_t row = 0; row < 2; ++row) {
+      std::vector<std::uint8_t> joined;
+      for (const ExtraDimension& dimension : cloud.extra_dimensions) {
+        const auto first = dimension.values.begin() + static_cast<std::ptrdiff_t>(row) * dimension.byte_count;
+        joined.insert(joined.end(), first, first + dimension.byte_count);
+      }
+      EXPECT_EQ(joined, file.points[row].extra);
+    }
+    return cloud;
+  };
+  const PointCloud full = read(341), more = read(342);
+  for (const PointCloud* cloud : {&full, &more}) {
+    ASSERT_EQ(cloud->extra_dimensions.size(), 343u);
+    EXPECT_EQ(cloud->extra_dimensions[340].name, "same");
+    EXPECT_EQ(cloud->extra_dimensions[341].name, "undocumented");
+    EXPECT_EQ(cloud->extra_dimensions[341].byte_count, 255);
+    EXPECT_EQ(cloud->extra_dimensions[342].byte_count, 4);
+  }
+  EXPECT_FALSE(test::warns(full, "extra-bytes record"));
+  EXPECT_TRUE(test::warns(more, "the extra-bytes record describes more than 341 dimensions"));
+}
+
 TEST(LasMalformedTest, extra_bytes_of_unknown_type_are_a_warning) {
   test::LasFile file = sample_las(4, 6, 2);
   file.records = {test::las_extra_bytes_record({test::las_extra_bytes_entry(31, 0, "odd")})};

@@ -218,6 +218,22 @@ TEST(LasFileTest, geotiff_keys_are_carried_along_as_they_are) {
   EXPECT_FALSE(test::warns(cloud, "GeoTIFF"));
 }
 
+TEST(LasFileTest, wkt_of_liblas_is_used_if_there_is_no_other_and_its_record_is_kept) {
+  LasFile file = sample_las(2, 1);
+  const test::LasRecord old{"liblas", 2112, "", {'G', 'E', 'O', '[', ']', 0}};
+  file.records = {old};
+  const PointCloud alone = read_memory(build_las(file));
+  EXPECT_EQ(alone.crs.wkt, "GEO[]");
+  ASSERT_EQ(alone.records.size(), 1u);
+  EXPECT_EQ(alone.records[0].data, old.data);
+  file.records = {old, {"LASF_Projection", 2112, "", {'P', '[', ']', 0}}};
+  EXPECT_EQ(read_memory(build_las(file)).crs.wkt, "P[]");
+  file.records = {{"liblas", 2112, "", {'n', 'o', 'n', 'e'}}};
+  const PointCloud other = read_memory(build_las(file));
+  EXPECT_EQ(other.crs.wkt, "");
+  EXPECT_EQ(other.records.size(), 1u);
+}
+
 TEST(LasFileTest, wkt_may_stand_after_the_points) {
   LasFile file = sample_las(4, 7, 1);
   std::swap(file.records, file.extended_records);

@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(, LasSharedDataTest,
                                                     {49442861, 487745558, 13157},
                                                     {49449024, 487874167, 12921},
                                                     143,
-                                                    false,
+                                                    true,  // in a record of libLAS
                                                     true},
                                            Expected{"lidar/vegetation_1_3.las",
                                                     "1.3",

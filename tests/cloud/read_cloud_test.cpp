@@ -194,6 +194,31 @@ TEST(ReadCloudTest, records_that_tiles_repeat_are_kept_once) {
   EXPECT_EQ(join({build_las(one), build_las(two)}).records.size(), 4u);
 }
 
+TEST(ReadCloudTest, records_are_compared_with_those_of_all_files_before) {
+  LasFile one = las({1}), two = las({2}), three = las({3});
+  one.records = {{"u", 1, "", {1}}};
+  two.records = {{"u", 1, "", {1, 0}}, {"u", 1, "d", {1}}, {"v", 1, "", {1}}, {"u", 2, "", {1}}};
+  three.records = {{"v", 1, "", {1}}, {"w", 1, "", {1}}, {"u", 1, "", {1, 0}}, {"u", 1, "", {1}}};
+  const PointCloud cloud = join({build_las(one), build_las(two), build_las(three)});
+  ASSERT_EQ(cloud.records.size(), 6u);
+  EXPECT_EQ(cloud.records[1].data.size(), 2u);
+  EXPECT_EQ(cloud.records[5].user_id, "w");
+}
+
+TEST(ReadCloudTest, rounding_is_said_only_where_it_costs_more_than_a_millionth_of_the_file) {
+  const auto rounded = [](const std::string& content) {
+    const PointCloud cloud = join({build_las(las({700})), text(content)});
+    return warns(cloud, "second: coordinates are rounded");
+  };
+  EXPECT_TRUE(rounded("690000.123 2 3\n690100.456 5 6\n"));
+  EXPECT_TRUE(rounded("0.125 2 3\n4999 5 6\n"));
+  EXPECT_FALSE(rounded("0.125 2 3\n5001 5 6\n"));
+  EXPECT_FALSE(rounded("0.12 2 3\n4.5 5 6\n"));
+  const PointCloud fine = test::read_memory(text("0.1234567890123 2 3\n45.1234567890123 5 6\n"));
+  EXPECT_EQ(fine.lattice.scale.x, 1e-7);
+  EXPECT_TRUE(fine.warnings.empty()) << "32 bits are always fine enough for one file";
+}
+
 TEST(ReadCloudTest, thousands_of_files_need_few_handles) {
   const std::filesystem::path path = test::test_folder() / "tile.las";
   test::write_bytes(path, build_las(las({1})));
@@ -276,12 +301,45 @@ TEST(ColorDepthTest, the_caller_decides_if_he_says_so) {
   EXPECT_NE(warnings[0].find("above 255"), std::string::npos);
 }
 
-TEST(ColorDepthTest, each_file_has_its_own_depth) {
-  LasFile shallow, deep;
-  shallow.points.emplace_back().color = {255, 0, 0};
-  deep.points.emplace_back().color = {65535, 255, 0};
-  const PointCloud cloud = join({build_las(shallow), build_las(deep), build_las(shallow)});
-  EXPECT_EQ(cloud.colors, (std::vector<Color16>{{65535, 0, 0}, {65535, 255, 0}, {65535, 0, 0}}));
+/// A LAS file with one point of this colour.
+std::vector<std::byte> las_of_color(std::uint16_t red, std::uint16_t green, std::uint16_t near_infrared = 0) {
+  LasFile file;
+  file.version_minor = 4;
+  file.point_format = 8;
+  file.points.emplace_back().color = {red, green, 0};
+  file.points[0].near_infrared = near_infrared;
+  return build_las(file);
+}
+
+TEST(ColorDepthTest, a_dark_file_among_files_of_16_bits_stays_dark_and_is_named) {
+  const PointCloud cloud = join({las_of_color(255, 3), las_of_color(65535, 255), las_of_color(0, 0)});
+  EXPECT_EQ(cloud.colors, (std::vector<Color16>{{255, 3, 0}, {65535, 255, 0}, {0, 0, 0}}));
+  EXPECT_TRUE(warns(cloud, "first: colours are taken as 16 bits like those of other files"));
+  EXPECT_EQ(cloud.warnings.size(), 1u);
+}
+
+TEST(ColorDepthTest, files_of_8_bits_are_spread_together_and_rows_of_other_formats_are_left_alone) {
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n1 2 3 1 2 3\n";
+  const PointCloud cloud = join({las_of_color(255, 3), text(ply), las_of_color(2, 1)}, {});
+  EXPECT_EQ(cloud.colors, (std::vector<Color16>{{65535, 771, 0}, {257, 514, 771}, {514, 257, 0}}));
+  EXPECT_TRUE(warns(cloud, "first: colours use 8 of 16 bits (largest value 255)"));
+  EXPECT_TRUE(warns(cloud, "third: colours use 8 of 16 bits (largest value 2)"));
+}
+
+TEST(ColorDepthTest, near_infrared_of_all_files_is_spread_or_none) {
+  const auto near_infrared = [](std::uint16_t first, std::uint16_t second) {
+    return join({las_of_color(255, 0, first), las_of_color(7, 0, second)}).near_infrared;
+  };
+  EXPECT_EQ(near_infrared(1, 255), (std::vector<std::uint16_t>{257, 65535}));
+  EXPECT_EQ(near_infrared(1, 256), (std::vector<std::uint16_t>{1, 256}));
+}
+
+TEST(ColorDepthTest, a_coloured_file_without_points_has_no_say) {
+  LasFile empty;
+  const PointCloud cloud = join({text("1 2 3\n"), build_las(empty)});
+  EXPECT_TRUE(cloud.colors.empty());
 }
 
 TEST(ColorDepthTest, near_infrared_follows_the_colours_if_it_is_no_deeper) {
