@@ -14,8 +14,8 @@ run_target() {
   corpus=$build/corpus/$name
   mkdir -p "$corpus"
   if [[ -d tests/fuzz/seeds/$name ]]; then seeds=("tests/fuzz/seeds/$name"); fi
-  if "$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -artifact_prefix="$build/findings/$name-" \
-    -print_final_stats=1 "$corpus" "${seeds[@]}" >"$build/logs/$name.log" 2>&1; then
+  if "$target" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=1024 -max_len=262144 \
+    -artifact_prefix="$build/findings/$name-" -print_final_stats=1 "$corpus" "${seeds[@]}" >"$build/logs/$name.log" 2>&1; then
     echo "$name: $(sed -n 's/^stat::number_of_executed_units: *//p' "$build/logs/$name.log") inputs, nothing found"
   else
     tail -n 60 "$build/logs/$name.log"

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -13,6 +14,13 @@
 
 namespace alidade::test {
 namespace {
+
+/// Processor time of one run in seconds, far beyond what any test needs: a hang ends with SIGXCPU.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr rlim_t k_most_seconds = 300;
+#else
+constexpr rlim_t k_most_seconds = 30;
+#endif
 
 std::string read_file(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -42,6 +50,8 @@ Program::Program(const std::vector<std::string>& words, const std::filesystem::p
   pointers.push_back(nullptr);
   process_ = ::fork();
   if (process_ != 0) return;
+  const rlimit processor_time{k_most_seconds, k_most_seconds + 1};
+  if (::setrlimit(RLIMIT_CPU, &processor_time) != 0) ::_exit(125);
   redirect("/dev/null", O_RDONLY, STDIN_FILENO);
   redirect(out, keep_out_ ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(err_, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);

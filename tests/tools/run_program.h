@@ -18,7 +18,8 @@ struct ProgramResult {
   std::string out, err;
 };
 
-/// The built program at work. It is killed if this object goes away first.
+/// The built program at work. It is killed if this object goes away first, and ends with SIGXCPU when it
+/// takes 30 seconds of processor time (300 under a sanitizer).
 class Program {
  public:
   /// Starts `alidade WORDS...` in `folder`; stdout goes to `standard_output` if one is given.
