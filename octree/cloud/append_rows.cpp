@@ -15,6 +15,19 @@ bool same_meaning(const ExtraDimension& a, const ExtraDimension& b) {
          a.no_data == b.no_data;
 }
 
+ExtraDimension description_of(const ExtraDimension& dimension) {
+  return {.name = dimension.name,
+          .description = dimension.description,
+          .type = dimension.type,
+          .byte_count = dimension.byte_count,
+          .scale = dimension.scale,
+          .offset = dimension.offset,
+          .has_scale = dimension.has_scale,
+          .has_offset = dimension.has_offset,
+          .no_data = dimension.no_data,
+          .values = {}};
+}
+
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
   const std::size_t size = cloud.size() + count;
   const auto grow = [&](auto& column, Attribute attribute) {
@@ -44,16 +57,7 @@ std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, 
   for (std::size_t i = 0; i < cloud.extra_dimensions.size(); ++i) {
     if (same_meaning(cloud.extra_dimensions[i], like) && occurrence-- == 0) return i;
   }
-  ExtraDimension& added = cloud.extra_dimensions.emplace_back();
-  added.name = like.name;
-  added.description = like.description;
-  added.type = like.type;
-  added.byte_count = like.byte_count;
-  added.scale = like.scale;
-  added.offset = like.offset;
-  added.has_scale = like.has_scale;
-  added.has_offset = like.has_offset;
-  added.no_data = like.no_data;
+  ExtraDimension& added = cloud.extra_dimensions.emplace_back(description_of(like));
   const std::size_t bytes = static_cast<std::size_t>(like.byte_count);
   added.values.reserve(cloud.positions.capacity() * bytes);
   added.values.resize(cloud.size() * bytes);

@@ -21,4 +21,7 @@ std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, 
 /// Whether two extra dimensions can share a column: equal in name, type, scale, offset and "no value" mark.
 bool same_meaning(const ExtraDimension& a, const ExtraDimension& b);
 
+/// The dimension without its values.
+ExtraDimension description_of(const ExtraDimension& dimension);
+
 }  // namespace alidade

@@ -78,9 +78,11 @@ std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to
   for (int axis = 0; axis < 3; ++axis) {
     const double exact = (from.offset[axis] - to.offset[axis]) / to.scale[axis];
     const double whole = std::nearbyint(exact);
-    // Beyond 2^33 steps no position fits both lattices. Below, an offset's own rounding is less than 1e-5
-    // steps.
-    if (!(std::abs(whole) <= 8589934592.0 && std::abs(exact - whole) <= 1e-5)) return std::nullopt;
+    const double larger = std::max(std::abs(from.offset[axis]), std::abs(to.offset[axis]));
+    const double next = std::nextafter(larger, std::numeric_limits<double>::infinity());
+    const double tolerance = std::max(1e-5, 2.0 * (next - larger) / to.scale[axis]);
+    // Beyond 2^33 steps no position fits both lattices.
+    if (!(std::abs(whole) <= 8589934592.0 && std::abs(exact - whole) <= tolerance)) return std::nullopt;
     steps[axis] = static_cast<std::int64_t>(whole);
   }
   return steps;

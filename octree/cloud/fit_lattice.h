@@ -17,7 +17,9 @@ namespace alidade {
 Lattice fit_lattice(std::span<const CoordinateSurvey> surveys);
 
 /// How many steps to add to positions on `from` so that they stand on `to`; empty if the lattices differ in
-/// scale or by a fraction of a step (offsets are compared to within the rounding of their doubles).
+/// scale or by a fraction of a step. A fraction up to 1e-5 steps, or up to twice the distance from the larger
+/// offset to the next double, is none: more than that the offsets cannot say. Where the scale is finer than
+/// such doubles, all offsets agree, and world coordinates are no finer either.
 std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to);
 
 }  // namespace alidade

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "octree/cloud/append_rows.h"
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/las_records.h"
 #include "octree/cloud/output_file.h"
@@ -31,21 +32,6 @@ std::int16_t scan_angle_steps(float degrees) {
 
 std::uint8_t return_byte(ReturnNumbers returns) {
   return static_cast<std::uint8_t>(std::min<int>(returns.number, 15) | std::min<int>(returns.count, 15) << 4);
-}
-
-/// The description of a dimension, without its values.
-ExtraDimension description_of(const ExtraDimension& dimension) {
-  ExtraDimension copy;
-  copy.name = dimension.name;
-  copy.description = dimension.description;
-  copy.type = dimension.type;
-  copy.byte_count = dimension.byte_count;
-  copy.scale = dimension.scale;
-  copy.offset = dimension.offset;
-  copy.has_scale = dimension.has_scale;
-  copy.has_offset = dimension.has_offset;
-  copy.no_data = dimension.no_data;
-  return copy;
 }
 
 ExtraDimension normal_dimension(char axis) {
@@ -177,10 +163,7 @@ void LasWriter::State::encode_extra_dimensions(const PointCloud& batch, std::siz
   for (std::size_t i = 0; i < own_count; ++i) {
     const ExtraDimension& dimension = extra_dimensions[i];
     const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
-    const auto same = [&](const ExtraDimension& other) {
-      return other.name == dimension.name && other.type == dimension.type &&
-             other.byte_count == dimension.byte_count;
-    };
+    const auto same = [&](const ExtraDimension& other) { return same_meaning(other, dimension); };
     // Dimensions of one name are told apart by their place.
     const auto& given = batch.extra_dimensions;
     const auto source = i < given.size() && same(given[i]) ? given.begin() + static_cast<std::ptrdiff_t>(i)

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <functional>
 #include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "octree/cloud/byte_order.h"
@@ -95,22 +97,45 @@ void add_standard(const PointCloud& cloud, std::vector<Property>& properties) {
   add_column("gps_time", ScalarType::float64, cloud.gps_times);
 }
 
-/// A name without blanks that is not taken and that no reader mistakes for one of the standard properties.
-std::string free_name(const std::string& name, const std::vector<Property>& properties) {
-  std::string free = name.empty() ? "extra" : name;
-  for (char& letter : free) {
-    if (letter <= ' ' || letter > '~') letter = '_';
-  }
-  const auto is_taken = [&] {
-    std::vector<TableColumn> columns{{free}};
-    assign_roles(columns, NameRules::point_format);
-    return columns[0].role != ColumnRole::extra || std::ranges::count(properties, free, &Property::name) > 0;
-  };
-  while (is_taken()) free = "extra_" + free;
-  return free;
+/// Whether readers take a property of this name for one of the standard ones.
+bool is_standard_name(const std::string& name) {
+  std::vector<TableColumn> columns{{name}};
+  assign_roles(columns, NameRules::point_format);
+  return columns[0].role != ColumnRole::extra;
 }
 
+/// Names without blanks, each given once, and none that a reader mistakes for a standard property.
+class FreeNames {
+ public:
+  explicit FreeNames(const std::vector<Property>& taken) {
+    for (const Property& property : taken) taken_.insert(property.name);
+  }
+
+  /// The name itself if it is free, else with "extra_" before it, else also with a number behind it.
+  std::string take(const std::string& name) {
+    std::string free = name.empty() ? "extra" : name;
+    for (char& letter : free) {
+      if (letter <= ' ' || letter > '~') letter = '_';
+    }
+    if (is_standard_name(free) || !taken_.insert(free).second) {
+      const std::string longer = "extra_" + free;
+      // Counts on from the last number given, so that a thousand of one name do not try them all.
+      int& number = last_number_[longer];
+      do {
+        ++number;
+        free = number == 1 ? longer : longer + '_' + std::to_string(number);
+      } while (!taken_.insert(free).second);
+    }
+    return free;
+  }
+
+ private:
+  std::unordered_set<std::string> taken_;
+  std::unordered_map<std::string, int> last_number_;
+};
+
 void add_extra(const PointCloud& cloud, std::vector<Property>& properties) {
+  FreeNames names(properties);
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
     if (dimension.type == ScalarType::bytes) continue;
     const bool is_wide = dimension.type == ScalarType::int64 || dimension.type == ScalarType::uint64;
@@ -123,8 +148,8 @@ void add_extra(const PointCloud& cloud, std::vector<Property>& properties) {
       const double stored = cell_from(bytes, dimension.type, std::endian::little).number;
       return is_scaled ? offset + scale * stored : stored;
     };
-    properties.push_back({free_name(dimension.name, properties),
-                          is_wide || is_scaled ? ScalarType::float64 : dimension.type, value});
+    properties.push_back(
+        {names.take(dimension.name), is_wide || is_scaled ? ScalarType::float64 : dimension.type, value});
   }
 }
 

@@ -98,5 +98,15 @@ TEST(StepsBetweenTest, offsets_may_differ_by_whole_steps_only) {
   EXPECT_FALSE(steps_between({.scale = glm::dvec3(0.01), .offset = glm::dvec3(1e300)}, to));
 }
 
+TEST(StepsBetweenTest, fine_scales_at_far_offsets_agree_within_the_rounding_of_the_offsets) {
+  const Lattice to{.scale = glm::dvec3(1e-6), .offset = glm::dvec3(5325000.1)};
+  const Lattice from{.scale = glm::dvec3(1e-6), .offset = glm::dvec3(5325000.1 + 123456e-6)};
+  const double exact = (from.offset.x - to.offset.x) / 1e-6;
+  ASSERT_GT(std::abs(exact - std::nearbyint(exact)), 1e-5) << "the offsets are too good for this test";
+  ASSERT_TRUE(steps_between(from, to));
+  EXPECT_EQ(*steps_between(from, to), glm::i64vec3(123456));
+  EXPECT_FALSE(steps_between({.scale = to.scale, .offset = to.offset + 0.5e-6}, to));
+}
+
 }  // namespace
 }  // namespace alidade

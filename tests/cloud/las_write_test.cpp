@@ -169,6 +169,26 @@ TEST(LasWriteTest, missing_columns_are_written_as_zeros) {
   EXPECT_EQ(cloud.normals, std::vector<glm::vec3>{glm::vec3(0)});
 }
 
+TEST(LasWriteTest, extra_dimensions_of_another_meaning_are_not_mixed_up) {
+  const std::filesystem::path path = test::test_folder() / "out.las";
+  PointCloud like;
+  like.positions.resize(1);
+  ExtraDimension& dimension = like.extra_dimensions.emplace_back();
+  dimension.name = "Range";
+  dimension.type = ScalarType::uint8;
+  dimension.byte_count = 1;
+  dimension.has_scale = true;
+  dimension.scale = 0.5;
+  dimension.values = {7};
+  PointCloud batch = like;
+  batch.extra_dimensions[0].scale = 0.25;
+  LasWriter writer(path, like, like.attributes());
+  writer.write(like);
+  writer.write(batch);
+  writer.finish();
+  EXPECT_EQ(read_cloud(path).extra_dimensions.at(0).values, (std::vector<std::uint8_t>{7, 0}));
+}
+
 TEST(LasWriteTest, normals_survive_beside_extra_dimensions) {
   PointCloud cloud = read_memory(build_las(sample_las(4, 7, 3)));
   cloud.normals = {{0, 0, 1}, {0.6f, 0.8f, 0}, {-1, 0, 0}};

@@ -134,6 +134,26 @@ TEST(WritePlyOptions, extra_dimensions_that_ply_cannot_say_are_written_as_double
   EXPECT_TRUE(again.intensities.empty());
 }
 
+TEST(WritePlyOptions, extra_dimensions_of_one_name_are_counted_on) {
+  const std::filesystem::path path = test_folder() / "cloud.ply";
+  PointCloud cloud;
+  cloud.positions.resize(1);
+  for (std::uint8_t i = 1; i <= 4; ++i)
+    cloud.extra_dimensions.push_back(extra("same", ScalarType::uint8, {i}));
+  cloud.extra_dimensions.push_back(extra("extra_same_3", ScalarType::uint8, {5}));
+  cloud.extra_dimensions.push_back(extra("x", ScalarType::uint8, {6}));
+  cloud.extra_dimensions.push_back(extra("x", ScalarType::uint8, {7}));
+  write_ply(path, cloud);
+  const PointCloud again = read_back(path, cloud.lattice);
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < again.extra_dimensions.size(); ++i) {
+    names.push_back(again.extra_dimensions[i].name);
+    EXPECT_EQ(again.extra_dimensions[i].values, cloud.extra_dimensions[i].values);
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"same", "extra_same", "extra_same_2", "extra_same_3",
+                                             "extra_extra_same_3", "extra_x", "extra_x_2"}));
+}
+
 TEST(WritePlyOptions, an_existing_file_is_kept_unless_overwriting) {
   const std::filesystem::path path = test_folder() / "cloud.ply";
   write_text(path, "precious");
