@@ -9,15 +9,38 @@ namespace {
 constexpr std::uint32_t k_dimensions_per_vertex = 8;
 constexpr int k_first_roulette_vertex = 3;
 
+/// What a path remembers of the surfaces behind it.
+struct Trail {
+  double pdf = 0.0;              ///< of the last direction; 0 when it was specular or the camera's
+  bool scattered = false;        ///< whether there was anything but mirrors and glass
+  glm::dvec3 scattered_at{0.0};  ///< the last such place
+  double roughness = 0.0;        ///< the largest so far, at most k_diffuse_roughness
+};
+
+/// The material as a path takes it that has met this roughness. Mirrors stay mirrors: no glint of a light is
+/// sampled in them.
+Material regularized(const Material& material, double roughness) {
+  const auto* metal = std::get_if<Metal>(&material);
+  if (metal == nullptr || metal->roughness >= roughness || is_specular(material)) return material;
+  return Metal{metal->albedo, roughness};
+}
+
+double roughness_of(const Material& material) {
+  const auto* metal = std::get_if<Metal>(&material);
+  return metal == nullptr ? k_diffuse_roughness : std::min(metal->roughness, k_diffuse_roughness);
+}
+
 /// A place on a path, with what light scattered there needs.
 struct Vertex {
   Surface surface;
+  Material material;
   Basis basis;
   glm::dvec3 outgoing;  ///< in the basis
   Departure departure;
 
-  Vertex(const Ray& ray, const Intersection& intersection, const Surface& surface_there)
+  Vertex(const Ray& ray, const Intersection& intersection, const Surface& surface_there, double roughness)
       : surface(surface_there),
+        material(regularized(*surface.material, roughness)),
         basis(basis_around(surface.normal)),
         outgoing(basis.to_local(-ray.direction)) {
     departure.from = intersection.on_cloud ? Departure::From::point : Departure::From::object;
@@ -31,15 +54,24 @@ struct Vertex {
     return result;
   }
   Rgb eval(const glm::dvec3& incoming) const {
-    return alidade::eval(*surface.material, surface.color, outgoing, incoming);
+    return alidade::eval(material, surface.color, outgoing, incoming);
   }
 };
+
+/// Weight of the sun found by a ray against the sun sampled, for its chance over that of the sample: power
+/// heuristic, so that what a diffuse surface hardly ever finds is left to the samples. 1 minus it is the
+/// other weight.
+float found_weight(double chance) {
+  const double chance_sq = chance * chance;
+  return static_cast<float>(chance_sq / (1.0 + chance_sq));
+}
 
 Rgb sunlight(const World& world, const SunDisc& sun, const Vertex& vertex, Sampler& sampler,
              std::uint64_t& ray_count) {
   const glm::dvec3 direction = sun.sample(sampler.next_2d());
   const glm::dvec3 incoming = vertex.basis.to_local(direction);
-  const Rgb light = sun.sample_weight() * vertex.eval(incoming);
+  const double found_chance = sun.solid_angle() * pdf(vertex.material, vertex.outgoing, incoming);
+  const Rgb light = sun.sample_weight() * vertex.eval(incoming) * (1.0f - found_weight(found_chance));
   if (light == Rgb(0.0f)) return light;
   ++ray_count;
   return world.blocked({vertex.surface.departure, direction}, vertex.leaving(incoming)) ? Rgb(0.0f) : light;
@@ -50,7 +82,7 @@ Rgb lamplight(const World& world, const Lights& lights, const Vertex& vertex, Sa
   const double u_choice = sampler.next_1d();
   const LightSample lamp = lights.sample(vertex.surface.departure, u_choice, sampler.next_2d());
   const glm::dvec3 incoming = vertex.basis.to_local(lamp.direction);
-  const double both_pdf = lamp.pdf + pdf(*vertex.surface.material, vertex.outgoing, incoming);
+  const double both_pdf = lamp.pdf + pdf(vertex.material, vertex.outgoing, incoming);
   const Rgb light = lamp.radiance * vertex.eval(incoming) / static_cast<float>(both_pdf);
   if (light == Rgb(0.0f)) return light;
   ++ray_count;
@@ -59,10 +91,18 @@ Rgb lamplight(const World& world, const Lights& lights, const Vertex& vertex, Sa
 }
 
 /// Share of an emissive surface's light that counts for a ray which found it by itself.
-float found_share(const Lights& lights, const Intersection& intersection, const glm::dvec3& from,
-                  double bounce_pdf) {
-  if (bounce_pdf == 0.0 || intersection.on_cloud) return 1.0f;
-  return static_cast<float>(bounce_pdf / (bounce_pdf + lights.pdf(intersection.index, from)));
+float lamp_share(const Lights& lights, const Intersection& intersection, const Trail& trail) {
+  if (intersection.on_cloud || !trail.scattered) return 1.0f;
+  if (trail.pdf == 0.0) {
+    return static_cast<float>(lights.visible_share(intersection.index, trail.scattered_at));
+  }
+  return static_cast<float>(trail.pdf / (trail.pdf + lights.pdf(intersection.index, trail.scattered_at)));
+}
+
+/// The same for the sun; nothing after mirrors and glass, where the density is 0.
+float sun_share(const SunDisc& sun, const Trail& trail) {
+  if (!trail.scattered) return 1.0f;
+  return found_weight(sun.solid_angle() * trail.pdf);
 }
 
 }  // namespace
@@ -73,21 +113,20 @@ PathResult trace_path(const World& world, const Lights& lights, const Ray& camer
   Ray ray = camera_ray;
   Departure departure;
   Rgb throughput(1.0f);
-  double bounce_pdf = 0.0;    // of the last direction; 0 when it was specular or the camera's
-  bool only_specular = true;  // nothing but mirrors and glass so far
+  Trail trail;
   for (int bounce = 0;; ++bounce) {
     ++result.ray_count;
     const std::optional<Intersection> met = world.nearest(ray, departure);
     if (!met) {
       Rgb light = sky_radiance(lights.sky(), ray.direction);
-      if (only_specular && lights.sun()) light += lights.sun()->radiance(ray.direction);
+      if (lights.sun()) light += lights.sun()->radiance(ray.direction) * sun_share(*lights.sun(), trail);
       result.radiance += throughput * light;
       return result;
     }
     result.met_surface = true;
-    const Vertex vertex(ray, *met, world.surface_at(ray, *met));
-    if (const auto* emissive = std::get_if<Emissive>(vertex.surface.material)) {
-      result.radiance += throughput * emissive->radiance * found_share(lights, *met, ray.origin, bounce_pdf);
+    const Vertex vertex(ray, *met, world.surface_at(ray, *met), trail.roughness);
+    if (const auto* emissive = std::get_if<Emissive>(&vertex.material)) {
+      result.radiance += throughput * emissive->radiance * lamp_share(lights, *met, trail);
       return result;
     }
     if (bounce > max_bounces) return result;
@@ -95,14 +134,14 @@ PathResult trace_path(const World& world, const Lights& lights, const Ray& camer
     sampler.start_at(k_first_path_dimension + k_dimensions_per_vertex * static_cast<std::uint32_t>(bounce));
     const glm::dvec2 u = sampler.next_2d();
     const double u_choice = sampler.next_1d(), u_roulette = sampler.next_1d();
-    if (!is_specular(*vertex.surface.material)) {
+    if (!is_specular(vertex.material)) {
       if (lights.sun())
         result.radiance += throughput * sunlight(world, *lights.sun(), vertex, sampler, result.ray_count);
       if (lights.has_spheres())
         result.radiance += throughput * lamplight(world, lights, vertex, sampler, result.ray_count);
     }
 
-    const auto next = sample(*vertex.surface.material, vertex.surface.color, vertex.outgoing, u, u_choice);
+    const auto next = sample(vertex.material, vertex.surface.color, vertex.outgoing, u, u_choice);
     if (!next) return result;
     throughput *= next->weight;
     if (bounce >= k_first_roulette_vertex) {
@@ -112,8 +151,15 @@ PathResult trace_path(const World& world, const Lights& lights, const Ray& camer
     }
     ray = {vertex.surface.departure, vertex.basis.to_world(next->incoming)};
     departure = vertex.leaving(next->incoming);
-    bounce_pdf = next->pdf;
-    only_specular = only_specular && next->specular;
+    trail.pdf = next->pdf;
+    if (next->specular) {
+      // A curved mirror makes what is behind it small, and so rarely met.
+      if (trail.scattered) trail.roughness = k_diffuse_roughness;
+    } else {
+      trail.scattered = true;
+      trail.scattered_at = ray.origin;
+      trail.roughness = std::max(trail.roughness, roughness_of(vertex.material));
+    }
   }
 }
 

@@ -19,11 +19,18 @@ struct PathResult {
 /// First dimension of the sampler that paths use; those below belong to the camera.
 constexpr std::uint32_t k_first_path_dimension = 2;
 
+/// Roughness that metal has at least on a path which a diffuse surface has scattered.
+constexpr double k_diffuse_roughness = 0.5;
+
 /// Follows light backwards along one path from the camera: at each surface light of sun and emissive spheres
 /// is gathered, then the path goes on in a direction its material chooses, at most `max_bounces` + 1 times in
 /// all, the last time only to see whether sky or an emissive surface is there. After a few bounces weak paths
 /// end by Russian roulette. The mean over samples is the radiance along the ray, without bias but for
-/// `max_bounces` and the caustics left out in light.h.
+/// `max_bounces`, the caustics left out in light.h, and this: a path that has been scattered takes rough
+/// metal for at least as rough as the roughest surface before it (a diffuse one counts as
+/// k_diffuse_roughness), in all it asks of the material. What is seen through a blur is blurred no less, so
+/// that no rare path brings a glint of the sun as a speckle. Source: Kaplanyan and Dachsbacher, Path Space
+/// Regularization for Holistic and Robust Light Transport, 2013.
 PathResult trace_path(const World& world, const Lights& lights, const Ray& camera_ray, Sampler& sampler,
                       int max_bounces);
 

@@ -50,10 +50,20 @@ LightSample Lights::sample(const glm::dvec3& position, double u_choice, const gl
           chosen->chance * pdf_cone(height)};
 }
 
-double Lights::pdf(std::size_t object, const glm::dvec3& position) const {
+const Lights::SphereLight* Lights::find(std::size_t object) const {
   const auto found = std::find_if(spheres_.begin(), spheres_.end(),
                                   [&](const SphereLight& light) { return light.object == object; });
-  return found == spheres_.end() ? 0.0 : found->chance * pdf_cone(cap_height(found->sphere, position));
+  return found == spheres_.end() ? nullptr : &*found;
+}
+
+double Lights::pdf(std::size_t object, const glm::dvec3& position) const {
+  const SphereLight* light = find(object);
+  return light == nullptr ? 0.0 : light->chance * pdf_cone(cap_height(light->sphere, position));
+}
+
+double Lights::visible_share(std::size_t object, const glm::dvec3& position) const {
+  const SphereLight* light = find(object);
+  return light == nullptr ? 1.0 : std::min(1.0, cap_height(light->sphere, position));
 }
 
 }  // namespace alidade

@@ -9,16 +9,17 @@
 #include "renderer/sky.h"
 #include "renderer/sun.h"
 
-// Where light comes from, prepared for sampling. The rule that counts everything once:
+// Where light comes from, prepared for sampling. The rules that count everything once:
 // - sky: found by rays that meet nothing;
-// - sun: sampled directly at every surface that is not specular. Its disc is seen only by camera rays and
-// their reflections in
-//   mirrors and glass; a ray that has been scattered never sees it, so light bundled by mirrors and glass
-//   (caustics of the sun, which would come as speckles) is left out;
-// - emissive spheres: sampled directly and found by rays, the two weighted by multiple importance sampling
-// (balance heuristic,
-//   Veach and Guibas 1995);
+// - sun and emissive spheres (lamps): sampled directly at every surface that is not specular, and found by
+//   rays. The two are weighted by multiple importance sampling (Veach and Guibas 1995): power heuristic for
+//   the sun, balance heuristic for lamps;
 // - emissive ground and cloud: found by rays.
+// Light that mirrors and glass bundle onto other surfaces (caustics) is met so rarely that it would come as
+// speckles. So of what a ray finds by way of mirrors and glass after it has been scattered
+// - the sun is left out;
+// - a lamp counts with its visible_share at the place that scattered: no more than it lights that place
+//   directly, and all of it where it is all around.
 
 namespace alidade {
 
@@ -48,6 +49,10 @@ class Lights {
   /// not sampled.
   double pdf(std::size_t object, const glm::dvec3& position) const;
 
+  /// Which part of a hemisphere this object fills as seen from there, at most 1; 1 for objects that are not
+  /// sampled.
+  double visible_share(std::size_t object, const glm::dvec3& position) const;
+
  private:
   struct SphereLight {
     std::size_t object = 0;
@@ -55,6 +60,8 @@ class Lights {
     Rgb radiance{0.0f};
     double chance = 0.0, cumulative = 0.0;
   };
+
+  const SphereLight* find(std::size_t object) const;
 
   const Sky* sky_;
   std::optional<SunDisc> sun_;

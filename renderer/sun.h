@@ -16,13 +16,15 @@ class SunDisc {
     basis_ = basis_around(glm::normalize(
         glm::dvec3(azimuth.sine * elevation.cosine, azimuth.cosine * elevation.cosine, elevation.sine)));
     const double half_sine = sine_cosine_of_degrees(0.25 * sun.angular_diameter).sine;
-    cap_height_ = 2.0 * half_sine * half_sine;
+    const double cap_height = 2.0 * half_sine * half_sine;
+    cap_height_ = cap_height < k_smallest_cap ? 0.0 : cap_height;
   }
 
   /// Towards the middle of the disc.
   const glm::dvec3& center() const { return basis_.normal; }
 
-  /// Parallel light comes from a point that no ray can hit.
+  /// Parallel light comes from a point that no ray can hit. So does that of a disc below 0.00002 degrees,
+  /// whose edge would drown in the rounding of directions.
   bool is_parallel() const { return cap_height_ == 0.0; }
 
   /// What a ray sees that ends in the disc; zero for any other and for parallel light.
@@ -36,6 +38,9 @@ class SunDisc {
     return is_parallel() ? center() : basis_.to_world(sample_cone(u, cap_height_));
   }
 
+  /// Of the disc; one over it is the density of `sample`. 0 for parallel light.
+  double solid_angle() const { return 2.0 * k_pi * cap_height_; }
+
   /// Radiance over density of a sampled direction: what the scattering function times cosine is multiplied
   /// with.
   Rgb sample_weight() const {
@@ -44,6 +49,8 @@ class SunDisc {
   }
 
  private:
+  static constexpr double k_smallest_cap = 1e-14;
+
   double projected_solid_angle() const { return k_pi * cap_height_ * (2.0 - cap_height_); }
 
   Basis basis_;

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 #include "tests/renderer/tracer_scenes.h"
@@ -137,6 +139,92 @@ TEST(Sunlight, disc_seen_directly_and_in_a_mirror_has_irradiance_over_solid_angl
   scene.camera = camera_at({0, 0, 1}, {0, 1, 0}, 1.0);
   scene.objects = {GroundPlane{0.0, Metal{Rgb(1.0f), 0.0}}};
   expect_everywhere(render(scene, nullptr), 3.0 / solid_angle, 1e-3);
+}
+
+TEST(Sunlight, on_metal_is_the_integral_over_the_disc) {
+  // From rough metal, where the sun is sampled, to nearly a mirror, where rays must find it.
+  for (const double roughness : {0.015, 0.05, 0.2, 0.5, 1.0}) {
+    const Metal metal{Rgb(0.8f), roughness};
+    Scene scene = dark_scene(camera_at({0, 0, 1}, {0, 0, 0}, 0.01, 8), 256, 8);
+    scene.sun = Sun{.elevation = 90.0, .irradiance = Rgb(3.0f), .angular_diameter = 10.0};
+    scene.objects = {GroundPlane{0.0, metal}};
+    const double sine = std::sin(5.0 * k_pi / 180.0), height = 1.0 - std::cos(5.0 * k_pi / 180.0);
+    double answer = 0.0;
+    constexpr int k_steps = 200000;
+    for (int i = 0; i < k_steps; ++i) {
+      // Midpoint rule; steps grow away from the axis, where a sharp reflection has all its light.
+      const double place = (i + 0.5) / k_steps, depth = height * place * place * place;
+      const double step = 3.0 * height * place * place / k_steps;
+      answer += 3.0 / (k_pi * sine * sine) * 2.0 * k_pi * step *
+                eval(metal, Rgb(1.0f), {0, 0, 1}, {std::sqrt(depth * (2.0 - depth)), 0.0, 1.0 - depth}).r;
+    }
+    SCOPED_TRACE(roughness);
+    expect_mean(render(scene, nullptr), answer);
+  }
+}
+
+TEST(Sunlight, of_the_smallest_disc_is_a_number_in_a_mirror) {
+  Scene scene = dark_scene(camera_at({0, 0, 1}, {0, 0, 0}, 40.0, 3), 4, 8);
+  scene.sun = Sun{.elevation = 90.0, .angular_diameter = 1e-18};
+  scene.objects = {GroundPlane{0.0, Metal{Rgb(1.0f), 0.0}}};
+  for (const Rgb& color : render(scene, nullptr).color) EXPECT_EQ(color, Rgb(0.0f));
+}
+
+/// Largest value over the median.
+double largest_over_median(const Film& film) {
+  std::vector<float> values;
+  for (const Rgb& color : film.color) values.push_back(color.r);
+  std::ranges::sort(values);
+  return values.back() / values[values.size() / 2];
+}
+
+TEST(Speckles, do_not_come_on_a_plane_beside_metal_or_glass) {
+  // The plane under sun and lamp, with nothing of the sphere in the picture. Few paths turn from the plane to
+  // the sphere and on to a light; none may outshine the direct light.
+  for (const Material& material :
+       {Material(Metal{Rgb(0.9f), 0.015}), Material(Metal{Rgb(0.9f), 0.05}), Material(Metal{Rgb(0.9f), 0.2}),
+        Material(Metal{Rgb(0.9f), 0.0}), Material(Dielectric{1.5})}) {
+    Scene scene = dark_scene(camera_at({1.7, 0, 4}, {1.7, 0, 0}, 8.0, 64), 16, 8);
+    scene.sun = Sun{.azimuth = 90.0, .elevation = 40.0, .irradiance = Rgb(3.0f)};
+    scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.5f)}}, Sphere{{0, 0, 1}, 1.0, material},
+                     Sphere{{5, 0, 4}, 0.1, Emissive{Rgb(300.0f)}}};
+    SCOPED_TRACE(material.index());
+    EXPECT_LT(largest_over_median(render(scene, nullptr)), 2.0);
+  }
+}
+
+TEST(Speckles, do_not_come_on_metal_beside_a_mirror) {
+  // The side of a copper ball where a mirror shows it its own sunlit side, made small.
+  Scene scene = dark_scene(camera_at({0, -13, 3.2}, {-1.45, -0.5, 1.0}, 3.0, 48), 16, 8);
+  scene.sky = ConstantSky{Rgb(0.5f)};
+  scene.sun = Sun{.azimuth = 230.0, .elevation = 35.0, .irradiance = Rgb(2.0f)};
+  const Metal copper{Rgb(0.9f), 0.3}, mirror{Rgb(0.9f), 0.0};
+  scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.4f)}}, Sphere{{-2.2, 0, 1}, 1.0, copper},
+                   Sphere{{0, 0, 1}, 1.0, mirror}};
+  EXPECT_LT(largest_over_median(render(scene, nullptr)), 4.0);
+}
+
+TEST(Path, metal_seen_in_metal_is_as_sharp_as_without_it) {
+  // A smooth sphere seen in a plane equally smooth keeps its roughness: the reflected sky has a sharp edge.
+  Scene scene = dark_scene(camera_at({0, -4, 1}, {0, 0, 1}, 60.0, 32), 16, 8);
+  scene.sky = GradientSky{Rgb(0.0f), Rgb(1.0f)};
+  scene.objects = {GroundPlane{0.0, Metal{Rgb(0.9f), 0.02}}, Sphere{{0, 0, 1}, 1.0, Metal{Rgb(0.9f), 0.02}}};
+  const Film nearly = render(scene, nullptr);
+  scene.objects = {GroundPlane{0.0, Metal{Rgb(0.9f), 0.0}}, Sphere{{0, 0, 1}, 1.0, Metal{Rgb(0.9f), 0.0}}};
+  const Film mirrors = render(scene, nullptr);
+  double difference = 0.0;
+  for (std::size_t i = 0; i < mirrors.color.size(); ++i)
+    difference += std::fabs(double{nearly.color[i].r} - mirrors.color[i].r) / mirrors.color.size();
+  EXPECT_LT(difference, 0.01);
+}
+
+TEST(Furnace, mirrors_and_glass_beside_diffuse_bodies_lose_no_light_of_a_lamp_all_around) {
+  Scene scene = dark_scene(camera_at({0, 0, 3}, {0, 0, 0}, 60.0, 32), 16, k_many_bounces);
+  scene.objects = {
+      Sphere{glm::dvec3(0.0), 50.0, Emissive{Rgb(2.0f)}}, Sphere{glm::dvec3(0.0), 1.0, Lambertian{Rgb(1.0f)}},
+      Sphere{{1.5, 0.0, 1.0}, 0.5, Metal{Rgb(1.0f), 0.0}}, Sphere{{-1.5, 0.0, 1.0}, 0.5, Dielectric{1.5}}};
+  test::ImageMean mean = test::image_mean(render(scene, nullptr));
+  EXPECT_NEAR(mean.mean, 2.0, 0.002);
 }
 
 TEST(Sunlight, a_point_throws_the_shadow_of_its_sphere) {

@@ -51,6 +51,18 @@ TEST(Sun, sampled_directions_lie_in_the_disc_and_carry_the_irradiance) {
   }
 }
 
+TEST(Sun, too_small_for_its_edge_is_parallel_light) {
+  for (const double diameter : {1e-300, 1e-18, 1e-6, 1e-5, 2e-5, 1e-3}) {
+    const SunDisc disc({.irradiance = Rgb(1e9f), .angular_diameter = diameter});
+    EXPECT_EQ(disc.is_parallel(), diameter < 1.7e-5) << diameter;
+    const Rgb radiance = disc.radiance(disc.center());
+    EXPECT_TRUE(std::isfinite(radiance.r)) << diameter;
+    EXPECT_EQ(radiance.r > 0.0f, !disc.is_parallel()) << diameter;
+    EXPECT_NEAR(glm::dot(disc.sample({0.5, 0.5}), disc.center()), 1.0, 1e-9);
+    EXPECT_NEAR(disc.sample_weight().r, 1e9f, 1e3f);
+  }
+}
+
 Scene lamps() {
   Scene scene;
   scene.objects = {Sphere{{0, 0, 5}, 1.0, Emissive{Rgb(2.0f)}}, GroundPlane{0.0, Emissive{}},
@@ -93,6 +105,15 @@ TEST(Light, density_over_the_visible_cap_sums_to_one) {
     EXPECT_NEAR(lights.pdf(0, {0.0, 0.0, 5.0 - distance}) * solid_angle, 1.0, 1e-9);
   }
   EXPECT_NEAR(lights.pdf(0, {0.0, 0.0, 5.0}) * 4.0 * k_pi, 1.0, 1e-12);  // inside: all directions
+}
+
+TEST(Light, visible_share_is_the_filled_part_of_a_hemisphere) {
+  const Scene scene = lamps();
+  const Lights lights(scene);
+  EXPECT_NEAR(lights.visible_share(0, {0, 0, 3}), 1.0 - std::sqrt(0.75), 1e-12);
+  EXPECT_NEAR(lights.visible_share(0, {0, 0, -995}), 0.5e-6, 1e-11);
+  EXPECT_EQ(lights.visible_share(0, {0, 0, 5.5}), 1.0);
+  EXPECT_EQ(lights.visible_share(1, {0, 0, 3}), 1.0);
 }
 
 TEST(Sky, gradient_goes_with_the_sine_of_the_elevation) {
