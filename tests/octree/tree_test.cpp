@@ -104,6 +104,7 @@ TEST(Octree, building_from_a_cloud_that_is_given_away_empties_its_positions_only
     EXPECT_TRUE(family.cloud.positions.empty()) << family.name;
     EXPECT_EQ(family.cloud.classifications.size(), taken.size()) << family.name;
     ASSERT_EQ(kept.view().node_count, taken.view().node_count) << family.name;
+    if (taken.size() == 0) continue;
     EXPECT_EQ(std::memcmp(kept.view().nodes, taken.view().nodes, kept.view().node_count * sizeof(Node)), 0)
         << family.name;
   }
