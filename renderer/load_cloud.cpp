@@ -162,17 +162,28 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) 
                  .expected = "a positive number",
                  .found = std::to_string(*settings.radius)});
   }
+  // Reading counts the work; what follows is asked whether to go on, at the place where reading ended.
+  std::uint64_t done = 0, total = 0;
+  const Progress reading = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
+    done = bytes;
+    total = all_bytes;
+    return !progress || progress(bytes, all_bytes);
+  };
+  const Progress afterwards = [&](std::uint64_t, std::uint64_t) {
+    return !progress || progress(done, total);
+  };
   PointCloud cloud = read_cloud(settings.files, {.attributes = wanted_attributes(settings.color),
                                                  .color_depth = settings.color_depth,
-                                                 .progress = progress});
+                                                 .progress = reading});
   LoadedCloud loaded;
   loaded.warnings = std::move(cloud.warnings);
   if (cloud.size() == 0) loaded.warnings.push_back(names(settings.files) + " has no points");
   loaded.color = choose_color(settings, cloud, loaded.warnings);
   color_points(loaded.color, cloud);
-  loaded.octree = build(std::move(cloud));
+  loaded.octree = build(std::move(cloud), {.progress = afterwards});
   loaded.colors = std::move(cloud.colors);
   loaded.radius = settings.radius ? *settings.radius : automatic_radius(loaded.octree);
+  report(afterwards, done, total);
   loaded.crs = std::move(cloud.crs);
   loaded.files = std::move(cloud.files);
   return loaded;

@@ -40,14 +40,18 @@ class SharedProgress {
  public:
   SharedProgress(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
 
+  /// Throws Cancelled in every thread once the task is to stop.
   void add(std::uint64_t amount) {
     done_ += amount;
     if (!progress_) return;
+    if (stopped_) throw Cancelled();
     const std::unique_lock<std::mutex> lock(mutex_, std::try_to_lock);
     const Clock::time_point now = Clock::now();
     if (!lock || now < next_report_) return;
     next_report_ = now + std::chrono::milliseconds(50);
-    report(progress_, done_, total_);
+    if (progress_(done_, total_)) return;
+    stopped_ = true;
+    throw Cancelled();
   }
   void finish() const { report(progress_, total_, total_); }
 
@@ -55,8 +59,28 @@ class SharedProgress {
   const Progress& progress_;
   const std::uint64_t total_;
   std::atomic<std::uint64_t> done_{0};
+  std::atomic<bool> stopped_{false};
   std::mutex mutex_;
   Clock::time_point next_report_ = Clock::now();
+};
+
+/// One thread's samples, told to the others every few milliseconds of work.
+class SampleCount {
+ public:
+  explicit SampleCount(SharedProgress& progress) : progress_(progress) {}
+
+  void add_one() {
+    constexpr int k_samples_per_report = 2048;
+    if (++pending_ == k_samples_per_report) report_pending();
+  }
+  void report_pending() {
+    progress_.add(pending_);
+    pending_ = 0;
+  }
+
+ private:
+  SharedProgress& progress_;
+  std::uint64_t pending_ = 0;
 };
 
 /// Everything a pixel needs; the same for all of them.
@@ -83,7 +107,7 @@ void fill_layers(const Task& task, int x, int y, Film& film) {
       met->on_cloud ? static_cast<std::uint32_t>(met->index + 1) : static_cast<std::uint32_t>(~met->index);
 }
 
-std::uint64_t render_pixel(const Task& task, int x, int y, Film& film) {
+std::uint64_t render_pixel(const Task& task, int x, int y, Film& film, SampleCount& samples) {
   RunningMean color;
   int met_count = 0;
   std::uint64_t ray_count = 1;
@@ -96,6 +120,7 @@ std::uint64_t render_pixel(const Task& task, int x, int y, Film& film) {
     color.add(path.radiance);
     met_count += path.met_surface ? 1 : 0;
     ray_count += path.ray_count;
+    samples.add_one();
   }
   const std::size_t pixel = film.index(x, y);
   film.color[pixel] = color.mean();
@@ -129,12 +154,13 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
       tbb::blocked_range2d<int>(0, camera.height, k_tile, 0, camera.width, k_tile),
       [&](const tbb::blocked_range2d<int>& tile) {
         std::uint64_t tile_rays = 0;
+        SampleCount samples(progress);
         for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
           for (int x = tile.cols().begin(); x < tile.cols().end(); ++x)
-            tile_rays += render_pixel(task, x, y, film);
+            tile_rays += render_pixel(task, x, y, film, samples);
         }
         ray_count += tile_rays;
-        progress.add(std::uint64_t{tile.rows().size()} * tile.cols().size() * scene.render.samples);
+        samples.report_pending();
       },
       tbb::simple_partitioner());
 

@@ -185,6 +185,27 @@ TEST_F(LoadCloud, strays_do_not_widen_what_is_shown) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_LT(strays.max[axis], plain.max[axis] + 5.0) << axis;
 }
 
+TEST_F(LoadCloud, can_be_stopped_after_reading_too_and_progress_never_goes_back) {
+  const CloudSettings settings = settings_for(add_colors);
+  std::vector<std::uint64_t> reports;
+  std::uint64_t bytes = 0;
+  load_cloud(settings, [&](std::uint64_t done, std::uint64_t total) {
+    reports.push_back(done);
+    bytes = total;
+    return true;
+  });
+  EXPECT_TRUE(std::ranges::is_sorted(reports));
+  EXPECT_EQ(reports.back(), bytes);
+  // The end of reading, three times in build, once behind the radius.
+  EXPECT_GE(std::ranges::count(reports, bytes), 5);
+  for (std::size_t last = 1; last <= reports.size(); ++last) {
+    std::size_t calls = 0;
+    EXPECT_THROW(load_cloud(settings, [&](std::uint64_t, std::uint64_t) { return ++calls < last; }),
+                 Cancelled);
+    EXPECT_EQ(calls, last);
+  }
+}
+
 TEST_F(LoadCloud, reading_can_be_stopped) {
   EXPECT_THROW(load_cloud(settings_for(add_colors), [](std::uint64_t, std::uint64_t) { return false; }),
                Cancelled);

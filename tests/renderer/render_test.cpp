@@ -167,6 +167,19 @@ TEST(Render, progress_grows_to_the_total_and_can_stop_the_work) {
   EXPECT_THROW(render(mixed_scene(), &cloud, options), Cancelled);
 }
 
+TEST(Render, progress_comes_within_a_pixel_of_many_samples_too) {
+  Scene scene = test::dark_scene(test::camera_at({0, 0, 1}, {0, 0, 0}, 30.0, 1), 100'000, 0);
+  std::vector<std::uint64_t> reports;
+  RenderOptions options;
+  options.progress = [&](std::uint64_t done, std::uint64_t) {
+    reports.push_back(done);
+    return false;
+  };
+  EXPECT_THROW(render(scene, nullptr, options), Cancelled);
+  ASSERT_FALSE(reports.empty());
+  EXPECT_LT(reports.front(), 10'000u);
+}
+
 TEST(Render, a_scene_that_cannot_be_rendered_is_an_error) {
   Scene scene = mixed_scene();
   scene.camera.reset();
