@@ -14,6 +14,7 @@ struct Trail {
   double pdf = 0.0;              ///< of the last direction; 0 when it was specular or the camera's
   bool scattered = false;        ///< whether there was anything but mirrors and glass
   glm::dvec3 scattered_at{0.0};  ///< the last such place
+  double scattered_pdf = 0.0;    ///< of the direction chosen there
   double roughness = 0.0;        ///< the largest so far, at most k_diffuse_roughness
 };
 
@@ -90,18 +91,25 @@ Rgb lamplight(const World& world, const Lights& lights, const Vertex& vertex, Sa
   return met && !met->on_cloud && met->index == lamp.object ? light : Rgb(0.0f);
 }
 
+/// Share that counts of a light found by way of mirrors and glass after scattering: the square of the chance
+/// to find it straight from the scattering place, which fills this share of the hemisphere there.
+float bundled_share(double visible_share, const Trail& trail) {
+  const double chance = std::min(1.0, visible_share * std::max(1.0, 2.0 * k_pi * trail.scattered_pdf));
+  return static_cast<float>(chance * chance);
+}
+
 /// Share of an emissive surface's light that counts for a ray which found it by itself.
 float lamp_share(const Lights& lights, const Intersection& intersection, const Trail& trail) {
   if (intersection.on_cloud || !trail.scattered) return 1.0f;
-  if (trail.pdf == 0.0) {
-    return static_cast<float>(lights.visible_share(intersection.index, trail.scattered_at));
-  }
+  if (trail.pdf == 0.0)
+    return bundled_share(lights.visible_share(intersection.index, trail.scattered_at), trail);
   return static_cast<float>(trail.pdf / (trail.pdf + lights.pdf(intersection.index, trail.scattered_at)));
 }
 
-/// The same for the sun; nothing after mirrors and glass, where the density is 0.
+/// The same for the sun.
 float sun_share(const SunDisc& sun, const Trail& trail) {
   if (!trail.scattered) return 1.0f;
+  if (trail.pdf == 0.0) return bundled_share(sun.solid_angle() / (2.0 * k_pi), trail);
   return found_weight(sun.solid_angle() * trail.pdf);
 }
 
@@ -153,11 +161,12 @@ PathResult trace_path(const World& world, const Lights& lights, const Ray& camer
     departure = vertex.leaving(next->incoming);
     trail.pdf = next->pdf;
     if (next->specular) {
-      // A curved mirror makes what is behind it small, and so rarely met.
-      if (trail.scattered) trail.roughness = k_diffuse_roughness;
+      // A curved mirror makes what is behind it small, and so more rarely met.
+      trail.roughness = std::min(2.0 * trail.roughness, k_diffuse_roughness);
     } else {
       trail.scattered = true;
       trail.scattered_at = ray.origin;
+      trail.scattered_pdf = next->pdf;
       trail.roughness = std::max(trail.roughness, roughness_of(vertex.material));
     }
   }

@@ -28,9 +28,10 @@ constexpr double k_diffuse_roughness = 0.5;
 /// end by Russian roulette. The mean over samples is the radiance along the ray, without bias but for
 /// `max_bounces`, the caustics left out in light.h, and this: a path that has been scattered takes rough
 /// metal for at least as rough as the roughest surface before it (a diffuse one counts as
-/// k_diffuse_roughness), in all it asks of the material. What is seen through a blur is blurred no less, so
-/// that no rare path brings a glint of the sun as a speckle. Source: Kaplanyan and Dachsbacher, Path Space
-/// Regularization for Holistic and Robust Light Transport, 2013.
+/// k_diffuse_roughness; each mirror or pane of glass on the way doubles it up to that), in all it asks of the
+/// material. What is seen through a blur is blurred no less, so that no rare path brings a glint of the sun
+/// as a speckle. Source: Kaplanyan and Dachsbacher, Path Space Regularization for Holistic and Robust Light
+/// Transport, 2013.
 PathResult trace_path(const World& world, const Lights& lights, const Ray& camera_ray, Sampler& sampler,
                       int max_bounces);
 

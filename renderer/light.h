@@ -16,10 +16,10 @@
 //   the sun, balance heuristic for lamps;
 // - emissive ground and cloud: found by rays.
 // Light that mirrors and glass bundle onto other surfaces (caustics) is met so rarely that it would come as
-// speckles. So of what a ray finds by way of mirrors and glass after it has been scattered
-// - the sun is left out;
-// - a lamp counts with its visible_share at the place that scattered: no more than it lights that place
-//   directly, and all of it where it is all around.
+// speckles. So sun and lamps found by way of mirrors and glass after scattering count only with the square of
+// the chance (at most 1) that the scattering direction had of meeting the light straight: its visible_share
+// times the density there over that of an even hemisphere. That leaves out the caustics of all small lights
+// on diffuse surfaces, and keeps lights all around and those seen in sharp metal.
 
 namespace alidade {
 

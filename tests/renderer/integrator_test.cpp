@@ -218,6 +218,27 @@ TEST(Path, metal_seen_in_metal_is_as_sharp_as_without_it) {
   EXPECT_LT(difference, 0.01);
 }
 
+TEST(Path, lights_behind_glass_are_as_bright_in_sharp_metal_as_in_a_mirror) {
+  // Straight down on a metal plane: it shows the sun and a lamp behind a ball of index 1,
+  // which bends and reflects nothing.
+  for (const bool sun : {false, true}) {
+    Film films[2];
+    for (int sharp = 0; sharp < 2; ++sharp) {
+      Scene scene = dark_scene(camera_at({0, 0, 1}, {0, 0, 0}, 1.0, 8), 64, 8);
+      scene.objects = {GroundPlane{0.0, Metal{Rgb(0.8f), sharp == 1 ? 0.02 : 0.0}},
+                       Sphere{{0, 0, 4}, 2.0, Dielectric{1.0}}};
+      if (sun)
+        scene.sun = Sun{.elevation = 90.0, .irradiance = Rgb(1.0f), .angular_diameter = 10.0};
+      else
+        scene.objects.push_back(Sphere{{0, 0, 20}, 2.0, Emissive{Rgb(3.0f)}});
+      films[sharp] = render(scene, nullptr);
+    }
+    const double mirror = test::image_mean(films[0]).mean;
+    EXPECT_GT(mirror, 1.0);
+    EXPECT_NEAR(test::image_mean(films[1]).mean, mirror, 0.02 * mirror) << sun;
+  }
+}
+
 TEST(Furnace, mirrors_and_glass_beside_diffuse_bodies_lose_no_light_of_a_lamp_all_around) {
   Scene scene = dark_scene(camera_at({0, 0, 3}, {0, 0, 0}, 60.0, 32), 16, k_many_bounces);
   scene.objects = {
