@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "octree/cloud/output_file.h"
+#include "renderer/scene.h"
 
 namespace alidade {
 namespace {
@@ -54,8 +55,13 @@ ImageSize parse_image_size(const std::string& text) {
   if (cross == std::string::npos) {
     throw CLI::ValidationError("expected WIDTHxHEIGHT in pixels, as 600x400, found '" + text + "'");
   }
-  return {static_cast<int>(parse_count(text.substr(0, cross), 1, k_largest_side)),
-          static_cast<int>(parse_count(text.substr(cross + 1), 1, k_largest_side))};
+  const std::uint64_t width = parse_count(text.substr(0, cross), 1, k_largest_side);
+  const std::uint64_t height = parse_count(text.substr(cross + 1), 1, k_largest_side);
+  if (width * height > k_max_pixels) {
+    throw CLI::ValidationError(
+        fmt::format("expected at most {} pixels in all, found {}", k_max_pixels, width * height));
+  }
+  return {static_cast<int>(width), static_cast<int>(height)};
 }
 
 CLI::Option* add_value(CLI::App& command, const std::string& names, const std::string& kind,

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <string_view>
 
 #include "octree/simd/instruction_set.h"
@@ -17,20 +15,29 @@
 namespace alidade {
 namespace {
 
+/// Flags that cannot change the picture: --overwrite, and -q and -v alone or together.
+bool is_silent_flag(std::string_view word) {
+  if (word == "--overwrite" || word == "--quiet" || word == "--verbose") return true;
+  return word.size() > 1 && word[0] == '-' && word.find_first_not_of("qv", 1) == std::string_view::npos;
+}
+
+std::string quoted(const std::string& word) {
+  return word.find_first_of(" \t'\"") == std::string::npos ? word : fmt::format("\"{}\"", word);
+}
+
 /// The command line as metadata keep it: without the words that only say where the picture goes or how it is
 /// computed, so that the same picture is the same file.
 std::string picture_command(const CommandLine& words) {
-  constexpr std::array<std::string_view, 5> k_alone = {"--overwrite", "-q", "--quiet", "-v", "--verbose"};
-  constexpr std::array<std::string_view, 3> k_with_value = {"-o", "--output", "--threads"};
   std::string text = "alidade";
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& word = words[i];
-    if (std::ranges::find(k_alone, word) != k_alone.end()) continue;
-    if (word.starts_with("--output=") || word.starts_with("--threads=")) continue;
-    if (std::ranges::find(k_with_value, word) != k_with_value.end()) {
+    const bool with_value = word.starts_with("--output=") || word.starts_with("--threads=") ||
+                            (word.starts_with("-o") && word.size() > 2);
+    if (is_silent_flag(word) || with_value) continue;
+    if (word == "-o" || word == "--output" || word == "--threads") {
       ++i;
     } else {
-      text += " " + word;
+      text += " " + quoted(word);
     }
   }
   return text;

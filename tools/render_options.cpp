@@ -6,30 +6,27 @@
 
 #include "octree/error.h"
 #include "renderer/camera.h"
+#include "renderer/image.h"
 #include "renderer/read_scene.h"
 
 namespace alidade {
 namespace {
 
-constexpr int k_most_samples = 1'000'000;
-constexpr int k_most_bounces = 10'000;
-
-const std::vector<std::pair<std::string, Layer>> k_layer_names = {
-    {"color", Layer::color},   {"depth", Layer::depth},       {"distance", Layer::distance},
-    {"normal", Layer::normal}, {"position", Layer::position}, {"albedo", Layer::albedo},
-    {"id", Layer::id}};
+std::string layer_list() {
+  std::string list;
+  for (const NamedLayer& known : k_layers) list += (list.empty() ? "" : ",") + std::string(known.name);
+  return list;
+}
 
 std::vector<Layer> parse_layers(const std::string& text) {
   std::vector<Layer> layers;
   std::istringstream words(text + ",");
   for (std::string word; std::getline(words, word, ',');) {
-    const auto known = std::find_if(k_layer_names.begin(), k_layer_names.end(),
-                                    [&word](const auto& entry) { return entry.first == word; });
-    if (known == k_layer_names.end()) {
-      throw CLI::ValidationError("expected some of color,depth,distance,normal,position,albedo,id, found '" +
-                                 word + "'");
+    const auto known = std::ranges::find(k_layers, word, &NamedLayer::name);
+    if (known == k_layers.end()) {
+      throw CLI::ValidationError("expected some of " + layer_list() + ", found '" + word + "'");
     }
-    layers.push_back(known->second);
+    layers.push_back(known->layer);
   }
   return layers;
 }
@@ -44,20 +41,22 @@ std::optional<double> parse_radius(const std::string& text) {
 void add_picture_options(CLI::App& render, RenderCommand& command) {
   add_value(render, "--samples", "N", "paths per pixel; noise halves with four times as many (default 50)",
             [&command](const std::string& text) {
-              command.samples = static_cast<int>(parse_count(text, 1, k_most_samples));
+              command.samples = static_cast<int>(parse_count(text, 1, k_max_samples));
             });
-  add_value(render, "--size", "WxH", "width and height in pixels (default: the camera's, else 1200x800)",
+  add_value(render, "--size", "WxH",
+            "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
             [&command](const std::string& text) { command.size = parse_image_size(text); });
   render.add_option("--camera", command.camera_file, "camera file (JSON) instead of the scene's camera")
       ->option_text("FILE.json");
-  add_value(render, "--max-bounces", "N",
-            "reflections followed after the first surface (default 8; 0 = direct light)",
-            [&command](const std::string& text) {
-              command.max_bounces = static_cast<int>(parse_count(text, 0, k_most_bounces));
-            });
+  add_value(
+      render, "--max-bounces", "N",
+      "reflections followed after the first surface (default 8; 0 = light straight from sun, sky and lamps)",
+      [&command](const std::string& text) {
+        command.max_bounces = static_cast<int>(parse_count(text, 0, k_max_bounces));
+      });
   add_value(render, "--exposure", "STOPS", "brightness of PNG and JPEG: +1 is twice as bright (default 0)",
             [&command](const std::string& text) { command.exposure = parse_number(text, -64.0, 64.0); });
-  add_value(render, "--layers", "LIST", "layers of an EXR: color,depth,distance,normal,position,albedo,id",
+  add_value(render, "--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)",
             [&command](const std::string& text) { command.layers = parse_layers(text); });
   add_value(render, "--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
             [&command](const std::string& text) { command.seed = parse_count(text, 0, UINT64_MAX); });
@@ -151,6 +150,11 @@ Scene requested_scene(const RenderCommand& command) {
   if (scene.output.file.empty()) {
     throw Error(
         {.file = command.scene_file.string(), .problem = "no picture to write", .expected = "-o FILE"});
+  }
+  if (!command.layers.empty() && image_format(scene.output.file) != ImageFormat::exr) {
+    throw Error({.file = scene.output.file.string(),
+                 .problem = "only EXR holds layers",
+                 .expected = "a name ending in .exr, or no --layers"});
   }
   return scene;
 }
