@@ -7,8 +7,9 @@
 #include "octree/cloud/read_cloud.h"
 #include "octree/query.h"
 
-int main(int, char** arguments) {
+int main(int count, char** arguments) {
   using namespace alidade;
+  if (count != 2) return 2;
   const Octree octree = build(read_cloud(arguments[1]));
   const glm::dvec3 eye = octree.bounds().center();
 
