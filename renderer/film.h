@@ -9,9 +9,9 @@
 
 namespace alidade {
 
-/// The finished image, pixel by pixel, row 0 on top. Colour and its variance are means over the pixel's samples; the other values
-/// come from the ray through the pixel's centre and are never filtered. A pixel whose centre sees no surface has infinite
-/// depth and distance, zero normal, position and albedo, and id 0.
+/// The finished image, pixel by pixel, row 0 on top. Colour and its variance are means over the pixel's
+/// samples; the other values come from the ray through the pixel's centre and are never filtered. A pixel
+/// whose centre sees no surface has infinite depth and distance, zero normal, position and albedo, and id 0.
 struct Film {
   int width = 0, height = 0;
   std::vector<Rgb> color;            ///< linear radiance

@@ -31,24 +31,36 @@ struct AttributeSet {
   std::uint32_t bits = 0;
 
   constexpr AttributeSet() = default;
-  constexpr AttributeSet(Attribute attribute) : bits(static_cast<std::uint32_t>(attribute)) {}  // NOLINT(google-explicit-constructor)
+  constexpr AttributeSet(Attribute attribute)
+      : bits(static_cast<std::uint32_t>(attribute)) {}  // NOLINT(google-explicit-constructor)
   static constexpr AttributeSet all() {
     AttributeSet set;
     set.bits = (1u << 12) - 1;
     return set;
   }
-  constexpr bool contains(Attribute attribute) const { return (bits & static_cast<std::uint32_t>(attribute)) != 0; }
-  constexpr AttributeSet operator|(AttributeSet other) const { other.bits |= bits; return other; }
-  constexpr AttributeSet operator&(AttributeSet other) const { other.bits &= bits; return other; }
+  constexpr bool contains(Attribute attribute) const {
+    return (bits & static_cast<std::uint32_t>(attribute)) != 0;
+  }
+  constexpr AttributeSet operator|(AttributeSet other) const {
+    other.bits |= bits;
+    return other;
+  }
+  constexpr AttributeSet operator&(AttributeSet other) const {
+    other.bits &= bits;
+    return other;
+  }
   constexpr bool operator==(const AttributeSet&) const = default;
 };
 
-constexpr AttributeSet operator|(Attribute a, Attribute b) { return AttributeSet(a) | AttributeSet(b); }
+constexpr AttributeSet operator|(Attribute a, Attribute b) {
+  return AttributeSet(a) | AttributeSet(b);
+}
 
 /// Colour over the full 16-bit range: 65535 is full, whatever depth the file used. Display-referred (sRGB).
 using Color16 = glm::u16vec3;
 
-/// Which echo of its pulse a point is, and how many there were; 1-based, up to 15. 0 where a file gives nothing.
+/// Which echo of its pulse a point is, and how many there were; 1-based, up to 15. 0 where a file gives
+/// nothing.
 struct ReturnNumbers {
   std::uint8_t number = 0;
   std::uint8_t count = 0;
@@ -56,14 +68,24 @@ struct ReturnNumbers {
 };
 
 /// The single bits and the scanner channel of a LAS point, packed as in LAS 1.4 point format 6 (byte 15):
-/// bit 0 synthetic, 1 key point, 2 withheld, 3 overlap, 4-5 scanner channel, 6 scan direction, 7 edge of flight line.
+/// bit 0 synthetic, 1 key point, 2 withheld, 3 overlap, 4-5 scanner channel, 6 scan direction, 7 edge of
+/// flight line.
 using PointFlags = std::uint8_t;
 
-/// Type of a value of an extra dimension; numbers are those of the LAS 1.4 extra-bytes record (0 = undocumented
-/// bytes, as many as `byte_count` says).
+/// Type of a value of an extra dimension; numbers are those of the LAS 1.4 extra-bytes record (0 =
+/// undocumented bytes, as many as `byte_count` says).
 enum class ScalarType : std::uint8_t {
-  bytes = 0, uint8 = 1, int8 = 2, uint16 = 3, int16 = 4, uint32 = 5, int32 = 6, uint64 = 7, int64 = 8,
-  float32 = 9, float64 = 10,
+  bytes = 0,
+  uint8 = 1,
+  int8 = 2,
+  uint16 = 3,
+  int16 = 4,
+  uint32 = 5,
+  int32 = 6,
+  uint64 = 7,
+  int64 = 8,
+  float32 = 9,
+  float64 = 10,
 };
 
 /// Bytes one value takes; 0 for ScalarType::bytes, whose length is a property of the dimension.
@@ -77,12 +99,13 @@ struct ExtraDimension {
   std::string name;         ///< at most 32 bytes in LAS
   std::string description;  ///< at most 32 bytes in LAS
   ScalarType type = ScalarType::float64;
-  int byte_count = 8;       ///< bytes per point
-  double scale = 1.0;       ///< meaning of a value: offset + scale * stored
+  int byte_count = 8;  ///< bytes per point
+  double scale = 1.0;  ///< meaning of a value: offset + scale * stored
   double offset = 0.0;
-  bool has_scale = false;   ///< whether the file stated a scale
+  bool has_scale = false;  ///< whether the file stated a scale
   bool has_offset = false;
-  /// The value that stands for "no value", if the file named one; as it stands in the LAS record, widened to 8 bytes.
+  /// The value that stands for "no value", if the file named one; as it stands in the LAS record, widened to
+  /// 8 bytes.
   std::optional<std::array<std::uint8_t, 8>> no_data{};
   std::vector<std::uint8_t> values;  ///< byte_count bytes per point, little endian, in point order
 };

@@ -17,12 +17,13 @@ namespace alidade {
 
 /// What a first pass over a file without a lattice tells, so that a lattice can be chosen.
 struct CoordinateSurvey {
-  Bounds bounds;                 ///< of the finite points, world coordinates
+  Bounds bounds;  ///< of the finite points, world coordinates
   std::uint64_t finite_count = 0;
   std::uint64_t dropped_count = 0;  ///< points with a NaN or infinite coordinate
-  /// How finely the file's own numbers are rounded, per axis: half an ulp of the largest float32, half of the last
-  /// written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in binary.
-  /// Per axis, because float32 northings are rounded to decimetres while heights beside them keep micrometres.
+  /// How finely the file's own numbers are rounded, per axis: half an ulp of the largest float32, half of the
+  /// last written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in
+  /// binary. Per axis, because float32 northings are rounded to decimetres while heights beside them keep
+  /// micrometres.
   glm::dvec3 resolution{0.0};
 };
 
@@ -41,41 +42,56 @@ class CloudReader {
   /// The file's own lattice (LAS); empty for formats of free coordinates.
   virtual std::optional<Lattice> lattice() const = 0;
 
-  /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's size.
+  /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's
+  /// size.
   virtual std::optional<std::uint64_t> point_count() const = 0;
 
   /// First pass, only for readers without a lattice. `progress` is in bytes.
   virtual CoordinateSurvey survey(const Progress& progress) = 0;
 
-  /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from it by a whole
-  /// number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks are first filled with
-  /// zeros up to the cloud's size, and columns the cloud has and the file lacks get zeros for the new rows.
-  /// The caller has reserved room. CRS, records and warnings are added to `cloud` by this call; cloud.files, which then
-  /// still lists the earlier files only, is added to by the caller. See append_rows.h.
+  /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from
+  /// it by a whole number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks
+  /// are first filled with zeros up to the cloud's size, and columns the cloud has and the file lacks get
+  /// zeros for the new rows. The caller has reserved room. CRS, records and warnings are added to `cloud` by
+  /// this call; cloud.files, which then still lists the earlier files only, is added to by the caller. See
+  /// append_rows.h.
   virtual void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) = 0;
 
-  /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while other
-  /// files of a large set are looked at.
+  /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while
+  /// other files of a large set are looked at.
   virtual void rest() {}
 };
 
 /// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
 std::unique_ptr<CloudReader> open_cloud(InputFile file);
-inline std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path) { return open_cloud(InputFile(path)); }
+inline std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path) {
+  return open_cloud(InputFile(path));
+}
 
 /// read_cloud() over files already opened, also in memory.
 PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options);
 
-/// One function per format; each throws Error if the content is not of that format. Each lives in read_<format>.cpp.
+/// One function per format; each throws Error if the content is not of that format. Each lives in
+/// read_<format>.cpp.
 std::unique_ptr<CloudReader> open_las(InputFile file);
 std::unique_ptr<CloudReader> open_ply(InputFile file);
 std::unique_ptr<CloudReader> open_pcd(InputFile file);
 std::unique_ptr<CloudReader> open_text(InputFile file);  ///< XYZ, CSV with header names, PTS
 std::unique_ptr<CloudReader> open_ptx(InputFile file);
-inline std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path) { return open_las(InputFile(path)); }
-inline std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path) { return open_ply(InputFile(path)); }
-inline std::unique_ptr<CloudReader> open_pcd(const std::filesystem::path& path) { return open_pcd(InputFile(path)); }
-inline std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path) { return open_text(InputFile(path)); }
-inline std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path) { return open_ptx(InputFile(path)); }
+inline std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path) {
+  return open_las(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path) {
+  return open_ply(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_pcd(const std::filesystem::path& path) {
+  return open_pcd(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path) {
+  return open_text(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path) {
+  return open_ptx(InputFile(path));
+}
 
 }  // namespace alidade

@@ -18,11 +18,11 @@ namespace alidade {
 /// A LAS variable length record that Alidade does not interpret and hands on unchanged (CRS and extra-bytes
 /// records are not among them: they live in Crs and ExtraDimension).
 struct VariableLengthRecord {
-  std::string user_id;      ///< at most 16 bytes
+  std::string user_id;  ///< at most 16 bytes
   std::uint16_t record_id = 0;
   std::string description;  ///< at most 32 bytes
   std::vector<std::uint8_t> data;
-  bool extended = false;    ///< stood after the points (EVLR)
+  bool extended = false;  ///< stood after the points (EVLR)
 
   bool operator==(const VariableLengthRecord&) const = default;
 };
@@ -30,40 +30,41 @@ struct VariableLengthRecord {
 /// What was learnt about one input file.
 struct CloudFile {
   std::filesystem::path path;
-  std::string format;                ///< "LAS", "PLY", "PCD", "XYZ", "CSV", "PTS", "PTX"
-  std::string version;               ///< "1.2", "ascii 1.0", ... ; empty if the format has none
-  std::optional<int> point_format;   ///< LAS point data record format
-  std::uint64_t point_count = 0;     ///< points taken into the cloud
-  std::uint64_t dropped_count = 0;   ///< points left out because a coordinate was not finite
+  std::string format;               ///< "LAS", "PLY", "PCD", "XYZ", "CSV", "PTS", "PTX"
+  std::string version;              ///< "1.2", "ascii 1.0", ... ; empty if the format has none
+  std::optional<int> point_format;  ///< LAS point data record format
+  std::uint64_t point_count = 0;    ///< points taken into the cloud
+  std::uint64_t dropped_count = 0;  ///< points left out because a coordinate was not finite
 };
 
 /// Points and their attributes, column by column. Point id = row; files in the order given.
-/// Every attribute column is either empty (the cloud does not have it) or as long as `positions` was when read.
+/// Every attribute column is either empty (the cloud does not have it) or as long as `positions` was when
+/// read.
 struct PointCloud {
   Lattice lattice;
   std::vector<LatticePosition> positions;
 
   std::vector<Color16> colors;
   std::vector<std::uint16_t> near_infrared;
-  std::vector<std::uint16_t> intensities;        ///< 0 .. 65535
-  std::vector<std::uint8_t> classifications;     ///< ASPRS classes
+  std::vector<std::uint16_t> intensities;     ///< 0 .. 65535
+  std::vector<std::uint8_t> classifications;  ///< ASPRS classes
   std::vector<ReturnNumbers> returns;
   std::vector<PointFlags> flags;
-  std::vector<float> scan_angles;                ///< degrees
+  std::vector<float> scan_angles;  ///< degrees
   std::vector<std::uint8_t> user_data;
   std::vector<std::uint16_t> point_source_ids;
-  std::vector<double> gps_times;                 ///< seconds, in the time system of `gps_time_is_standard`
+  std::vector<double> gps_times;  ///< seconds, in the time system of `gps_time_is_standard`
   std::vector<glm::vec3> normals;
   std::vector<ExtraDimension> extra_dimensions;
 
   Crs crs;
   std::vector<VariableLengthRecord> records;
-  bool gps_time_is_standard = false;             ///< LAS global encoding bit 0: adjusted standard GPS time
-  std::array<std::uint8_t, 16> project_id{};     ///< LAS project GUID, first file's
+  bool gps_time_is_standard = false;          ///< LAS global encoding bit 0: adjusted standard GPS time
+  std::array<std::uint8_t, 16> project_id{};  ///< LAS project GUID, first file's
   std::uint16_t file_source_id = 0;
 
   std::vector<CloudFile> files;
-  std::vector<std::string> warnings;             ///< oddities that were read over, one sentence each, naming the file
+  std::vector<std::string> warnings;  ///< oddities that were read over, one sentence each, naming the file
 
   std::size_t size() const { return positions.size(); }
 

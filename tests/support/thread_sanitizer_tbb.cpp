@@ -27,27 +27,36 @@ class SpawnedTask final : public d1::task {
     return *stand_in;
   }
 
-  d1::task* execute(d1::execution_data& data) override { return take_up()->execute(data); }
-  d1::task* cancel(d1::execution_data& data) override { return take_up()->cancel(data); }
+  d1::task* execute(d1::execution_data& data) override {
+    __tsan_acquire(this);
+    d1::task* const next = spawned_->execute(data);
+    // Not reached if the task throws: the library then calls cancel.
+    delete this;
+    return next;
+  }
+
+  d1::task* cancel(d1::execution_data& data) override {
+    __tsan_acquire(this);
+    d1::task* const next = spawned_->cancel(data);
+    delete this;
+    return next;
+  }
 
  private:
   explicit SpawnedTask(d1::task& spawned) : spawned_(&spawned) {}
 
-  d1::task* take_up() {
-    __tsan_acquire(this);
-    d1::task* const spawned = spawned_;
-    delete this;
-    return spawned;
-  }
-
   d1::task* spawned_;
 };
 
-/// Tasks say that they are done by counting down inside the wait context, in code the sanitizer sees.
-void see_tasks_done(d1::wait_context& context) {
-  auto* const bytes = reinterpret_cast<char*>(&context);
-  for (std::size_t i = 0; i < sizeof(context); i += 8) __tsan_acquire(bytes + i);
-}
+/// Tasks say that they are done by counting down inside the wait context, in code the sanitizer sees. Its
+/// destructor takes that in, so that it also holds when the wait throws.
+struct TasksDone {
+  d1::wait_context& context;
+  ~TasksDone() {
+    auto* const bytes = reinterpret_cast<char*>(&context);
+    for (std::size_t i = 0; i < sizeof(context); i += 8) __tsan_acquire(bytes + i);
+  }
+};
 
 }  // namespace
 
@@ -71,15 +80,15 @@ void execute_and_wait(d1::task& task, d1::task_group_context& task_context, d1::
   static auto* const execute_in_library = library_function<void(d1::task&, d1::task_group_context&,
                                                                 d1::wait_context&, d1::task_group_context&)>(
       "_ZN3tbb6detail2r116execute_and_waitERNS0_2d14taskERNS2_18task_group_contextERNS2_12wait_contextES6_");
+  const TasksDone done{wait_context};
   execute_in_library(task, task_context, wait_context, wait_group_context);
-  see_tasks_done(wait_context);
 }
 
 void wait(d1::wait_context& wait_context, d1::task_group_context& context) {
   static auto* const wait_in_library = library_function<void(d1::wait_context&, d1::task_group_context&)>(
       "_ZN3tbb6detail2r14waitERNS0_2d112wait_contextERNS2_18task_group_contextE");
+  const TasksDone done{wait_context};
   wait_in_library(wait_context, context);
-  see_tasks_done(wait_context);
 }
 
 // The library hands memory of one task to the next without the sanitizer's knowledge; the heap does so with
