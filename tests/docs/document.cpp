@@ -3,17 +3,16 @@
 
 #include <algorithm>
 #include <fstream>
-#include <regex>
 
 namespace alidade::test {
 namespace {
 
 void add_links(const std::string& line, std::vector<std::string>& links) {
-  static const std::regex link(R"(\]\(([^)#\s]+)(#[^)\s]*)?\))");
-  for (auto match = std::sregex_iterator(line.begin(), line.end(), link); match != std::sregex_iterator();
-       ++match) {
-    const std::string target = (*match)[1];
-    if (target.find("://") == std::string::npos) links.push_back(target);
+  for (std::size_t begin = line.find("]("); begin != std::string::npos; begin = line.find("](", begin + 2)) {
+    const std::size_t end = line.find_first_of("#) ", begin + 2);
+    if (end == std::string::npos) return;
+    const std::string target = line.substr(begin + 2, end - begin - 2);
+    if (!target.empty() && target.find("://") == std::string::npos) links.push_back(target);
   }
 }
 
