@@ -29,9 +29,6 @@ class OutputFile {
   void write_at(std::uint64_t place, std::span<const std::byte> bytes);
   /// Bytes written so far.
   std::uint64_t size() const { return size_; }
-  /// Name of the temporary file, for libraries that write by path (images). It exists and is empty at first,
-  /// and has the extension of the final name.
-  const std::filesystem::path& temporary_path() const { return temporary_; }
   /// Flushes, checks, renames. Call once, last. Errors: a failed write; a file that has appeared under the
   /// final name in the meantime and may not be replaced.
   void commit();

@@ -92,17 +92,6 @@ TEST(OutputFileTest, write_at_completes_bytes_already_written) {
   EXPECT_EQ(content(path), expected);
 }
 
-TEST(OutputFileTest, the_temporary_file_has_the_final_extension_and_can_be_written_by_path) {
-  const std::filesystem::path path = test::test_folder() / "picture.exr";
-  OutputFile file(path, false);
-  EXPECT_EQ(file.temporary_path().extension(), ".exr");
-  EXPECT_EQ(file.temporary_path().parent_path(), path.parent_path());
-  EXPECT_TRUE(std::filesystem::exists(file.temporary_path()));
-  test::write_text(file.temporary_path(), "an image");
-  file.commit();
-  EXPECT_EQ(content(path), "an image");
-}
-
 TEST(OutputFileTest, a_symbolic_link_keeps_leading_to_the_file) {
   const std::filesystem::path folder = test::test_folder();
   test::write_text(folder / "target.txt", "earlier");
