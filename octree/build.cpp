@@ -8,6 +8,7 @@
 #include <bit>
 #include <utility>
 
+#include "octree/cloud/reorder_attributes.h"
 #include "octree/sorted_points.h"
 
 namespace alidade {
@@ -288,9 +289,14 @@ LatticePosition lattice_position(const LatticePosition& base, const Steps& steps
   return position;
 }
 
+struct Built {
+  TreeView view;
+  std::shared_ptr<Storage> storage;
+};
+
 /// `given` is the vector behind `positions` if it is to be emptied, otherwise null.
-Octree build_from(const Lattice& lattice, const std::vector<LatticePosition>& positions,
-                  std::vector<LatticePosition>* given, const BuildOptions& options) {
+Built build_from(const Lattice& lattice, const std::vector<LatticePosition>& positions,
+                 std::vector<LatticePosition>* given, const BuildOptions& options) {
   if (options.leaf_size < 1 || options.leaf_size > k_max_leaf_size) {
     throw Error({.problem = "leaf size of the octree is out of range",
                  .expected = "1 to " + std::to_string(k_max_leaf_size),
@@ -302,8 +308,6 @@ Octree build_from(const Lattice& lattice, const std::vector<LatticePosition>& po
                  .expected = "at most 4294967294",
                  .found = std::to_string(count)});
   }
-  const InstructionSet instruction_set = usable(options.instruction_set);
-
   TreeView view;
   view.lattice = lattice;
   auto storage = std::make_shared<Storage>();
@@ -336,22 +340,35 @@ Octree build_from(const Lattice& lattice, const std::vector<LatticePosition>& po
   view.coordinates = storage->coordinates.get();
   view.ids = storage->ids.get();
   view.positions = storage->positions.get();
-  return Octree(view, std::move(storage), instruction_set);
+  return {view, std::move(storage)};
 }
 
 }  // namespace
 
 Octree build(const PointCloud& cloud, const BuildOptions& options) {
-  return build_from(cloud.lattice, cloud.positions, nullptr, options);
+  const InstructionSet instruction_set = usable(options.instruction_set);
+  Built built = build_from(cloud.lattice, cloud.positions, nullptr, options);
+  return Octree(built.view, std::move(built.storage), instruction_set);
 }
 
 Octree build(PointCloud&& cloud, const BuildOptions& options) {
-  return build_from(cloud.lattice, cloud.positions, &cloud.positions, options);
+  const InstructionSet instruction_set = usable(options.instruction_set);
+  Built built = build_from(cloud.lattice, cloud.positions, &cloud.positions, options);
+  return Octree(built.view, std::move(built.storage), instruction_set);
+}
+
+Octree build_in_stored_order(PointCloud& cloud, const BuildOptions& options) {
+  const InstructionSet instruction_set = usable(options.instruction_set);
+  Built built = build_from(cloud.lattice, cloud.positions, &cloud.positions, options);
+  reorder_attributes(cloud, {built.view.ids, built.view.point_count});
+  built.storage->ids.reset();
+  built.view.ids = nullptr;
+  return Octree(built.view, std::move(built.storage), instruction_set);
 }
 
 std::size_t Octree::memory() const {
-  const std::size_t per_point =
-      3 * sizeof(std::uint16_t) + sizeof(std::uint32_t) + (view_.positions ? sizeof(LatticePosition) : 0);
+  const std::size_t per_point = 3 * sizeof(std::uint16_t) + (view_.ids ? sizeof(std::uint32_t) : 0) +
+                                (view_.positions ? sizeof(LatticePosition) : 0);
   return view_.node_count * sizeof(Node) + view_.point_count * per_point;
 }
 

@@ -14,7 +14,7 @@
 namespace alidade {
 
 /// The flat arrays of an octree, as traversals read them. A *place* is a point's number in the order of the
-/// leaves; ids[place] is its row in the cloud.
+/// leaves; its id, the row in the cloud, is point_id(view, place).
 struct TreeView {
   Lattice lattice;
   LatticePosition base{0};  ///< lattice position of the root frame's corner
@@ -27,12 +27,18 @@ struct TreeView {
   /// corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
   /// k_coordinate_padding values past the end.
   const std::uint16_t* coordinates = nullptr;
+  /// Row in the cloud by place; null if the cloud's rows stand in the order of the places.
   const std::uint32_t* ids = nullptr;
   /// Exact positions by place, where 16 bits from a frame's corner cannot hold them; otherwise null.
   const LatticePosition* positions = nullptr;
 };
 
 constexpr int k_coordinate_padding = 32;
+
+/// The id of the point at a place.
+inline std::uint64_t point_id(const TreeView& tree, std::uint32_t place) {
+  return tree.ids ? tree.ids[place] : place;
+}
 
 /// How far coordinates of leaves under a frame of this level are shifted to fit 16 bits; > 0 only where
 /// TreeView::positions is there.

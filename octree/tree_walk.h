@@ -94,4 +94,15 @@ void for_each_leaf(const TreeView& tree, const Visit& visit) {
   }
 }
 
+/// The positions of all points by point id: the cloud's positions, for whoever gave them away. Cost: linear,
+/// 12 B per point.
+inline std::vector<LatticePosition> positions_in_order(const TreeView& tree) {
+  std::vector<LatticePosition> positions(tree.point_count);
+  for_each_leaf(tree, [&](const Leaf& leaf) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i)
+      positions[point_id(tree, leaf.place + i)] = position_of(tree, leaf, i);
+  });
+  return positions;
+}
+
 }  // namespace alidade

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "octree/build.h"
+#include "octree/tree_walk.h"
+#include "tests/support/point_families.h"
+
+namespace alidade {
+namespace {
+
+using test::PointFamily;
+
+TEST(StoredOrder, brings_every_attribute_to_its_point_and_needs_no_ids) {
+  for (PointFamily& family : test::point_families()) {
+    SCOPED_TRACE(family.name);
+    PointCloud& cloud = family.cloud;
+    const std::vector<LatticePosition> positions = cloud.positions;
+    // Every column tells the row it came from.
+    ExtraDimension& row = cloud.extra_dimensions.emplace_back();
+    row.type = ScalarType::uint32;
+    row.byte_count = 4;
+    for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+      cloud.colors.emplace_back(i, 1, 2);
+      cloud.gps_times.push_back(i);
+      cloud.returns.push_back({static_cast<std::uint8_t>(i & 0xff), static_cast<std::uint8_t>(i >> 8)});
+      row.values.resize(row.values.size() + 4);
+      std::memcpy(row.values.data() + std::size_t{4} * i, &i, 4);
+    }
+    const Octree octree = build_in_stored_order(cloud);
+    EXPECT_TRUE(cloud.positions.empty());
+    EXPECT_TRUE(cloud.normals.empty());
+    EXPECT_EQ(octree.view().ids, nullptr);
+    const std::vector<LatticePosition> stored = positions_in_order(octree.view());
+    ASSERT_EQ(stored.size(), positions.size());
+    ASSERT_EQ(cloud.colors.size(), positions.size());
+    std::vector<int> seen(positions.size());
+    for (std::uint32_t place = 0; place < stored.size(); ++place) {
+      ASSERT_EQ(point_id(octree.view(), place), place);
+      const auto from = static_cast<std::uint32_t>(cloud.gps_times[place]);
+      ASSERT_LT(from, positions.size());
+      ++seen[from];
+      ASSERT_EQ(stored[place], positions[from]);
+      ASSERT_EQ(cloud.colors[place], Color16(from, 1, 2));
+      ASSERT_EQ(cloud.returns[place].number + 256 * cloud.returns[place].count, static_cast<int>(from));
+      std::uint32_t value;
+      std::memcpy(&value, cloud.extra_dimensions[0].values.data() + std::size_t{4} * place, 4);
+      ASSERT_EQ(value, from);
+    }
+    EXPECT_EQ(seen, std::vector<int>(positions.size(), 1));
+  }
+}
+
+TEST(StoredOrder, takes_about_seven_bytes_per_point_on_a_scanned_surface) {
+  test::Random random;
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 200000; ++i) {
+    positions.push_back({random.between(0, 100), random.between(0, 100), random.between(0, 0.02)});
+  }
+  PointCloud cloud = test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)});
+  const Octree octree = build_in_stored_order(cloud);
+  EXPECT_LT(static_cast<double>(octree.memory()) / static_cast<double>(octree.size()), 7.6);
+}
+
+}  // namespace
+}  // namespace alidade
