@@ -10,6 +10,7 @@
 
 #include "octree/cloud/reorder_attributes.h"
 #include "octree/sorted_points.h"
+#include "octree/tree_walk.h"
 
 namespace alidade {
 namespace {
@@ -340,6 +341,8 @@ Built build_from(const Lattice& lattice, const std::vector<LatticePosition>& pos
   view.coordinates = storage->coordinates.get();
   view.ids = storage->ids.get();
   view.positions = storage->positions.get();
+  for_each_leaf(view,
+                [&](const Leaf& leaf) { view.level_count = std::max(view.level_count, leaf.depth + 1); });
   return {view, std::move(storage)};
 }
 
@@ -367,9 +370,9 @@ Octree build_in_stored_order(PointCloud& cloud, const BuildOptions& options) {
 }
 
 std::size_t Octree::memory() const {
-  const std::size_t per_point = 3 * sizeof(std::uint16_t) + (view_.ids ? sizeof(std::uint32_t) : 0) +
-                                (view_.positions ? sizeof(LatticePosition) : 0);
-  return view_.node_count * sizeof(Node) + view_.point_count * per_point;
+  const std::size_t per_point = 3 * sizeof(std::uint16_t) + (view_.ids ? sizeof(std::uint32_t) : 0);
+  return view_.node_count * sizeof(Node) + view_.point_count * per_point +
+         view_.exact_count() * sizeof(LatticePosition);
 }
 
 }  // namespace alidade

@@ -13,6 +13,13 @@
 
 namespace alidade {
 
+/// How the points of a cloud are spread over the nodes of an octree; BuildOptions (octree/build.h) chooses.
+enum class Organisation : std::uint8_t {
+  adaptive,  ///< cells are split until a leaf holds few enough points
+  fixed,     ///< a grid: all leaves are cells of one size, or parts of one
+  layered,   ///< every node holds a sample of the points in its cell, coarse to fine
+};
+
 /// The flat arrays of an octree, as traversals read them. A *place* is a point's number in the order of the
 /// leaves; its id, the row in the cloud, is point_id(view, place).
 struct TreeView {
@@ -21,16 +28,25 @@ struct TreeView {
   int root_level = k_min_frame_level;
   std::uint32_t point_count = 0;
   std::uint32_t node_count = 0;  ///< 0 for an empty cloud
-  Bounds bounds;                 ///< of the points, world
-  const Node* nodes = nullptr;   ///< the root is nodes[0]
+  Organisation organisation = Organisation::adaptive;
+  /// Levels of nodes; the root is level 0. The level of a point is that of the node whose leaf slot holds it.
+  int level_count = 0;
+  Bounds bounds;                ///< of the points, world
+  const Node* nodes = nullptr;  ///< the root is nodes[0]
   /// Leaf of c points that starts at place p: coordinates[3p .. 3p + 3c) = c x, c y, c z: steps from the
   /// corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
   /// k_coordinate_padding values past the end.
   const std::uint16_t* coordinates = nullptr;
   /// Row in the cloud by place; null if the cloud's rows stand in the order of the places.
   const std::uint32_t* ids = nullptr;
-  /// Exact positions by place, where 16 bits from a frame's corner cannot hold them; otherwise null.
+  /// Exact positions of the points in leaves under frames above level 16, whose coordinates are not exact;
+  /// null if there are none. These points stand at the places from first_exact on: positions[place -
+  /// first_exact].
   const LatticePosition* positions = nullptr;
+  std::uint32_t first_exact = 0;  ///< meaningless without positions
+
+  /// Length of `positions`.
+  std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }
 };
 
 constexpr int k_coordinate_padding = 32;
@@ -40,8 +56,8 @@ inline std::uint64_t point_id(const TreeView& tree, std::uint32_t place) {
   return tree.ids ? tree.ids[place] : place;
 }
 
-/// How far coordinates of leaves under a frame of this level are shifted to fit 16 bits; > 0 only where
-/// TreeView::positions is there.
+/// How far coordinates of leaves under a frame of this level are shifted to fit 16 bits; where it is > 0,
+/// TreeView::positions has them exactly.
 constexpr int coordinate_shift(int level) {
   return level > 16 ? level - 16 : 0;
 }

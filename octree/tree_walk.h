@@ -15,7 +15,8 @@ namespace alidade {
 struct Frame {
   std::uint32_t node = 0;
   std::array<std::uint32_t, 3> corner{};  ///< lattice steps from the tree's base
-  int level = 0;
+  int level = 0;                          ///< of the frame: it is 2^level lattice steps wide
+  int depth = 0;                          ///< of the node, the root's being 0: the level of its points
 };
 
 /// A leaf: `count` points from `place` on, below a frame.
@@ -23,17 +24,18 @@ struct Leaf {
   std::uint32_t place = 0;
   std::uint32_t count = 0;
   std::array<std::uint32_t, 3> corner{};
+  int depth = 0;  ///< of the node: the level of its points (TreeView::level_count)
 };
 
 /// Requires a tree that is not empty.
 inline Frame root_frame(const TreeView& tree) {
-  return {0, {0, 0, 0}, tree.root_level};
+  return {0, {0, 0, 0}, tree.root_level, 0};
 }
 
 /// Frame of the inner child in this slot.
 inline Frame child_frame(const TreeView& tree, const Frame& frame, int slot) {
   const Node& node = tree.nodes[frame.node];
-  Frame child{node.first_child, frame.corner, frame.level};
+  Frame child{node.first_child, frame.corner, frame.level, frame.depth + 1};
   for (int s = 0; s < slot; ++s) child.node += is_inner(node.kind[s]);
   const int drop = node.kind[slot] - k_inner_kind;
   for (int axis = 0; axis < 3; ++axis)
@@ -45,7 +47,7 @@ inline Frame child_frame(const TreeView& tree, const Frame& frame, int slot) {
 /// The leaf in this slot.
 inline Leaf child_leaf(const TreeView& tree, const Frame& frame, int slot) {
   const Node& node = tree.nodes[frame.node];
-  Leaf leaf{node.first_point, node.kind[slot], frame.corner};
+  Leaf leaf{node.first_point, node.kind[slot], frame.corner, frame.depth};
   for (int s = 0; s < slot; ++s) leaf.place += is_leaf(node.kind[s]) ? node.kind[s] : 0;
   return leaf;
 }
@@ -68,7 +70,8 @@ inline Bounds child_bounds(const TreeView& tree, const Frame& frame, int slot) {
 
 /// Lattice position of the i-th point of a leaf.
 inline LatticePosition position_of(const TreeView& tree, const Leaf& leaf, std::uint32_t i) {
-  if (tree.positions) return tree.positions[leaf.place + i];
+  if (tree.positions && leaf.place >= tree.first_exact)
+    return tree.positions[leaf.place - tree.first_exact + i];
   const std::uint16_t* coordinates = tree.coordinates + std::size_t{3} * leaf.place;
   LatticePosition position;
   for (int axis = 0; axis < 3; ++axis) {
