@@ -1,47 +1,126 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
 #include <optional>
+#include <span>
 
 #include "octree/distance.h"
 #include "octree/hit.h"
 #include "octree/query.h"
+#include "octree/segment.h"
 
 // How one point is decided, shared by brute force and index: whatever an index discards beforehand, what is
-// left goes through these functions, so answers are the same bits.
+// left goes through these functions, so answers are the same bits. One `evaluate` per family of targets: the
+// point as an answer if it meets every condition of the query, the filter asked last. Requires: target and
+// query checked (octree/check_query.h).
 
 namespace alidade {
 
-/// Errors: radius negative, infinite or NaN; entry_min NaN.
-inline void check(const RayQuery& query) {
-  if (!(query.radius >= 0.0) || std::isinf(query.radius)) {
-    throw Error({.problem = "radius of a ray query is out of range",
-                 .expected = "a finite number >= 0",
-                 .found = std::to_string(query.radius)});
-  }
-  if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min of a ray query is not a number"});
+/// Whether the filter admits an answer. query_index: number of the target in a batch.
+template <class Answer>
+bool admits(const CandidateFilter& filter, const Answer& answer, std::size_t query_index) {
+  if (!filter) return true;
+  Candidate candidate{.point_id = answer.point_id,
+                      .position = answer.position,
+                      .distance = answer.distance,
+                      .query_index = query_index};
+  if constexpr (requires { answer.t; }) candidate.t = answer.t;
+  return filter(candidate);
 }
 
-/// The point as a hit if it fulfils every condition of the query.
 inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, const glm::dvec3& position,
-                                   std::uint64_t point_id) {
+                                   std::uint64_t point_id, std::size_t query_index = 0) {
   const RayProjection projection = project(ray, position);
   if (!(projection.distance <= query.radius && projection.t >= ray.t_min && projection.t <= ray.t_max)) {
     return std::nullopt;
   }
   const double entry_place = entry(projection, query.radius);
   if (!(entry_place >= query.entry_min)) return std::nullopt;
-  return Hit{point_id, position, projection.t, projection.distance, entry_place};
+  const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
+  if (!admits(query.filter, hit, query_index)) return std::nullopt;
+  return hit;
+}
+
+inline std::optional<Hit> evaluate(const Cone& cone, const ConeQuery& query, const glm::dvec3& position,
+                                   std::uint64_t point_id, std::size_t query_index = 0) {
+  const RayProjection projection = project(cone.axis, position);
+  const double limit = cone.limit(projection.t);
+  if (!(projection.distance <= limit && projection.t >= cone.axis.t_min && projection.t <= cone.axis.t_max)) {
+    return std::nullopt;
+  }
+  const double entry_place = entry(projection, limit);
+  if (std::isnan(entry_place)) return std::nullopt;
+  const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
+  if (!admits(query.filter, hit, query_index)) return std::nullopt;
+  return hit;
+}
+
+/// t_min, t_max: the path's. projection: of the position on the path.
+inline std::optional<PathHit> evaluate(const PathProjection& projection, double t_min, double t_max,
+                                       const PathQuery& query, const glm::dvec3& position,
+                                       std::uint64_t point_id, std::size_t query_index = 0) {
+  if (!(projection.distance <= query.radius && projection.t >= t_min && projection.t <= t_max)) {
+    return std::nullopt;
+  }
+  const PathHit hit{point_id, position, projection.segment, projection.t, projection.distance};
+  if (!admits(query.filter, hit, query_index)) return std::nullopt;
+  return hit;
+}
+
+inline std::optional<PointHit> evaluate(const HalfSpaces& region, const PointQuery& query,
+                                        const glm::dvec3& position, std::uint64_t point_id,
+                                        std::size_t query_index = 0) {
+  PointHit hit{point_id, position, 0.0};
+  for (std::size_t i = 0; i < region.planes.size(); ++i) {
+    const double side = signed_distance(region.planes[i], position);
+    if (!(side >= 0.0)) return std::nullopt;
+    if (i == 0) hit.distance = side;
+  }
+  if (!admits(query.filter, hit, query_index)) return std::nullopt;
+  return hit;
+}
+
+inline std::optional<PointHit> evaluate(const Bounds& box, const PointQuery& query,
+                                        const glm::dvec3& position, std::uint64_t point_id,
+                                        std::size_t query_index = 0) {
+  if (!box.contains(position)) return std::nullopt;
+  const PointHit hit{point_id, position, 0.0};
+  if (!admits(query.filter, hit, query_index)) return std::nullopt;
+  return hit;
+}
+
+inline std::optional<PointHit> evaluate(const glm::dvec3& point, const PointQuery& query,
+                                        const glm::dvec3& position, std::uint64_t point_id,
+                                        std::size_t query_index = 0) {
+  const PointHit hit{point_id, position, distance(point, position)};
+  if (!(hit.distance <= query.radius) || !admits(query.filter, hit, query_index)) return std::nullopt;
+  return hit;
 }
 
 /// The value a measure orders by.
 inline double measured(Measure measure, const Hit& hit) {
-  return measure == Measure::t ? hit.t : hit.entry;
+  switch (measure) {
+    case Measure::distance:
+      return hit.distance;
+    case Measure::t:
+      return hit.t;
+    default:
+      return hit.entry;
+  }
 }
 
-/// Order of hits: by the measure, then by point id.
-inline bool precedes(Measure measure, const Hit& a, const Hit& b) {
+inline double measured(Measure measure, const PathHit& hit) {
+  return measure == Measure::distance ? hit.distance : hit.t;
+}
+
+/// Points, boxes and half-spaces know one order only.
+inline double measured(Measure, const PointHit& hit) {
+  return hit.distance;
+}
+
+/// Order of answers: by the measure, then by point id.
+template <class Answer>
+bool precedes(Measure measure, const Answer& a, const Answer& b) {
   const double value_a = measured(measure, a), value_b = measured(measure, b);
   return value_a < value_b || (value_a == value_b && a.point_id < b.point_id);
 }

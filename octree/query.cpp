@@ -1,62 +1,267 @@
 // SPDX-License-Identifier: MIT
 #include "octree/query.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <string>
+#include <cmath>
 
-#include "octree/candidate.h"
+#include "octree/check_query.h"
 #include "octree/octree.h"
+#include "octree/octree_tree.h"
+#include "octree/query_batch.h"
+#include "octree/query_targets.h"
 #include "octree/simd/traversal.h"
 
 namespace alidade {
 namespace {
 
 // Enough work per task to hide the scheduler, few enough that the last tasks do not leave threads idle.
-constexpr std::size_t k_rays_per_task = 256;
+constexpr std::size_t k_grain = 256;
 
-template <class Answer, class Ask>
-void for_each_ray(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
-                  std::span<Answer> answers, const Ask& ask) {
-  check(query);
-  if (answers.size() != rays.size()) {
-    throw Error({.problem = "room for the answers does not fit the rays",
-                 .expected = std::to_string(rays.size()),
-                 .found = std::to_string(answers.size())});
+// --- Which traversal answers what
+// --------------------------------------------------------------------------- Algorithm 1 answers everything;
+// lanes answer what they are tuned for. Here and nowhere else it is chosen.
+
+/// Lanes take directions to be of length 1 as exactly as make_ray makes them; the contract allows more.
+bool is_normalised(const glm::dvec3& direction) {
+  const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
+  return std::fabs(square - 1.0) <= 2e-15;
+}
+
+bool has_lanes(const RayQuery& query) {
+  return !query.filter && query.max_level == k_all_levels && std::isfinite(query.radius) &&
+         query.measure != Measure::distance;
+}
+
+/// Appends the k first answers.
+template <class Target, class Query, class Answer>
+void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
+               std::size_t query_index, std::vector<Answer>& answers) {
+  const auto asked = make_target(target, query, query_index);
+  Nearest neighbors(asked, k);
+  tree_query(OctreeTree(octree.view(), query.max_level), asked, neighbors);
+  const std::vector<Answer> found = neighbors.in_order();
+  answers.insert(answers.end(), found.begin(), found.end());
+}
+
+template <class Target, class Query>
+std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
+                     std::size_t query_index) {
+  Counter counter(k);
+  tree_query(OctreeTree(octree.view(), query.max_level), make_target(target, query, query_index), counter);
+  return counter.count();
+}
+
+template <class Target, class Query>
+std::optional<Hit> first_hit(const Octree& octree, const Target& target, const Query& query,
+                             std::size_t query_index) {
+  if (octree.size() == 0) return std::nullopt;
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (has_lanes(query) && is_normalised(target.direction))
+      return simd::traversal(octree.instruction_set()).closest(octree.view(), target, query);
   }
-  if (octree.size() == 0) {
-    std::ranges::fill(answers, Answer{});
-    return;
+  std::vector<Hit> hits;
+  find_into(octree, target, query, 1, query_index, hits);
+  return hits.empty() ? std::nullopt : std::optional(hits.front());
+}
+
+template <class Target, class Query>
+bool any_hit(const Octree& octree, const Target& target, const Query& query, std::size_t query_index) {
+  if (octree.size() == 0) return false;
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (has_lanes(query) && is_normalised(target.direction))
+      return simd::traversal(octree.instruction_set()).occluded(octree.view(), target, query);
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), k_rays_per_task), [&](const auto& range) {
-    for (std::size_t i = range.begin(); i != range.end(); ++i)
-      answers[i] = ask(octree.view(), rays[i], query);
+  return count_to(octree, target, query, 1, query_index) > 0;
+}
+
+// --- One target, many targets
+// -------------------------------------------------------------------------------
+
+template <class Target, class Query>
+void check_one(const Octree& octree, const Target& target, const Query& query) {
+  check_target(target, query);
+  check_level(octree, query.max_level);
+}
+
+template <class Target, class Query>
+void check_many(const Octree& octree, std::span<const Target>, const Query& query) {
+  check_conditions<Target>(query);
+  check_level(octree, query.max_level);
+}
+
+template <class Answer, class Target, class Query>
+std::vector<Answer> find_one(const Octree& octree, const Target& target, const Query& query) {
+  check_one(octree, target, query);
+  std::vector<Answer> answers;
+  find_into(octree, target, query, query.k, 0, answers);
+  return answers;
+}
+
+template <class Answer, class Target, class Query>
+Answers<Answer> find_many(const Octree& octree, std::span<const Target> targets, const Query& query) {
+  check_many(octree, targets, query);
+  return answer_all<Answer>(targets, k_grain, [&](std::size_t i, std::vector<Answer>& answers) {
+    find_into(octree, targets[i], query, query.k, i, answers);
   });
+}
+
+template <class Target, class Query>
+std::size_t count_one(const Octree& octree, const Target& target, const Query& query) {
+  check_one(octree, target, query);
+  return count_to(octree, target, query, query.k, 0);
+}
+
+template <class Target, class Query, class Answer, class Ask>
+void ask_many(const Octree& octree, std::span<const Target> targets, const Query& query,
+              std::span<Answer> answers, const Ask& ask) {
+  check_many(octree, targets, query);
+  check_room(targets.size(), answers.size());
+  for_each_range(targets, k_grain, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) answers[i] = ask(octree, targets[i], query, i);
+  });
+}
+
+template <class Target, class Query>
+void count_many(const Octree& octree, std::span<const Target> targets, const Query& query,
+                std::span<std::size_t> counts) {
+  ask_many(octree, targets, query, counts,
+           [](const Octree& tree, const Target& target, const Query& asked, std::size_t i) {
+             return count_to(tree, target, asked, asked.k, i);
+           });
 }
 
 }  // namespace
 
 std::optional<Hit> closest(const Octree& octree, const Ray& ray, const RayQuery& query) {
-  check(query);
-  if (octree.size() == 0) return std::nullopt;
-  return simd::traversal(octree.instruction_set()).closest(octree.view(), ray, query);
+  check_one(octree, ray, query);
+  return first_hit(octree, ray, query, 0);
 }
 
-bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query) {
-  check(query);
-  if (octree.size() == 0) return false;
-  return simd::traversal(octree.instruction_set()).occluded(octree.view(), ray, query);
+std::optional<Hit> closest(const Octree& octree, const Cone& cone, const ConeQuery& query) {
+  check_one(octree, cone, query);
+  return first_hit(octree, cone, query, 0);
 }
 
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
              std::span<std::optional<Hit>> hits) {
-  for_each_ray(octree, rays, query, hits, simd::traversal(octree.instruction_set()).closest);
+  ask_many(octree, rays, query, hits, first_hit<Ray, RayQuery>);
+}
+
+bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query) {
+  check_one(octree, ray, query);
+  return any_hit(octree, ray, query, 0);
+}
+
+bool occluded(const Octree& octree, const Cone& cone, const ConeQuery& query) {
+  check_one(octree, cone, query);
+  return any_hit(octree, cone, query, 0);
 }
 
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
               std::span<std::uint8_t> answers) {
-  for_each_ray(octree, rays, query, answers, simd::traversal(octree.instruction_set()).occluded);
+  ask_many(octree, rays, query, answers, any_hit<Ray, RayQuery>);
+}
+
+std::vector<Hit> find(const Octree& octree, const Ray& ray, const RayQuery& query) {
+  return find_one<Hit>(octree, ray, query);
+}
+
+std::vector<Hit> find(const Octree& octree, const Cone& cone, const ConeQuery& query) {
+  return find_one<Hit>(octree, cone, query);
+}
+
+std::vector<PathHit> find(const Octree& octree, const Path& path, const PathQuery& query) {
+  return find_one<PathHit>(octree, path, query);
+}
+
+std::vector<PointHit> find(const Octree& octree, const HalfSpaces& region, const PointQuery& query) {
+  return find_one<PointHit>(octree, region, query);
+}
+
+std::vector<PointHit> find(const Octree& octree, const Bounds& box, const PointQuery& query) {
+  return find_one<PointHit>(octree, box, query);
+}
+
+std::vector<PointHit> find(const Octree& octree, const glm::dvec3& point, const PointQuery& query) {
+  return find_one<PointHit>(octree, point, query);
+}
+
+Answers<Hit> find(const Octree& octree, std::span<const Ray> rays, const RayQuery& query) {
+  return find_many<Hit>(octree, rays, query);
+}
+
+Answers<Hit> find(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query) {
+  return find_many<Hit>(octree, cones, query);
+}
+
+Answers<PathHit> find(const Octree& octree, std::span<const Path> paths, const PathQuery& query) {
+  return find_many<PathHit>(octree, paths, query);
+}
+
+Answers<PointHit> find(const Octree& octree, std::span<const HalfSpaces> regions, const PointQuery& query) {
+  return find_many<PointHit>(octree, regions, query);
+}
+
+Answers<PointHit> find(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query) {
+  return find_many<PointHit>(octree, boxes, query);
+}
+
+Answers<PointHit> find(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query) {
+  return find_many<PointHit>(octree, points, query);
+}
+
+std::size_t count(const Octree& octree, const Ray& ray, const RayQuery& query) {
+  return count_one(octree, ray, query);
+}
+
+std::size_t count(const Octree& octree, const Cone& cone, const ConeQuery& query) {
+  return count_one(octree, cone, query);
+}
+
+std::size_t count(const Octree& octree, const Path& path, const PathQuery& query) {
+  return count_one(octree, path, query);
+}
+
+std::size_t count(const Octree& octree, const HalfSpaces& region, const PointQuery& query) {
+  return count_one(octree, region, query);
+}
+
+std::size_t count(const Octree& octree, const Bounds& box, const PointQuery& query) {
+  return count_one(octree, box, query);
+}
+
+std::size_t count(const Octree& octree, const glm::dvec3& point, const PointQuery& query) {
+  return count_one(octree, point, query);
+}
+
+void count(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
+           std::span<std::size_t> counts) {
+  count_many(octree, rays, query, counts);
+}
+
+void count(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query,
+           std::span<std::size_t> counts) {
+  count_many(octree, cones, query, counts);
+}
+
+void count(const Octree& octree, std::span<const Path> paths, const PathQuery& query,
+           std::span<std::size_t> counts) {
+  count_many(octree, paths, query, counts);
+}
+
+void count(const Octree& octree, std::span<const HalfSpaces> regions, const PointQuery& query,
+           std::span<std::size_t> counts) {
+  count_many(octree, regions, query, counts);
+}
+
+void count(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query,
+           std::span<std::size_t> counts) {
+  count_many(octree, boxes, query, counts);
+}
+
+void count(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query,
+           std::span<std::size_t> counts) {
+  count_many(octree, points, query, counts);
 }
 
 }  // namespace alidade

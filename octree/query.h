@@ -1,59 +1,179 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "octree/bounds.h"
+#include "octree/cone.h"
 #include "octree/hit.h"
+#include "octree/path.h"
+#include "octree/plane.h"
 #include "octree/ray.h"
 
-// Ray queries on raw points. Radius and interval are chosen per query; nothing of them is built into the
-// index.
+// Queries on raw points. Targets (ray, cone, path, half-spaces, box, point) and conditions are chosen per
+// query; nothing of them is built into the index. All conditions hold together (conjunction).
 //
 //   const Octree octree = build(cloud);
 //   const Ray ray = make_ray({690000, 5325000, 600}, {0, 1, -0.1}, 0.0);
 //   if (std::optional<Hit> hit = closest(octree, ray, {.radius = 0.05})) use(hit->point_id, hit->entry);
+//   for (const Hit& hit : find(octree, ray, {.measure = Measure::distance, .k = 8})) use(hit);
+//   auto veg = [&](const Candidate& point) { return classes[point.point_id] == 5; };
+//   std::size_t leaves = count(octree, ray, {.radius = 0.1, .measure = Measure::t, .filter = veg});
+//
+// For every query:
+// - The answer equals that of the function of the same name in octree/brute_force.h bit for bit, whatever
+//   the organisation of the octree, the instruction set and the number of threads.
+// - Order: by the measure, then by point id; so ties have one answer, too. All limits are inclusive.
+// - Empty octree, empty interval (t_min > t_max): no hit, count 0.
+// - Targets come from make_ray, make_cone, make_path, make_plane, which refuse zero, NaN and infinite input.
+//   A target that breaks their promises (direction not of length 1 within 1e-6, numbers not finite) is an
+//   Error. Boxes may be infinite; an inverted box holds nothing.
+// - Batches run in parallel (oneTBB, as many threads as the caller's arena allows) and answer in the order of
+//   the targets. Errors name the number of the target ("ray 17").
+// - Common Errors: k = 0; radius negative or NaN; Measure::entry with an infinite radius (of rays) or at all
+//   (of paths); max_level negative, or given for an octree that is not layered; room for answers not as long
+//   as the targets. A batch with Errors leaves its answers half done.
 
 namespace alidade {
 
 class Octree;
 
-/// What orders the points that a ray passes.
+/// What orders the points along a ray, cone or path.
 enum class Measure {
-  t,      ///< place of the projection (the paper's "closest")
-  entry,  ///< where the ray enters the sphere of the query's radius around the point
+  distance,  ///< to the line of the ray or to the path
+  t,         ///< place of the projection (the paper's "closest")
+  entry,     ///< where the ray enters the sphere around the point, see Hit::entry; not for paths
 };
 
-/// Conditions of a ray query; all hold together (conjunction).
+/// A point that meets all other conditions of a query, as its filter sees it.
+struct Candidate {
+  std::uint64_t point_id = 0;
+  glm::dvec3 position{0.0};
+  double t = 0.0;  ///< 0 for points, boxes and half-spaces
+  double distance = 0.0;
+  std::size_t query_index = 0;  ///< number of the target in a batch
+};
+
+/// Says whether a candidate counts: for classes, times, oriented discs. Must give the same answer for the
+/// same candidate whenever asked, in any order and from several threads at once; it may be asked for points
+/// that then are no part of the answer, and not for every point that meets the other conditions.
+using CandidateFilter = std::function<bool(const Candidate&)>;
+
+constexpr double k_unlimited_radius = std::numeric_limits<double>::infinity();
+constexpr std::size_t k_all = std::numeric_limits<std::size_t>::max();
+constexpr int k_all_levels = std::numeric_limits<int>::max();
+
+/// Conditions of a ray query.
 struct RayQuery {
-  /// Points with distance <= radius (inclusive) count. REQUIRED: finite and >= 0, in metres.
-  double radius = 0.0;
+  /// Points with distance <= radius count. Metres.
+  double radius = k_unlimited_radius;
   Measure measure = Measure::entry;
-  /// Only spheres that the ray enters at or after this place (entry >= entry_min, inclusive). The default
-  /// admits spheres the ray starts in, whose entry lies before t_min. A renderer sets a small positive value:
-  /// rays that leave a surface then never hit it again.
+  /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever stands here.
+  std::size_t k = k_all;
+  /// Only spheres that the ray enters at or after this place (entry >= entry_min). The default admits spheres
+  /// the ray starts in, whose entry lies before t_min. A renderer sets a small positive value: rays that
+  /// leave a surface then never hit it again.
   double entry_min = -std::numeric_limits<double>::infinity();
+  /// Only points of the levels 0 to max_level of a layered octree (coarse to fine): a thinned cloud. Level of
+  /// a point: TreeView::level_count.
+  int max_level = k_all_levels;
+  CandidateFilter filter{};
 };
 
-/// The point with the smallest measure among those with distance <= radius, t_min <= t <= t_max (the ray's
-/// closed interval, on the projection t whatever the measure) and entry >= entry_min. Equal measures: the
-/// lowest point id. Empty octree or empty interval: no hit. The answer equals brute_force::closest bit for
-/// bit. Cost: a few hundred nanoseconds to microseconds; grows with the number of points in the ray's
-/// cylinder before the hit. Requires: ray made by make_ray (unit direction). Errors: radius negative or not
-/// finite.
+/// Conditions of a cone query; the limit on the distance is the cone's own.
+struct ConeQuery {
+  Measure measure = Measure::distance;
+  std::size_t k = k_all;
+  int max_level = k_all_levels;
+  CandidateFilter filter{};
+};
+
+/// Conditions of a path query. Points count by their distance to the nearest point of the path, each once.
+struct PathQuery {
+  double radius = k_unlimited_radius;
+  Measure measure = Measure::t;
+  std::size_t k = k_all;
+  int max_level = k_all_levels;
+  CandidateFilter filter{};
+};
+
+/// Conditions of point, box and half-space queries. Order: by PointHit::distance, then by point id (of boxes:
+/// by point id).
+struct PointQuery {
+  double radius = k_unlimited_radius;  ///< of boxes and half-spaces: must stay unlimited
+  std::size_t k = k_all;
+  int max_level = k_all_levels;
+  CandidateFilter filter{};
+};
+
+/// Answers to a batch: those of target i are answers[i]. One after another in memory.
+template <class Answer>
+struct Answers {
+  std::vector<Answer> all;
+  std::vector<std::size_t> begin{0};  ///< first of every target's answers; one more than there are targets
+
+  std::size_t size() const { return begin.size() - 1; }
+  std::span<const Answer> operator[](std::size_t i) const {
+    return std::span(all).subspan(begin[i], begin[i + 1] - begin[i]);
+  }
+};
+
+/// The first point by the measure among those with distance <= radius, t_min <= t <= t_max (the ray's closed
+/// interval, on the projection t whatever the measure), entry >= entry_min, that the filter admits. Cost: a
+/// few hundred nanoseconds to microseconds; grows with the number of points in the ray's cylinder before the
+/// hit.
 std::optional<Hit> closest(const Octree& octree, const Ray& ray, const RayQuery& query);
-
-/// Whether any point fulfils the conditions of `closest`; stops at the first it finds.
-bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query);
-
-/// The same for many rays in parallel (oneTBB, as many threads as the caller's arena allows).
-/// Answers in the order of the rays. Errors: as above; `hits` or `answers` not as long as `rays`.
+std::optional<Hit> closest(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
              std::span<std::optional<Hit>> hits);
+
+/// Whether any point fulfils the conditions; stops at the first it finds. k, and the measure but for its
+/// Errors, do not matter.
+bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query);
+bool occluded(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
               std::span<std::uint8_t> answers);
+
+/// The k first points by the measure, in its order. Cost with k: like `closest`, and grows with k; without:
+/// with the number of points in reach.
+std::vector<Hit> find(const Octree& octree, const Ray& ray, const RayQuery& query);
+std::vector<Hit> find(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
+std::vector<PathHit> find(const Octree& octree, const Path& path, const PathQuery& query);
+std::vector<PointHit> find(const Octree& octree, const HalfSpaces& region, const PointQuery& query = {});
+std::vector<PointHit> find(const Octree& octree, const Bounds& box, const PointQuery& query = {});
+std::vector<PointHit> find(const Octree& octree, const glm::dvec3& point, const PointQuery& query);
+Answers<Hit> find(const Octree& octree, std::span<const Ray> rays, const RayQuery& query);
+Answers<Hit> find(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query = {});
+Answers<PathHit> find(const Octree& octree, std::span<const Path> paths, const PathQuery& query);
+Answers<PointHit> find(const Octree& octree, std::span<const HalfSpaces> regions,
+                       const PointQuery& query = {});
+Answers<PointHit> find(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query = {});
+Answers<PointHit> find(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query);
+
+/// How many points `find` would answer; stops at k.
+std::size_t count(const Octree& octree, const Ray& ray, const RayQuery& query);
+std::size_t count(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
+std::size_t count(const Octree& octree, const Path& path, const PathQuery& query);
+std::size_t count(const Octree& octree, const HalfSpaces& region, const PointQuery& query = {});
+std::size_t count(const Octree& octree, const Bounds& box, const PointQuery& query = {});
+std::size_t count(const Octree& octree, const glm::dvec3& point, const PointQuery& query);
+void count(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
+           std::span<std::size_t> counts);
+void count(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query,
+           std::span<std::size_t> counts);
+void count(const Octree& octree, std::span<const Path> paths, const PathQuery& query,
+           std::span<std::size_t> counts);
+void count(const Octree& octree, std::span<const HalfSpaces> regions, const PointQuery& query,
+           std::span<std::size_t> counts);
+void count(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query,
+           std::span<std::size_t> counts);
+void count(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query,
+           std::span<std::size_t> counts);
 
 }  // namespace alidade

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "octree/error.h"
+#include "octree/unit_direction.h"
 
 namespace alidade {
 
@@ -33,13 +34,8 @@ inline Ray make_ray(const glm::dvec3& origin, const glm::dvec3& direction,
   }
   if (std::isnan(t_min) || std::isnan(t_max))
     throw Error({.problem = "limit of the ray's interval is not a number"});
-  // Scaled by the largest component first, so that neither tiny nor huge directions under- or overflow.
-  const double largest =
-      std::fmax(std::fabs(direction.x), std::fmax(std::fabs(direction.y), std::fabs(direction.z)));
-  if (largest == 0.0) throw Error({.problem = "ray direction has length zero"});
-  const glm::dvec3 scaled = direction / largest;
-  const double length = std::sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
-  return {origin, scaled / length, t_min, t_max};
+  if (direction == glm::dvec3(0.0)) throw Error({.problem = "ray direction has length zero"});
+  return {origin, unit_direction(direction), t_min, t_max};
 }
 
 }  // namespace alidade

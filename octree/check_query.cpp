@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "octree/check_query.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "octree/error.h"
+#include "octree/octree.h"
+#include "octree/segment.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_length_tolerance = 1e-6;
+
+void check_k(std::size_t k, int max_level) {
+  if (k == 0) throw Error({.problem = "k of a query is 0", .expected = "at least 1"});
+  if (max_level < 0) {
+    throw Error({.problem = "max_level of a query is negative",
+                 .expected = "at least 0",
+                 .found = fmt::format("{}", max_level)});
+  }
+}
+
+void check_radius(double radius) {
+  if (radius >= 0.0) return;
+  throw Error({.problem = "radius of a query is out of range",
+               .expected = "at least 0",
+               .found = fmt::format("{}", radius)});
+}
+
+bool is_finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+std::string text(const glm::dvec3& v) {
+  return fmt::format("({}, {}, {})", v.x, v.y, v.z);
+}
+
+void check_place(const glm::dvec3& place, const char* what) {
+  if (!is_finite(place))
+    throw Error({.problem = fmt::format("{} is not finite", what), .found = text(place)});
+}
+
+/// NaN and infinite components do not pass either.
+void check_unit(const glm::dvec3& direction, const char* what) {
+  const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
+  if (std::fabs(std::sqrt(square) - 1.0) <= k_length_tolerance) return;
+  throw Error({.problem = fmt::format("{} has not length 1", what),
+               .expected = "a direction that was normalised",
+               .found = text(direction)});
+}
+
+void check_interval(double t_min, double t_max) {
+  if (std::isnan(t_min) || std::isnan(t_max))
+    throw Error({.problem = "limit of the interval is not a number"});
+}
+
+void check_width(double width, const char* what) {
+  if (width >= 0.0 && std::isfinite(width)) return;
+  throw Error({.problem = fmt::format("{} is out of range", what),
+               .expected = "a finite number, at least 0",
+               .found = fmt::format("{}", width)});
+}
+
+}  // namespace
+
+void check(const RayQuery& query) {
+  check_k(query.k, query.max_level);
+  check_radius(query.radius);
+  if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min of a query is not a number"});
+  if (query.measure == Measure::entry && std::isinf(query.radius)) {
+    throw Error({.problem = "measure entry needs a radius",
+                 .expected = "a finite radius, or measure t or distance",
+                 .found = "none"});
+  }
+}
+
+void check(const ConeQuery& query) {
+  check_k(query.k, query.max_level);
+}
+
+void check(const PathQuery& query) {
+  check_k(query.k, query.max_level);
+  check_radius(query.radius);
+  if (query.measure == Measure::entry)
+    throw Error({.problem = "measure entry is not for paths", .expected = "t or distance"});
+}
+
+void check(const PointQuery& query) {
+  check_k(query.k, query.max_level);
+  check_radius(query.radius);
+}
+
+void check_without_radius(const PointQuery& query) {
+  check(query);
+  if (std::isinf(query.radius)) return;
+  throw Error({.problem = "a box or half-space query has a radius",
+               .expected = "none",
+               .found = fmt::format("{}", query.radius)});
+}
+
+void check(const Ray& ray) {
+  check_place(ray.origin, "origin");
+  check_unit(ray.direction, "direction");
+  check_interval(ray.t_min, ray.t_max);
+}
+
+void check(const Cone& cone) {
+  check(cone.axis);
+  check_width(cone.radius, "radius of the cone");
+  check_width(cone.slope, "slope of the cone");
+}
+
+void check(const Path& path) {
+  if (path.vertices.size() < 2) {
+    throw Error({.problem = "path has too few vertices",
+                 .expected = "at least 2",
+                 .found = fmt::format("{}", path.vertices.size())});
+  }
+  if (path.vertex_t.size() != path.vertices.size()) {
+    throw Error({.problem = "path does not have one t per vertex",
+                 .expected = fmt::format("{}", path.vertices.size()),
+                 .found = fmt::format("{}", path.vertex_t.size())});
+  }
+  check_interval(path.t_min, path.t_max);
+  for (const glm::dvec3& vertex : path.vertices) check_place(vertex, "vertex");
+  bool follows = path.vertex_t[0] == 0.0;
+  for (std::size_t i = 0; follows && i + 1 < path.vertices.size(); ++i) {
+    const double length = length_of(path.vertices[i + 1] - path.vertices[i]);
+    follows = length > 0.0 && std::isfinite(length) && path.vertex_t[i + 1] == path.vertex_t[i] + length;
+  }
+  if (!follows || !std::isfinite(path.vertex_t.back()))
+    throw Error({.problem = "vertex_t is not the way along the path", .expected = "a path from make_path"});
+}
+
+void check(const HalfSpaces& region) {
+  for (const Plane& plane : region.planes) {
+    check_place(plane.point, "point of a plane");
+    check_unit(plane.normal, "normal of a plane");
+  }
+}
+
+void check(const Bounds& box) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::isnan(box.min[axis]) || std::isnan(box.max[axis]))
+      throw Error({.problem = "face of the box is not a number"});
+  }
+}
+
+void check(const glm::dvec3& point) {
+  check_place(point, "point");
+}
+
+void check_level(const Octree& octree, int max_level) {
+  if (max_level == k_all_levels || octree.size() == 0) return;
+  if (octree.view().organisation == Organisation::layered) return;
+  throw Error({.problem = "max_level needs a layered octree", .expected = "an octree built as layered"});
+}
+
+void check_room(std::size_t targets, std::size_t room) {
+  if (targets == room) return;
+  throw Error({.problem = "room for the answers does not fit the targets",
+               .expected = fmt::format("{}", targets),
+               .found = fmt::format("{}", room)});
+}
+
+}  // namespace alidade
