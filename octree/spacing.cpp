@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <vector>
 
@@ -106,7 +107,9 @@ Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
   std::erase_if(distances, [](double d) { return std::isinf(d); });
   if (distances.empty()) return {};
   std::ranges::sort(distances);
-  return {distances[distances.size() / 2], distances[distances.size() * 9 / 10], distances.size()};
+  const double sum = std::accumulate(distances.begin(), distances.end(), 0.0);
+  return {distances[distances.size() / 2], distances[distances.size() * 9 / 10],
+          sum / static_cast<double>(distances.size()), distances.size()};
 }
 
 double automatic_radius(const Octree& octree) {

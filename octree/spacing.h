@@ -18,6 +18,7 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
 struct Spacing {
   double median = 0.0;         ///< metres
   double percentile_90 = 0.0;  ///< metres
+  double mean = 0.0;           ///< metres
   std::size_t sample_count = 0;
 };
 

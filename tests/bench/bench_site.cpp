@@ -1,73 +1,82 @@
 // SPDX-License-Identifier: MIT
 #include "tests/bench/bench_site.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <map>
 #include <random>
 
 #include "octree/spacing.h"
-#include "simulation/courtyard.h"
-#include "simulation/generate.h"
+#include "tests/bench/camera_rays.h"
+#include "tests/bench/campus.h"
 
 namespace alidade::bench {
 namespace {
 
-constexpr int k_width = 600, k_height = 400;
-
-void add_camera(const glm::dvec3& eye, const glm::dvec3& target, std::vector<Ray>& rays) {
-  const glm::dvec3 forward = glm::normalize(target - eye);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0, 0, 1)));
-  const glm::dvec3 down = glm::cross(forward, right);
-  const double pixel = 2.0 * std::tan(0.5 * 60.0 * 3.14159265358979323846 / 180.0) / k_height;
-  for (int y = 0; y < k_height; ++y) {
-    for (int x = 0; x < k_width; ++x) {
-      const double across = (x + 0.5 - 0.5 * k_width) * pixel, along = (y + 0.5 - 0.5 * k_height) * pixel;
-      rays.push_back(make_ray(eye, forward + across * right + along * down, 0.0));
-    }
-  }
+std::vector<Ray> primary_rays(const CampusLayout& layout) {
+  const auto view = [&](const Building& house, const glm::dvec3& eye_from_low,
+                        const glm::dvec3& target_from_low) {
+    return camera_rays(k_campus_origin + house.low + eye_from_low,
+                       k_campus_origin + house.low + target_from_low);
+  };
+  const Building &west = layout.buildings[10], &south = layout.buildings[20], &tower = layout.buildings[12];
+  const double roof = tower.high.z - tower.low.z;
+  // Buildings begin 2 m below ground.
+  const std::vector<Ray> views[] = {view(west, {-9.0, -4.0, 3.7}, {1.0, 9.0, 3.2}),
+                                    view(south, {-3.0, -11.0, 3.7}, {12.0, 0.0, 3.2}),
+                                    view(tower, {-1.0, -1.0, roof + 1.0}, {-25.0, -20.0, 2.0})};
+  std::vector<Ray> rays;
+  for (const std::vector<Ray>& of_view : views) rays.insert(rays.end(), of_view.begin(), of_view.end());
+  return rays;
 }
 
-/// Cosine-distributed around the normal: a point of the unit sphere added to it.
-glm::dvec3 scattered(const glm::dvec3& normal, std::mt19937_64& random) {
-  std::uniform_real_distribution<double> between(-1.0, 1.0);
-  for (;;) {
-    const glm::dvec3 v(between(random), between(random), between(random));
-    const double square = glm::dot(v, v);
-    if (square > 1e-4 && square <= 1.0) return normal + v / std::sqrt(square);
+std::vector<Ray> segments(const CampusLayout& layout, const PointCloud& cloud, double radius) {
+  constexpr int k_observers = 50, k_targets = 10000;
+  constexpr double k_reach = 60.0;
+  std::mt19937_64 random(3);
+  std::vector<Ray> rays;
+  for (int observer = 0; observer < k_observers; ++observer) {
+    const glm::dvec3 eye = k_campus_origin + open_place(layout, random);
+    for (int i = 0; i < k_targets;) {
+      const glm::dvec3 apart = cloud.world(random() % cloud.size()) - eye;
+      if (glm::length(apart) > k_reach) continue;
+      ++i;
+      // The target's own sphere and its neighbours' do not hide it.
+      const double end = glm::length(apart) - 3.0 * radius;
+      rays.push_back(make_ray(eye, apart, 0.0, end));
+    }
   }
+  return rays;
 }
 
 BenchSite make_site(std::size_t point_count) {
-  BenchSite bench;
-  const Site site = courtyard();
-  bench.cloud = scan_header(site);
-  bench.cloud.positions.reserve(point_count);
-  scan(site, courtyard_scan(point_count, 1), [&](const PointCloud& batch) {
-    bench.cloud.positions.insert(bench.cloud.positions.end(), batch.positions.begin(), batch.positions.end());
-  });
-  bench.octree = build(bench.cloud);
-  bench.radius = automatic_radius(bench.octree);
+  const CampusLayout layout = campus_layout();
+  BenchSite site;
+  site.cloud = campus_cloud(layout, point_count);
+  site.octree = build(site.cloud);
+  site.radius = 2.5 * measure_spacing(site.octree).mean;
 
-  const glm::dvec3 o = site.origin();
-  add_camera(o + glm::dvec3(-18, -14, 6), o + glm::dvec3(6, 6, 1), bench.primary);
-  add_camera(o + glm::dvec3(12, -10, 1.7), o + glm::dvec3(-10, 8, 3), bench.primary);
-  add_camera(o + glm::dvec3(-60, -50, 45), o, bench.primary);
-
-  std::mt19937_64 random(1);
+  std::vector<Ray> primary = primary_rays(layout);
+  std::vector<std::optional<Hit>> hits(primary.size());
+  closest(site.octree, primary, site.query(), hits);
+  const std::vector<SpherePlace> places = hit_places(primary, hits);
+  std::vector<Ray> bounces = bounce_rays(places, 1);
+  std::vector<Ray> mixed = shuffled(bounces, 2);
   const glm::dvec3 to_sun = glm::normalize(glm::dvec3(0.5, -0.5, 0.6));
-  for (const Ray& ray : bench.primary) {
-    const std::optional<Hit> hit = closest(bench.octree, ray, bench.query());
-    if (!hit) continue;
-    const glm::dvec3 place = ray.position(hit->entry);
-    const glm::dvec3 normal = (place - hit->position) / bench.radius;
-    bench.secondary.push_back(make_ray(place, scattered(normal, random), 0.0));
-    if (glm::dot(normal, to_sun) > 0.0) bench.sun.push_back(make_ray(place, to_sun, 0.0));
-  }
-  return bench;
+  site.ray_sets = {{{"P", std::move(primary)},
+                    {"S", std::move(bounces)},
+                    {"S_shuffled", std::move(mixed)},
+                    {"A_sun", parallel_rays(places, to_sun)},
+                    {"A_vis", segments(layout, site.cloud, site.radius)}}};
+  return site;
 }
 
 }  // namespace
+
+const std::vector<Ray>& BenchSite::rays(std::string_view set) const {
+  return std::ranges::find(ray_sets, set, &RaySet::name)->rays;
+}
 
 const BenchSite& bench_site(std::size_t point_count) {
   static std::map<std::size_t, BenchSite> sites;

@@ -1,112 +1,147 @@
 // SPDX-License-Identifier: MIT
-// Octree: build and ray queries, beside Embree's spheres on the same rays where Embree 3 is installed.
-//   ./dev bench octree --benchmark_filter=1000000 --benchmark_repetitions=5
+// Ray queries and builds on the synthetic campus, beside Embree's spheres on the same rays where Embree 3 is
+// installed.
+//   octree_bench --benchmark_filter=closest/P/.*/10000000$ --benchmark_repetitions=5
 #include <benchmark/benchmark.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
-#include <memory>
+#include <algorithm>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "octree/simd/instruction_set.h"
 #include "tests/bench/bench_site.h"
-#ifdef ALIDADE_WITH_EMBREE
-#include "tests/bench/embree_spheres.h"
-#endif
+#include "tests/bench/ray_bench.h"
+#include "tests/bench/timing.h"
 
 namespace alidade::bench {
 namespace {
 
-const std::vector<Ray>& rays_of(const BenchSite& site, const std::string& set) {
-  return set == "primary" ? site.primary : set == "secondary" ? site.secondary : site.sun;
-}
-
-void count_rays(benchmark::State& state, std::size_t rays) {
-  state.counters["rays"] =
-      benchmark::Counter(static_cast<double>(state.iterations() * rays), benchmark::Counter::kIsRate);
-}
-
-void build_octree(benchmark::State& state) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) {
-    const Octree octree = build(site.cloud);
-    benchmark::DoNotOptimize(octree.view().nodes);
+/// Both questions under one name each: `one` says whether a ray hit, `many` fills answers.
+struct Closest {
+  using Answer = std::optional<Hit>;
+  static bool one(const Octree& octree, const Ray& ray, const RayQuery& query) {
+    const std::optional<Hit> hit = closest(octree, ray, query);
+    if (hit) benchmark::DoNotOptimize(hit->point_id);
+    return hit.has_value();
   }
-  state.counters["points"] = benchmark::Counter(static_cast<double>(state.iterations() * site.cloud.size()),
-                                                benchmark::Counter::kIsRate);
-  state.counters["bytes_per_point"] =
-      static_cast<double>(site.octree.memory()) / static_cast<double>(site.cloud.size());
+  static void many(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
+                   std::span<Answer> answers) {
+    closest(octree, rays, query, answers);
+  }
+};
+
+struct Occluded {
+  using Answer = std::uint8_t;
+  static bool one(const Octree& octree, const Ray& ray, const RayQuery& query) {
+    return occluded(octree, ray, query);
+  }
+  static void many(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
+                   std::span<Answer> answers) {
+    occluded(octree, rays, query, answers);
+  }
+};
+
+template <class Answer>
+std::size_t count_hits(std::span<const Answer> answers) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(answers, [](const Answer& answer) { return bool(answer); }));
 }
 
-void closest_single(benchmark::State& state, const std::string& set, InstructionSet instruction_set) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(state.range(0)));
+template <class Question>
+void ask_single(benchmark::State& state, std::int64_t points, const std::string& set,
+                InstructionSet instruction_set, int threads) {
+  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
   const Octree octree = site.octree.with_instruction_set(instruction_set);
-  const std::vector<Ray>& rays = rays_of(site, set);
-  const RayQuery query = site.query();
+  const std::vector<Ray>& rays = site.rays(set);
+  std::size_t hits = 0;
   for (auto _ : state) {
-    std::uint64_t sum = 0;
-    for (const Ray& ray : rays) {
-      if (const std::optional<Hit> hit = closest(octree, ray, query)) sum += hit->point_id;
-    }
-    benchmark::DoNotOptimize(sum);
+    hits = on_threads(threads, [&] {
+      return tbb::parallel_reduce(
+          tbb::blocked_range<std::size_t>(0, rays.size(), k_rays_per_task), std::size_t{0},
+          [&](const auto& range, std::size_t sum) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i)
+              sum += Question::one(octree, rays[i], site.query());
+            return sum;
+          },
+          std::plus<>());
+    });
   }
-  count_rays(state, rays.size());
+  report_rays(state, rays.size(), hits);
 }
 
-void occluded_single(benchmark::State& state, const std::string& set) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(state.range(0)));
-  const std::vector<Ray>& rays = rays_of(site, set);
-  const RayQuery query = site.query();
-  for (auto _ : state) {
-    std::size_t sum = 0;
-    for (const Ray& ray : rays) sum += occluded(site.octree, ray, query);
-    benchmark::DoNotOptimize(sum);
-  }
-  count_rays(state, rays.size());
+template <class Question>
+void ask_batch(benchmark::State& state, std::int64_t points, const std::string& set,
+               InstructionSet instruction_set, int threads) {
+  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
+  const Octree octree = site.octree.with_instruction_set(instruction_set);
+  const std::vector<Ray>& rays = site.rays(set);
+  std::vector<typename Question::Answer> answers(rays.size());
+  for (auto _ : state) on_threads(threads, [&] { Question::many(octree, rays, site.query(), answers); });
+  report_rays(state, rays.size(), count_hits<typename Question::Answer>(answers));
 }
 
-void closest_batch(benchmark::State& state, const std::string& set) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(state.range(0)));
-  const std::vector<Ray>& rays = rays_of(site, set);
-  std::vector<std::optional<Hit>> hits(rays.size());
+/// As a program asks that has only so many rays in hand.
+template <class Question>
+void ask_blocks(benchmark::State& state, std::int64_t points, const std::string& set, std::size_t block) {
+  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
+  const std::span<const Ray> rays = site.rays(set);
+  std::vector<typename Question::Answer> answers(block);
+  std::size_t hits = 0;
   for (auto _ : state) {
-    closest(site.octree, rays, site.query(), hits);
-    benchmark::DoNotOptimize(hits.data());
+    on_threads(1, [&] {
+      for (std::size_t begin = 0; begin < rays.size(); begin += block) {
+        const std::size_t size = std::min(block, rays.size() - begin);
+        const std::span<typename Question::Answer> room = std::span(answers).first(size);
+        Question::many(site.octree, rays.subspan(begin, size), site.query(), room);
+        hits += count_hits<typename Question::Answer>(room);
+      }
+    });
   }
-  count_rays(state, rays.size());
+  report_rays(state, rays.size(), hits);
 }
 
-#ifdef ALIDADE_WITH_EMBREE
-void embree_single(benchmark::State& state, const std::string& set, bool any) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(state.range(0)));
-  const EmbreeSpheres& spheres = embree_spheres(site);
-  const std::vector<Ray>& rays = rays_of(site, set);
+void build_octree(benchmark::State& state, std::int64_t points, int threads) {
+  const PointCloud& cloud = bench_site(static_cast<std::size_t>(points)).cloud;
+  std::size_t memory = 0;
   for (auto _ : state) {
-    std::uint64_t sum = 0;
-    for (const Ray& ray : rays) sum += any ? spheres.occluded(ray) : spheres.closest(ray);
-    benchmark::DoNotOptimize(sum);
+    memory = on_threads(threads, [&] { return build(cloud).memory(); });
   }
-  count_rays(state, rays.size());
+  state.counters["bytes_per_point"] = static_cast<double>(memory) / static_cast<double>(points);
 }
-#endif
 
-void for_sizes(benchmark::internal::Benchmark* registered) {
-  for (const std::int64_t points : {1'000'000, 10'000'000}) registered->Arg(points);
-  registered->Unit(benchmark::kMillisecond)->UseRealTime();
+template <class Question>
+void register_question(const std::string& question, const std::string& set, std::int64_t points) {
+  const std::string count = std::to_string(points);
+  for (const int threads : {1, 2}) {
+    add_benchmark(threads, {question, set, with_threads("single", threads), count}, ask_single<Question>,
+                  points, set, InstructionSet::best, threads);
+    add_benchmark(threads, {question, set, with_threads("batch", threads), count}, ask_batch<Question>,
+                  points, set, InstructionSet::best, threads);
+  }
+  add_benchmark(1, {question, set, "blocks_of_256", count}, ask_blocks<Question>, points, set, 256);
+  for (const InstructionSet instruction_set : available_instruction_sets()) {
+    const std::string_view of_set = name(instruction_set);
+    add_benchmark(1, {"instruction_set", of_set, question, set, "single", count}, ask_single<Question>,
+                  points, set, instruction_set, 1);
+    add_benchmark(1, {"instruction_set", of_set, question, set, "batch", count}, ask_batch<Question>, points,
+                  set, instruction_set, 1);
+  }
 }
 
 }  // namespace
 
-void register_all() {
-  for_sizes(benchmark::RegisterBenchmark("build", build_octree));
-  for (const std::string set : {"primary", "secondary", "sun"}) {
-    for (const InstructionSet is : available_instruction_sets()) {
-      for_sizes(benchmark::RegisterBenchmark(("closest/" + set + "/" + std::string(name(is))).c_str(),
-                                             closest_single, set, is));
+void register_octree_rays() {
+  for (const std::int64_t points : k_site_sizes) {
+    for (const int threads : {1, 2}) {
+      add_benchmark(threads, {"build", with_threads("octree", threads), std::to_string(points)}, build_octree,
+                    points, threads);
     }
-    for_sizes(benchmark::RegisterBenchmark(("occluded/" + set).c_str(), occluded_single, set));
-    for_sizes(benchmark::RegisterBenchmark(("closest_batch_all_threads/" + set).c_str(), closest_batch, set));
-#ifdef ALIDADE_WITH_EMBREE
-    for_sizes(benchmark::RegisterBenchmark(("embree_closest/" + set).c_str(), embree_single, set, false));
-    for_sizes(benchmark::RegisterBenchmark(("embree_occluded/" + set).c_str(), embree_single, set, true));
-#endif
+    for (const char* set : k_closest_sets) register_question<Closest>("closest", set, points);
+    for (const char* set : k_occluded_sets) register_question<Occluded>("occluded", set, points);
   }
 }
 
@@ -115,7 +150,10 @@ void register_all() {
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  alidade::bench::register_all();
+  alidade::bench::register_octree_rays();
+#ifdef ALIDADE_WITH_EMBREE
+  alidade::bench::register_embree_rays();
+#endif
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
 }

@@ -1,64 +1,18 @@
 // SPDX-License-Identifier: MIT
 // Our `entry` hits against Embree's sphere geometry, hit for hit. Built only where Embree 3 is installed.
-#include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "octree/build.h"
 #include "octree/candidate.h"
+#include "tests/support/embree_spheres.h"
 #include "tests/support/point_families.h"
 
 namespace alidade {
 namespace {
 
 constexpr double k_radius = 0.1;
-
-/// Embree scene of equal spheres; coordinates near zero, since Embree computes in float.
-class EmbreeSpheres {
- public:
-  explicit EmbreeSpheres(const PointCloud& cloud)
-      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)) {
-    RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, 4 * sizeof(float), cloud.size()));
-    for (std::size_t i = 0; i < cloud.size(); ++i) {
-      for (int axis = 0; axis < 3; ++axis) vertices[4 * i + axis] = static_cast<float>(cloud.world(i)[axis]);
-      vertices[4 * i + 3] = static_cast<float>(k_radius);
-    }
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene_, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene_);
-  }
-  EmbreeSpheres(const EmbreeSpheres&) = delete;
-  EmbreeSpheres& operator=(const EmbreeSpheres&) = delete;
-  ~EmbreeSpheres() {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-  }
-
-  RTCRayHit trace(const Ray& ray) const {
-    RTCRayHit hit{};
-    hit.ray.org_x = static_cast<float>(ray.origin.x);
-    hit.ray.org_y = static_cast<float>(ray.origin.y);
-    hit.ray.org_z = static_cast<float>(ray.origin.z);
-    hit.ray.dir_x = static_cast<float>(ray.direction.x);
-    hit.ray.dir_y = static_cast<float>(ray.direction.y);
-    hit.ray.dir_z = static_cast<float>(ray.direction.z);
-    hit.ray.tfar = std::numeric_limits<float>::infinity();
-    hit.ray.mask = 0xffffffffu;
-    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(scene_, &context, &hit);
-    return hit;
-  }
-
- private:
-  RTCDevice device_;
-  RTCScene scene_;
-};
 
 TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
   test::Random random;
@@ -68,7 +22,7 @@ TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
         {random.between(-10, 10), random.between(-10, 10), 0.3 * std::floor(random.between(0, 10))});
   }
   const PointCloud cloud = test::make_cloud(positions, {glm::dvec3(0.0009765625), glm::dvec3(0)});
-  const EmbreeSpheres spheres(cloud);
+  const test::EmbreeSpheres spheres(cloud, k_radius);
   const Octree octree = build(cloud);
   // A float at 20 m is good for 2e-6 m; t near a rim moves with the square root of that.
   constexpr double k_place_tolerance = 2e-5, k_rim_tolerance = 1e-5;
@@ -78,7 +32,7 @@ TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
     const glm::dvec3 target(random.between(-10, 10), random.between(-10, 10), 0.0);
     Ray ray = make_ray(glm::vec3(origin), target - origin, 0.0);
     const std::optional<Hit> ours = closest(octree, ray, {.radius = k_radius});
-    const RTCRayHit theirs = spheres.trace(ray);
+    const RTCRayHit theirs = spheres.closest(ray);
     const bool embree_hit = theirs.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     if (ours && embree_hit && ours->point_id == theirs.hit.primID) {
       const double rim = std::sqrt(std::max(0.0, k_radius * k_radius - ours->distance * ours->distance));

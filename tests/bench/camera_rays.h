@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "octree/hit.h"
+#include "octree/ray.h"
+
+// The rays a renderer asks, without a renderer.
+
+namespace alidade::bench {
+
+/// A pinhole camera's rays through the centres of 600 x 400 pixels, row by row, 60 degrees high. They start
+/// at t = 0.
+std::vector<Ray> camera_rays(const glm::dvec3& eye, const glm::dvec3& target);
+
+/// Where each ray's hit lies, for those that hit: the rays of the next bounce leave from there.
+struct SpherePlace {
+  glm::dvec3 position, normal;
+};
+std::vector<SpherePlace> hit_places(std::span<const Ray> rays, std::span<const std::optional<Hit>> hits);
+
+/// One ray from each place, its direction spread by the cosine around the normal.
+std::vector<Ray> bounce_rays(std::span<const SpherePlace> places, std::uint64_t seed);
+
+/// Parallel rays from the places that face `direction`.
+std::vector<Ray> parallel_rays(std::span<const SpherePlace> places, const glm::dvec3& direction);
+
+/// In random order.
+std::vector<Ray> shuffled(std::vector<Ray> rays, std::uint64_t seed);
+
+}  // namespace alidade::bench
