@@ -9,23 +9,40 @@
 namespace alidade {
 
 struct BuildOptions {
-  /// A cell is split until it holds at most this many points. 1 .. 32.
+  /// How points are spread over nodes; answers do not depend on it, except where a query asks for coarse
+  /// levels only.
+  /// - adaptive: cells are split until they hold at most leaf_size points; the fastest and smallest.
+  /// - fixed: a grid of cells of one size (cell_size). A cell with more than leaf_size points has several
+  /// leaves.
+  /// - layered: every node holds up to leaf_size points, taken evenly (in Morton order) from those in its
+  /// cell that no
+  ///   node above it holds; its children hold the rest. So levels 0 .. n of nodes (TreeView::level_count) are
+  ///   a thinned cloud, about three to seven times as many points per level, and all levels are the cloud.
+  ///   Takes about 2 B per point more.
+  Organisation organisation = Organisation::adaptive;
+  /// Most points of a leaf. 1 .. 32.
   int leaf_size = 32;
+  /// Of fixed: longest side of a cell, world units; cells are the largest octree cells that are not longer,
+  /// and not smaller than a lattice step. >= 0 and finite; 0 = the largest cells that hold at most leaf_size
+  /// points on average.
+  double cell_size = 0.0;
   /// Instruction set of the traversal; answers do not depend on it.
   InstructionSet instruction_set = InstructionSet::best;
   Progress progress{};  ///< in points; asked before sorting, before packing and at the end only
 };
 
-/// Builds the adaptive octree over a cloud's points, in parallel. The result does not depend on the number of
-/// threads. The cloud is only read. Cost: about n log n; 10 million points take about a second on two cores.
-/// Memory: the finished octree takes about 11 B per point (23 B when the cloud spans more than 2^21 lattice
-/// steps on an axis); at the peak the build holds about 14 B per point (26 B) beside the cloud. At most 2^32
-/// - 2 points; more is an Error.
+/// Builds the octree over a cloud's points, in parallel. The result does not depend on the number of threads.
+/// The cloud is only read. Cost: linear but for the depth of the tree, whatever the order and distribution of
+/// the points; 10 million points take half a second on two cores. Memory: the finished octree takes about 11
+/// B per point. Points whose cells are wider than 2^16 lattice steps, because the cloud is sparse for its
+/// lattice, take 12 B more each (TreeView::first_exact). At the peak the build takes 24 B per point beside
+/// the cloud, 32 B if that spans more than 2^21 lattice steps on an axis. Errors: leaf_size or cell_size out
+/// of range; more than 2^32 - 2 points.
 Octree build(const PointCloud& cloud, const BuildOptions& options = {});
 
-/// The same, but takes the positions out of the cloud (cloud.positions is empty afterwards) and sorts and
-/// packs in their memory, so that the build needs next to nothing beside what the cloud took: the octree
-/// holds every position without loss. Attributes stay in the cloud.
+/// The same, but takes the positions out of the cloud (cloud.positions is empty afterwards) and sorts in
+/// their memory, so that the build needs next to nothing beside what the cloud took (20 B per point more
+/// above 2^21 lattice steps): the octree holds every position without loss. Attributes stay in the cloud.
 Octree build(PointCloud&& cloud, const BuildOptions& options = {});
 
 /// The same, for a caller who does not need the order of the input: brings the rows of all attribute columns

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <bit>
 #include <cstdint>
 
 // Morton order (z-order): the bits of three cell coordinates interleaved, so that every octree cell is one
@@ -8,8 +9,11 @@
 
 namespace alidade {
 
-/// Bits per axis that a key holds.
+/// Bits per axis that a key of 64 bits holds.
 constexpr int k_morton_bits = 21;
+
+/// Holds the 96 bits of three whole 32-bit coordinates.
+using WideMortonKey = unsigned __int128;
 
 /// Spreads the low 21 bits of a value to every third bit.
 constexpr std::uint64_t morton_spread(std::uint64_t value) {
@@ -33,7 +37,7 @@ constexpr std::uint32_t morton_gather(std::uint64_t key) {
   return static_cast<std::uint32_t>(key);
 }
 
-/// Key of a cell; coordinates below 2^21.
+/// Key of a cell; of each coordinate the low 21 bits.
 constexpr std::uint64_t morton_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
   return morton_spread(x) | morton_spread(y) << 1 | morton_spread(z) << 2;
 }
@@ -41,6 +45,28 @@ constexpr std::uint64_t morton_key(std::uint32_t x, std::uint32_t y, std::uint32
 /// Coordinate of a cell along an axis (0, 1, 2).
 constexpr std::uint32_t morton_coordinate(std::uint64_t key, int axis) {
   return morton_gather(key >> axis);
+}
+
+/// Key of a cell; any coordinates.
+constexpr WideMortonKey wide_morton_key(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+  return WideMortonKey{morton_key(x >> k_morton_bits, y >> k_morton_bits, z >> k_morton_bits)}
+             << 3 * k_morton_bits |
+         morton_key(x, y, z);
+}
+
+constexpr std::uint32_t morton_coordinate(WideMortonKey key, int axis) {
+  const auto low = static_cast<std::uint64_t>(key) & 0x7fffffffffffffff;
+  const auto high = static_cast<std::uint64_t>(key >> 3 * k_morton_bits);
+  return morton_coordinate(high, axis) << k_morton_bits | morton_coordinate(low, axis);
+}
+
+/// Number of the highest bit that is set; -1 if none is.
+constexpr int highest_bit(std::uint64_t key) {
+  return std::bit_width(key) - 1;
+}
+constexpr int highest_bit(WideMortonKey key) {
+  const auto high = static_cast<std::uint64_t>(key >> 64);
+  return high != 0 ? 64 + highest_bit(high) : highest_bit(static_cast<std::uint64_t>(key));
 }
 
 }  // namespace alidade

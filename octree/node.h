@@ -19,7 +19,11 @@ namespace alidade {
 /// (child_corner).
 ///
 /// Children need not be the eight octants of one split: levels of the octree are collapsed until the eight
-/// slots are used. Their cells are disjoint and stand in Morton order.
+/// slots are used. Their cells are disjoint and stand in Morton order. Exceptions: points that are too many
+/// for a leaf but stand in a cell that is not split further are divided by number, in Morton order; and in a
+/// layered octree the first slot may be a leaf with a sample of the points of the whole cell. At level 8,
+/// slots with equal boxes hold points of one place only, in any organisation; the lowest ids are in the first
+/// of them.
 struct alignas(64) Node {
   std::uint8_t low[3][8];
   std::uint8_t high[3][8];
@@ -39,9 +43,11 @@ constexpr int k_max_level_drop = 7;
 constexpr int k_min_frame_level = 8;
 constexpr int k_max_leaf_size = 32;
 
-/// Depth of the deepest possible tree: 24 levels of frames from 32 down to 8, 8 levels of cells below a frame
-/// of level 8, 11 splits by number of points at one place.
-constexpr int k_max_tree_depth = 24 + 8 + 11;
+/// Nodes on the longest possible way down. Adaptive and fixed octrees: 24 for frames from level 32 down to 9,
+/// 8 for cells below a frame of level 8, 11 that split points of one cell by number. Layered ones: each node
+/// takes at least two of the 96 bits of a position, or drops the frame by seven levels (three times at most,
+/// once more down to level 8), and 11 again.
+constexpr int k_max_tree_depth = 48 + 4 + 11;
 
 constexpr bool is_inner(std::uint8_t kind) {
   return kind >= k_inner_kind;

@@ -56,10 +56,13 @@ inline std::uint64_t point_id(const TreeView& tree, std::uint32_t place) {
   return tree.ids ? tree.ids[place] : place;
 }
 
+/// Up to frames of this level, 16 bits hold the steps from a frame's corner.
+constexpr int k_exact_frame_level = 16;
+
 /// How far coordinates of leaves under a frame of this level are shifted to fit 16 bits; where it is > 0,
 /// TreeView::positions has them exactly.
 constexpr int coordinate_shift(int level) {
-  return level > 16 ? level - 16 : 0;
+  return level > k_exact_frame_level ? level - k_exact_frame_level : 0;
 }
 
 /// The index over a cloud's points; made by build() (octree/build.h), asked by the functions of

@@ -1,57 +1,62 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "octree/cloud/lattice.h"
+#include "octree/huge_array.h"
 #include "octree/morton.h"
+#include "octree/page_release.h"
+#include "octree/sort_entry.h"
 
 namespace alidade {
 
-/// A point under way into the octree: Morton key and row. As large as the position it takes the place of.
-struct SortEntry {
-  std::uint32_t key_low;
-  std::uint32_t key_high;
-  std::uint32_t id;
-
-  std::uint64_t key() const { return std::uint64_t{key_high} << 32 | key_low; }
-};
-static_assert(sizeof(SortEntry) == sizeof(LatticePosition));
-
-/// Where a cloud's positions lie, and how keys are made of them.
+/// Where a cloud's positions lie.
 struct KeySpace {
   LatticePosition base{0};  ///< lowest lattice position on each axis
-  int extent_bits = 0;      ///< bits that hold the largest step count from base
-  int key_shift = 0;        ///< key coordinates are steps >> key_shift; 0 = keys hold positions without loss
+  int extent_bits = 0;      ///< bits that hold the largest step count from base; 0 .. 32
+
+  /// Whether NarrowEntry holds the positions.
+  bool is_narrow() const { return extent_bits <= k_morton_bits; }
 };
 
 /// Cost: one pass, in parallel.
 KeySpace key_space(const std::vector<LatticePosition>& positions);
 
 /// Points in (Morton key, id) order.
+template <class Entry>
 class SortedPoints {
  public:
-  SortedPoints(const KeySpace& space, std::vector<LatticePosition> packed)
-      : space_(space), packed_(std::move(packed)) {}
+  explicit SortedPoints(std::size_t size)
+      : entries_(size), release_(entries_.data(), size * sizeof(Entry), k_release_block) {}
 
-  const KeySpace& space() const { return space_; }
-  std::size_t size() const { return packed_.size(); }
-  SortEntry operator[](std::size_t i) const { return std::bit_cast<SortEntry>(packed_[i]); }
+  std::size_t size() const { return entries_.size(); }
+  Entry* data() { return entries_.data(); }
+  const Entry& operator[](std::size_t i) const { return entries_[i]; }
 
-  /// Gives the memory of these entries back to the system as far as it fills whole pages; they must not be
-  /// read again. May be called for different ranges from several threads.
-  void discard(std::size_t begin, std::size_t end);
+  /// These entries will not be read again: their memory goes back to the system when all around them is used
+  /// up too. Each entry at most once; from many threads.
+  void use_up(std::size_t begin, std::size_t end) {
+    release_.use_up(begin * sizeof(Entry), (end - begin) * sizeof(Entry));
+  }
 
  private:
-  KeySpace space_;
-  std::vector<LatticePosition> packed_;  ///< SortEntry by SortEntry, in the memory of the positions
+  static constexpr std::size_t k_release_block = std::size_t{1} << 21;
+  HugeArray<Entry> entries_;
+  PageRelease release_;
 };
 
-/// Sorts in the memory of `positions`, in parallel; the result does not depend on the number of threads.
-/// At most 2^32 - 1 positions.
-SortedPoints sort_points(const KeySpace& space, std::vector<LatticePosition> positions);
+/// Sorts points by Morton key, then row, in parallel; the result does not depend on the number of threads.
+/// Requires fewer than 2^32 positions, and space.is_narrow() for NarrowEntry. Cost: a few passes over the
+/// points, whatever their distribution. Memory at the peak: two entries per point beside the positions.
+template <class Entry>
+SortedPoints<Entry> sort_points(const KeySpace& space, const std::vector<LatticePosition>& positions);
+
+/// The same, using up the positions, which are empty afterwards. Memory at the peak, that of the positions
+/// included: one narrow or two wide entries per point.
+template <class Entry>
+SortedPoints<Entry> sort_points(const KeySpace& space, std::vector<LatticePosition>&& positions);
 
 }  // namespace alidade

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+#include <utility>
+
+namespace alidade {
+
+/// Memory whose contents nobody has set, aligned to at least 64 bytes. From 2 MiB on it is aligned to 2 MiB
+/// and the system is asked to serve it with huge pages: an index jumps through all of its memory, and with
+/// pages of 4 KiB most of these jumps would miss the table of page addresses as well. Errors: std::bad_alloc.
+void* take_pages(std::size_t byte_count);
+/// `byte_count` as it was taken.
+void give_back_pages(void* pages, std::size_t byte_count) noexcept;
+
+/// A large array of plain values in such memory; values are not set. Fixed size, movable.
+template <class Value>
+class HugeArray {
+  static_assert(std::is_trivially_copyable_v<Value> && alignof(Value) <= 64);
+
+ public:
+  HugeArray() = default;
+  explicit HugeArray(std::size_t size)
+      : values_(size == 0 ? nullptr : static_cast<Value*>(take_pages(size * sizeof(Value)))), size_(size) {}
+  HugeArray(HugeArray&& other) noexcept
+      : values_(std::exchange(other.values_, nullptr)), size_(std::exchange(other.size_, 0)) {}
+  HugeArray& operator=(HugeArray&& other) noexcept {
+    std::swap(values_, other.values_);
+    std::swap(size_, other.size_);
+    return *this;
+  }
+  ~HugeArray() {
+    if (values_) give_back_pages(values_, size_ * sizeof(Value));
+  }
+
+  Value* data() { return values_; }
+  const Value* data() const { return values_; }
+  std::size_t size() const { return size_; }
+  Value& operator[](std::size_t i) { return values_[i]; }
+  const Value& operator[](std::size_t i) const { return values_[i]; }
+
+ private:
+  Value* values_ = nullptr;
+  std::size_t size_ = 0;
+};
+
+}  // namespace alidade
