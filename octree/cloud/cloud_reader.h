@@ -78,6 +78,7 @@ std::unique_ptr<CloudReader> open_ply(InputFile file);
 std::unique_ptr<CloudReader> open_pcd(InputFile file);
 std::unique_ptr<CloudReader> open_text(InputFile file);  ///< XYZ, CSV with header names, PTS
 std::unique_ptr<CloudReader> open_ptx(InputFile file);
+std::unique_ptr<CloudReader> open_index_cloud(InputFile file);  ///< octree/index_file.h
 inline std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path) {
   return open_las(InputFile(path));
 }

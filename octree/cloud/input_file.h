@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,6 +27,10 @@ class InputFile {
   const std::string& name() const { return name_; }
   /// Bytes in the file when it was opened.
   std::uint64_t size() const { return size_; }
+  /// The bytes of a file in memory; empty for one on disk.
+  std::optional<std::span<const std::byte>> memory() const {
+    return in_memory_ ? std::optional(memory_) : std::nullopt;
+  }
 
   /// Copies into.size() bytes from `place` on. Errors: they are not all there ("file ends early"), reading
   /// failed.

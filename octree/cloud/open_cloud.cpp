@@ -7,12 +7,13 @@
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/text_scanner.h"
 #include "octree/error.h"
+#include "octree/index_header.h"
 
 namespace alidade {
 namespace {
 
 constexpr std::size_t k_looked_at = 4096;
-constexpr const char* k_supported = "LAS, PLY, PCD, PTX, PTS, CSV or XYZ";
+constexpr const char* k_supported = "LAS, PLY, PCD, PTX, PTS, CSV, XYZ or an index file";
 
 /// The next line without spaces at its ends; `text` keeps what follows.
 std::string_view next_line(std::string_view& text) {
@@ -73,6 +74,7 @@ std::unique_ptr<CloudReader> open_cloud(InputFile file) {
   std::string_view start = copy;
   if (start.empty()) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
   if (start.starts_with("LASF")) return open_las(std::move(file));
+  if (is_index_file(std::as_bytes(std::span(start)))) return open_index_cloud(std::move(file));
   if (start.starts_with("ASTM-E57")) {
     throw Error({.file = file.name(),
                  .problem = "is E57, which this version does not read",

@@ -30,7 +30,7 @@ struct VariableLengthRecord {
 /// What was learnt about one input file.
 struct CloudFile {
   std::filesystem::path path;
-  std::string format;               ///< "LAS", "PLY", "PCD", "XYZ", "CSV", "PTS", "PTX"
+  std::string format;               ///< "LAS", "PLY", "PCD", "XYZ", "CSV", "PTS", "PTX", "Alidade index"
   std::string version;              ///< "1.2", "ascii 1.0", ... ; empty if the format has none
   std::optional<int> point_format;  ///< LAS point data record format
   std::uint64_t point_count = 0;    ///< points taken into the cloud

@@ -24,7 +24,8 @@ struct ReadOptions {
 };
 
 /// Reads one or more cloud files into one cloud. The format is told by content, never by the file's name:
-/// LAS 1.0-1.4 (point formats 0-10), PLY, PCD, PTX, PTS, CSV with header names, XYZ.
+/// LAS 1.0-1.4 (point formats 0-10), PLY, PCD, PTX, PTS, CSV with header names, XYZ, and index files
+/// (octree/index_file.h), whose points come back in the rows they had.
 ///
 /// Several files are joined in the order given; an attribute that only some files have is filled with zeros
 /// for the others (said in `warnings`). LAS files must share one lattice up to a whole number of steps,

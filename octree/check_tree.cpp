@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+#include "octree/check_tree.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <vector>
+
+#include "octree/tree_walk.h"
+
+namespace alidade {
+namespace {
+
+using Array = TreeFault::Array;
+
+constexpr std::size_t k_nodes_per_task = 1024;
+
+/// What find_broken_link() knows of a node when it comes to it.
+struct Rank {
+  std::uint8_t level = 0;  ///< 0: no parent has named it yet
+  std::uint8_t depth = 0;  ///< 1: the root
+};
+
+/// Gives the inner children of a node their ranks. What is wrong; empty if nothing.
+std::string rank_children(const TreeView& tree, std::uint32_t index, std::vector<Rank>& ranks) {
+  const Node& node = tree.nodes[index];
+  const Rank rank = ranks[index];
+  std::uint64_t child = node.first_child;
+  for (const std::uint8_t kind : node.kind) {
+    if (!is_inner(kind)) continue;
+    const int drop = kind - k_inner_kind;
+    if (child <= index || child >= tree.node_count)
+      return fmt::format("its child should be a node behind it, below {}, but is {}", tree.node_count, child);
+    if (ranks[child].level != 0) return fmt::format("its child {} is that of another node too", child);
+    if (drop > k_max_level_drop || rank.level - drop < k_min_frame_level)
+      return fmt::format("its child {} lies {} levels below level {}", child, drop, rank.level);
+    if (rank.depth == tree.level_count) return fmt::format("it should have no child on level {}", rank.depth);
+    ranks[child++] = {static_cast<std::uint8_t>(rank.level - drop),
+                      static_cast<std::uint8_t>(rank.depth + 1)};
+  }
+  return {};
+}
+
+std::string leaf_problem(const TreeView& tree, const Node& node, int level) {
+  const std::uint64_t begin = node.first_point;
+  std::uint64_t end = begin;
+  for (const std::uint8_t kind : node.kind) {
+    if (!is_leaf(kind)) continue;
+    if (kind > k_max_leaf_size)
+      return fmt::format("a leaf should have at most {} points but has {}", k_max_leaf_size, kind);
+    end += kind;
+  }
+  if (end > tree.point_count)
+    return fmt::format("its leaves should end at place {} but end at {}", tree.point_count, end);
+  const bool has_exact_positions = tree.positions != nullptr && begin >= tree.first_exact;
+  if (end > begin && coordinate_shift(level) > 0 && !has_exact_positions)
+    return "its leaves lie too high to go without exact positions";
+  return {};
+}
+
+/// Bits that threads set.
+class Marks {
+ public:
+  explicit Marks(std::size_t count) : words_((count + 63) / 64) {}
+  /// Whether the bit was not set before.
+  bool set(std::size_t index) {
+    const std::uint64_t bit = std::uint64_t{1} << (index % 64);
+    return (words_[index / 64].fetch_or(bit, std::memory_order_relaxed) & bit) == 0;
+  }
+
+ private:
+  std::vector<std::atomic<std::uint64_t>> words_;
+};
+
+/// Keeps the fault of the lowest node, so that threads agree on one.
+class FirstFault {
+ public:
+  void add(std::uint32_t node, TreeFault fault) {
+    const std::scoped_lock lock(mutex_);
+    if (fault_ && node_ <= node) return;
+    node_ = node;
+    fault_ = std::move(fault);
+  }
+  const std::optional<TreeFault>& get() const { return fault_; }
+
+ private:
+  std::mutex mutex_;
+  std::uint32_t node_ = 0;
+  std::optional<TreeFault> fault_;
+};
+
+/// Box in lattice steps from the root's corner, both ends inclusive.
+struct StepBox {
+  std::array<std::int64_t, 3> low, high;
+
+  bool holds(const StepBox& other) const {
+    for (int axis = 0; axis < 3; ++axis)
+      if (other.low[axis] < low[axis] || other.high[axis] > high[axis]) return false;
+    return true;
+  }
+};
+
+StepBox slot_box(const TreeView& tree, const Frame& frame, int slot) {
+  const Node& node = tree.nodes[frame.node];
+  const int shift = frame.level - k_min_frame_level;
+  StepBox box{};
+  for (int axis = 0; axis < 3; ++axis) {
+    box.low[axis] = std::int64_t{frame.corner[axis]} + (std::int64_t{node.low[axis][slot]} << shift);
+    box.high[axis] =
+        std::int64_t{frame.corner[axis]} + ((std::int64_t{node.high[axis][slot]} + 1) << shift) - 1;
+  }
+  return box;
+}
+
+/// Low and high corner of points in lattice positions.
+struct Extent {
+  LatticePosition low{2147483647}, high{-2147483647 - 1};
+
+  void grow(const LatticePosition& p) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], p[axis]);
+      high[axis] = std::max(high[axis], p[axis]);
+    }
+  }
+  void grow(const Extent& other) {
+    grow(other.low);
+    grow(other.high);
+  }
+};
+
+class PointCheck {
+ public:
+  explicit PointCheck(const TreeView& tree)
+      : tree_(tree),
+        frames_(tree.node_count),
+        places_(tree.point_count),
+        ids_(tree.ids ? tree.point_count : 0) {
+    frames_[0] = root_frame(tree);
+    for (std::uint32_t index = 0; index < tree.node_count; ++index) {
+      for (int slot = 0; slot < k_node_width; ++slot) {
+        if (!is_inner(tree.nodes[index].kind[slot])) continue;
+        const Frame child = child_frame(tree, frames_[index], slot);
+        frames_[child.node] = child;
+      }
+    }
+  }
+
+  std::optional<TreeFault> run() {
+    const tbb::blocked_range<std::uint32_t> all(0, tree_.node_count, k_nodes_per_task);
+    const Extent extent = tbb::parallel_reduce(
+        all, Extent{},
+        [&](const tbb::blocked_range<std::uint32_t>& range, Extent part) {
+          for (std::uint32_t index = range.begin(); index != range.end(); ++index) check_node(index, part);
+          return part;
+        },
+        [](Extent a, const Extent& b) {
+          a.grow(b);
+          return a;
+        });
+    if (first_.get()) return first_.get();
+    if (points_seen_ != tree_.point_count) {
+      return TreeFault{Array::nodes, 0,
+                       fmt::format("the leaves should hold {} points but hold {}", tree_.point_count,
+                                   points_seen_.load())};
+    }
+    Bounds bounds;
+    bounds.grow(to_world(tree_.lattice, extent.low));
+    bounds.grow(to_world(tree_.lattice, extent.high));
+    if (bounds.min == tree_.bounds.min && bounds.max == tree_.bounds.max) return std::nullopt;
+    return TreeFault{Array::nodes, 0, "the bounds are not those of the points"};
+  }
+
+ private:
+  void check_node(std::uint32_t index, Extent& extent) {
+    const Frame& frame = frames_[index];
+    for (int slot = 0; slot < k_node_width; ++slot) {
+      const std::uint8_t kind = tree_.nodes[index].kind[slot];
+      if (is_inner(kind)) check_child(frame, slot);
+      if (is_leaf(kind)) check_leaf(frame, slot, extent);
+    }
+  }
+
+  void check_child(const Frame& frame, int slot) {
+    const StepBox box = slot_box(tree_, frame, slot);
+    const Frame& child = frames_[child_frame(tree_, frame, slot).node];
+    for (int inner = 0; inner < k_node_width; ++inner) {
+      if (tree_.nodes[child.node].kind[inner] == 0 || box.holds(slot_box(tree_, child, inner))) continue;
+      first_.add(frame.node, {Array::nodes, frame.node,
+                              fmt::format("its box in slot {} does not hold the boxes of its child", slot)});
+    }
+  }
+
+  void check_leaf(const Frame& frame, int slot, Extent& extent) {
+    const StepBox box = slot_box(tree_, frame, slot);
+    const Leaf leaf = child_leaf(tree_, frame, slot);
+    points_seen_.fetch_add(leaf.count, std::memory_order_relaxed);
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const std::uint32_t place = leaf.place + i;
+      const LatticePosition position = position_of(tree_, leaf, i);
+      extent.grow(position);
+      StepBox point{};
+      for (int axis = 0; axis < 3; ++axis)
+        point.low[axis] = point.high[axis] =
+            static_cast<std::uint32_t>(position[axis]) - static_cast<std::uint32_t>(tree_.base[axis]);
+      const bool is_exact = tree_.positions && leaf.place >= tree_.first_exact;
+      if (!box.holds(point))
+        first_.add(frame.node, {is_exact ? Array::positions : Array::coordinates,
+                                is_exact ? place - tree_.first_exact : place,
+                                "the point lies outside the box of its leaf"});
+      if (is_exact && !has_right_coordinates(frame, leaf, i, point))
+        first_.add(frame.node, {Array::coordinates, place, "the coordinates are not those of the position"});
+      if (!places_.set(place))
+        first_.add(frame.node,
+                   {Array::nodes, frame.node, fmt::format("place {} stands in two leaves", place)});
+      if (tree_.ids && !ids_.set(tree_.ids[place]))
+        first_.add(frame.node, {Array::ids, place, fmt::format("id {} occurs twice", tree_.ids[place])});
+    }
+  }
+
+  bool has_right_coordinates(const Frame& frame, const Leaf& leaf, std::uint32_t i,
+                             const StepBox& point) const {
+    const std::uint16_t* const coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int64_t steps = point.low[axis] - std::int64_t{frame.corner[axis]};
+      if (coordinates[axis * leaf.count + i] != steps >> coordinate_shift(frame.level)) return false;
+    }
+    return true;
+  }
+
+  const TreeView& tree_;
+  std::vector<Frame> frames_;
+  Marks places_, ids_;
+  std::atomic<std::uint64_t> points_seen_ = 0;
+  FirstFault first_;
+};
+
+}  // namespace
+
+std::optional<TreeFault> find_broken_link(const TreeView& tree) {
+  if (tree.node_count == 0) return std::nullopt;
+  std::vector<Rank> ranks(tree.node_count);
+  ranks[0] = {static_cast<std::uint8_t>(tree.root_level), 1};
+  for (std::uint32_t index = 0; index < tree.node_count; ++index) {
+    std::string problem =
+        ranks[index].level == 0 ? "no node before it has it as its child" : rank_children(tree, index, ranks);
+    if (problem.empty()) problem = leaf_problem(tree, tree.nodes[index], ranks[index].level);
+    if (!problem.empty()) return TreeFault{Array::nodes, index, std::move(problem)};
+  }
+  return std::nullopt;
+}
+
+std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end) {
+  if (tree.ids == nullptr) return std::nullopt;
+  std::uint32_t highest = 0;
+  for (std::uint32_t place = begin; place < end; ++place) highest = std::max(highest, tree.ids[place]);
+  if (begin == end || highest < tree.point_count) return std::nullopt;
+  const auto bad = std::find_if(tree.ids + begin, tree.ids + end,
+                                [&](std::uint32_t id) { return id >= tree.point_count; });
+  return TreeFault{Array::ids, static_cast<std::uint64_t>(bad - tree.ids),
+                   fmt::format("the id should be below {} but is {}", tree.point_count, *bad)};
+}
+
+std::optional<TreeFault> find_misplaced_point(const TreeView& tree) {
+  if (tree.node_count == 0) return std::nullopt;
+  return PointCheck(tree).run();
+}
+
+}  // namespace alidade

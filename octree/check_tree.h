@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "octree/octree.h"
+
+// Whether the arrays of an octree that came from outside are an octree. build() makes none that is not.
+
+namespace alidade {
+
+/// The first thing found that is wrong.
+struct TreeFault {
+  enum class Array { nodes, ids, coordinates, positions } array = Array::nodes;
+  std::uint64_t index = 0;  ///< of the node or position, otherwise the point's place
+  std::string problem;      ///< one clause: what was expected and what was found
+};
+
+/// Whether every query ends and stays inside the arrays: each node but the root is the child of exactly one
+/// node before it, levels and depth stay within their limits, leaves have at most k_max_leaf_size points, lie
+/// inside the point count, and have exact positions where they need them. What it does not look at: the
+/// boxes, and where points lie. Requires arrays of the sizes the view says, with a root level from 8 to 32
+/// and at most k_max_tree_depth levels. Cost: one pass over the nodes, on one thread; 2 B per node.
+std::optional<TreeFault> find_broken_link(const TreeView& tree);
+
+/// Whether every id is a row: below the point count. Cost: one pass over the ids from place `begin` up to
+/// `end`.
+std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end);
+
+/// Whether the answers are those of the points: every place stands in one leaf, every id occurs once, every
+/// box holds the points below it, coordinates agree with exact positions, and the bounds are those of the
+/// points. Requires that find_broken_link() and find_bad_id() find nothing. Cost: one pass over all arrays,
+/// in parallel; 12 B per node and 1/4 B per point.
+std::optional<TreeFault> find_misplaced_point(const TreeView& tree);
+
+}  // namespace alidade

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "octree/cloud/append_rows.h"
+#include "octree/cloud/cloud_reader.h"
+#include "octree/cloud/fit_lattice.h"
+#include "octree/error.h"
+#include "octree/index_file.h"
+#include "octree/tree_walk.h"
+
+namespace alidade {
+namespace {
+
+/// An index file as a cloud file: its points come back in the rows they had.
+class IndexReader final : public CloudReader {
+ public:
+  explicit IndexReader(const InputFile& file) : index_(file) {
+    about_.path = index_.name();
+    about_.format = "Alidade index";
+    about_.version = std::to_string(k_index_version);
+    about_.point_count = index_.header().tree.point_count;
+  }
+
+  const CloudFile& file() const override { return about_; }
+  AttributeSet attributes() const override { return index_.attributes(); }
+  std::optional<Lattice> lattice() const override { return index_.header().tree.lattice; }
+  std::optional<std::uint64_t> point_count() const override { return about_.point_count; }
+  CoordinateSurvey survey(const Progress&) override {
+    // The lattice is in the header: there is nothing to find out.
+    return {};
+  }
+  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
+
+ private:
+  void add_file_facts(PointCloud& cloud) const;
+  void take_positions(PointCloud& cloud, std::size_t first_row) const;
+  void take_columns(PointCloud& cloud, AttributeSet kept, std::size_t first_row) const;
+
+  IndexFile index_;
+  CloudFile about_;
+};
+
+void IndexReader::add_file_facts(PointCloud& cloud) const {
+  const PointCloud& own = index_.description();
+  cloud.warnings.insert(cloud.warnings.end(), own.warnings.begin(), own.warnings.end());
+  if (cloud.files.empty()) {
+    cloud.gps_time_is_standard = own.gps_time_is_standard;
+    cloud.project_id = own.project_id;
+    cloud.file_source_id = own.file_source_id;
+  } else if (!cloud.gps_times.empty() && attributes().contains(Attribute::gps_time) &&
+             cloud.gps_time_is_standard != own.gps_time_is_standard) {
+    cloud.warnings.push_back(fmt::format(
+        "{}: counts GPS time another way (week or standard) than the first file; the times do not compare",
+        index_.name()));
+  }
+  if (cloud.crs.empty()) {
+    cloud.crs = own.crs;
+  } else if (!own.crs.empty() && own.crs != cloud.crs) {
+    cloud.warnings.push_back(
+        fmt::format("{}: states another coordinate reference system than the files before it; theirs is kept",
+                    index_.name()));
+  }
+  const std::vector<VariableLengthRecord> records = index_.records();
+  cloud.records.insert(cloud.records.end(), records.begin(), records.end());
+}
+
+void IndexReader::take_positions(PointCloud& cloud, std::size_t first_row) const {
+  const TreeView& tree = index_.tree();
+  const std::optional<glm::i64vec3> shift = steps_between(tree.lattice, cloud.lattice);
+  if (!shift && tree.point_count > 0) {
+    throw Error({.file = index_.name(), .problem = "does not share the lattice of the files before it"});
+  }
+  for_each_leaf(tree, [&](const Leaf& leaf) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const glm::i64vec3 steps = glm::i64vec3(position_of(tree, leaf, i)) + *shift;
+      const LatticePosition position(steps);
+      if (glm::i64vec3(position) != steps) {
+        throw Error({.file = index_.name(),
+                     .problem = "lies too far from the first file to share its lattice of 32-bit steps",
+                     .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
+      }
+      cloud.positions[first_row + point_id(tree, leaf.place + i)] = position;
+    }
+  });
+}
+
+void IndexReader::take_columns(PointCloud& cloud, AttributeSet kept, std::size_t first_row) const {
+  for_each_column(cloud, index_.columns(), [&](Attribute attribute, auto& column, const auto& own) {
+    if (kept.contains(attribute))
+      std::copy(own.begin(), own.end(), column.begin() + static_cast<std::ptrdiff_t>(first_row));
+  });
+  if (!kept.contains(Attribute::extra_dimensions)) return;
+  const std::vector<ExtraColumn>& extra = index_.columns().extra_dimensions;
+  for (std::size_t i = 0; i < extra.size(); ++i) {
+    const auto equal = std::count_if(
+        extra.begin(), extra.begin() + static_cast<std::ptrdiff_t>(i),
+        [&](const ExtraColumn& earlier) { return same_meaning(earlier.description, extra[i].description); });
+    const std::size_t column =
+        find_extra_dimension(cloud, extra[i].description, static_cast<std::size_t>(equal));
+    const std::size_t place = first_row * static_cast<std::size_t>(extra[i].description.byte_count);
+    std::copy(extra[i].values.begin(), extra[i].values.end(),
+              cloud.extra_dimensions[column].values.begin() + static_cast<std::ptrdiff_t>(place));
+  }
+}
+
+void IndexReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
+  add_file_facts(cloud);
+  const std::size_t first_row = cloud.size();
+  const std::uint64_t bytes = index_.header().file_bytes;
+  index_.tree();
+  report(progress, bytes / 4, bytes);
+  const AttributeSet kept = attributes() & wanted;
+  append_rows(cloud, kept, static_cast<std::size_t>(about_.point_count));
+  take_positions(cloud, first_row);
+  report(progress, bytes / 2, bytes);
+  take_columns(cloud, kept, first_row);
+  report(progress, bytes, bytes);
+}
+
+}  // namespace
+
+std::unique_ptr<CloudReader> open_index_cloud(InputFile file) {
+  return std::make_unique<IndexReader>(file);
+}
+
+}  // namespace alidade
