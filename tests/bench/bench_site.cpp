@@ -14,26 +14,29 @@
 namespace alidade::bench {
 namespace {
 
+glm::dvec3 above_ground(double x, double y, double height) {
+  return {x, y, terrain_height(x, y) + height};
+}
+
 std::vector<Ray> primary_rays(const CampusLayout& layout) {
-  const auto view = [&](const Building& house, const glm::dvec3& eye_from_low,
-                        const glm::dvec3& target_from_low) {
-    return camera_rays(k_campus_origin + house.low + eye_from_low,
-                       k_campus_origin + house.low + target_from_low);
-  };
-  const Building &west = layout.buildings[10], &south = layout.buildings[20], &tower = layout.buildings[12];
-  const double roof = tower.high.z - tower.low.z;
-  // Buildings begin 2 m below ground.
-  const std::vector<Ray> views[] = {view(west, {-9.0, -4.0, 3.7}, {1.0, 9.0, 3.2}),
-                                    view(south, {-3.0, -11.0, 3.7}, {12.0, 0.0, 3.2}),
-                                    view(tower, {-1.0, -1.0, roof + 1.0}, {-25.0, -20.0, 2.0})};
+  const glm::dvec3 west = layout.buildings[10].low, south = layout.buildings[20].low;
+  const Building& tower = layout.buildings[12];
+  const glm::dvec3 roof = {tower.low.x + 1.0, tower.low.y + 1.0, tower.high.z + 1.7};
+  const std::pair<glm::dvec3, glm::dvec3> views[] = {
+      {above_ground(west.x - 9.0, west.y - 4.0, 1.7), above_ground(west.x + 1.0, west.y + 9.0, 1.5)},
+      {above_ground(south.x - 3.0, south.y - 11.0, 1.7), above_ground(south.x + 12.0, south.y, 1.5)},
+      {roof, above_ground(roof.x - 60.0, roof.y - 30.0, 4.0)}};
   std::vector<Ray> rays;
-  for (const std::vector<Ray>& of_view : views) rays.insert(rays.end(), of_view.begin(), of_view.end());
+  for (const auto& [eye, target] : views) {
+    const std::vector<Ray> of_view = camera_rays(k_campus_origin + eye, k_campus_origin + target);
+    rays.insert(rays.end(), of_view.begin(), of_view.end());
+  }
   return rays;
 }
 
 std::vector<Ray> segments(const CampusLayout& layout, const PointCloud& cloud, double radius) {
   constexpr int k_observers = 50, k_targets = 10000;
-  constexpr double k_reach = 60.0;
+  constexpr double k_reach = 30.0;
   std::mt19937_64 random(3);
   std::vector<Ray> rays;
   for (int observer = 0; observer < k_observers; ++observer) {
@@ -63,7 +66,7 @@ BenchSite make_site(std::size_t point_count) {
   const std::vector<SpherePlace> places = hit_places(primary, hits);
   std::vector<Ray> bounces = bounce_rays(places, 1);
   std::vector<Ray> mixed = shuffled(bounces, 2);
-  const glm::dvec3 to_sun = glm::normalize(glm::dvec3(0.5, -0.5, 0.6));
+  const glm::dvec3 to_sun = glm::normalize(glm::dvec3(0.5, -0.5, 0.3));
   site.ray_sets = {{{"P", std::move(primary)},
                     {"S", std::move(bounces)},
                     {"S_shuffled", std::move(mixed)},

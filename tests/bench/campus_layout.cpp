@@ -29,6 +29,17 @@ glm::dvec3 open_ground(const CampusLayout& layout, double margin, std::mt19937_6
   }
 }
 
+/// A tree's place in front of a wall.
+glm::dvec3 beside_building(const CampusLayout& layout, double radius, std::mt19937_64& random) {
+  for (;;) {
+    const Building& building = layout.buildings[random() % layout.buildings.size()];
+    const double margin = radius + between(1.0, 4.0, random);
+    const double x = between(building.low.x - margin, building.high.x + margin, random);
+    const double y = between(building.low.y - margin, building.high.y + margin, random);
+    if (is_open(layout, x, y, radius)) return {x, y, terrain_height(x, y)};
+  }
+}
+
 /// In the cells of a grid, so that streets run between them.
 void add_buildings(CampusLayout& layout, std::mt19937_64& random) {
   constexpr int k_columns = 8, k_rows = 5;
@@ -56,7 +67,8 @@ CampusLayout campus_layout() {
   add_buildings(layout, random);
   for (int i = 0; i < 300; ++i) {
     const double radius = between(1.2, 3.5, random), trunk = between(1.5, 4.0, random);
-    const glm::dvec3 foot = open_ground(layout, radius, random);
+    const glm::dvec3 foot =
+        i % 2 ? beside_building(layout, radius, random) : open_ground(layout, radius, random);
     layout.crowns.push_back({foot + glm::dvec3(0, 0, trunk + radius), radius});
     layout.poles.push_back({foot, trunk + 0.5 * radius, 0.07 * radius + 0.05});
   }
