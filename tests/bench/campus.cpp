@@ -16,13 +16,35 @@ namespace {
 
 /// A small piece of surface: corner + u * across + v * along for u, v in [0, 1), or one of the round kinds.
 struct Patch {
-  enum class Kind { flat, ground, crown, pole } kind;
-  glm::dvec3 corner;  ///< crown: centre; pole: foot
-  glm::dvec3 across;  ///< crown and pole: x is the radius
-  glm::dvec3 along;   ///< pole: z is the height
-  double area;
-  glm::dvec3 middle;
+  enum class Kind { flat, crown, pole } kind;
+  glm::vec3 corner;  ///< crown: centre; pole: foot
+  glm::vec3 across;  ///< crown and pole: x is the radius
+  glm::vec3 along;   ///< pole: z is the height
 };
+
+double area(const Patch& patch) {
+  switch (patch.kind) {
+    case Patch::Kind::flat:
+      return glm::length(glm::cross(patch.across, patch.along));
+    case Patch::Kind::crown:
+      return 4.0 * std::numbers::pi * patch.across.x * patch.across.x;
+    case Patch::Kind::pole:
+      return 2.0 * std::numbers::pi * patch.across.x * patch.along.z;
+  }
+  return 0.0;
+}
+
+glm::vec3 middle(const Patch& patch) {
+  switch (patch.kind) {
+    case Patch::Kind::flat:
+      return patch.corner + 0.5f * (patch.across + patch.along);
+    case Patch::Kind::crown:
+      return patch.corner;
+    case Patch::Kind::pole:
+      return patch.corner + 0.5f * patch.along;
+  }
+  return patch.corner;
+}
 
 void add_flat(std::vector<Patch>& patches, const glm::dvec3& corner, const glm::dvec3& u,
               const glm::dvec3& v) {
@@ -32,8 +54,7 @@ void add_flat(std::vector<Patch>& patches, const glm::dvec3& corner, const glm::
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       const glm::dvec3 at = corner + double(column) * across + double(row) * along;
-      patches.push_back({Patch::Kind::flat, at, across, along, glm::length(glm::cross(across, along)),
-                         at + 0.5 * (across + along)});
+      patches.push_back({Patch::Kind::flat, at, across, along});
     }
   }
 }
@@ -48,15 +69,19 @@ void add_building(std::vector<Patch>& patches, const Building& building) {
   add_flat(patches, low + x, y, z);
 }
 
-/// Square metres, except under buildings.
+/// Square metres, except under buildings. The terrain is flat within one to a millimetre.
 void add_ground(std::vector<Patch>& patches, const CampusLayout& layout) {
   for (double y = 0; y < k_campus_side; ++y) {
     for (double x = 0; x < k_campus_side; ++x) {
-      const glm::dvec3 middle(x + 0.5, y + 0.5, terrain_height(x + 0.5, y + 0.5));
       const bool covered = std::ranges::any_of(layout.buildings, [&](const Building& b) {
-        return middle.x > b.low.x && middle.x < b.high.x && middle.y > b.low.y && middle.y < b.high.y;
+        return x + 0.5 > b.low.x && x + 0.5 < b.high.x && y + 0.5 > b.low.y && y + 0.5 < b.high.y;
       });
-      if (!covered) patches.push_back({Patch::Kind::ground, {x, y, 0}, {1, 0, 0}, {0, 1, 0}, 1.0, middle});
+      if (covered) continue;
+      const double height = terrain_height(x, y);
+      patches.push_back({Patch::Kind::flat,
+                         {x, y, height},
+                         {1.0, 0.0, terrain_height(x + 1.0, y) - height},
+                         {0.0, 1.0, terrain_height(x, y + 1.0) - height}});
     }
   }
 }
@@ -65,22 +90,10 @@ std::vector<Patch> campus_patches(const CampusLayout& layout) {
   std::vector<Patch> patches;
   add_ground(patches, layout);
   for (const Building& building : layout.buildings) add_building(patches, building);
-  for (const Crown& crown : layout.crowns) {
-    patches.push_back({Patch::Kind::crown,
-                       crown.center,
-                       {crown.radius, 0, 0},
-                       {0, 0, 0},
-                       4.0 * std::numbers::pi * crown.radius * crown.radius,
-                       crown.center});
-  }
-  for (const Pole& pole : layout.poles) {
-    patches.push_back({Patch::Kind::pole,
-                       pole.foot,
-                       {pole.radius, 0, 0},
-                       {0, 0, pole.height},
-                       2.0 * std::numbers::pi * pole.radius * pole.height,
-                       pole.foot + glm::dvec3(0, 0, 0.5 * pole.height)});
-  }
+  for (const Crown& crown : layout.crowns)
+    patches.push_back({Patch::Kind::crown, crown.center, {crown.radius, 0, 0}, glm::vec3(0)});
+  for (const Pole& pole : layout.poles)
+    patches.push_back({Patch::Kind::pole, pole.foot, {pole.radius, 0, 0}, {0, 0, pole.height}});
   return patches;
 }
 
@@ -130,20 +143,14 @@ double bell(std::uint64_t bits) {
   return (part(0) + part(16) + part(32) + part(48) - 2.0 * 0xffff) / k_deviation_of_sum;
 }
 
-glm::dvec3 place_on(const Patch& patch, double u, double v, std::uint64_t depth_bits) {
-  if (patch.kind == Patch::Kind::crown || patch.kind == Patch::Kind::pole) {
-    const double angle = 2.0 * std::numbers::pi * u;
-    if (patch.kind == Patch::Kind::pole)
-      return patch.corner + glm::dvec3(patch.across.x * std::cos(angle), patch.across.x * std::sin(angle),
-                                       v * patch.along.z);
-    // Leaves are not only on the outside.
-    const double radius = patch.across.x * (0.6 + 0.4 * unit_of(depth_bits)), z = 2.0 * v - 1.0;
-    const double ring = std::sqrt(std::max(0.0, 1.0 - z * z));
-    return patch.corner + radius * glm::dvec3(ring * std::cos(angle), ring * std::sin(angle), z);
-  }
-  glm::dvec3 place = patch.corner + u * patch.across + v * patch.along;
-  if (patch.kind == Patch::Kind::ground) place.z = terrain_height(place.x, place.y);
-  return place;
+glm::vec3 place_on(const Patch& patch, float u, float v, float depth) {
+  if (patch.kind == Patch::Kind::flat) return patch.corner + u * patch.across + v * patch.along;
+  const float angle = 2.0f * std::numbers::pi_v<float> * u, radius = patch.across.x;
+  const glm::vec3 outward(std::cos(angle), std::sin(angle), 0.0f);
+  if (patch.kind == Patch::Kind::pole) return patch.corner + radius * outward + v * patch.along;
+  // Leaves are not only on the outside.
+  const float z = 2.0f * v - 1.0f, ring = std::sqrt(std::max(0.0f, 1.0f - z * z));
+  return patch.corner + radius * (0.6f + 0.4f * depth) * (ring * outward + glm::vec3(0, 0, z));
 }
 
 }  // namespace
@@ -152,14 +159,14 @@ PointCloud campus_cloud(const CampusLayout& layout, std::size_t point_count) {
   const std::vector<Patch> patches = campus_patches(layout);
   std::vector<double> even, around_stations;
   for (const Patch& patch : patches) {
-    even.push_back(patch.area);
     double density = 0.0;
     for (const glm::dvec3& station : layout.stations) {
       // Scanners do not see what is below their tripod.
-      const glm::dvec3 apart = patch.middle - station;
+      const glm::dvec3 apart = glm::dvec3(middle(patch)) - station;
       density += 1.0 / std::max(4.0, glm::dot(apart, apart));
     }
-    around_stations.push_back(patch.area * density);
+    even.push_back(area(patch));
+    around_stations.push_back(area(patch) * density);
   }
   const AliasTable from_drone(even), from_stations(around_stations);
 
@@ -168,15 +175,15 @@ PointCloud campus_cloud(const CampusLayout& layout, std::size_t point_count) {
   cloud.positions.resize(point_count);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, point_count, 65536), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
-      std::uint64_t state = mix_bits(i);
-      const auto bits = [&] { return state = mix_bits(state); };
+      std::uint64_t counter = 8 * i;
+      const auto bits = [&] { return mix_bits(counter++); };
+      const auto unit = [&] { return static_cast<float>(bits() >> 40) * 0x1p-24f; };
       const Patch& patch = patches[(i % 2 ? from_drone : from_stations).draw(bits())];
-      const double u = unit_of(bits()), v = unit_of(bits());
-      const glm::dvec3 place = place_on(patch, u, v, bits());
-      constexpr double k_noise = 0.01, k_steps_per_metre = 1000.0;
+      const float u = unit(), v = unit(), depth = unit();
+      const glm::vec3 place = place_on(patch, u, v, depth);
       for (int axis = 0; axis < 3; ++axis) {
-        cloud.positions[i][axis] = static_cast<std::int32_t>(
-            std::lround((place[axis] + k_noise * bell(bits())) * k_steps_per_metre));
+        const double millimetres = 1000.0 * place[axis] + 10.0 * bell(bits());
+        cloud.positions[i][axis] = static_cast<std::int32_t>(millimetres + (millimetres < 0.0 ? -0.5 : 0.5));
       }
     }
   });
