@@ -27,8 +27,8 @@ constexpr std::size_t k_points_per_task = std::size_t{1} << 16;
 constexpr std::size_t k_max_chunk_size = std::size_t{1} << 18;
 constexpr std::size_t k_min_chunk_size = std::size_t{1} << 12;
 constexpr std::size_t k_bucket_size = std::size_t{1} << 15;
-// Positions lie in small pages, and each chunk has a block that is used up in part.
-constexpr std::size_t k_position_block = std::size_t{1} << 16;
+// Buckets are collected from all chunks at once, so each chunk has a block or two that are used up in part.
+constexpr std::size_t k_release_block = std::size_t{1} << 16;
 
 struct Extent {
   LatticePosition low{2147483647}, high{-2147483647 - 1};
@@ -59,10 +59,11 @@ class Sorter {
         chunk_size_(std::clamp(std::bit_ceil(positions.size() / 64 + 1), k_min_chunk_size, k_max_chunk_size)),
         chunk_count_((positions.size() + chunk_size_ - 1) / chunk_size_),
         buckets_(sample_keys()) {
-    if (given)
-      position_release_ =
-          PageRelease(given->data(), given->size() * sizeof(LatticePosition), k_position_block);
     if (!in_place()) chunks_ = HugeArray<Entry>(positions.size());
+    chunk_release_ = PageRelease(chunk_bytes(0), positions.size() * sizeof(Entry), k_release_block);
+    if (given && !in_place())
+      position_release_ =
+          PageRelease(given->data(), given->size() * sizeof(LatticePosition), k_release_block);
     run_begin_.resize(chunk_count_ * (buckets_.count() + 1));
   }
 
@@ -169,7 +170,7 @@ class Sorter {
       if (run == 0) continue;
       std::memcpy(collected + filled, chunk_bytes(first), run * sizeof(Entry));
       filled += run;
-      if (in_place()) position_release_.use_up(first * sizeof(Entry), run * sizeof(Entry));
+      chunk_release_.use_up(first * sizeof(Entry), run * sizeof(Entry));
     }
     const auto less = [](const Entry& a, const Entry& b) {
       const Key key_a = a.key(), key_b = b.key();
@@ -185,7 +186,8 @@ class Sorter {
   const KeySpace space_;
   const std::vector<LatticePosition>& positions_;
   std::vector<LatticePosition>* const given_;
-  PageRelease position_release_;
+  PageRelease position_release_;  ///< where the chunks do not lie in their memory
+  PageRelease chunk_release_;
   const std::size_t chunk_size_;
   const std::size_t chunk_count_;
   const KeyBuckets<Key> buckets_;

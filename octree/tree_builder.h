@@ -41,15 +41,15 @@ class TreeBuilder {
 
   TreeSummary build(int root_level) {
     top_.resize(1);
+    top_boxes_.resize(1);
     build_top(point_range(sorted_, 0, exact_begin_), root_level, 0, 1);
-    tbb::parallel_for(std::size_t{0}, subtrees_.size(), [&](std::size_t i) { build_subtree(subtrees_[i]); });
+    make_batches();
+    tbb::parallel_for(std::size_t{0}, batches_.size(), [&](std::size_t i) { build_batch(batches_[i]); });
+    finish_top();
     join_nodes();
-    TreeSummary summary;
-    for (const StepBox& box : top_[0].boxes) summary.box.grow(box);
-    summary.level_count = level_count_;
-    for (const Subtree& subtree : subtrees_)
-      summary.level_count = std::max(summary.level_count, subtree.level_count);
-    summary.first_exact = exact_begin_;
+    TreeSummary summary{top_boxes_[0], level_count_, exact_begin_};
+    for (const Batch& batch : batches_)
+      summary.level_count = std::max(summary.level_count, batch.level_count);
     return summary;
   }
 
@@ -61,20 +61,37 @@ class TreeBuilder {
     ChildList children;
     std::array<StepBox, k_node_width> boxes;
     std::uint32_t first_child = 0, first_point = 0;
+
+    StepBox box() const {
+      StepBox all;
+      for (const StepBox& child : boxes) all.grow(child);
+      return all;
+    }
+  };
+
+  /// A node of the top above subtrees, which has to wait for their boxes.
+  struct Waiting {
+    std::uint32_t index = 0;
+    Draft draft;
   };
 
   struct Subtree {
     PointRange points;
     int level = 0;
-    int depth = 0;           ///< levels of nodes down to the root, included
+    int depth = 0;           ///< nodes from the tree's root to this one's
     std::uint32_t root = 0;  ///< place of the root among the nodes of the top
     std::uint32_t first_place = 0;
-    std::vector<Node> nodes{};  ///< the root first; children counted from it
-    StepBox box{};
+  };
+
+  /// Subtrees that are made in one go, so that many small ones cost no more than few large ones.
+  struct Batch {
+    std::size_t first = 0, end = 0;  ///< among the subtrees
+    std::vector<Node> nodes{};       ///< the roots, then all others; children counted from the first root
     int level_count = 0;
   };
 
-  void build_top(const PointRange& range, int level, std::uint32_t index, int depth) {
+  /// Whether the box of the node is known: no subtree stands below.
+  bool build_top(const PointRange& range, int level, std::uint32_t index, int depth) {
     Draft draft = draft_node(range, level);
     const std::uint32_t count = leaf_point_count(draft);
     if (level > k_exact_frame_level) {
@@ -88,50 +105,75 @@ class TreeBuilder {
     draft.first_child = static_cast<std::uint32_t>(top_.size());
     level_count_ = std::max(level_count_, depth);
     top_.resize(top_.size() + inner_count(draft));
-    top_[index] = draft;
+    top_boxes_.resize(top_.size());
 
+    bool is_known = true;
     std::uint32_t child_index = draft.first_child;
-    for (const ChildRange& child : draft.children) {
+    for (int slot = 0; slot < draft.children.count; ++slot) {
+      const ChildRange& child = draft.children[slot];
       if (child.is_leaf) continue;
       const int child_level = rules_.child_frame_level(child.points, level);
       if (child_level <= k_exact_frame_level && child.points.count() <= subtree_size_) {
         subtrees_.push_back({child.points, child_level, depth + 1, child_index, next_place_});
         next_place_ += child.points.count();
+        is_known = false;
       } else {
-        build_top(child.points, child_level, child_index, depth + 1);
+        is_known &= build_top(child.points, child_level, child_index, depth + 1);
+        draft.boxes[slot] = top_boxes_[child_index];
       }
       ++child_index;
     }
+    if (is_known) {
+      top_[index] = finished(draft);
+      top_boxes_[index] = draft.box();
+    } else {
+      waiting_.push_back({index, draft});
+    }
+    return is_known;
   }
 
-  void build_subtree(Subtree& subtree) {
-    subtree.nodes.resize(1);
-    subtree.box = build_node(subtree, subtree.points, subtree.level, 0, subtree.first_place, subtree.depth);
-    sorted_.use_up(subtree.points.begin, subtree.points.end);
+  void make_batches() {
+    std::size_t points = 0;
+    for (std::size_t i = 0; i < subtrees_.size(); ++i) {
+      if (batches_.empty() || points + subtrees_[i].points.count() > subtree_size_) {
+        batches_.push_back({i, i});
+        points = 0;
+      }
+      batches_.back().end = i + 1;
+      points += subtrees_[i].points.count();
+    }
   }
 
-  /// Builds the node for a range into subtree.nodes[index]; its points take the places from first_place on.
-  StepBox build_node(Subtree& subtree, const PointRange& range, int level, std::size_t index,
+  void build_batch(Batch& batch) {
+    batch.nodes.resize(batch.end - batch.first);
+    for (std::size_t i = batch.first; i < batch.end; ++i) {
+      const Subtree& subtree = subtrees_[i];
+      top_boxes_[subtree.root] = build_node(batch, subtree.points, subtree.level, i - batch.first,
+                                            subtree.first_place, subtree.depth);
+      sorted_.use_up(subtree.points.begin, subtree.points.end);
+    }
+  }
+
+  /// Builds the node for a range into batch.nodes[index]; its points take the places from first_place on.
+  StepBox build_node(Batch& batch, const PointRange& range, int level, std::size_t index,
                      std::uint32_t first_place, int depth) {
     Draft draft = draft_node(range, level);
     draft.first_point = first_place;
     write_leaves(draft);
-    draft.first_child = static_cast<std::uint32_t>(subtree.nodes.size());
-    subtree.nodes.resize(subtree.nodes.size() + inner_count(draft));
-    subtree.level_count = std::max(subtree.level_count, depth);
+    draft.first_child = static_cast<std::uint32_t>(batch.nodes.size());
+    batch.nodes.resize(batch.nodes.size() + inner_count(draft));
+    batch.level_count = std::max(batch.level_count, depth);
     std::uint32_t place = first_place + leaf_point_count(draft);
     std::size_t child_index = draft.first_child;
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
       if (child.is_leaf) continue;
-      draft.boxes[slot] = build_node(subtree, child.points, rules_.child_frame_level(child.points, level),
+      draft.boxes[slot] = build_node(batch, child.points, rules_.child_frame_level(child.points, level),
                                      child_index++, place, depth + 1);
       place += child.points.count();
     }
-    subtree.nodes[index] = finished(draft);
-    StepBox all;
-    for (const StepBox& box : draft.boxes) all.grow(box);
-    return all;
+    batch.nodes[index] = finished(draft);
+    return draft.box();
   }
 
   Draft draft_node(PointRange range, int level) {
@@ -215,31 +257,36 @@ class TreeBuilder {
     return node;
   }
 
-  /// Top, then the subtrees in order, each without its root, which stands in the top.
+  /// The nodes that had to wait; they were noted after those below them.
+  void finish_top() {
+    for (Waiting& waiting : waiting_) {
+      Draft& draft = waiting.draft;
+      std::uint32_t child = draft.first_child;
+      for (int slot = 0; slot < draft.children.count; ++slot)
+        if (!draft.children[slot].is_leaf) draft.boxes[slot] = top_boxes_[child++];
+      top_[waiting.index] = finished(draft);
+      top_boxes_[waiting.index] = draft.box();
+    }
+    std::vector<Waiting>().swap(waiting_);
+  }
+
+  /// Top, then the batches in order, each without its roots, which stand in the top.
   void join_nodes() {
     std::vector<std::size_t> begin{top_.size()};
-    for (const Subtree& subtree : subtrees_) begin.push_back(begin.back() + subtree.nodes.size() - 1);
+    for (const Batch& batch : batches_)
+      begin.push_back(begin.back() + batch.nodes.size() - (batch.end - batch.first));
     arrays_.nodes = HugeArray<Node>(begin.back());
-    std::vector<StepBox> boxes(top_.size());
-    tbb::parallel_for(std::size_t{0}, subtrees_.size(), [&](std::size_t i) {
-      Subtree& subtree = subtrees_[i];
-      for (Node& node : subtree.nodes) node.first_child += static_cast<std::uint32_t>(begin[i] - 1);
-      arrays_.nodes[subtree.root] = subtree.nodes[0];
-      std::copy(subtree.nodes.begin() + 1, subtree.nodes.end(), arrays_.nodes.data() + begin[i]);
-      std::vector<Node>().swap(subtree.nodes);
-      boxes[subtree.root] = subtree.box;
+    std::ranges::copy(top_, arrays_.nodes.data());
+    tbb::parallel_for(std::size_t{0}, batches_.size(), [&](std::size_t b) {
+      Batch& batch = batches_[b];
+      const std::size_t root_count = batch.end - batch.first;
+      for (Node& node : batch.nodes) node.first_child += static_cast<std::uint32_t>(begin[b] - root_count);
+      for (std::size_t i = 0; i < root_count; ++i)
+        arrays_.nodes[subtrees_[batch.first + i].root] = batch.nodes[i];
+      std::copy(batch.nodes.begin() + static_cast<std::ptrdiff_t>(root_count), batch.nodes.end(),
+                arrays_.nodes.data() + begin[b]);
+      std::vector<Node>().swap(batch.nodes);
     });
-    // Children stand behind their parents, so going backwards their boxes are known.
-    for (std::size_t index = top_.size(); index-- > 0;) {
-      Draft& draft = top_[index];
-      if (draft.children.count == 0) continue;  // root of a subtree
-      std::uint32_t child = draft.first_child;
-      for (int slot = 0; slot < draft.children.count; ++slot) {
-        if (!draft.children[slot].is_leaf) draft.boxes[slot] = boxes[child++];
-        boxes[index].grow(draft.boxes[slot]);
-      }
-      arrays_.nodes[index] = finished(draft);
-    }
   }
 
   SortedPoints<Entry>& sorted_;
@@ -248,8 +295,11 @@ class TreeBuilder {
   const LeafWriter writer_;
   const std::size_t subtree_size_;
   std::uint32_t next_place_ = 0, exact_begin_;
-  std::vector<Draft> top_;
+  std::vector<Node> top_;           ///< children stand behind their parents; roots of subtrees are kept free
+  std::vector<StepBox> top_boxes_;  ///< of the nodes of the top
+  std::vector<Waiting> waiting_;
   std::vector<Subtree> subtrees_;
+  std::vector<Batch> batches_;
   int level_count_ = 0;
 };
 
