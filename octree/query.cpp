@@ -16,6 +16,9 @@ namespace {
 
 // Enough work per task to hide the scheduler, few enough that the last tasks do not leave threads idle.
 constexpr std::size_t k_grain = 256;
+// Rays that go through the tree together: the more, the more often they share a node; the fewer, the longer
+// their states stay in the second-level cache.
+constexpr std::size_t k_stream_grain = 4096;
 
 // --- Which traversal answers what
 // --------------------------------------------------------------------------- Algorithm 1 answers everything;
@@ -28,8 +31,7 @@ bool is_normalised(const glm::dvec3& direction) {
 }
 
 bool has_lanes(const RayQuery& query) {
-  return !query.filter && query.max_level == k_all_levels && std::isfinite(query.radius) &&
-         query.measure != Measure::distance;
+  return std::isfinite(query.radius) && query.measure != Measure::distance;
 }
 
 /// Appends the k first answers.
@@ -57,7 +59,7 @@ std::optional<Hit> first_hit(const Octree& octree, const Target& target, const Q
   if (octree.size() == 0) return std::nullopt;
   if constexpr (std::is_same_v<Target, Ray>) {
     if (has_lanes(query) && is_normalised(target.direction))
-      return simd::traversal(octree.instruction_set()).closest(octree.view(), target, query);
+      return simd::traversal(octree.instruction_set()).closest(octree.view(), target, query, query_index);
   }
   std::vector<Hit> hits;
   find_into(octree, target, query, 1, query_index, hits);
@@ -69,7 +71,7 @@ bool any_hit(const Octree& octree, const Target& target, const Query& query, std
   if (octree.size() == 0) return false;
   if constexpr (std::is_same_v<Target, Ray>) {
     if (has_lanes(query) && is_normalised(target.direction))
-      return simd::traversal(octree.instruction_set()).occluded(octree.view(), target, query);
+      return simd::traversal(octree.instruction_set()).occluded(octree.view(), target, query, query_index);
   }
   return count_to(octree, target, query, 1, query_index) > 0;
 }
@@ -121,6 +123,27 @@ void ask_many(const Octree& octree, std::span<const Target> targets, const Query
   });
 }
 
+/// Many rays to `closest` or `occluded`: through the tree together where lanes answer them, otherwise one by
+/// one.
+template <class Answer, class Stream, class Ask>
+void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
+              std::span<Answer> answers, const Stream& stream, const Ask& ask) {
+  if (!has_lanes(query) || octree.size() == 0) {
+    ask_many(octree, rays, query, answers, ask);
+    return;
+  }
+  check_many(octree, rays, query);
+  check_room(rays.size(), answers.size());
+  for_each_range(rays, k_stream_grain, [&](std::size_t first, std::size_t last) {
+    const auto range = rays.subspan(first, last - first);
+    if (std::ranges::all_of(range, [](const Ray& ray) { return is_normalised(ray.direction); })) {
+      stream(octree.view(), range, query, first, answers.subspan(first, last - first));
+    } else {
+      for (std::size_t i = first; i < last; ++i) answers[i] = ask(octree, rays[i], query, i);
+    }
+  });
+}
+
 template <class Target, class Query>
 void count_many(const Octree& octree, std::span<const Target> targets, const Query& query,
                 std::span<std::size_t> counts) {
@@ -144,7 +167,8 @@ std::optional<Hit> closest(const Octree& octree, const Cone& cone, const ConeQue
 
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
              std::span<std::optional<Hit>> hits) {
-  ask_many(octree, rays, query, hits, first_hit<Ray, RayQuery>);
+  ask_rays(octree, rays, query, hits, simd::traversal(octree.instruction_set()).closest_stream,
+           first_hit<Ray, RayQuery>);
 }
 
 bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query) {
@@ -159,7 +183,8 @@ bool occluded(const Octree& octree, const Cone& cone, const ConeQuery& query) {
 
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
               std::span<std::uint8_t> answers) {
-  ask_many(octree, rays, query, answers, any_hit<Ray, RayQuery>);
+  ask_rays(octree, rays, query, answers, simd::traversal(octree.instruction_set()).occluded_stream,
+           any_hit<Ray, RayQuery>);
 }
 
 std::vector<Hit> find(const Octree& octree, const Ray& ray, const RayQuery& query) {

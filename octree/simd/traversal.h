@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "octree/octree.h"
 #include "octree/query.h"
@@ -11,10 +12,18 @@ namespace alidade::simd {
 
 /// Ray queries on a tree, compiled for one instruction set. Lanes only discard, and only what double
 /// arithmetic would discard too; what remains is decided by octree/candidate.h. So all sets give the same
-/// bits. Requires: a checked query.
+/// bits. Requires: a checked query of finite radius and measure t or entry, checked rays, a tree that is not
+/// empty.
 struct Traversal {
-  std::optional<Hit> (*closest)(const TreeView& tree, const Ray& ray, const RayQuery& query);
-  bool (*occluded)(const TreeView& tree, const Ray& ray, const RayQuery& query);
+  std::optional<Hit> (*closest)(const TreeView& tree, const Ray& ray, const RayQuery& query,
+                                std::size_t query_index);
+  bool (*occluded)(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index);
+  /// Many rays on one thread, through the tree together: the faster the more of the tree they share.
+  /// first_index: query_index of rays[0].
+  void (*closest_stream)(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
+                         std::size_t first_index, std::span<std::optional<Hit>> hits);
+  void (*occluded_stream)(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
+                          std::size_t first_index, std::span<std::uint8_t> answers);
 };
 
 /// The traversal for an available instruction set (not `best`).
