@@ -2,7 +2,6 @@
 #include "octree/sorted_points.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <cstring>
 #include <utility>
 
+#include "octree/for_each_in_order.h"
 #include "octree/sort_buckets.h"
 
 // Points are sorted in two steps. Chunks of the input, each small enough for the cache, are brought into the
@@ -68,7 +68,7 @@ class Sorter {
   }
 
   SortedPoints<Entry> run() {
-    tbb::parallel_for(std::size_t{0}, chunk_count_, [&](std::size_t chunk) { partition_chunk(chunk); });
+    for_each_in_order(chunk_count_, [&](std::size_t chunk) { partition_chunk(chunk); });
     std::vector<std::size_t> bucket_begin(buckets_.count() + 1);
     for (std::size_t chunk = 0; chunk < chunk_count_; ++chunk) {
       for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket)
@@ -77,7 +77,7 @@ class Sorter {
     for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket)
       bucket_begin[bucket + 1] += bucket_begin[bucket];
     SortedPoints<Entry> sorted(positions_.size());
-    tbb::parallel_for(std::size_t{0}, buckets_.count(), [&](std::size_t bucket) {
+    for_each_in_order(buckets_.count(), [&](std::size_t bucket) {
       sort_bucket(bucket, sorted.data() + bucket_begin[bucket],
                   bucket_begin[bucket + 1] - bucket_begin[bucket]);
     });

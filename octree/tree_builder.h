@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "octree/child_ranges.h"
+#include "octree/for_each_in_order.h"
 #include "octree/leaf_writer.h"
 
 namespace alidade {
@@ -44,7 +43,7 @@ class TreeBuilder {
     top_boxes_.resize(1);
     build_top(point_range(sorted_, 0, exact_begin_), root_level, 0, 1);
     make_batches();
-    tbb::parallel_for(std::size_t{0}, batches_.size(), [&](std::size_t i) { build_batch(batches_[i]); });
+    for_each_in_order(batches_.size(), [&](std::size_t i) { build_batch(batches_[i]); });
     finish_top();
     join_nodes();
     TreeSummary summary{top_boxes_[0], level_count_, exact_begin_};
@@ -277,7 +276,7 @@ class TreeBuilder {
       begin.push_back(begin.back() + batch.nodes.size() - (batch.end - batch.first));
     arrays_.nodes = HugeArray<Node>(begin.back());
     std::ranges::copy(top_, arrays_.nodes.data());
-    tbb::parallel_for(std::size_t{0}, batches_.size(), [&](std::size_t b) {
+    for_each_in_order(batches_.size(), [&](std::size_t b) {
       Batch& batch = batches_[b];
       const std::size_t root_count = batch.end - batch.first;
       for (Node& node : batch.nodes) node.first_child += static_cast<std::uint32_t>(begin[b] - root_count);
