@@ -21,10 +21,11 @@ inline constexpr std::array k_closest_sets{"P", "S", "S_shuffled"};
 inline constexpr std::array k_occluded_sets{"P", "S", "S_shuffled", "A_sun", "A_vis"};
 
 /// The campus at one size, with the rays every benchmark asks:
-/// P           primary: three cameras, 600 x 400 pixels each, in pixel order; two at eye height, one on a
-/// roof S           one bounce from every hit of P, spread by the cosine around the sphere's normal, in pixel
-/// order S_shuffled  the same in random order A_sun       from every hit of P that faces the sun toward it
-/// A_vis       from 50 observers at eye height to random points within 30 m, up to shortly before the point
+/// - P: primary. Three cameras, 600 x 400 pixels each, in pixel order; two at eye height, one on a roof.
+/// - S: one bounce from every hit of P, spread by the cosine around the sphere's normal, in pixel order.
+/// - S_shuffled: the same in random order.
+/// - A_sun: from every hit of P that faces the sun toward it, all parallel.
+/// - A_vis: from 50 observers at eye height to random points within 30 m, up to shortly before the point.
 struct BenchSite {
   PointCloud cloud;
   Octree octree;

@@ -55,8 +55,9 @@ std::vector<Ray> bounce_rays(std::span<const SpherePlace> places, std::uint64_t 
 
 std::vector<Ray> parallel_rays(std::span<const SpherePlace> places, const glm::dvec3& direction) {
   std::vector<Ray> rays;
-  rays.reserve(places.size());
-  for (const SpherePlace& place : places) rays.push_back(make_ray(place.position, direction, 0.0));
+  for (const SpherePlace& place : places) {
+    if (glm::dot(place.normal, direction) > 0.0) rays.push_back(make_ray(place.position, direction, 0.0));
+  }
   return rays;
 }
 

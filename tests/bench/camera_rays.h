@@ -26,7 +26,7 @@ std::vector<SpherePlace> hit_places(std::span<const Ray> rays, std::span<const s
 /// One ray from each place, its direction spread by the cosine around the normal.
 std::vector<Ray> bounce_rays(std::span<const SpherePlace> places, std::uint64_t seed);
 
-/// Parallel rays, one from each place.
+/// Parallel rays, one from each place that faces `direction`: a renderer asks for no others.
 std::vector<Ray> parallel_rays(std::span<const SpherePlace> places, const glm::dvec3& direction);
 
 /// In random order.

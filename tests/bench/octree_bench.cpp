@@ -1,159 +1,20 @@
 // SPDX-License-Identifier: MIT
-// Ray queries and builds on the synthetic campus, beside Embree's spheres on the same rays where Embree 3 is
-// installed.
+// Rays and builds, beside Embree's spheres on the same rays where Embree 3 is installed.
 //   octree_bench --benchmark_filter=closest/P/.*/10000000/ --benchmark_repetitions=5
 // Every name ends with its number of points and "/iterations:1"; nothing of sizes that the filter leaves out
 // is made.
 #include <benchmark/benchmark.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
 
-#include <algorithm>
-#include <functional>
-#include <span>
-#include <string>
-#include <vector>
-
-#include "octree/simd/instruction_set.h"
-#include "tests/bench/bench_site.h"
 #include "tests/bench/ray_bench.h"
-#include "tests/bench/timing.h"
-
-namespace alidade::bench {
-namespace {
-
-/// Both questions under one name each: `one` says whether a ray hit, `many` fills answers.
-struct Closest {
-  using Answer = std::optional<Hit>;
-  static bool one(const Octree& octree, const Ray& ray, const RayQuery& query) {
-    const std::optional<Hit> hit = closest(octree, ray, query);
-    if (hit) benchmark::DoNotOptimize(hit->point_id);
-    return hit.has_value();
-  }
-  static void many(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
-                   std::span<Answer> answers) {
-    closest(octree, rays, query, answers);
-  }
-};
-
-struct Occluded {
-  using Answer = std::uint8_t;
-  static bool one(const Octree& octree, const Ray& ray, const RayQuery& query) {
-    return occluded(octree, ray, query);
-  }
-  static void many(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
-                   std::span<Answer> answers) {
-    occluded(octree, rays, query, answers);
-  }
-};
-
-template <class Answer>
-std::size_t count_hits(std::span<const Answer> answers) {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(answers, [](const Answer& answer) { return bool(answer); }));
-}
-
-template <class Question>
-void ask_single(benchmark::State& state, std::int64_t points, const std::string& set,
-                InstructionSet instruction_set, int threads) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
-  const Octree octree = site.octree.with_instruction_set(instruction_set);
-  const std::vector<Ray>& rays = site.rays(set);
-  std::size_t hits = 0;
-  for (auto _ : state) {
-    hits = on_threads(threads, [&] {
-      return tbb::parallel_reduce(
-          tbb::blocked_range<std::size_t>(0, rays.size(), k_rays_per_task), std::size_t{0},
-          [&](const auto& range, std::size_t sum) {
-            for (std::size_t i = range.begin(); i != range.end(); ++i)
-              sum += Question::one(octree, rays[i], site.query());
-            return sum;
-          },
-          std::plus<>());
-    });
-  }
-  report_rays(state, rays.size(), hits);
-}
-
-template <class Question>
-void ask_batch(benchmark::State& state, std::int64_t points, const std::string& set,
-               InstructionSet instruction_set, int threads) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
-  const Octree octree = site.octree.with_instruction_set(instruction_set);
-  const std::vector<Ray>& rays = site.rays(set);
-  std::vector<typename Question::Answer> answers(rays.size());
-  for (auto _ : state) on_threads(threads, [&] { Question::many(octree, rays, site.query(), answers); });
-  report_rays(state, rays.size(), count_hits<typename Question::Answer>(answers));
-}
-
-/// As a program asks that has only so many rays in hand.
-template <class Question>
-void ask_blocks(benchmark::State& state, std::int64_t points, const std::string& set, std::size_t block) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
-  const std::span<const Ray> rays = site.rays(set);
-  std::vector<typename Question::Answer> answers(block);
-  std::size_t hits = 0;
-  for (auto _ : state) {
-    on_threads(1, [&] {
-      for (std::size_t begin = 0; begin < rays.size(); begin += block) {
-        const std::size_t size = std::min(block, rays.size() - begin);
-        const std::span<typename Question::Answer> room = std::span(answers).first(size);
-        Question::many(site.octree, rays.subspan(begin, size), site.query(), room);
-        hits += count_hits<typename Question::Answer>(room);
-      }
-    });
-  }
-  report_rays(state, rays.size(), hits);
-}
-
-void build_octree(benchmark::State& state, std::int64_t points, int threads) {
-  const PointCloud& cloud = bench_site(static_cast<std::size_t>(points)).cloud;
-  std::size_t memory = 0;
-  for (auto _ : state) {
-    memory = on_threads(threads, [&] { return build(cloud).memory(); });
-  }
-  state.counters["bytes_per_point"] = static_cast<double>(memory) / static_cast<double>(points);
-}
-
-template <class Question>
-void register_question(const std::string& question, const std::string& set, std::int64_t points) {
-  const std::string count = std::to_string(points);
-  for (const int threads : {1, 2}) {
-    add_benchmark(threads, {question, set, with_threads("single", threads), count}, ask_single<Question>,
-                  points, set, InstructionSet::best, threads);
-    add_benchmark(threads, {question, set, with_threads("batch", threads), count}, ask_batch<Question>,
-                  points, set, InstructionSet::best, threads);
-  }
-  add_benchmark(1, {question, set, "blocks_of_256", count}, ask_blocks<Question>, points, set, 256);
-  for (const InstructionSet instruction_set : available_instruction_sets()) {
-    const std::string_view of_set = name(instruction_set);
-    add_benchmark(1, {"instruction_set", of_set, question, set, "single", count}, ask_single<Question>,
-                  points, set, instruction_set, 1);
-    add_benchmark(1, {"instruction_set", of_set, question, set, "batch", count}, ask_batch<Question>, points,
-                  set, instruction_set, 1);
-  }
-}
-
-}  // namespace
-
-void register_octree_rays() {
-  for (const std::int64_t points : k_site_sizes) {
-    for (const int threads : {1, 2}) {
-      add_benchmark(threads, {"build", with_threads("octree", threads), std::to_string(points)}, build_octree,
-                    points, threads);
-    }
-    for (const char* set : k_closest_sets) register_question<Closest>("closest", set, points);
-    for (const char* set : k_occluded_sets) register_question<Occluded>("occluded", set, points);
-  }
-}
-
-}  // namespace alidade::bench
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  alidade::bench::register_octree_builds();
   alidade::bench::register_octree_rays();
+  alidade::bench::register_ray_questions();
 #ifdef ALIDADE_WITH_EMBREE
+  alidade::bench::register_embree_builds();
   alidade::bench::register_embree_rays();
 #endif
   benchmark::RunSpecifiedBenchmarks();

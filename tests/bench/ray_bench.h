@@ -1,19 +1,34 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+// What octree_bench measures. Each function registers benchmarks; names are words joined by '/', the number
+// of points last.
+
 namespace alidade::bench {
 
-/// Registers, for every size of the site,
-///   closest/SET/MODE/POINTS and occluded/SET/MODE/POINTS   SET as in bench_site.h; MODE: single, batch (the
-///   whole set
-///     in one call), blocks_of_256; each also with _2_threads
-///   instruction_set/NAME/closest/SET/MODE/POINTS           single and batch with every instruction set
-///   build/octree/POINTS, build/octree_2_threads/POINTS     with memory
+/// Rays on the campus, SET as in bench_site.h, MODE single, batch (the whole set in one call), both also with
+/// _2_threads, and blocks_of_256:
+/// - closest/SET/MODE/POINTS and occluded/SET/MODE/POINTS
+/// - instruction_set/NAME/closest/SET/MODE/POINTS: single and batch with every instruction set
 void register_octree_rays();
 
-/// Registers embree/closest/SET/MODE/POINTS, embree/occluded/..., with MODE single, packet16,
-/// packet16_coherent, stream, stream_coherent, stream_of_256 and _2_threads after each; and
-/// embree/build/POINTS.
+/// MODE single, packet16, stream, stream_of_256, all also with _2_threads:
+/// - embree/closest/SET/MODE/POINTS and embree/occluded/SET/MODE/POINTS
 void register_embree_rays();
+
+/// Bytes per point of the octree, and at the peak of its build beside the cloud; all also with _2_threads:
+/// - build/octree/POINTS
+/// - build/wide/POINTS: more than 2^21 lattice steps on an axis
+/// - build/without_ids/POINTS: in stored order
+void register_octree_builds();
+
+/// - build/embree_2_threads/POINTS, with the points in the octree's order
+void register_embree_builds();
+
+/// The other questions to rays, one thread, each query by itself:
+/// - uniform/nearest/K/POINTS, uniform/radius/R/POINTS, uniform/closest_K/R/POINTS: Figure 5 of the paper
+/// - site/nearest/K/POINTS, site/closest_by_t/POINTS: 3000 primary rays of the campus
+/// - identical/closest/POINTS, identical/occluded/POINTS: all points at one place
+void register_ray_questions();
 
 }  // namespace alidade::bench

@@ -6,6 +6,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
@@ -26,7 +27,8 @@ class EmbreeSpheres {
   /// is its best case).
   EmbreeSpheres(const PointCloud& cloud, double radius, const glm::dvec3& origin = glm::dvec3(0.0),
                 std::span<const std::uint32_t> order = {})
-      : origin_(origin),
+      : vertex_count_(cloud.size()),
+        origin_(origin),
         vertices_(huge_pages(cloud.size())),
         device_(rtcNewDevice(nullptr)),
         scene_(rtcNewScene(device_)) {
@@ -35,6 +37,7 @@ class EmbreeSpheres {
       for (int axis = 0; axis < 3; ++axis) vertices_[4 * i + axis] = static_cast<float>(p[axis]);
       vertices_[4 * i + 3] = static_cast<float>(radius);
     });
+    rtcSetDeviceMemoryMonitorFunction(device_, count_memory, &allocated_);
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_SPHERE_POINT);
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, vertices_.get(), 0,
                                k_vertex_size, cloud.size());
@@ -51,6 +54,8 @@ class EmbreeSpheres {
   }
 
   RTCScene scene() const { return scene_; }
+  /// Bytes that Embree has allocated, and the vertices.
+  std::size_t memory() const { return allocated_ + vertex_count_ * k_vertex_size; }
 
   /// The ray as Embree takes it, from t = `begin` (at least its t_min) to its t_max; nothing hit yet.
   RTCRayHit prepare(const Ray& ray, float begin = 0.0f) const {
@@ -91,6 +96,13 @@ class EmbreeSpheres {
     return std::unique_ptr<float[], Free>(static_cast<float*>(memory));
   }
 
+  static bool count_memory(void* allocated, ssize_t bytes, bool) {
+    *static_cast<std::atomic<std::size_t>*>(allocated) += static_cast<std::size_t>(bytes);
+    return true;
+  }
+
+  std::size_t vertex_count_;
+  std::atomic<std::size_t> allocated_ = 0;
   glm::dvec3 origin_;
   std::unique_ptr<float[], Free> vertices_;
   RTCDevice device_;

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "tests/bench/bench_site.h"
+#include "tests/bench/embree_scene.h"
 #include "tests/bench/ray_bench.h"
 #include "tests/bench/timing.h"
-#include "tests/support/embree_spheres.h"
 
 namespace alidade::bench {
 namespace {
@@ -45,16 +45,11 @@ void compare(const BenchSite& site, const EmbreeSpheres& spheres) {
   }
 }
 
-std::unique_ptr<EmbreeSpheres> make_spheres(const BenchSite& site) {
-  return std::make_unique<EmbreeSpheres>(site.cloud, site.radius, site.octree.bounds().min,
-                                         std::span(site.octree.view().ids, site.cloud.size()));
-}
-
 const EmbreeSpheres& embree_spheres(const BenchSite& site) {
   static std::map<std::size_t, std::unique_ptr<EmbreeSpheres>> scenes;
   std::unique_ptr<EmbreeSpheres>& scene = scenes[site.cloud.size()];
   if (!scene) {
-    scene = make_spheres(site);
+    scene = embree_scene(site);
     compare(site, *scene);
   }
   return *scene;
@@ -79,14 +74,17 @@ class FlushDenormals {
 struct Mode {
   const char* name;
   int packet;  ///< rays per call
-  RTCIntersectContextFlags flags;
 };
-constexpr Mode k_modes[] = {{"single", 1, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT},
-                            {"packet16", 16, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT},
-                            {"packet16_coherent", 16, RTC_INTERSECT_CONTEXT_FLAG_COHERENT},
-                            {"stream", 4096, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT},
-                            {"stream_coherent", 4096, RTC_INTERSECT_CONTEXT_FLAG_COHERENT},
-                            {"stream_of_256", 256, RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT}};
+constexpr Mode k_modes[] = {{"single", 1}, {"packet16", 16}, {"stream", 4096}, {"stream_of_256", 256}};
+
+/// What Embree is told about the rays to come, as programs know it.
+RTCIntersectContext context_for(const std::string& set) {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  const bool coherent = set == "P" || set == "A_sun";
+  context.flags = coherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  return context;
+}
 
 /// Rays as programs hold them for Embree, ready to be copied: Embree writes its answers over them.
 std::vector<RTCRayHit> prepared(const EmbreeSpheres& spheres, const std::vector<Ray>& rays) {
@@ -117,11 +115,9 @@ void gather(std::span<const RTCRayHit> rays, RTCRayHit16& packet, std::int32_t (
   }
 }
 
-/// How many of these rays hit; every answer is read.
-std::size_t closest_hits(RTCScene scene, std::span<const RTCRayHit> rays, const Mode& mode) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = mode.flags;
+/// How many of these rays hit; every answer is read. Works in `stream`.
+std::size_t closest_hits(RTCScene scene, std::span<const RTCRayHit> rays, const Mode& mode,
+                         RTCIntersectContext context, std::vector<RTCRayHit>& stream) {
   std::size_t hits = 0;
   std::uint64_t ids = 0;
   const auto count = [&](unsigned geometry, unsigned id) {
@@ -143,7 +139,7 @@ std::size_t closest_hits(RTCScene scene, std::span<const RTCRayHit> rays, const 
       for (std::size_t lane = 0; lane < size; ++lane) count(packet.hit.geomID[lane], packet.hit.primID[lane]);
     }
   } else {
-    std::vector<RTCRayHit> stream(rays.begin(), rays.end());
+    stream.assign(rays.begin(), rays.end());
     rtcIntersect1M(scene, &context, stream.data(), static_cast<unsigned>(stream.size()), sizeof(RTCRayHit));
     for (const RTCRayHit& hit : stream) count(hit.hit.geomID, hit.hit.primID);
   }
@@ -151,10 +147,8 @@ std::size_t closest_hits(RTCScene scene, std::span<const RTCRayHit> rays, const 
   return hits;
 }
 
-std::size_t occluded_hits(RTCScene scene, std::span<const RTCRayHit> rays, const Mode& mode) {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = mode.flags;
+std::size_t occluded_hits(RTCScene scene, std::span<const RTCRayHit> rays, const Mode& mode,
+                          RTCIntersectContext context, std::vector<RTCRayHit>& stream) {
   std::size_t hits = 0;
   if (mode.packet == 1) {
     for (const RTCRayHit& ray : rays) {
@@ -172,7 +166,7 @@ std::size_t occluded_hits(RTCScene scene, std::span<const RTCRayHit> rays, const
       for (std::size_t lane = 0; lane < size; ++lane) hits += packet.ray.tfar[lane] < 0.0f;
     }
   } else {
-    std::vector<RTCRayHit> stream(rays.begin(), rays.end());
+    stream.assign(rays.begin(), rays.end());
     rtcOccluded1M(scene, &context, &stream.data()->ray, static_cast<unsigned>(stream.size()),
                   sizeof(RTCRayHit));
     for (const RTCRayHit& asked : stream) hits += asked.ray.tfar < 0.0f;
@@ -180,7 +174,8 @@ std::size_t occluded_hits(RTCScene scene, std::span<const RTCRayHit> rays, const
   return hits;
 }
 
-using Ask = std::size_t (*)(RTCScene, std::span<const RTCRayHit>, const Mode&);
+using Ask = std::size_t (*)(RTCScene, std::span<const RTCRayHit>, const Mode&, RTCIntersectContext,
+                            std::vector<RTCRayHit>&);
 
 void ask_embree(benchmark::State& state, std::int64_t points, const std::string& set, const Mode& mode,
                 Ask ask, int threads) {
@@ -188,6 +183,7 @@ void ask_embree(benchmark::State& state, std::int64_t points, const std::string&
   const EmbreeSpheres& spheres = embree_spheres(site);
   const std::vector<RTCRayHit> rays = prepared(spheres, site.rays(set));
   const std::size_t block = mode.packet <= 16 ? k_rays_per_task : static_cast<std::size_t>(mode.packet);
+  const RTCIntersectContext context = context_for(set);
   const std::size_t blocks = (rays.size() + block - 1) / block;
   std::size_t hits = 0;
   for (auto _ : state) {
@@ -196,9 +192,11 @@ void ask_embree(benchmark::State& state, std::int64_t points, const std::string&
           tbb::blocked_range<std::size_t>(0, blocks), std::size_t{0},
           [&](const auto& range, std::size_t sum) {
             const FlushDenormals flush;
+            std::vector<RTCRayHit> room;
             for (std::size_t b = range.begin(); b != range.end(); ++b)
               sum += ask(spheres.scene(),
-                         std::span(rays).subspan(b * block, std::min(block, rays.size() - b * block)), mode);
+                         std::span(rays).subspan(b * block, std::min(block, rays.size() - b * block)), mode,
+                         context, room);
             return sum;
           },
           std::plus<>());
@@ -207,17 +205,11 @@ void ask_embree(benchmark::State& state, std::int64_t points, const std::string&
   report_rays(state, rays.size(), hits);
 }
 
-void build_embree(benchmark::State& state, std::int64_t points) {
-  const BenchSite& site = bench_site(static_cast<std::size_t>(points));
-  for (auto _ : state) make_spheres(site);
-}
-
 }  // namespace
 
 void register_embree_rays() {
   for (const std::int64_t points : k_site_sizes) {
     const std::string count = std::to_string(points);
-    add_benchmark(2, {"build", with_threads("embree", 2), count}, build_embree, points);
     const auto add = [&](const std::string& question, const std::string& set, Ask ask) {
       for (const Mode& mode : k_modes) {
         for (const int threads : {1, 2}) {
