@@ -3,10 +3,12 @@
 #include <tbb/global_control.h>
 
 #include <cstring>
+#include <limits>
+#include <optional>
 
 #include "octree/build.h"
 #include "octree/morton.h"
-#include "octree/tree_walk.h"
+#include "tests/octree/tree_check.h"
 #include "tests/support/point_families.h"
 
 namespace alidade {
@@ -15,98 +17,128 @@ namespace {
 using test::point_families;
 using test::PointFamily;
 
-struct TreeCheck {
-  const TreeView& tree;
-  const PointCloud& cloud;
-  std::vector<int> seen;
-  int deepest = 0;
+constexpr Organisation k_organisations[] = {Organisation::adaptive, Organisation::fixed,
+                                            Organisation::layered};
 
-  void visit(const Frame& frame, const Bounds& box, int depth) {
-    deepest = std::max(deepest, depth);
-    ASSERT_LT(frame.node, tree.node_count);
-    ASSERT_GE(frame.level, k_min_frame_level);
-    int child_count = 0;
-    for (int slot = 0; slot < k_node_width; ++slot) {
-      const std::uint8_t kind = tree.nodes[frame.node].kind[slot];
-      if (kind == 0) continue;
-      ++child_count;
-      const Bounds child = child_bounds(tree, frame, slot);
-      if (is_inner(kind)) {
-        visit(child_frame(tree, frame, slot), child, depth + 1);
-      } else {
-        check_leaf(child_leaf(tree, frame, slot), child, box);
-      }
-    }
-    ASSERT_GT(child_count, 0);
-  }
-
-  void check_leaf(const Leaf& leaf, const Bounds& own, const Bounds& parent) {
-    ASSERT_LE(std::uint64_t{leaf.place} + leaf.count, tree.point_count);
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const std::uint32_t id = tree.ids[leaf.place + i];
-      ASSERT_LT(id, cloud.size());
-      ++seen[id];
-      ASSERT_EQ(position_of(tree, leaf, i), cloud.positions[id]);
-      ASSERT_TRUE(own.contains(cloud.world(id)));
-      ASSERT_TRUE(parent.contains(cloud.world(id)));
-    }
-  }
-};
-
-Bounds everything() {
-  Bounds bounds;
-  bounds.grow(glm::dvec3(-1e300));
-  bounds.grow(glm::dvec3(1e300));
-  return bounds;
+PointCloud cloud_on(const Lattice& lattice, std::vector<LatticePosition> positions) {
+  PointCloud cloud;
+  cloud.lattice = lattice;
+  cloud.positions = std::move(positions);
+  return cloud;
 }
 
-TEST(Octree, holds_every_point_once_without_loss_inside_its_boxes) {
+TEST(Octree, holds_every_point_once_without_loss_in_boxes_that_fit) {
   for (const PointFamily& family : point_families()) {
-    SCOPED_TRACE(family.name);
-    const Octree octree = build(family.cloud);
-    ASSERT_EQ(octree.size(), family.cloud.size());
-    EXPECT_EQ(octree.bounds().min, family.cloud.bounds().min);
-    EXPECT_EQ(octree.bounds().max, family.cloud.bounds().max);
-    if (octree.size() == 0) continue;
-    TreeCheck check{octree.view(), family.cloud, std::vector<int>(family.cloud.size()), 0};
-    check.visit(root_frame(octree.view()), everything(), 1);
-    EXPECT_EQ(check.seen, std::vector<int>(family.cloud.size(), 1));
-    EXPECT_LE(check.deepest, k_max_tree_depth);
+    for (const Organisation organisation : k_organisations) {
+      for (const int leaf_size : {1, 5, k_max_leaf_size}) {
+        SCOPED_TRACE(family.name + " organisation " + std::to_string(static_cast<int>(organisation)) +
+                     " leaf size " + std::to_string(leaf_size));
+        BuildOptions options;
+        options.organisation = organisation;
+        options.leaf_size = leaf_size;
+        const Octree octree = build(family.cloud, options);
+        EXPECT_EQ(octree.view().organisation, organisation);
+        EXPECT_EQ(octree.bounds().min, family.cloud.bounds().min);
+        EXPECT_EQ(octree.bounds().max, family.cloud.bounds().max);
+        test::TreeCheck(octree.view(), family.cloud, leaf_size).run();
+        if (HasFatalFailure() || HasNonfatalFailure()) return;
+      }
+    }
+  }
+}
+
+TEST(Octree, holds_points_at_all_ends_of_the_lattice) {
+  constexpr std::int32_t k_low = std::numeric_limits<std::int32_t>::min(),
+                         k_high = std::numeric_limits<std::int32_t>::max();
+  test::Random random;
+  std::vector<LatticePosition> positions;
+  for (int i = 0; i < 8000; ++i) {
+    const auto near = [&](bool at_high) {
+      const auto step = static_cast<std::int32_t>(random.below(3000));
+      return at_high ? k_high - step : k_low + step;
+    };
+    positions.emplace_back(near(i & 1), near(i & 2), near(i & 4));
+  }
+  for (int i = 0; i < 8; ++i)
+    positions.emplace_back(i & 1 ? k_high : k_low, i & 2 ? k_high : k_low, i & 4 ? k_high : k_low);
+  const PointCloud cloud = cloud_on({glm::dvec3(0.001), glm::dvec3(0)}, positions);
+  for (const Organisation organisation : k_organisations) {
+    SCOPED_TRACE(static_cast<int>(organisation));
+    BuildOptions options;
+    options.organisation = organisation;
+    const Octree octree = build(cloud, options);
+    EXPECT_EQ(octree.view().root_level, 32);
+    test::TreeCheck(octree.view(), cloud, options.leaf_size).run();
+  }
+}
+
+TEST(Octree, exact_positions_stand_beside_sparse_leaves_only) {
+  test::Random random;
+  // A dense patch, far outliers: without outliers it would take 17 bits per axis, with them 32.
+  std::vector<LatticePosition> positions;
+  for (int i = 0; i < 100000; ++i) {
+    positions.emplace_back(random.below(100000), random.below(100000), random.below(100));
+  }
+  for (int i = 0; i < 10; ++i) positions.emplace_back(random.bits(), random.bits(), random.bits());
+  const PointCloud cloud = cloud_on({glm::dvec3(0.001), glm::dvec3(0)}, positions);
+  const Octree octree = build(cloud);
+  EXPECT_EQ(octree.view().root_level, 32);
+  EXPECT_GE(octree.view().exact_count(), 10u);
+  EXPECT_LT(octree.view().exact_count(), 40u);
+  EXPECT_LT(static_cast<double>(octree.memory()) / static_cast<double>(octree.size()), 11.8);
+}
+
+void expect_same_bytes(const TreeView& a, const TreeView& b) {
+  ASSERT_EQ(a.node_count, b.node_count);
+  ASSERT_EQ(a.point_count, b.point_count);
+  EXPECT_EQ(a.root_level, b.root_level);
+  EXPECT_EQ(a.level_count, b.level_count);
+  ASSERT_EQ(a.exact_count(), b.exact_count());
+  if (a.point_count == 0) return;
+  EXPECT_EQ(std::memcmp(a.nodes, b.nodes, a.node_count * sizeof(Node)), 0);
+  EXPECT_EQ(std::memcmp(a.ids, b.ids, a.point_count * sizeof(std::uint32_t)), 0);
+  EXPECT_EQ(std::memcmp(a.coordinates, b.coordinates,
+                        (3 * a.point_count + k_coordinate_padding) * sizeof(std::uint16_t)),
+            0);
+  if (a.exact_count() > 0) {
+    EXPECT_EQ(std::memcmp(a.positions, b.positions, a.exact_count() * sizeof(LatticePosition)), 0);
   }
 }
 
 TEST(Octree, is_the_same_bytes_on_any_number_of_threads) {
-  test::Random random;
-  std::vector<glm::dvec3> positions;
-  for (int i = 0; i < 300000; ++i) positions.push_back(glm::dvec3(50, 50, 5) * random.in_cube());
-  const PointCloud cloud = test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0)});
-  std::optional<Octree> first;
-  for (const std::size_t threads : {1, 2, 4}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const Octree octree = build(cloud);
-    if (!first) {
-      first = octree;
-      continue;
+  for (const std::int32_t width : {50000, 4000000, 2000000000}) {
+    test::Random random("threads" + std::to_string(width));
+    std::vector<LatticePosition> positions;
+    for (int i = 0; i < 150000; ++i) {
+      // Half of them in a corner, many at equal places.
+      const std::uint64_t extent = i % 2 == 0 ? width : 40 + width / 1000;
+      positions.emplace_back(random.below(extent), random.below(extent), random.below(40));
     }
-    const TreeView &a = first->view(), &b = octree.view();
-    ASSERT_EQ(a.node_count, b.node_count);
-    EXPECT_EQ(std::memcmp(a.nodes, b.nodes, a.node_count * sizeof(Node)), 0);
-    EXPECT_EQ(std::memcmp(a.ids, b.ids, a.point_count * sizeof(std::uint32_t)), 0);
-    EXPECT_EQ(std::memcmp(a.coordinates, b.coordinates, 3 * a.point_count * sizeof(std::uint16_t)), 0);
+    const PointCloud cloud = cloud_on({glm::dvec3(0.001), glm::dvec3(0)}, positions);
+    for (const Organisation organisation : k_organisations) {
+      SCOPED_TRACE(std::to_string(width) + " organisation " + std::to_string(static_cast<int>(organisation)));
+      BuildOptions options;
+      options.organisation = organisation;
+      std::optional<Octree> first;
+      for (const std::size_t threads : {1, 2, 4}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        const Octree octree = build(cloud, options);
+        if (!first) first = octree;
+        expect_same_bytes(first->view(), octree.view());
+      }
+    }
   }
 }
 
 TEST(Octree, building_from_a_cloud_that_is_given_away_empties_its_positions_only) {
   for (PointFamily& family : point_families()) {
+    SCOPED_TRACE(family.name);
     const Octree kept = build(family.cloud);
     family.cloud.classifications.resize(family.cloud.size(), 2);
     const Octree taken = build(std::move(family.cloud));
-    EXPECT_TRUE(family.cloud.positions.empty()) << family.name;
-    EXPECT_EQ(family.cloud.classifications.size(), taken.size()) << family.name;
-    ASSERT_EQ(kept.view().node_count, taken.view().node_count) << family.name;
-    if (taken.size() == 0) continue;
-    EXPECT_EQ(std::memcmp(kept.view().nodes, taken.view().nodes, kept.view().node_count * sizeof(Node)), 0)
-        << family.name;
+    EXPECT_TRUE(family.cloud.positions.empty());
+    EXPECT_EQ(family.cloud.classifications.size(), taken.size());
+    expect_same_bytes(kept.view(), taken.view());
   }
 }
 
@@ -125,6 +157,17 @@ TEST(Octree, a_leaf_size_out_of_range_is_an_error) {
   BuildOptions options;
   for (const int leaf_size : {-1, 0, 33}) {
     options.leaf_size = leaf_size;
+    EXPECT_THROW(build(cloud, options), Error);
+  }
+}
+
+TEST(Octree, a_cell_size_out_of_range_is_an_error) {
+  const PointCloud cloud = test::make_cloud({{0, 0, 0}}, {glm::dvec3(0.001), glm::dvec3(0)});
+  BuildOptions options;
+  options.organisation = Organisation::fixed;
+  for (const double cell_size :
+       {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    options.cell_size = cell_size;
     EXPECT_THROW(build(cloud, options), Error);
   }
 }
@@ -151,6 +194,23 @@ TEST(Morton, interleaving_is_undone_exactly) {
   EXPECT_EQ(morton_key(0, 1, 0), 2u);
   EXPECT_EQ(morton_key(0, 0, 1), 4u);
   EXPECT_EQ(morton_key(0x1fffff, 0x1fffff, 0x1fffff), 0x7fffffffffffffffu);
+}
+
+TEST(Morton, wide_keys_hold_all_bits_in_the_same_order) {
+  test::Random random;
+  for (int i = 0; i < 10000; ++i) {
+    const auto x = static_cast<std::uint32_t>(random.bits()), y = static_cast<std::uint32_t>(random.bits()),
+               z = static_cast<std::uint32_t>(random.bits());
+    const WideMortonKey key = wide_morton_key(x, y, z);
+    ASSERT_EQ(morton_coordinate(key, 0), x);
+    ASSERT_EQ(morton_coordinate(key, 1), y);
+    ASSERT_EQ(morton_coordinate(key, 2), z);
+    ASSERT_EQ(wide_morton_key(x & 0x1fffff, y & 0x1fffff, z & 0x1fffff), morton_key(x, y, z));
+    const int bit = static_cast<int>(random.below(96));
+    ASSERT_EQ(highest_bit(WideMortonKey{1} << bit | (key & ((WideMortonKey{1} << bit) - 1))), bit);
+  }
+  EXPECT_EQ(highest_bit(WideMortonKey{0}), -1);
+  EXPECT_EQ(highest_bit(std::uint64_t{0}), -1);
 }
 
 }  // namespace
