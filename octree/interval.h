@@ -46,7 +46,7 @@ inline double least_magnitude(const Interval& x) {
 
 /// Largest |x|. NaN if an end is.
 inline double greatest_magnitude(const Interval& x) {
-  return -x.low > x.high ? -x.low : x.high;
+  return !(-x.low <= x.high) && !std::isnan(x.high) ? -x.low : x.high;
 }
 
 /// A box seen from a place: per axis, coordinate minus that of `from`.

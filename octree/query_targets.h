@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <optional>
-#include <vector>
 
 #include "octree/candidate.h"
+#include "octree/path_index.h"
 #include "octree/tree_query.h"
 
 // The targets of octree/query.h as tree_query.h takes them: how near, where and in which order the points of
@@ -94,33 +94,19 @@ class PathTarget {
   using Answer = PathHit;
 
   PathTarget(const Path& path, const PathQuery& query, std::size_t query_index = 0)
-      : path_(path), segments_(segments_of(path)), query_(query), query_index_(query_index) {}
+      : path_(path), index_(path), query_(query), query_index_(query_index) {}
 
   std::optional<PathHit> evaluate(const glm::dvec3& position, std::uint64_t point_id) const {
-    return alidade::evaluate(project(segments_, position), path_.t_min, path_.t_max, query_, position,
-                             point_id, query_index_);
+    return alidade::evaluate(index_.project(position), path_.t_min, path_.t_max, query_, position, point_id,
+                             query_index_);
   }
   double measured(const PathHit& hit) const { return alidade::measured(query_.measure, hit); }
   bool precedes(const PathHit& a, const PathHit& b) const { return alidade::precedes(query_.measure, a, b); }
 
   Reach reach(const Bounds& box, DistanceBound bound) const {
-    // The nearest segment of a point is no farther than the nearest one can be for all points of the box.
-    double reachable = std::numeric_limits<double>::infinity();
-    for (const Segment& segment : segments_) {
-      const double farthest = project(segment, box).distance.high;
-      if (farthest < reachable) reachable = farthest;
-    }
-    Reach reach{std::numeric_limits<double>::infinity(),
-                {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}};
-    for (const Segment& segment : segments_) {
-      const RayReach here = project(segment, box);
-      if (here.distance.low > reachable) continue;
-      reach.distance = std::min(reach.distance, here.distance.low);
-      reach.t.low = std::min(reach.t.low, segment.t_begin + here.t.low);
-      reach.t.high = std::max(reach.t.high, segment.t_begin + here.t.high);
-    }
-    if (bound == DistanceBound::none) reach.distance = 0.0;
-    return reach;
+    if (bound == DistanceBound::none) return {0.0, index_.reach(box, k_unlimited_radius).t};
+    const RayReach projected = index_.reach(box, query_.radius);
+    return {projected.distance.low, projected.t};
   }
   bool too_far(const Reach& reach) const { return reach.distance > query_.radius; }
   bool outside_interval(const Reach& reach) const {
@@ -132,7 +118,7 @@ class PathTarget {
 
  private:
   const Path& path_;
-  std::vector<Segment> segments_;
+  PathIndex index_;
   const PathQuery& query_;
   std::size_t query_index_;
 };

@@ -5,17 +5,12 @@
 #include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/query.h"
+#include "tests/support/octrees.h"
 #include "tests/support/point_families.h"
 #include "tests/support/ray_families.h"
+#include "tests/support/same_hits.h"
 
 namespace alidade {
-
-// Bits, not values: a difference must show as the numbers that differ.
-void PrintTo(const Hit& hit, std::ostream* out) {
-  *out << std::hexfloat << "point " << hit.point_id << " t " << hit.t << " distance " << hit.distance
-       << " entry " << hit.entry;
-}
-
 namespace {
 
 using test::point_families;
@@ -23,6 +18,7 @@ using test::PointFamily;
 using test::Random;
 using test::ray_cases;
 using test::RayCase;
+using test::same_hits;
 
 std::string describe(const PointFamily& family, InstructionSet set, const RayCase& c) {
   std::ostringstream text;
@@ -34,10 +30,9 @@ std::string describe(const PointFamily& family, InstructionSet set, const RayCas
   return text.str();
 }
 
-BuildOptions options_for(InstructionSet set, int leaf_size = BuildOptions{}.leaf_size) {
+BuildOptions options_for(InstructionSet set) {
   BuildOptions options;
   options.instruction_set = set;
-  options.leaf_size = leaf_size;
   return options;
 }
 
@@ -49,10 +44,10 @@ TEST_P(RayQueryVsBruteForce, closest_and_occluded_are_the_same_bits_on_every_fam
     const Octree octree = build(family.cloud, options_for(GetParam()));
     Random random(family.name + "_rays");
     for (const RayCase& c : ray_cases(family.cloud, 2000, random)) {
+      SCOPED_TRACE(describe(family, GetParam(), c));
       const std::optional<Hit> expected = brute_force::closest(family.cloud, c.ray, c.query);
-      ASSERT_EQ(closest(octree, c.ray, c.query), expected) << describe(family, GetParam(), c);
-      ASSERT_EQ(occluded(octree, c.ray, c.query), brute_force::occluded(family.cloud, c.ray, c.query))
-          << describe(family, GetParam(), c);
+      ASSERT_TRUE(same_hits(closest(octree, c.ray, c.query), expected));
+      ASSERT_EQ(occluded(octree, c.ray, c.query), expected.has_value());
       ++(expected ? hit_count : miss_count);
     }
   }
@@ -60,14 +55,43 @@ TEST_P(RayQueryVsBruteForce, closest_and_occluded_are_the_same_bits_on_every_fam
   EXPECT_GT(miss_count, 8000u);
 }
 
-TEST_P(RayQueryVsBruteForce, leaf_size_does_not_change_answers) {
+TEST_P(RayQueryVsBruteForce, organisation_and_leaf_size_do_not_change_answers) {
   for (const PointFamily& family : point_families()) {
-    for (const int leaf_size : {1, 3, 17}) {
-      const Octree octree = build(family.cloud, options_for(GetParam(), leaf_size));
-      Random random(family.name + "_leaf_size");
+    for (const test::NamedOctree& asked : test::octrees_of(family.cloud, GetParam())) {
+      Random random(family.name + "_organisation");
       for (const RayCase& c : ray_cases(family.cloud, 60, random)) {
-        ASSERT_EQ(closest(octree, c.ray, c.query), brute_force::closest(family.cloud, c.ray, c.query))
-            << describe(family, GetParam(), c) << " leaf size " << leaf_size;
+        SCOPED_TRACE(describe(family, GetParam(), c) + " " + asked.name);
+        const std::optional<Hit> expected = brute_force::closest(family.cloud, c.ray, c.query);
+        ASSERT_TRUE(same_hits(closest(asked.octree, c.ray, c.query), expected));
+        ASSERT_EQ(occluded(asked.octree, c.ray, c.query), expected.has_value());
+      }
+    }
+  }
+}
+
+TEST_P(RayQueryVsBruteForce, batches_are_the_same_bits_on_every_family) {
+  for (const PointFamily& family : point_families()) {
+    const Octree octree = build(family.cloud, options_for(GetParam()));
+    Random random(family.name + "_batches");
+    for (int turn = 0; turn < 4; ++turn) {
+      // A batch has one query: that of its first ray. Some batches are coherent, a fan from one place.
+      std::vector<RayCase> cases = ray_cases(family.cloud, 60, random);
+      const RayQuery query = cases[0].query;
+      std::vector<Ray> rays;
+      for (RayCase& c : cases) {
+        if (turn % 2) c.ray.origin = cases[0].ray.origin;
+        c.query = query;
+        rays.push_back(c.ray);
+      }
+      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size());
+      closest(octree, rays, query, hits);
+      occluded(octree, rays, query, blocked);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        SCOPED_TRACE(describe(family, GetParam(), cases[i]) + " ray " + std::to_string(i));
+        const std::optional<Hit> expected = brute_force::closest(family.cloud, rays[i], query);
+        ASSERT_TRUE(same_hits(hits[i], expected));
+        ASSERT_EQ(blocked[i] != 0, expected.has_value());
       }
     }
   }

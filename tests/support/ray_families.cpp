@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "tests/support/places.h"
+
 namespace alidade::test {
 namespace {
 
@@ -41,23 +43,13 @@ glm::dvec3 some_direction(Random& random) {
 }  // namespace
 
 std::vector<RayCase> ray_cases(const PointCloud& cloud, std::size_t count, Random& random) {
-  Bounds bounds = cloud.bounds();
-  if (bounds.empty()) bounds.grow(glm::dvec3(0.0));
-  const glm::dvec3 size = bounds.size();
-  const double diagonal = std::max(std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z), 1.0);
-  const double spacing = diagonal / std::cbrt(static_cast<double>(std::max<std::size_t>(cloud.size(), 1)));
-  const auto some_point = [&] {
-    return cloud.size() ? cloud.world(random.below(cloud.size())) : bounds.center();
-  };
-  const auto some_place = [&] {
-    return bounds.min + size * glm::dvec3(random.unit(), random.unit(), random.unit());
-  };
-
+  const Places places(cloud, random);
+  const double diagonal = places.diagonal(), spacing = places.spacing();
   std::vector<RayCase> cases;
   while (cases.size() < count) {
     const glm::dvec3 direction = some_direction(random);
     const glm::dvec3 target =
-        random.below(2) ? some_point() : some_place() + 0.3 * spacing * random.in_cube();
+        random.below(2) ? places.point() : places.inside() + 0.3 * spacing * random.in_cube();
     double back = 0.0;
     switch (random.below(5)) {
       case 0:
@@ -91,9 +83,7 @@ std::vector<RayCase> ray_cases(const PointCloud& cloud, std::size_t count, Rando
       default:
         break;
     }
-    const double radii[] = {0.0,           1e-9,          1e-4,    0.01 * spacing,
-                            0.1 * spacing, 0.5 * spacing, spacing, 10 * diagonal};
-    next.query.radius = radii[random.below(std::size(radii))];
+    next.query.radius = places.length();
     next.query.measure = random.below(2) ? Measure::entry : Measure::t;
     if (random.below(3) == 0) next.query.entry_min = random.below(2) ? 1e-6 : back - next.query.radius;
     cases.push_back(next);

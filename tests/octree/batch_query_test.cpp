@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include <tbb/global_control.h>
+
+#include <atomic>
+
+#include "tests/octree/as_brute_force.h"
+
+namespace alidade {
+namespace {
+
+using namespace test;
+
+template <class Answer>
+void expect_all_same(const Answers<Answer>& found, const std::vector<std::vector<Answer>>& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  ASSERT_EQ(found.begin.front(), 0u);
+  ASSERT_EQ(found.begin.back(), found.all.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    ASSERT_TRUE(same_hits(found[i], std::span<const Answer>(expected[i]))) << "target " << i;
+  }
+}
+
+/// find and count of many targets against find of each, on one and more threads.
+template <class Target, class Query>
+void expect_as_one_by_one(const Octree& octree, const std::vector<QueryCase<Target, Query>>& cases,
+                          const Query& query) {
+  std::vector<Target> targets;
+  for (const auto& c : cases) targets.push_back(c.target);
+  std::vector<decltype(find(octree, targets[0], query))> expected;
+  for (const Target& target : targets) expected.push_back(find(octree, target, query));
+  for (const std::size_t threads : {1, 2, 5}) {
+    SCOPED_TRACE(std::to_string(threads) + " threads");
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    expect_all_same(find(octree, std::span<const Target>(targets), query), expected);
+    std::vector<std::size_t> counts(targets.size());
+    count(octree, std::span<const Target>(targets), query, counts);
+    for (std::size_t i = 0; i < targets.size(); ++i) ASSERT_EQ(counts[i], expected[i].size());
+  }
+}
+
+class Batch : public ::testing::Test {
+ protected:
+  Batch() : family_(point_families().back()), octree_(build(family_.cloud)) {}
+
+  const PointFamily family_;
+  const Octree octree_;
+  Random random_;
+};
+
+// More targets than one task takes, so that the seams between tasks are among them.
+constexpr std::size_t k_targets = 700;
+
+TEST_F(Batch, of_rays_answers_in_the_order_of_the_rays_on_any_number_of_threads) {
+  const auto cases = find_ray_cases(family_.cloud, k_targets, random_);
+  expect_as_one_by_one(octree_, cases, RayQuery{.radius = 0.2});
+  expect_as_one_by_one(octree_, cases, RayQuery{.radius = 0.5, .measure = Measure::t, .k = 3});
+  expect_as_one_by_one(octree_, cases, RayQuery{.measure = Measure::distance, .k = 8});
+}
+
+TEST_F(Batch, of_rays_gives_closest_and_occluded_in_the_order_of_the_rays) {
+  std::vector<Ray> rays;
+  for (const FindRayCase& c : find_ray_cases(family_.cloud, 2000, random_)) rays.push_back(c.target);
+  const CandidateFilter odd = [](const Candidate& point) { return point.point_id % 2 == 1; };
+  for (const RayQuery& query :
+       {RayQuery{.radius = 0.2}, RayQuery{.radius = 0.2, .measure = Measure::t, .filter = odd},
+        RayQuery{.measure = Measure::distance}, RayQuery{.radius = 0.3, .entry_min = 1e-6}}) {
+    for (const std::size_t threads : {1, 2, 5}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      std::vector<std::optional<Hit>> hits(rays.size());
+      std::vector<std::uint8_t> blocked(rays.size());
+      closest(octree_, rays, query, hits);
+      occluded(octree_, rays, query, blocked);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_TRUE(same_hits(hits[i], closest(octree_, rays[i], query))) << "ray " << i;
+        ASSERT_EQ(blocked[i] != 0, hits[i].has_value()) << "ray " << i;
+      }
+    }
+  }
+}
+
+TEST_F(Batch, of_cones_paths_regions_boxes_and_points_answers_in_their_order) {
+  expect_as_one_by_one(octree_, cone_cases(family_.cloud, k_targets, random_), ConeQuery{.k = 5});
+  expect_as_one_by_one(octree_, path_cases(family_.cloud, k_targets, random_), PathQuery{.radius = 0.5});
+  expect_as_one_by_one(octree_, region_cases(family_.cloud, k_targets, random_), PointQuery{.k = 9});
+  expect_as_one_by_one(octree_, box_cases(family_.cloud, k_targets, random_), PointQuery{.k = 100});
+  expect_as_one_by_one(octree_, point_cases(family_.cloud, k_targets, random_), PointQuery{.k = 8});
+}
+
+TEST_F(Batch, of_nothing_answers_nothing) {
+  const Answers<Hit> none = find(octree_, std::span<const Ray>(), {.radius = 1.0});
+  EXPECT_EQ(none.size(), 0u);
+  EXPECT_TRUE(none.all.empty());
+  std::vector<std::optional<Hit>> hits;
+  closest(octree_, std::span<const Ray>(), {.radius = 1.0}, hits);
+}
+
+TEST_F(Batch, its_filter_is_told_the_number_of_the_target) {
+  std::vector<Ray> rays;
+  for (const FindRayCase& c : find_ray_cases(family_.cloud, k_targets, random_)) rays.push_back(c.target);
+  const auto only_of_odd_rays = [](const Candidate& point) { return point.query_index % 2 == 1; };
+  RayQuery query{.radius = 0.3};
+  const Answers<Hit> all = find(octree_, rays, query);
+  query.filter = only_of_odd_rays;
+  const Answers<Hit> odd = find(octree_, rays, query);
+  std::vector<std::optional<Hit>> hits(rays.size());
+  std::vector<std::uint8_t> blocked(rays.size());
+  std::vector<std::size_t> counts(rays.size());
+  closest(octree_, rays, query, hits);
+  occluded(octree_, rays, query, blocked);
+  count(octree_, rays, query, counts);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::size_t expected = i % 2 ? all[i].size() : 0;
+    ASSERT_EQ(odd[i].size(), expected);
+    ASSERT_EQ(hits[i].has_value(), expected > 0);
+    ASSERT_EQ(blocked[i] != 0, expected > 0);
+    ASSERT_EQ(counts[i], expected);
+  }
+}
+
+}  // namespace
+}  // namespace alidade
