@@ -6,8 +6,11 @@
 #include <span>
 
 #include "octree/build.h"
+#include "octree/cloud/attribute_columns.h"
 #include "octree/cloud/read_cloud.h"
+#include "octree/index_file.h"
 #include "octree/spacing.h"
+#include "octree/tree_walk.h"
 #include "renderer/render.h"
 
 namespace alidade {
@@ -34,6 +37,14 @@ Stretch inner_bins(std::span<const std::uint64_t> histogram, std::uint64_t total
   return {static_cast<double>(low), static_cast<double>(high)};
 }
 
+/// Calls visit(place, lattice steps of z) for every point.
+template <class Visit>
+void for_each_height(const TreeView& tree, const Visit& visit) {
+  for_each_leaf(tree, [&](const Leaf& leaf) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i) visit(leaf.place + i, position_of(tree, leaf, i).z);
+  });
+}
+
 Stretch intensity_stretch(std::span<const std::uint16_t> intensities) {
   std::vector<std::uint64_t> histogram(65536);
   for (const std::uint16_t value : intensities) ++histogram[value];
@@ -41,19 +52,21 @@ Stretch intensity_stretch(std::span<const std::uint16_t> intensities) {
 }
 
 /// In lattice steps of z.
-Stretch height_stretch(std::span<const LatticePosition> positions) {
+Stretch height_stretch(const TreeView& tree) {
   std::int64_t lowest = std::numeric_limits<std::int32_t>::max(),
                highest = std::numeric_limits<std::int32_t>::min();
-  for (const LatticePosition& position : positions) {
-    lowest = std::min<std::int64_t>(lowest, position.z);
-    highest = std::max<std::int64_t>(highest, position.z);
-  }
+  for_each_height(tree, [&](std::uint32_t, std::int64_t height) {
+    lowest = std::min(lowest, height);
+    highest = std::max(highest, height);
+  });
   if (lowest >= highest) return {static_cast<double>(lowest), static_cast<double>(highest)};
   constexpr std::int64_t k_bins = 65536;
   const std::int64_t extent = highest - lowest + 1;
   std::vector<std::uint64_t> histogram(k_bins);
-  for (const LatticePosition& position : positions) ++histogram[(position.z - lowest) * k_bins / extent];
-  const Stretch bins = inner_bins(histogram, positions.size());
+  for_each_height(tree, [&](std::uint32_t, std::int64_t height) {
+    ++histogram[static_cast<std::size_t>((height - lowest) * k_bins / extent)];
+  });
+  const Stretch bins = inner_bins(histogram, tree.point_count);
   const double step = static_cast<double>(extent) / k_bins;
   return {static_cast<double>(lowest) + bins.low * step,
           static_cast<double>(lowest) + (bins.high + 1.0) * step};
@@ -86,14 +99,14 @@ void drop(Column& column) {
   Column().swap(column);
 }
 
-bool has_color(const PointCloud& cloud) {
-  return std::any_of(cloud.colors.begin(), cloud.colors.end(),
+bool has_color(const AttributeColumns& columns) {
+  return std::any_of(columns.colors.begin(), columns.colors.end(),
                      [](const Color16& color) { return color != Color16(0); });
 }
 
-bool has_varied_intensity(const PointCloud& cloud) {
-  return std::any_of(cloud.intensities.begin(), cloud.intensities.end(),
-                     [&](std::uint16_t value) { return value != cloud.intensities.front(); });
+bool has_varied_intensity(const AttributeColumns& columns) {
+  return std::any_of(columns.intensities.begin(), columns.intensities.end(),
+                     [&](std::uint16_t value) { return value != columns.intensities.front(); });
 }
 
 AttributeSet wanted_attributes(PointColor color) {
@@ -116,42 +129,79 @@ std::string names(const std::vector<std::filesystem::path>& files) {
 }
 
 /// What the colours will show. Errors: an attribute was asked for by name and is not there.
-PointColor choose_color(const CloudSettings& settings, const PointCloud& cloud,
+PointColor choose_color(const CloudSettings& settings, const AttributeColumns& columns, std::uint64_t count,
                         std::vector<std::string>& warnings) {
-  if (cloud.size() == 0) return PointColor::rgb;
-  if (settings.color == PointColor::rgb && cloud.colors.empty()) {
+  if (count == 0) return PointColor::rgb;
+  if (settings.color == PointColor::rgb && columns.colors.empty()) {
     throw Error(
         {.file = names(settings.files), .problem = "points have no colour; color \"rgb\" cannot be shown"});
   }
-  if (settings.color == PointColor::intensity && cloud.intensities.empty()) {
+  if (settings.color == PointColor::intensity && columns.intensities.empty()) {
     throw Error({.file = names(settings.files),
                  .problem = "points have no intensity; color \"intensity\" cannot be shown"});
   }
   if (settings.color != PointColor::automatic) return settings.color;
-  if (has_color(cloud)) return PointColor::rgb;
-  const bool varied = has_varied_intensity(cloud);
+  if (has_color(columns)) return PointColor::rgb;
+  const bool varied = has_varied_intensity(columns);
   warnings.push_back(names(settings.files) +
-                     (cloud.colors.empty() ? " has no colour" : " has only black as colour") +
+                     (columns.colors.empty() ? " has no colour" : " has only black as colour") +
                      (varied ? ": coloured by intensity" : " and no varied intensity: coloured by height"));
   return varied ? PointColor::intensity : PointColor::height;
 }
 
-/// Leaves the cloud with colours and without intensities.
-void color_points(PointColor color, PointCloud& cloud) {
-  if (color == PointColor::rgb) return drop(cloud.intensities);
-  cloud.colors.resize(cloud.size());
-  cloud.colors.shrink_to_fit();
+/// Colours that are worked out, by point id.
+std::vector<Color16> computed_colors(PointColor color, std::span<const std::uint16_t> intensities,
+                                     const TreeView& tree) {
+  std::vector<Color16> colors(tree.point_count);
   if (color == PointColor::intensity) {
-    const Stretch stretch = intensity_stretch(cloud.intensities);
-    for (std::size_t id = 0; id < cloud.size(); ++id) {
-      cloud.colors[id] = intensity_color(stretch.place(cloud.intensities[id]));
-    }
+    const Stretch stretch = intensity_stretch(intensities);
+    for (std::size_t id = 0; id < colors.size(); ++id)
+      colors[id] = intensity_color(stretch.place(intensities[id]));
   } else {
-    const Stretch stretch = height_stretch(cloud.positions);
-    for (std::size_t id = 0; id < cloud.size(); ++id)
-      cloud.colors[id] = height_color(stretch.place(cloud.positions[id].z));
+    const Stretch stretch = height_stretch(tree);
+    for_each_height(tree, [&](std::uint32_t place, std::int64_t height) {
+      colors[point_id(tree, place)] = height_color(stretch.place(static_cast<double>(height)));
+    });
   }
-  drop(cloud.intensities);
+  return colors;
+}
+
+/// Takes over what a cloud says about itself.
+void describe(LoadedCloud& loaded, const CloudSettings& settings, PointCloud&& cloud, std::uint64_t count) {
+  loaded.warnings = std::move(cloud.warnings);
+  if (count == 0) loaded.warnings.push_back(names(settings.files) + " has no points");
+  loaded.crs = std::move(cloud.crs);
+  loaded.files = std::move(cloud.files);
+}
+
+LoadedCloud map_cloud(const CloudSettings& settings, const Progress& progress) {
+  const IndexFile index = open_index(settings.files.front());
+  LoadedCloud loaded;
+  describe(loaded, settings, PointCloud(index.description()), index.header().tree.point_count);
+  loaded.color = choose_color(settings, index.columns(), index.header().tree.point_count, loaded.warnings);
+  loaded.octree = index.octree(progress);
+  if (loaded.color == PointColor::rgb) {
+    loaded.mapped_colors = index.columns().colors;
+  } else {
+    loaded.colors = computed_colors(loaded.color, index.columns().intensities, loaded.octree.view());
+  }
+  return loaded;
+}
+
+LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, const Progress& afterwards) {
+  PointCloud cloud = read_cloud(settings.files, {.attributes = wanted_attributes(settings.color),
+                                                 .color_depth = settings.color_depth,
+                                                 .progress = reading});
+  LoadedCloud loaded;
+  describe(loaded, settings, std::move(cloud), cloud.size());
+  loaded.color = choose_color(settings, columns_of(cloud), cloud.size(), loaded.warnings);
+  if (loaded.color != PointColor::intensity) drop(cloud.intensities);
+  if (loaded.color != PointColor::rgb) drop(cloud.colors);
+  loaded.octree = build(std::move(cloud), {.progress = afterwards});
+  loaded.colors = loaded.color == PointColor::rgb
+                      ? std::move(cloud.colors)
+                      : computed_colors(loaded.color, cloud.intensities, loaded.octree.view());
+  return loaded;
 }
 
 }  // namespace
@@ -172,20 +222,10 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) 
   const Progress afterwards = [&](std::uint64_t, std::uint64_t) {
     return !progress || progress(done, total);
   };
-  PointCloud cloud = read_cloud(settings.files, {.attributes = wanted_attributes(settings.color),
-                                                 .color_depth = settings.color_depth,
-                                                 .progress = reading});
-  LoadedCloud loaded;
-  loaded.warnings = std::move(cloud.warnings);
-  if (cloud.size() == 0) loaded.warnings.push_back(names(settings.files) + " has no points");
-  loaded.color = choose_color(settings, cloud, loaded.warnings);
-  color_points(loaded.color, cloud);
-  loaded.octree = build(std::move(cloud), {.progress = afterwards});
-  loaded.colors = std::move(cloud.colors);
+  const bool is_indexed = settings.files.size() == 1 && is_index_file(settings.files.front());
+  LoadedCloud loaded = is_indexed ? map_cloud(settings, reading) : build_cloud(settings, reading, afterwards);
   loaded.radius = settings.radius ? *settings.radius : automatic_radius(loaded.octree);
   report(afterwards, done, total);
-  loaded.crs = std::move(cloud.crs);
-  loaded.files = std::move(cloud.files);
   return loaded;
 }
 

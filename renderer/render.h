@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "octree/cloud/point_cloud.h"
@@ -15,18 +16,24 @@ namespace alidade {
 /// The cloud of a scene, ready to be traced.
 struct LoadedCloud {
   Octree octree;
-  std::vector<Color16> colors;         ///< display-referred, one per point id
-  double radius = 0.0;                 ///< metres, the one used
-  PointColor color = PointColor::rgb;  ///< what the colours show: rgb, intensity or height
+  std::vector<Color16> colors;               ///< display-referred, one per point id
+  std::span<const Color16> mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
+  double radius = 0.0;                       ///< metres, the one used
+  PointColor color = PointColor::rgb;        ///< what the colours show: rgb, intensity or height
   Crs crs;
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;
+
+  /// The colours by point id, wherever they lie.
+  std::span<const Color16> point_colors() const { return colors.empty() ? mapped_colors : colors; }
 };
 
 /// Reads the files, keeps only what the picture needs, builds the octree, measures the radius if it is
 /// "auto". `progress` is in bytes read, as read_cloud's; while the octree is built it repeats the last
 /// numbers. Errors: as read_cloud. Peak memory: about 20 bytes per point, or 46 for clouds that span more
 /// than 2^21 lattice steps on an axis.
+/// A single index file is used where it lies: octree and rgb colours in its map, nothing is built, and the
+/// picture has the same bytes. It keeps the colour depth it was made with.
 LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {});
 
 /// Box around the spheres of the cloud's points but for strays (the outermost half percent on either side of

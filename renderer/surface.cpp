@@ -77,7 +77,7 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
   const CloudSettings settings = scene.cloud.value_or(CloudSettings{});
   cloud_ = CloudGeometry{
       .octree = &cloud->octree,
-      .colors = cloud->colors,
+      .colors = cloud->point_colors(),
       .query = {.radius = cloud->radius,
                 .measure = settings.hits == HitMode::entry ? Measure::entry : Measure::t,
                 .entry_min = smallest_entry(cloud->octree.bounds(), cloud->radius)},

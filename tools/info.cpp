@@ -7,7 +7,9 @@
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/read_cloud.h"
+#include "octree/index_file.h"
 #include "tools/command.h"
+#include "tools/describe_index.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/progress.h"
@@ -15,33 +17,61 @@
 namespace alidade {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct InfoOptions {
   std::vector<std::filesystem::path> files;
-  bool json = false;
+  bool json = false, verify = false;
   VerbosityOptions verbosity;
 };
 
 /// What `alidade info` tells about its files, taken together as one cloud.
 struct Description {
   PointCloud cloud;
+  std::uint64_t point_count = 0;
   AttributeSet attributes;
   Bounds bounds;
+  std::vector<IndexFile> indexes;  ///< those of the files that are index files
 };
 
+/// What a single index file tells without its points being read.
+Description describe(const IndexFile& index) {
+  return {.cloud = index.description(),
+          .point_count = index.header().tree.point_count,
+          .attributes = index.attributes(),
+          .bounds = index.header().tree.bounds,
+          .indexes = {index}};
+}
+
 Description describe(const InfoOptions& options) {
+  if (options.files.size() == 1 && is_index_file(options.files.front()))
+    return describe(open_index(options.files.front()));
   Description description;
   for (const std::filesystem::path& file : options.files) {
+    if (is_index_file(file)) description.indexes.push_back(open_index(file));
     description.attributes = description.attributes | open_cloud(file)->attributes();
   }
   // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
   ProgressLine line("reading", "B", options.verbosity.verbosity());
   const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
   description.cloud = read_cloud(options.files, {.attributes = wanted, .progress = line.callback()});
+  description.point_count = description.cloud.size();
   description.bounds = description.cloud.bounds();
   if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
   return description;
+}
+
+void verify(const InfoOptions& options) {
+  for (const std::filesystem::path& file : options.files) {
+    // Opened first, so that a file that is not there is what the message is about.
+    InputFile(file).rest();
+    if (!is_index_file(file)) {
+      throw Error({.file = file.string(),
+                   .problem = "has no checksums to verify",
+                   .expected = "an index file (alidade index)"});
+    }
+    ProgressLine line("verifying", "B", options.verbosity.verbosity());
+    verify_index(file, line.callback());
+    if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+  }
 }
 
 /// Largest difference between a coordinate in the files and the one in the cloud, per axis.
@@ -70,7 +100,7 @@ Json triple(const glm::dvec3& value) {
   return {value.x, value.y, value.z};
 }
 
-Json to_json(const Description& description) {
+Json to_json(const Description& description, bool verified) {
   const PointCloud& cloud = description.cloud;
   Json files = Json::array();
   for (const CloudFile& file : cloud.files) {
@@ -83,8 +113,10 @@ Json to_json(const Description& description) {
   }
   Json extra_dimensions = Json::array();
   for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
+  Json indexes = Json::array();
+  for (const IndexFile& index : description.indexes) indexes.push_back(index_json(index, verified));
   const bool empty = description.bounds.empty();
-  return {{"points", cloud.size()},
+  return {{"points", description.point_count},
           {"files", files},
           {"bounds",
            {{"min", empty ? Json() : triple(description.bounds.min)},
@@ -97,6 +129,7 @@ Json to_json(const Description& description) {
           {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
           {"geotiff_keys", cloud.crs.geotiff_keys},
           {"epsg", epsg_codes(cloud.crs)},
+          {"indexes", indexes},
           {"warnings", cloud.warnings}};
 }
 
@@ -141,9 +174,13 @@ std::string crs_text(const Crs& crs, Verbosity verbosity) {
   return "GeoTIFF keys without WKT: " + joined(epsg_codes(crs), "no EPSG code");
 }
 
-std::string to_table(const Description& description, Verbosity verbosity) {
+std::string to_table(const Description& description, bool verified, Verbosity verbosity) {
   const PointCloud& cloud = description.cloud;
   std::string text;
+  for (const IndexFile& index : description.indexes) {
+    text += row("index", index.name());
+    for (const std::string& line : index_lines(index, verified)) text += row("", line);
+  }
   for (const CloudFile& file : cloud.files) {
     text += row("file", file.path.string());
     std::string format = file.format + (file.version.empty() ? "" : " " + file.version);
@@ -152,7 +189,7 @@ std::string to_table(const Description& description, Verbosity verbosity) {
     if (file.dropped_count > 0)
       text += row("", fmt::format("{} points without a position left out", file.dropped_count));
   }
-  text += row("points", fmt::format("{}", cloud.size()));
+  text += row("points", fmt::format("{}", description.point_count));
   if (!description.bounds.empty()) {
     text += row("min", on_lattice(description.bounds.min, cloud.lattice));
     text += row("max", on_lattice(description.bounds.max, cloud.lattice));
@@ -172,13 +209,15 @@ std::string to_table(const Description& description, Verbosity verbosity) {
 }
 
 ExitCode run(const InfoOptions& options) {
+  if (options.verify) verify(options);
   const Description description = describe(options);
   if (options.json) {
     // File names need not be UTF-8; JSON must be.
-    write_to_stdout(to_json(description).dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    write_to_stdout(to_json(description, options.verify).dump(2, ' ', false, Json::error_handler_t::replace) +
+                    "\n");
     return ExitCode::done;
   }
-  write_to_stdout(to_table(description, options.verbosity.verbosity()));
+  write_to_stdout(to_table(description, options.verify, options.verbosity.verbosity()));
   if (!options.verbosity.quiet) {
     for (const std::string& warning : description.cloud.warnings) say_warning(warning);
   }
@@ -194,9 +233,14 @@ Command add_info(CLI::App& program) {
       ->option_text("FILE...")
       ->required();
   command->add_flag("--json", options->json, "print JSON instead of a table; the keys are below");
+  command->add_flag(
+      "--verify", options->verify,
+      "read all of each index file, compare it with its checksums, and check that its octree holds "
+      "every point once; damage is an error that names section and byte");
   add_verbosity(*command, options->verbosity);
   command->footer(
-      "Formats are told by content: LAS 1.0-1.4, PLY, PCD, PTX, PTS, CSV with header names, XYZ.\n"
+      "Formats are told by content: LAS 1.0-1.4, PLY, PCD, PTX, PTS, CSV with header names, XYZ,\n"
+      "and index files ('alidade index'), which tell what the files they were made of told, at once.\n"
       "Coordinates, scale and rounding are in the unit of the file's coordinate reference system (CRS), "
       "mostly metres.\n"
       "The table names the CRS; -v prints all of its WKT. The bounds are computed from the points, never "
@@ -213,11 +257,15 @@ Command add_info(CLI::App& program) {
       "  crs               WKT, or null\n"
       "  geotiff_keys      GeoTIFF key directory as stored, in groups of four; empty if there is none\n"
       "  epsg              EPSG codes the GeoTIFF keys name\n"
+      "  indexes           of each index file: {file, version, bytes, bytes_per_point, "
+      "octree_bytes_per_point,\n"
+      "                    organisation, levels, nodes, stored_order, verified}\n"
       "  warnings          oddities of the files, one sentence each\n"
       "\n"
       "Examples:\n"
       "  alidade info site.las\n"
-      "  alidade info --json tile_1.las tile_2.las\n");
+      "  alidade info --json tile_1.las tile_2.las\n"
+      "  alidade info --verify site.alidade\n");
   return {command, [options] { return run(*options); }};
 }
 

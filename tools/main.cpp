@@ -73,7 +73,7 @@ ExitCode run(const CommandLine& words) {
       "Exit codes: 0 done, 1 the answer is no, 2 anything wrong, 130 interrupted.\n"
       "ALIDADE_INSTRUCTION_SET=scalar (or another set of the machine) chooses how queries are computed; "
       "answers are the same.\n");
-  const std::vector<Command> commands = {add_info(program), add_generate(program),
+  const std::vector<Command> commands = {add_info(program), add_generate(program), add_index(program),
                                          add_render(program, words)};
 
   const std::string explanation = explain_unknown_word(words, commands);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "octree/bounds.h"
 #include "octree/cloud/input_file.h"
@@ -35,6 +36,9 @@ class CloudReader {
 
   /// Format, version, point format. point_count is final after read().
   virtual const CloudFile& file() const = 0;
+
+  /// The files that the points come from: this one, or those an index file was made of.
+  virtual std::vector<CloudFile> sources() const { return {file()}; }
 
   /// Attributes the file has.
   virtual AttributeSet attributes() const = 0;

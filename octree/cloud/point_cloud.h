@@ -27,7 +27,7 @@ struct VariableLengthRecord {
   bool operator==(const VariableLengthRecord&) const = default;
 };
 
-/// What was learnt about one input file.
+/// What was learnt about one input file. Of an index file these are the files it was made of.
 struct CloudFile {
   std::filesystem::path path;
   std::string format;               ///< "LAS", "PLY", "PCD", "XYZ", "CSV", "PTS", "PTX", "Alidade index"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <optional>
 
@@ -104,15 +105,21 @@ void warn_of_rounding(const Source& source, PointCloud& cloud) {
   }
 }
 
+/// What one file gave to the cloud.
+struct GivenRows {
+  std::string file_name;
+  std::uint64_t point_count = 0;
+  AttributeSet attributes;
+};
+
 /// Says which attributes were filled with zeros, and where.
-void warn_of_gaps(const std::vector<AttributeSet>& given, AttributeSet wanted, PointCloud& cloud) {
+void warn_of_gaps(const std::vector<GivenRows>& given, AttributeSet wanted, PointCloud& cloud) {
   const AttributeSet present = cloud.attributes() & wanted;
-  for (std::size_t i = 0; i < given.size(); ++i) {
+  for (const GivenRows& rows : given) {
     AttributeSet missing;
-    missing.bits = present.bits & ~given[i].bits;
-    if (missing.bits == 0 || cloud.files[i].point_count == 0) continue;
-    cloud.warnings.push_back(fmt::format("{}: has no {}, which is filled with zeros",
-                                         cloud.files[i].path.string(),
+    missing.bits = present.bits & ~rows.attributes.bits;
+    if (missing.bits == 0 || rows.point_count == 0) continue;
+    cloud.warnings.push_back(fmt::format("{}: has no {}, which is filled with zeros", rows.file_name,
                                          fmt::join(attribute_names(missing), ", ")));
   }
 }
@@ -141,20 +148,21 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
   for (const Source& source : sources) point_count += source.point_count();
   cloud.positions.reserve(static_cast<std::size_t>(point_count));
 
-  std::vector<AttributeSet> given;
+  std::vector<GivenRows> given;
   std::vector<ColoredRows> colored;
   JoinedRecords records(cloud.records);
   for (Source& source : sources) {
     const std::size_t first_row = cloud.size(), first_record = cloud.records.size();
     source.reader->read(cloud, options.attributes, progress.pass(source.bytes));
     records.join(first_record);
-    given.push_back(source.reader->attributes());
+    const CloudFile& file = source.reader->file();
+    given.push_back({file.path.string(), file.point_count, source.reader->attributes()});
     warn_of_rounding(source, cloud);
-    if (source.reader->file().format == "LAS" && cloud.size() > first_row &&
-        (given.back() & options.attributes).contains(Attribute::color)) {
-      colored.push_back({source.path().string(), first_row, cloud.size()});
+    if (file.format == "LAS" && cloud.size() > first_row &&
+        (given.back().attributes & options.attributes).contains(Attribute::color)) {
+      colored.push_back({file.path.string(), first_row, cloud.size()});
     }
-    cloud.files.push_back(source.reader->file());
+    std::ranges::move(source.reader->sources(), std::back_inserter(cloud.files));
     source.reader.reset();
   }
   spread_colors(cloud, colored, options.color_depth);

@@ -24,6 +24,10 @@ class IndexReader final : public CloudReader {
   }
 
   const CloudFile& file() const override { return about_; }
+  std::vector<CloudFile> sources() const override {
+    const std::vector<CloudFile>& files = index_.description().files;
+    return files.empty() ? CloudReader::sources() : files;
+  }
   AttributeSet attributes() const override { return index_.attributes(); }
   std::optional<Lattice> lattice() const override { return index_.header().tree.lattice; }
   std::optional<std::uint64_t> point_count() const override { return about_.point_count; }

@@ -94,7 +94,7 @@ TEST(OpenCloudTest, binary_of_no_known_format_is_an_error_that_lists_the_formats
                          "ELF\2\1\1\0\0\0\0",
                          11)));
   });
-  EXPECT_NE(message.find("LAS, PLY, PCD, PTX, PTS, CSV or XYZ"), std::string::npos) << message;
+  EXPECT_NE(message.find("LAS, PLY, PCD, PTX, PTS, CSV, XYZ or an index file"), std::string::npos) << message;
 }
 
 TEST(OpenCloudTest, e57_is_an_error_that_names_it) {
