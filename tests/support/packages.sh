@@ -8,9 +8,11 @@ build_packages=(
   nlohmann-json3-dev libcli11-dev                  # the program
   libgtest-dev                                     # tests
 )
-# libembree-dev: the test that compares hits with Embree's spheres. clang: libFuzzer.
-test_packages=(libembree-dev clang libclang-rt-14-dev clang-format)
-bench_packages=(libbenchmark-dev libembree-dev)
+# libembree-dev: the test that compares hits with Embree's spheres. python3-numpy: the one that compares answers with a
+# script of ten lines. clang: libFuzzer.
+test_packages=(libembree-dev clang libclang-rt-14-dev clang-format python3-numpy)
+# Beside libbenchmark-dev: what the benchmarks compare with, and their plots.
+bench_packages=(libbenchmark-dev libembree-dev libnanoflann-dev libboost-dev libpcl-dev python3-matplotlib)
 lint_packages=(libembree-dev clang-tidy)
 
 # need PACKAGE...: installs those that are missing, or explains why it cannot.
