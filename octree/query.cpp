@@ -9,6 +9,9 @@
 #include "octree/octree_tree.h"
 #include "octree/query_batch.h"
 #include "octree/query_targets.h"
+#include "octree/simd/box_search.h"
+#include "octree/simd/point_search.h"
+#include "octree/simd/ray_search.h"
 #include "octree/simd/traversal.h"
 
 namespace alidade {
@@ -34,10 +37,29 @@ bool has_lanes(const RayQuery& query) {
   return std::isfinite(query.radius) && query.measure != Measure::distance;
 }
 
+const simd::RaySearch& search_for(const Octree& octree, const Ray&) {
+  return simd::ray_search(octree.instruction_set());
+}
+const simd::PointSearch& search_for(const Octree& octree, const glm::dvec3&) {
+  return simd::point_search(octree.instruction_set());
+}
+const simd::BoxSearch& search_for(const Octree& octree, const Bounds&) {
+  return simd::box_search(octree.instruction_set());
+}
+
+template <class Target>
+constexpr bool k_has_search = requires(const Octree& octree, const Target& target) {
+  search_for(octree, target);
+};
+
 /// Appends the k first answers.
 template <class Target, class Query, class Answer>
 void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                std::size_t query_index, std::vector<Answer>& answers) {
+  if constexpr (k_has_search<Target>) {
+    if (simd::suits_lanes(octree.view(), target, query))
+      return search_for(octree, target).find(octree.view(), target, query, k, query_index, answers);
+  }
   const auto asked = make_target(target, query, query_index);
   Nearest neighbors(asked, k);
   tree_query(OctreeTree(octree.view(), query.max_level), asked, neighbors);
@@ -48,6 +70,10 @@ void find_into(const Octree& octree, const Target& target, const Query& query, s
 template <class Target, class Query>
 std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                      std::size_t query_index) {
+  if constexpr (k_has_search<Target>) {
+    if (simd::suits_lanes(octree.view(), target, query))
+      return search_for(octree, target).count(octree.view(), target, query, k, query_index);
+  }
   Counter counter(k);
   tree_query(OctreeTree(octree.view(), query.max_level), make_target(target, query, query_index), counter);
   return counter.count();

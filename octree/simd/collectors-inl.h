@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+// Included once per instruction set by Highway: no #pragma once.
+#if defined(ALIDADE_SIMD_COLLECTORS_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ALIDADE_SIMD_COLLECTORS_INL_H
+#undef ALIDADE_SIMD_COLLECTORS_INL_H
+#else
+#define ALIDADE_SIMD_COLLECTORS_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+#include "octree/simd/lanes-inl.h"
+#include "octree/simd/ray_state.h"
+#include "octree/tree_query.h"
+
+// What a search does with the points that lanes could not discard. Lanes tell of every point whether it may
+// count, whether it certainly does, and limits of its measure; a *target* (octree/query_targets.h) decides in
+// double. Measures are told to lanes as floats, counted from a shift near the points.
+
+HWY_BEFORE_NAMESPACE();
+namespace alidade::simd {
+namespace HWY_NAMESPACE {
+
+/// What lanes tell of the points of a leaf.
+struct TestedPoints {
+  std::uint32_t possible = 0;  ///< bit per point: may count
+  std::uint32_t certain =
+      0;  ///< of these, those that do whatever rounding did; only the measure is not known
+  alignas(64) float low[k_max_leaf_size];  ///< the measure lies between
+  alignas(64) float high[k_max_leaf_size];
+};
+
+inline std::uint32_t index_of_lowest_bit(std::uint32_t bits) {
+  return static_cast<std::uint32_t>(std::countr_zero(bits));
+}
+
+/// Decides one point in double.
+template <class Target>
+auto decide(const TreeView& tree, const Target& target, const Leaf& leaf, std::uint32_t index) {
+  return target.evaluate(to_world(tree.lattice, position_of(tree, leaf, index)),
+                         point_id(tree, leaf.place + index));
+}
+
+/// The k first points. Points that certainly count wait undecided until the search is over: most fall behind
+/// the cut by then. The cut is the k-th smallest upper limit of a measure, so at least k points stand before
+/// everything behind it. Where too many limits overlap for waiting, points are decided on the way.
+template <class Target>
+class NearestCollector {
+ public:
+  using Answer = typename Target::Answer;
+  static constexpr bool k_has_cut = true;
+  static constexpr bool k_counts = false;
+
+  /// measure_shift: what floats count from. shift_error: of the difference of a measure and the shift.
+  NearestCollector(const TreeView& tree, const Target& target, std::size_t k, double measure_shift,
+                   double shift_error)
+      : tree_(tree),
+        target_(target),
+        k_(k),
+        measure_shift_(measure_shift),
+        shift_error_(shift_error),
+        exact_(target, k) {
+    if (k <= k_most_sorted) {
+      std::fill_n(highs_, k_lanes, -std::numeric_limits<float>::infinity());
+      std::fill_n(highs_ + k_lanes, (k + k_lanes - 1) / k_lanes * k_lanes,
+                  std::numeric_limits<float>::infinity());
+    } else {
+      many_.resize(2 * k + k_few);
+      waiting_ = many_.data();
+      room_ = many_.size();
+    }
+  }
+  NearestCollector(const NearestCollector&) = delete;
+  NearestCollector& operator=(const NearestCollector&) = delete;
+
+  float cut() const { return cut_; }
+  bool is_done() const { return false; }
+
+  void add(const Leaf& leaf, const TestedPoints& points) {
+    for (std::uint32_t rest = points.possible; rest != 0; rest &= rest - 1) {
+      const std::uint32_t i = index_of_lowest_bit(rest);
+      if (points.low[i] > cut_) continue;
+      if ((points.certain >> i & 1u) == 0) {
+        if (const auto answer = decide(tree_, target_, leaf, i)) insert(*answer);
+        continue;
+      }
+      if (waiting_count_ == room_) make_room();
+      waiting_[waiting_count_++] = {points.low[i], points.high[i], leaf.place + i,
+                                    position_of(tree_, leaf, i)};
+      note_high(points.high[i]);
+    }
+  }
+
+  /// Appends the answers in order.
+  void finish(std::vector<Answer>& answers) {
+    decide_waiting();
+    const std::vector<Answer> found = exact_.in_order();
+    answers.insert(answers.end(), found.begin(), found.end());
+  }
+
+ private:
+  struct Waiting {
+    float low, high;
+    std::uint32_t place;
+    LatticePosition position;
+  };
+  static constexpr std::size_t k_most_sorted = 64;
+  static constexpr std::size_t k_lanes = 16;  ///< at least those of PointLanes
+  static constexpr std::size_t k_few = 192;
+
+  /// A point counts for certain; its measure is not above `high`.
+  void note_high(float high) {
+    if (k_ > k_most_sorted || !(high < cut_)) return;
+    // In a sorted list everything above the new value moves up by one, the last drops out.
+    const PointLanes d;
+    const std::size_t lanes = hn::Lanes(d);
+    const auto value = hn::Set(d, high);
+    float* const sorted = highs_ + k_lanes;
+    for (std::size_t begin = (k_ - 1) / lanes * lanes;; begin -= lanes) {
+      const auto moved = hn::Max(hn::LoadU(d, sorted + begin - 1), value);
+      hn::Store(hn::Min(hn::Load(d, sorted + begin), moved), d, sorted + begin);
+      if (begin == 0 || sorted[begin - 1] <= high) break;
+    }
+    cut_ = sorted[k_ - 1];
+  }
+
+  void insert(const Answer& answer) {
+    exact_.insert(answer);
+    note_high(float_above(target_.measured(answer) - measure_shift_ + shift_error_));
+    cut_at_exact();
+  }
+
+  void cut_at_exact() {
+    const double limit = exact_.limit();
+    if (limit < std::numeric_limits<double>::infinity())
+      cut_ = std::min(cut_, float_above(limit - measure_shift_ + shift_error_));
+  }
+
+  void make_room() {
+    if (k_ > k_most_sorted) {
+      const auto kth = waiting_ + (k_ - 1);
+      std::nth_element(waiting_, kth, waiting_ + waiting_count_,
+                       [](const Waiting& a, const Waiting& b) { return a.high < b.high; });
+      cut_ = std::min(cut_, kth->high);
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < waiting_count_; ++i)
+      if (waiting_[i].low <= cut_) waiting_[kept++] = waiting_[i];
+    waiting_count_ = kept;
+    if (kept > room_ / 4 * 3) {
+      decide_waiting();
+      cut_at_exact();
+    }
+  }
+
+  void decide_waiting() {
+    for (std::size_t i = 0; i < waiting_count_; ++i) {
+      const Waiting& point = waiting_[i];
+      if (point.low > cut_) continue;
+      if (const auto answer =
+              target_.evaluate(to_world(tree_.lattice, point.position), point_id(tree_, point.place)))
+        exact_.insert(*answer);
+    }
+    waiting_count_ = 0;
+  }
+
+  const TreeView& tree_;
+  const Target& target_;
+  const std::size_t k_;
+  const double measure_shift_, shift_error_;
+  Nearest<Target> exact_;
+  float cut_ = std::numeric_limits<float>::infinity();
+  std::size_t waiting_count_ = 0, room_ = k_few;
+  Waiting* waiting_ = few_;
+  std::vector<Waiting> many_;
+  alignas(64) float highs_[k_lanes +
+                           k_most_sorted];  ///< the k smallest upper limits; what stands before is -infinity
+  Waiting few_[k_few];
+};
+
+/// All points.
+template <class Target>
+class AllCollector {
+ public:
+  using Answer = typename Target::Answer;
+  static constexpr bool k_has_cut = false;
+  static constexpr bool k_counts = false;
+
+  AllCollector(const TreeView& tree, const Target& target, std::vector<Answer>& answers)
+      : tree_(tree), target_(target), answers_(answers), first_(answers.size()) {}
+
+  float cut() const { return std::numeric_limits<float>::infinity(); }
+  bool is_done() const { return false; }
+
+  void add(const Leaf& leaf, const TestedPoints& points) {
+    for (std::uint32_t rest = points.possible; rest != 0; rest &= rest - 1) {
+      if (const auto answer = decide(tree_, target_, leaf, index_of_lowest_bit(rest)))
+        answers_.push_back(*answer);
+    }
+  }
+
+  void finish() {
+    std::sort(answers_.begin() + static_cast<std::ptrdiff_t>(first_), answers_.end(),
+              [this](const Answer& a, const Answer& b) { return target_.precedes(a, b); });
+  }
+
+ private:
+  const TreeView& tree_;
+  const Target& target_;
+  std::vector<Answer>& answers_;
+  const std::size_t first_;
+};
+
+/// How many points, up to k.
+template <class Target>
+class CountCollector {
+ public:
+  static constexpr bool k_has_cut = false;
+  static constexpr bool k_counts = true;
+
+  CountCollector(const TreeView& tree, const Target& target, std::size_t k)
+      : tree_(tree), target_(target), k_(k) {}
+
+  float cut() const { return std::numeric_limits<float>::infinity(); }
+  bool is_done() const { return count_ >= k_; }
+  std::size_t count() const { return std::min(count_, k_); }
+
+  /// Points that count for certain.
+  void add(std::uint32_t count) { count_ += count; }
+
+  void add(const Leaf& leaf, const TestedPoints& points) {
+    count_ += static_cast<std::size_t>(std::popcount(points.certain));
+    for (std::uint32_t rest = points.possible & ~points.certain; rest != 0 && !is_done(); rest &= rest - 1)
+      count_ += decide(tree_, target_, leaf, index_of_lowest_bit(rest)) ? 1 : 0;
+  }
+
+ private:
+  const TreeView& tree_;
+  const Target& target_;
+  const std::size_t k_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace alidade::simd
+HWY_AFTER_NAMESPACE();
+
+#endif

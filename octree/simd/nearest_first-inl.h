@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// Included once per instruction set by Highway: no #pragma once.
+#if defined(ALIDADE_SIMD_NEAREST_FIRST_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ALIDADE_SIMD_NEAREST_FIRST_INL_H
+#undef ALIDADE_SIMD_NEAREST_FIRST_INL_H
+#else
+#define ALIDADE_SIMD_NEAREST_FIRST_INL_H
+#endif
+
+#include "octree/simd/collectors-inl.h"
+#include "octree/simd/ray_traversal-inl.h"
+#include "octree/simd/same_place.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace alidade::simd {
+namespace HWY_NAMESPACE {
+
+/// What lanes tell of the children of a node.
+struct TestedBoxes {
+  unsigned met = 0;     ///< bit per slot: may hold points that count; of empty slots anything
+  unsigned inside = 0;  ///< of these, those all of whose points count (asked only for counting)
+  alignas(32) float bound[k_node_width];  ///< no point below is earlier, in the kernel's own measure
+};
+
+/// Algorithm 1 of the paper (octree/tree_query.h) with lanes: all children of a node at once, the nearest
+/// first.
+///
+/// A *kernel* knows the target:
+/// - at(corner, level) -> Local: the target as seen from a frame's corner, where numbers are small;
+/// - limit(cut): the bound above which nothing counts any more;
+/// - test_boxes(local, node, level, cut, boxes), test_points(local, leaf, count, level, cut, points).
+template <class Kernel, class Collector>
+class NearestFirst {
+ public:
+  /// k: of points at one place only the first k are looked at; k_all looks at all.
+  NearestFirst(const TreeView& tree, const Kernel& kernel, Collector& collector, int max_level, std::size_t k)
+      : tree_(tree), kernel_(kernel), collector_(collector), max_level_(max_level), k_(k) {}
+
+  void run() {
+    stack_[0] = {-std::numeric_limits<float>::infinity(),
+                 0,
+                 {0, 0, 0},
+                 static_cast<std::uint16_t>(tree_.root_level),
+                 0};
+    stack_count_ = 1;
+    while (stack_count_ > 0 && !collector_.is_done()) {
+      const OpenNode open = stack_[--stack_count_];
+      if (open.bound <= limit()) visit(open);
+    }
+  }
+
+ private:
+  struct OpenNode {
+    float bound;
+    std::uint32_t node;
+    std::uint32_t corner[3];
+    std::uint16_t level;
+    std::uint16_t depth;
+
+    Frame frame() const { return {node, {corner[0], corner[1], corner[2]}, level, depth}; }
+  };
+  static constexpr int k_stack_size = k_max_tree_depth * (k_node_width - 1) + 1;
+
+  float limit() const { return kernel_.limit(collector_.cut()); }
+
+  void visit(const OpenNode& open) {
+    const Node& node = tree_.nodes[open.node];
+    const typename Kernel::Local local = kernel_.at(open.corner, open.level);
+    TestedBoxes boxes;
+    kernel_.template test_boxes<Collector::k_counts>(local, node, open.level, collector_.cut(), boxes);
+    const Slots slots(node);
+    unsigned met = boxes.met & (open.depth < max_level_ ? slots.leaf | slots.inner : slots.leaf);
+    if (open.level == k_min_frame_level && k_ != k_all) met &= ~slots_after_k_equal(tree_, open.frame(), k_);
+    if constexpr (Collector::k_counts) {
+      for (unsigned inside = met & boxes.inside; inside != 0; inside &= inside - 1)
+        collector_.add(subtree_count(tree_, open.frame(), std::countr_zero(inside)));
+      met &= ~boxes.inside;
+    }
+    visit_leaves(open, local, node, slots, met & slots.leaf, boxes);
+    push_children(open, node, slots, met & slots.inner, boxes);
+  }
+
+  void visit_leaves(const OpenNode& open, const typename Kernel::Local& local, const Node& node,
+                    const Slots& slots, unsigned leaves, const TestedBoxes& boxes) {
+    int order[k_node_width], count = 0;
+    for (; leaves != 0; leaves &= leaves - 1) {
+      const int slot = std::countr_zero(leaves);
+      int at = count++;
+      if constexpr (Collector::k_has_cut)
+        for (; at > 0 && boxes.bound[order[at - 1]] > boxes.bound[slot]; --at) order[at] = order[at - 1];
+      order[at] = slot;
+    }
+    TestedPoints points;
+    for (int i = 0; i < count; ++i) {
+      const int slot = order[i];
+      if (Collector::k_has_cut && boxes.bound[slot] > limit()) return;
+      const std::uint32_t size = node.kind[slot];
+      const Leaf leaf{slots.first_point(node, slot), size, {open.corner[0], open.corner[1], open.corner[2]}};
+      kernel_.test_points(local, leaf, open.level, collector_.cut(), points);
+      if (points.possible == 0) continue;
+      collector_.add(leaf, points);
+      if (collector_.is_done()) return;
+    }
+  }
+
+  /// Farthest first on the stack, so that the nearest is visited next.
+  void push_children(const OpenNode& open, const Node& node, const Slots& slots, unsigned children,
+                     const TestedBoxes& boxes) {
+    const float limit_now = limit();
+    const int bottom = stack_count_;
+    for (; children != 0; children &= children - 1) {
+      const int slot = std::countr_zero(children);
+      if (boxes.bound[slot] > limit_now) continue;
+      const int drop = node.kind[slot] - k_inner_kind;
+      OpenNode child;
+      child.bound = boxes.bound[slot];
+      child.node = slots.child(node, slot);
+      for (int axis = 0; axis < 3; ++axis)
+        child.corner[axis] = open.corner[axis] + child_corner(node.low[axis][slot], open.level, drop);
+      child.level = static_cast<std::uint16_t>(open.level - drop);
+      child.depth = static_cast<std::uint16_t>(open.depth + 1);
+      int at = stack_count_++;
+      if constexpr (Collector::k_has_cut)
+        for (; at > bottom && stack_[at - 1].bound < child.bound; --at) stack_[at] = stack_[at - 1];
+      stack_[at] = child;
+    }
+  }
+
+  const TreeView& tree_;
+  const Kernel& kernel_;
+  Collector& collector_;
+  const int max_level_;
+  const std::size_t k_;
+  int stack_count_ = 0;
+  OpenNode stack_[k_stack_size];
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace alidade::simd
+HWY_AFTER_NAMESPACE();
+
+#endif
