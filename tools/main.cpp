@@ -74,7 +74,7 @@ ExitCode run(const CommandLine& words) {
       "ALIDADE_INSTRUCTION_SET=scalar (or another set of the machine) chooses how queries are computed; "
       "answers are the same.\n");
   const std::vector<Command> commands = {add_info(program), add_generate(program), add_index(program),
-                                         add_render(program, words)};
+                                         add_query(program), add_render(program, words)};
 
   const std::string explanation = explain_unknown_word(words, commands);
   if (!explanation.empty()) return say_usage_error(explanation, words, commands);

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+namespace alidade {
+
+/// How many targets to ask at once, so that threads have work and answers stay few enough to hold.
+class BatchSize {
+ public:
+  /// Targets of the next batch.
+  std::size_t targets() const { return targets_; }
+
+  /// Answers of one target that are asked for at first. A target that has more is asked again alone.
+  std::size_t answers_per_target() const { return std::max(k_most_answers / targets_, k_least_limit); }
+
+  /// Learns from a batch.
+  void learn(std::size_t targets, std::size_t answers) {
+    if (targets == 0) return;
+    const std::size_t mean = answers / targets + 1;
+    targets_ = std::clamp(k_wanted_answers / mean, k_least_targets, std::min(4 * targets_, k_most_targets));
+  }
+
+ private:
+  static constexpr std::size_t k_least_targets = 64, k_most_targets = 1 << 15;
+  static constexpr std::size_t k_wanted_answers = 1 << 18, k_most_answers = 1 << 20;
+  static constexpr std::size_t k_least_limit = 32;
+
+  std::size_t targets_ = 4096;
+};
+
+}  // namespace alidade

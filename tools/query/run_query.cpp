@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+#include "tools/query/run_query.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "octree/check_query.h"
+#include "octree/indexed_cloud.h"
+#include "tools/message.h"
+#include "tools/progress.h"
+#include "tools/query/answer_columns.h"
+#include "tools/query/answer_las.h"
+#include "tools/query/answer_text.h"
+#include "tools/query/ask.h"
+#include "tools/query/batch_size.h"
+#include "tools/query/explain_table.h"
+#include "tools/query/target_reader.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_explained_batch = 256;
+
+bool only_numbers(const QueryCommand& command) {
+  return command.count || command.occluded;
+}
+
+/// Conditions as the library takes them, but for the filter, which needs the cloud.
+template <class Target>
+typename Family<Target>::Query conditions(const QueryCommand& command) {
+  typename Family<Target>::Query query;
+  constexpr bool has_radius = requires {
+    query.radius;
+  }
+  &&!std::is_same_v<Target, Bounds> && !std::is_same_v<Target, HalfSpaces>;
+  bool is_bounded = true;
+  if constexpr (has_radius) {
+    query.radius = command.radius.value_or(k_unlimited_radius);
+    is_bounded = command.radius.has_value();
+  }
+  query.k = command.k.value_or(is_bounded || only_numbers(command) ? k_all : 1);
+  if constexpr (std::is_same_v<Target, Ray>) {
+    query.measure = command.measure.value_or(command.radius ? Measure::entry : Measure::distance);
+    query.entry_min = command.entry_min.value_or(query.entry_min);
+  } else if constexpr (requires { query.measure; }) {
+    query.measure = command.measure.value_or(query.measure);
+  }
+  query.max_level = command.max_level.value_or(k_all_levels);
+  check_conditions<Target>(query);
+  return query;
+}
+
+IndexedCloud load(const QueryCommand& command, bool all_attributes) {
+  const Verbosity verbosity = command.verbosity.verbosity();
+  ProgressLine line("loading cloud", "B", verbosity);
+  IndexCloudOptions options;
+  options.read.progress = line.callback();
+  options.read.attributes = all_attributes    ? AttributeSet::all()
+                            : command.classes ? AttributeSet(Attribute::classification)
+                                              : AttributeSet();
+  if (command.max_level) options.build.organisation = Organisation::layered;
+  IndexedCloud cloud = load_indexed_cloud(command.files, options);
+  line.finish();
+  if (verbosity != Verbosity::quiet) {
+    for (const std::string& warning : cloud.cloud.warnings) say_warning(warning);
+  }
+  if (command.max_level && cloud.octree.view().organisation != Organisation::layered) {
+    throw Error({.file = command.files.front().string(),
+                 .problem = "has no levels for --max-level",
+                 .expected = "a layered index (alidade index --organisation layered)"});
+  }
+  return cloud;
+}
+
+/// Admits points of the chosen classes. `cloud` must outlive it.
+CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cloud) {
+  if (!command.classes || cloud.octree.size() == 0) return {};
+  const std::span<const std::uint8_t> classifications = cloud.columns().classifications;
+  if (classifications.empty()) {
+    throw Error(
+        {.file = command.files.front().string(), .problem = "points have no classification for --class"});
+  }
+  return [classes = *command.classes, classifications](const Candidate& point) {
+    return classes.test(classifications[point.point_id]);
+  };
+}
+
+template <class Target>
+std::unique_ptr<AnswerOutput> open_output(const QueryCommand& command, AnswerForm form,
+                                          const IndexedCloud& cloud) {
+  if (form == AnswerForm::las) {
+    auto las =
+        std::make_unique<AnswerLas>(command.output, command.overwrite, cloud, answer_dimensions<Target>());
+    if (!command.verbosity.quiet) {
+      for (const std::string& name : las->replaced())
+        say_warning(fmt::format("{}: the cloud's own {} gives way to that of this query",
+                                command.output.string(), name));
+    }
+    return las;
+  }
+  auto columns = command.occluded ? number_columns<Target>("occluded")
+                 : command.count  ? number_columns<Target>("count")
+                                  : answer_columns<Target>();
+  std::unique_ptr<OutputFile> file;
+  if (!command.output.empty()) file = std::make_unique<OutputFile>(command.output, command.overwrite);
+  return std::make_unique<AnswerText>(
+      std::move(columns), form == AnswerForm::csv ? TextForm::csv : TextForm::json_lines, std::move(file));
+}
+
+/// Writes the answers of a batch, in the order of the targets; tells how many there were. No more than
+/// `limit` of each target are held at once, but for a single target that has more.
+template <class Target>
+std::size_t answer_batch(Asker<Target>& asker, const TargetBatch<Target>& batch, std::size_t limit,
+                         AnswerOutput& output) {
+  const std::span<const Target> targets = batch.targets;
+  const std::span<const std::uint64_t> ids = batch.ids;
+  const bool is_limited = asker.k() > limit;
+  const auto answers = asker.find(targets, is_limited ? limit + 1 : k_all);
+  std::size_t first = 0, written = 0;
+  const auto write = [&](const auto& some, std::size_t begin, std::size_t end,
+                         std::span<const std::uint64_t> their_ids) {
+    written += some.begin[end] - some.begin[begin];
+    output.write(answer_rows(some, begin, end, their_ids));
+  };
+  for (std::size_t i = 0; is_limited && i < targets.size(); ++i) {
+    if (answers[i].size() <= limit) continue;
+    write(answers, first, i, ids);
+    write(asker.find(targets.subspan(i, 1), k_all), 0, 1, ids.subspan(i, 1));
+    first = i + 1;
+  }
+  write(answers, first, targets.size(), ids);
+  return written;
+}
+
+template <class Target>
+std::size_t count_batch(Asker<Target>& asker, const TargetBatch<Target>& batch, bool any_is_enough,
+                        AnswerOutput& output) {
+  const std::vector<std::size_t> counts = asker.count(batch.targets, any_is_enough);
+  output.write(number_rows(counts, batch.ids));
+  return counts.size();
+}
+
+/// How many targets there will be, from the share of the text that is read; 0 if its size is not known.
+std::uint64_t expected_targets(std::uint64_t targets, const LineSource& source) {
+  if (source.total() == 0) return 0;
+  const double share = static_cast<double>(source.done()) / static_cast<double>(source.total());
+  return std::max(targets, static_cast<std::uint64_t>(static_cast<double>(targets) / share));
+}
+
+struct Tally {
+  std::uint64_t targets = 0, rows = 0;
+};
+
+/// Asks for all targets and writes their answers.
+template <class Target>
+Tally answer_all_targets(TargetReader<Target>& reader, Asker<Target>& asker, const QueryCommand& command,
+                         AnswerOutput& output, const Progress& progress) {
+  Tally tally;
+  BatchSize size;
+  TargetBatch<Target> batch;
+  // Work is told once: a target whose work is counted is never asked twice.
+  while (reader.next(command.explain ? k_explained_batch : size.targets(), batch)) {
+    const std::size_t rows =
+        only_numbers(command)
+            ? count_batch(asker, batch, command.occluded, output)
+            : answer_batch(asker, batch, command.explain ? k_all : size.answers_per_target(), output);
+    size.learn(batch.targets.size(), rows);
+    tally.targets += batch.targets.size();
+    tally.rows += rows;
+    report(progress, tally.targets, expected_targets(tally.targets, reader.source()));
+  }
+  report(progress, tally.targets, tally.targets);
+  return tally;
+}
+
+}  // namespace
+
+template <class Target>
+ExitCode run_query(const QueryCommand& command, TargetFamily family) {
+  const AnswerForm form = chosen_form(command);
+  auto query = conditions<Target>(command);
+  if (!command.output.empty()) check_writable(command.output, command.overwrite);
+  TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
+  const IndexedCloud cloud = load(command, form == AnswerForm::las);
+  query.filter = class_filter(command, cloud);
+
+  const std::unique_ptr<AnswerOutput> output = open_output<Target>(command, form, cloud);
+  Asker<Target> asker(cloud.octree, query, command.explain);
+  // Two texts on one terminal would run into each other.
+  const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
+  const TargetKind& kind = target_kind<Target>();
+  ProgressLine line("asking", std::string(kind.plural),
+                    to_terminal ? Verbosity::quiet : command.verbosity.verbosity());
+  const Tally tally = answer_all_targets(reader, asker, command, *output, line.callback());
+  output->finish();
+  line.finish();
+  if (!command.output.empty() && !command.verbosity.quiet) {
+    say_note(fmt::format("{} {} in {}", tally.rows, only_numbers(command) ? "rows" : "points found",
+                         command.output.string()));
+  }
+  if (command.explain) write_to_stderr(explain_table(asker.statistics(), kind, tally.targets, tally.rows));
+  return ExitCode::done;
+}
+
+template ExitCode run_query<Ray>(const QueryCommand& command, TargetFamily family);
+template ExitCode run_query<Cone>(const QueryCommand& command, TargetFamily family);
+template ExitCode run_query<Path>(const QueryCommand& command, TargetFamily family);
+template ExitCode run_query<HalfSpaces>(const QueryCommand& command, TargetFamily family);
+template ExitCode run_query<Bounds>(const QueryCommand& command, TargetFamily family);
+template ExitCode run_query<glm::dvec3>(const QueryCommand& command, TargetFamily family);
+
+}  // namespace alidade

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "octree/query.h"
+
+// What `alidade query` can ask with, and how a target is written: as a row of numbers with named columns,
+// alike in CSV, in JSON lines and on the command line.
+
+namespace alidade {
+
+/// What a number in a column may be. Whatever is required, NaN never is.
+enum class ValueRule {
+  place,       ///< finite
+  limit,       ///< also infinite
+  width,       ///< finite, at least 0
+  half_angle,  ///< degrees, 0 <= value < 90
+  number,      ///< whole, 0 .. 2^53
+};
+
+struct TargetColumn {
+  std::string_view name;
+  ValueRule rule = ValueRule::place;
+  bool required = true;
+};
+
+constexpr std::size_t k_most_target_columns = 10;  ///< of any kind
+
+/// Three columns in a row that JSON may also give as an array.
+struct TargetVector {
+  std::string_view name;
+  std::size_t first = 0;      ///< of its columns
+  bool is_direction = false;  ///< may not have length zero
+};
+
+struct TargetKind {
+  std::string_view name;       ///< "ray": also of the option that takes one, and what errors call it
+  std::string_view plural;     ///< "rays"
+  std::string_view id_name;    ///< of the column that tells whose answer a row is
+  std::string_view dimension;  ///< what LAS dimensions are called by: "Ray" for RayId and RayT
+  std::span<const TargetColumn> columns;  ///< in the order of the command line
+  std::span<const TargetVector> vectors;
+
+  std::size_t required_count() const;
+  /// "ox,oy,oz,dx,dy,dz[,t_min][,t_max]"
+  std::string form() const;
+  /// "ox, oy, ...": every column by name.
+  std::string names() const;
+  /// Place in `columns`; their number if there is none of that name.
+  std::size_t column(std::string_view name) const;
+};
+
+/// The kind of Ray, Cone, Path, HalfSpaces, Bounds, glm::dvec3.
+template <class Target>
+const TargetKind& target_kind();
+
+}  // namespace alidade
