@@ -16,7 +16,12 @@ namespace alidade::test {
 class TreeCheck {
  public:
   TreeCheck(const TreeView& tree, const PointCloud& cloud, int leaf_size)
-      : tree_(tree), cloud_(cloud), leaf_size_(leaf_size), seen_(cloud.size()), visited_(tree.node_count) {}
+      : tree_(tree),
+        cloud_(cloud),
+        leaf_size_(leaf_size),
+        seen_(cloud.size()),
+        visited_(tree.node_count),
+        place_(cloud.size()) {}
 
   void run() {
     ASSERT_EQ(tree_.point_count, cloud_.size());
@@ -34,7 +39,7 @@ class TreeCheck {
   }
 
  private:
-  /// Ids of the points of a subtree.
+  /// Ids of the points of a subtree: those of its leaves, then those of its children in slot order.
   using Ids = std::vector<std::uint32_t>;
 
   Ids visit(const Frame& frame) {
@@ -64,8 +69,16 @@ class TreeCheck {
     }
     if (frame.level == k_min_frame_level) check_equal_boxes(node, below);
     Ids all;
-    for (const Ids& ids : below) all.insert(all.end(), ids.begin(), ids.end());
+    for (const bool is_inner_turn : {false, true}) {
+      for (int slot = 0; slot < k_node_width; ++slot)
+        if (is_inner(node.kind[slot]) == is_inner_turn)
+          all.insert(all.end(), below[slot].begin(), below[slot].end());
+    }
     EXPECT_FALSE(all.empty());
+    if (frame.level <= k_exact_frame_level) {
+      for (std::size_t i = 0; i < all.size(); ++i)
+        EXPECT_EQ(place_[all[i]], place_[all[0]] + i) << "points of a subtree stand one after another";
+    }
     return all;
   }
 
@@ -81,6 +94,7 @@ class TreeCheck {
       const auto id = static_cast<std::uint32_t>(point_id(tree_, leaf.place + i));
       EXPECT_LT(id, cloud_.size());
       ++seen_[id];
+      place_[id] = leaf.place + i;
       EXPECT_EQ(position_of(tree_, leaf, i), cloud_.positions[id]) << "without loss";
       for (int axis = 0; axis < 3; ++axis) {
         EXPECT_EQ(tree_.coordinates[3 * leaf.place + axis * leaf.count + i],
@@ -135,6 +149,7 @@ class TreeCheck {
   const PointCloud& cloud_;
   const int leaf_size_;
   std::vector<int> seen_, visited_;
+  std::vector<std::uint32_t> place_;  ///< by id
   int deepest_ = 0;
   std::uint32_t exact_count_ = 0;
 };
