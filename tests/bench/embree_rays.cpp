@@ -75,7 +75,7 @@ struct Mode {
   const char* name;
   int packet;  ///< rays per call
 };
-constexpr Mode k_modes[] = {{"single", 1}, {"packet16", 16}, {"stream", 4096}, {"stream_of_256", 256}};
+constexpr Mode k_modes[] = {{"single", 1}, {"packet16", 16}, {"stream", 4096}};
 
 /// What Embree is told about the rays to come, as programs know it.
 RTCIntersectContext context_for(const std::string& set) {

@@ -34,6 +34,9 @@ def rays(results, path):
         curve(axes, 2, [(n, mega(embree_best(results, question, kind, n)[0])) for n in SIZES], "Embree, its best")
         axes.set_title(f"{question}, {SETS[kind]}")
         axes.set_xlabel("points")
+    ticks = [0.5, 1, 2, 5, 10, 20]
+    all_axes[0].set_yticks(ticks, [str(tick) for tick in ticks])
+    all_axes[0].minorticks_off()
     all_axes[0].set_ylabel("million rays per second, 1 thread")
     all_axes[0].legend()
     save(figure, path)

@@ -12,7 +12,7 @@ namespace alidade::bench {
 /// - instruction_set/NAME/closest/SET/MODE/POINTS: single and batch with every instruction set
 void register_octree_rays();
 
-/// MODE single, packet16, stream, stream_of_256, all also with _2_threads:
+/// MODE single, packet16, stream, all also with _2_threads:
 /// - embree/closest/SET/MODE/POINTS and embree/occluded/SET/MODE/POINTS
 void register_embree_rays();
 

@@ -39,9 +39,9 @@ def bar_of(question, mode, rays, n):
     return None
 
 
-def embree_best(results, question, rays, n):
+def embree_best(results, question, rays, n, threads=""):
     """(rate, mode) of Embree's fastest way to answer whole sets."""
-    rates = [(results.rate(f"embree/{question}/{rays}/{mode}/{n}"), mode) for mode in EMBREE_MODES]
+    rates = [(results.rate(f"embree/{question}/{rays}/{mode}{threads}/{n}"), mode) for mode in EMBREE_MODES]
     return max((rate for rate in rates if rate[0]), default=(None, ""))
 
 
@@ -84,9 +84,13 @@ def threads_table(results):
             for mode in ["single", "batch"]:
                 one, two = (results.rate(f"closest/{rays}/{mode}{suffix}/{n}") for suffix in ["", "_2_threads"])
                 row += [mega(one), mega(two), f"{two / one:.2f}" if one and two else "–"]
+            best = embree_best(results, "closest", rays, n, "_2_threads")[0]
+            batch = results.rate(f"closest/{rays}/batch_2_threads/{n}")
+            row += [mega(best), ratio(batch, best, None)]
             if row[2] != "–":
                 rows.append(row)
-    return table(["points", "rays", "single, 1 thread", "2 threads", "times", "batch, 1 thread", "2 threads", "times"], rows)
+    return table(["points", "rays", "single, 1 thread", "2 threads", "times", "batch, 1 thread", "2 threads", "times",
+                  "Embree best, 2 threads", "batch : Embree"], rows)
 
 
 def instruction_sets_table(results, n=10**6):

@@ -39,7 +39,9 @@ def all_runs(full):
     for n in sizes:
         few = n > 10**7
         yield f"builds_{n}", "octree_bench", f"^build/.*/{n}/", 3 if few else 5, n * BYTES_PER_POINT_OF_RAYS
-        yield f"rays_{n}", "octree_bench", f"^(embree/)?(closest|occluded)/.*/{n}/", 5, n * BYTES_PER_POINT_OF_RAYS
+        # Embree on two threads is compared for closest hits only.
+        rays = f"^((embree/)?closest/.*|occluded/.*|embree/occluded/[^/]+/(single|packet16|stream))/{n}/"
+        yield f"rays_{n}", "octree_bench", rays, 5, n * BYTES_PER_POINT_OF_RAYS
     million = 10**6 * BYTES_PER_POINT_OF_RAYS
     yield "instruction_sets", "octree_bench", "^instruction_set/[^/]+/(closest|occluded)/[PS]/[^/]+/1000000/", 5, million
     yield "site", "octree_bench", "^site/.*/1000000/", 5, million
