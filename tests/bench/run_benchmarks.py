@@ -56,11 +56,13 @@ def run(program, results, name, pattern, repetitions):
     """Returns the average number of cores that other programs kept busy, and the seconds it took."""
     before, begin = busy_seconds(), time.time()
     own_before = os.times()
-    subprocess.run(
+    done = subprocess.run(
         [program, f"--benchmark_filter={pattern}", f"--benchmark_repetitions={repetitions}",
          "--benchmark_enable_random_interleaving=true", f"--benchmark_out={results / name}.json",
          "--benchmark_out_format=json"],
-        check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    if done.returncode != 0:
+        sys.exit(f"bench: {program} failed:\n{done.stderr}")
     seconds = time.time() - begin
     own = os.times()
     own_seconds = own.children_user + own.children_system - own_before.children_user - own_before.children_system
