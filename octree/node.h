@@ -25,8 +25,8 @@ namespace alidade {
 /// slots with equal boxes hold points of one place only, in any organisation; the lowest ids are in the first
 /// of them.
 ///
-/// From frames of level 16 (k_exact_frame_level) on, the points below a node stand one after another: those of
-/// its leaves, then those below its inner children in slot order.
+/// From frames of level 16 (k_exact_frame_level) on, the points below a node stand one after another: those
+/// of its leaves, then those below its inner children in slot order.
 struct alignas(64) Node {
   std::uint8_t low[3][8];
   std::uint8_t high[3][8];
