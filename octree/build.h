@@ -33,15 +33,18 @@ struct BuildOptions {
 
 /// Builds the octree over a cloud's points, in parallel. The result does not depend on the number of threads.
 /// The cloud is only read. Cost: linear but for the depth of the tree, whatever the order and distribution of
-/// the points; 10 million points take half a second on two cores. Memory: the finished octree takes about 11
-/// B per point. Points whose cells are wider than 2^16 lattice steps, because the cloud is sparse for its
-/// lattice, take 12 B more each (TreeView::first_exact). At the peak the build takes 24 B per point beside
-/// the cloud, 32 B if that spans more than 2^21 lattice steps on an axis. Errors: leaf_size or cell_size out
-/// of range; more than 2^32 - 2 points.
+/// the points; 10 million points take about half a second on two cores.
+///
+/// Memory: the finished octree takes about 11 B per point. Points whose cells are wider than 2^16 lattice
+/// steps, because the cloud is sparse for its lattice, take 12 B more each (TreeView::first_exact). At the
+/// peak the build, its result included, takes about 16 B per point beside the cloud; 18 to 28 B if that spans
+/// more than 2^21 lattice steps on an axis, the more the sparser it is.
+///
+/// Errors: leaf_size or cell_size out of range; more than 2^32 - 2 points.
 Octree build(const PointCloud& cloud, const BuildOptions& options = {});
 
 /// The same, but takes the positions out of the cloud (cloud.positions is empty afterwards) and sorts in
-/// their memory, so that the build needs next to nothing beside what the cloud took (20 B per point more
+/// their memory, so that the build needs little beside what the positions took (2 B per point; 6 to 16 B
 /// above 2^21 lattice steps): the octree holds every position without loss. Attributes stay in the cloud.
 Octree build(PointCloud&& cloud, const BuildOptions& options = {});
 
