@@ -38,11 +38,12 @@ void expect_as_brute_force(const PointCloud& cloud, const Octree& octree, const 
   ++tally.cases;
 }
 
-/// Asks cases around every point family of octrees in every organisation, in turn. make_cases(cloud, count,
-/// random) as in query_families.h.
+/// Asks cases around every point family of octrees in every organisation with every instruction set, in turn.
+/// make_cases(cloud, count, random) as in query_families.h.
 template <class MakeCases>
 Tally expect_as_brute_force_on_every_family(std::size_t cases_per_family, const MakeCases& make_cases) {
   Tally tally;
+  const std::vector<InstructionSet> sets = available_instruction_sets();
   const std::string test = ::testing::UnitTest::GetInstance()->current_test_info()->name();
   for (const PointFamily& family : point_families()) {
     const std::vector<NamedOctree> octrees = octrees_of(family.cloud);
@@ -51,9 +52,10 @@ Tally expect_as_brute_force_on_every_family(std::size_t cases_per_family, const 
     std::size_t i = 0;
     for (const auto& c : make_cases(family.cloud, cases_per_family, random)) {
       const NamedOctree& asked = octrees[i % octrees.size()];
-      SCOPED_TRACE("seed \"" + seed + "\", case " + std::to_string(i) + ", " + asked.name + ": " +
-                   describe(c));
-      expect_as_brute_force(family.cloud, asked.octree, c, tally);
+      const InstructionSet set = sets[i / octrees.size() % sets.size()];
+      SCOPED_TRACE("seed \"" + seed + "\", case " + std::to_string(i) + ", " + asked.name + ", " +
+                   std::string(name(set)) + ": " + describe(c));
+      expect_as_brute_force(family.cloud, asked.octree.with_instruction_set(set), c, tally);
       if (::testing::Test::HasFailure()) return tally;
       ++i;
     }
