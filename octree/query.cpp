@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "octree/query.h"
 
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -20,8 +22,13 @@ namespace {
 // Enough work per task to hide the scheduler, few enough that the last tasks do not leave threads idle.
 constexpr std::size_t k_grain = 256;
 // Rays that go through the tree together: the more, the more often they share a node; the fewer, the longer
-// their states stay in the second-level cache.
-constexpr std::size_t k_stream_grain = 4096;
+// their states stay in the second-level cache. Small batches are cut into smaller pieces, so that no thread
+// is idle.
+constexpr std::size_t k_most_stream_rays = 4096;
+std::size_t stream_grain(std::size_t rays) {
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  return threads == 1 ? k_most_stream_rays : std::clamp(rays / (4 * threads), k_grain, k_most_stream_rays);
+}
 
 // --- Which traversal answers what
 // --------------------------------------------------------------------------- Algorithm 1 answers everything;
@@ -160,7 +167,7 @@ void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& q
   }
   check_many(octree, rays, query);
   check_room(rays.size(), answers.size());
-  for_each_range(rays, k_stream_grain, [&](std::size_t first, std::size_t last) {
+  for_each_range(rays, stream_grain(rays.size()), [&](std::size_t first, std::size_t last) {
     const auto range = rays.subspan(first, last - first);
     if (std::ranges::all_of(range, [](const Ray& ray) { return is_normalised(ray.direction); })) {
       stream(octree.view(), range, query, first, answers.subspan(first, last - first));

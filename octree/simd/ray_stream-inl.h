@@ -10,6 +10,7 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "octree/simd/front_to_back.h"
@@ -25,19 +26,20 @@ namespace HWY_NAMESPACE {
 template <Measure measure, bool any>
 class RayStream {
  public:
-  RayStream(const QuerySetup& setup, const LeafTest<measure, any>& leaf_test,
-            const RayTraversal<measure, any>& alone)
-      : setup_(setup), leaf_test_(leaf_test), alone_(alone) {}
+  explicit RayStream(const Traversed<measure, any>& traversed)
+      : traversed_(traversed), setup_(traversed.setup) {}
 
-  /// rays: numbers into states, all of this octant, none with misses or exhaustive.
-  void run(std::span<RayState> states, std::vector<std::uint32_t>& rays, unsigned octant) {
+  /// rays: numbers into boxes and states, all of this octant.
+  void run(std::span<RayBoxes> boxes, std::span<RayState> states, std::span<const std::uint32_t> rays,
+           unsigned octant) {
+    boxes_ = boxes;
     states_ = states;
     octant_ = octant;
     if (lists_.empty()) lists_.resize(k_max_tree_depth + 1);
     const auto count = static_cast<std::uint32_t>(rays.size());
     List& list = lists_[0];
     list.reserve(count);
-    std::ranges::copy(rays, list.rays.begin());
+    std::ranges::copy(rays, list.rays.get());
     visit_node(root_visit(setup_.tree), count);
   }
 
@@ -47,31 +49,34 @@ class RayStream {
 
   /// The rays that meet a node, and what they meet of it.
   struct List {
-    std::vector<std::uint32_t> rays;     ///< numbers into states_
-    std::vector<std::uint8_t> met;       ///< slots as bits
-    std::vector<float> t_near;           ///< eight per ray
-    std::vector<std::uint32_t> in_slot;  ///< numbers into rays
+    std::unique_ptr<std::uint32_t[]> rays;     ///< numbers into boxes_ and states_
+    std::unique_ptr<std::uint8_t[]> met;       ///< slots as bits
+    std::unique_ptr<float[]> t_near;           ///< eight per ray
+    std::unique_ptr<std::uint32_t[]> in_slot;  ///< numbers into rays
+    std::size_t room = 0;
 
     void reserve(std::size_t count) {
-      if (rays.size() >= count + k_padding) return;
-      rays.resize(count + k_padding);
-      met.resize(count + k_padding);
-      t_near.resize(8 * (count + k_padding));
-      in_slot.resize(count + k_padding);
+      if (room >= count) return;
+      room = count;
+      rays = std::make_unique_for_overwrite<std::uint32_t[]>(count + k_padding);
+      met = std::make_unique_for_overwrite<std::uint8_t[]>(count + k_padding);
+      t_near = std::make_unique_for_overwrite<float[]>(8 * (count + k_padding));
+      in_slot = std::make_unique_for_overwrite<std::uint32_t[]>(count + k_padding);
     }
   };
 
   void visit_node(const Visit& visit, std::uint32_t count) {
     List& list = lists_[visit.depth];
     if (count < k_min_rays) {
-      for (std::uint32_t i = 0; i < count; ++i) alone_.run(states_[list.rays[i]], visit);
+      for (std::uint32_t i = 0; i < count; ++i)
+        trace(traversed_, boxes_[list.rays[i]], states_[list.rays[i]], visit);
       return;
     }
     const Node& node = setup_.tree.nodes[visit.node];
     const Slots slots(node);
     const unsigned met = meet_boxes(node, visit, list, count);
-    unsigned single = 0, wanted = met & (visit.depth < alone_.max_depth() ? 0xffu : slots.leaf);
-    if (visit.level == k_min_frame_level && alone_.skips_twins()) {
+    unsigned single = 0, wanted = met & (visit.depth < traversed_.max_depth ? 0xffu : slots.leaf);
+    if (visit.level == k_min_frame_level && traversed_.skips_twins) {
       const Places places(node);
       wanted &= ~places.twins;
       single = places.single;
@@ -87,6 +92,7 @@ class RayStream {
         hwy::Prefetch(setup_.tree.nodes + slots.child(node, slot));
       }
     }
+    const auto leaf_place = traversed_.leaf_test.place(visit.corner, visit.level);
     const SlotOrder order = front_to_back(node, octant_, wanted);
     for (int place = 0; place < order.count; ++place) {
       const int slot = order.slot[place];
@@ -99,33 +105,21 @@ class RayStream {
         const std::uint32_t tested = (single >> slot & 1u) != 0 ? 1u : points;
         for (std::uint32_t i = 0; i < in_slot; ++i) {
           const std::uint32_t number = list.in_slot[i];
-          RayState& state = states_[list.rays[number]];
-          if (list.t_near[8 * std::size_t{number} + slot] <= state.t_cut)
-            leaf_test_.visit(state, leaf, tested, visit.level);
+          const std::uint32_t ray = list.rays[number];
+          if (list.t_near[8 * std::size_t{number} + slot] <= boxes_[ray].t_cut)
+            traversed_.leaf_test.visit(boxes_[ray], states_[ray], leaf, tested, leaf_place);
         }
       } else {
         List& next = lists_[visit.depth + 1];
         next.reserve(in_slot);
         std::uint32_t next_count = 0;
-        float nearest = std::numeric_limits<float>::infinity();
         for (std::uint32_t i = 0; i < in_slot; ++i) {
           const std::uint32_t number = list.in_slot[i];
           const std::uint32_t ray = list.rays[number];
-          const float t_near = list.t_near[8 * std::size_t{number} + slot];
           next.rays[next_count] = ray;
-          next_count += t_near <= states_[ray].t_cut ? 1u : 0u;
-          nearest = std::min(nearest, t_near);
+          next_count += list.t_near[8 * std::size_t{number} + slot] <= boxes_[ray].t_cut ? 1u : 0u;
         }
-        if (next_count == 0) continue;
-        const int drop = node.kind[slot] - k_inner_kind;
-        Visit child;
-        child.t_near = nearest;
-        child.node = slots.child(node, slot);
-        for (int axis = 0; axis < 3; ++axis)
-          child.corner[axis] = visit.corner[axis] + child_corner(node.low[axis][slot], visit.level, drop);
-        child.level = static_cast<std::uint16_t>(visit.level - drop);
-        child.depth = static_cast<std::uint16_t>(visit.depth + 1);
-        visit_node(child, next_count);
+        if (next_count != 0) visit_node(child_visit(visit, node, slots.child(node, slot), slot), next_count);
       }
     }
   }
@@ -138,9 +132,11 @@ class RayStream {
     std::uint32_t in_slot = 0;
     for (std::uint32_t i = 0; i < count; i += lanes) {
       const auto met =
-          hn::PromoteTo(d, hn::LoadU(hn::Rebind<std::uint8_t, decltype(d)>(), list.met.data() + i));
-      in_slot += static_cast<std::uint32_t>(
-          hn::CompressStore(hn::Iota(d, i), hn::TestBit(met, bit), d, list.in_slot.data() + in_slot));
+          hn::PromoteTo(d, hn::LoadU(hn::Rebind<std::uint8_t, decltype(d)>(), list.met.get() + i));
+      const auto meets = hn::TestBit(met, bit);
+      // A whole vector at a time: what stands past the count is written over or is padding.
+      hn::StoreU(hn::Compress(hn::Iota(d, i), meets), d, list.in_slot.get() + in_slot);
+      in_slot += static_cast<std::uint32_t>(hn::CountTrue(d, meets));
     }
     return in_slot;
   }
@@ -150,7 +146,7 @@ class RayStream {
     const ChildLanes d;
     alignas(64) float faces[6][k_node_width];
     const auto grid_step = static_cast<float>(power_of_two(visit.level - k_min_frame_level));
-    const auto reach = static_cast<float>(setup_.box_radius + setup_.stream_error);
+    const auto reach = static_cast<float>(setup_.box_radius);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = (octant_ >> axis & 1) != 0;
       const float corner = static_cast<float>(static_cast<std::int32_t>(visit.corner[axis] >> 8)) * 256.0f *
@@ -168,33 +164,32 @@ class RayStream {
     }
     unsigned all = 0;
     for (std::uint32_t i = 0; i < count; ++i) {
-      const RayState& state = states_[list.rays[i]];
-      hwy::Prefetch(&states_[list.rays[i + 8 < count ? i + 8 : i]]);
+      const RayBoxes& ray = boxes_[list.rays[i]];
       unsigned met = 0;
       for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
         const auto face = [&](int row) {
           const int axis = row % 3;
-          return hn::MulSub(hn::Load(d, faces[row] + lane), hn::Set(d, state.inverse[axis]),
-                            hn::Set(d, state.origin_t[axis]));
+          return hn::MulSub(hn::Load(d, faces[row] + lane), hn::Set(d, ray.inverse[axis]),
+                            hn::Set(d, ray.origin_t[axis]));
         };
         const auto enter = hn::Max(hn::Max(face(0), face(1)), face(2));
         const auto leave = hn::Min(hn::Min(face(3), face(4)), face(5));
-        hn::StoreU(enter, d, list.t_near.data() + 8 * std::size_t{i} + lane);
-        const auto meets = hn::And(hn::And(hn::Le(enter, leave), hn::Ge(leave, hn::Set(d, state.t_low))),
-                                   hn::Le(enter, hn::Set(d, state.t_cut)));
+        hn::StoreU(enter, d, list.t_near.get() + 8 * std::size_t{i} + lane);
+        const auto meets = hn::And(hn::And(hn::Le(enter, leave), hn::Ge(leave, hn::Set(d, ray.t_low))),
+                                   hn::Le(enter, hn::Set(d, ray.t_cut)));
         met |= mask_bits(d, meets) << lane;
       }
       list.met[i] = static_cast<std::uint8_t>(met);
       all |= met;
     }
     // What the compression reads past the end.
-    std::fill_n(list.met.begin() + count, 16, std::uint8_t{0});
+    std::fill_n(list.met.get() + count, 16, std::uint8_t{0});
     return all;
   }
 
+  const Traversed<measure, any>& traversed_;
   const QuerySetup& setup_;
-  const LeafTest<measure, any>& leaf_test_;
-  const RayTraversal<measure, any>& alone_;
+  std::span<RayBoxes> boxes_;
   std::span<RayState> states_;
   unsigned octant_ = 0;
   std::vector<List> lists_;  ///< by depth

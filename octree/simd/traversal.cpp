@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "octree/simd/traversal.h"
 
+#include <array>
+#include <memory>
+#include <vector>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octree/simd/traversal.cpp"
 #include <hwy/foreach_target.h>
 
+#include "octree/simd/choose_table.h"
+#include "octree/simd/ray_interleave-inl.h"
+#include "octree/simd/ray_set_up-inl.h"
 #include "octree/simd/ray_stream-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -16,48 +23,99 @@ class Tracer {
  public:
   /// first_index: query_index of rays[0].
   Tracer(const TreeView& tree, const RayQuery& query, std::span<const Ray> rays, std::size_t first_index)
-      : setup_(tree, query), rays_(rays), leaf_test_(setup_, rays, first_index), alone_(setup_, leaf_test_) {}
+      : setup_(tree, query),
+        rays_(rays),
+        first_index_(first_index),
+        leaf_test_(setup_, rays, first_index),
+        traversed_(setup_, leaf_test_) {}
 
   void trace(RayState& state) const {
-    start(0, state);
-    if (needs_tree(state)) alone_.run(state, root_visit(setup_.tree));
+    RayBoxes boxes;
+    if (start(0, boxes, state)) simd::HWY_NAMESPACE::trace(traversed_, boxes, state, root_visit(setup_.tree));
   }
 
   /// Calls tell(number, state) for every ray.
   template <class Tell>
   void trace_together(const Tell& tell) const {
-    std::vector<RayState> states(rays_.size());
-    std::vector<std::uint32_t> octants[8];
-    for (std::size_t i = 0; i < states.size(); ++i) {
-      RayState& state = states[i];
-      start(i, state);
-      if (!needs_tree(state)) continue;
-      if (state.double_error <= setup_.stream_error) {
-        octants[state.octant].push_back(static_cast<std::uint32_t>(i));
-      } else {
-        alone_.run(state, root_visit(setup_.tree));
-      }
+    // Not filled with zeros first: a ray's setup writes all that is read.
+    const auto box_memory = std::make_unique_for_overwrite<RayBoxes[]>(rays_.size());
+    const auto state_memory = std::make_unique_for_overwrite<RayState[]>(rays_.size());
+    const std::span boxes(box_memory.get(), rays_.size());
+    const std::span states(state_memory.get(), rays_.size());
+    if (share_nodes()) {
+      std::array<std::vector<std::uint32_t>, 8> octants;
+      for (std::size_t i = 0; i < states.size(); ++i)
+        if (start(i, boxes[i], states[i])) octants[states[i].octant].push_back(static_cast<std::uint32_t>(i));
+      RayStream<measure, any> stream(traversed_);
+      for (unsigned octant = 0; octant < 8; ++octant)
+        if (!octants[octant].empty()) stream.run(boxes, states, octants[octant], octant);
+    } else {
+      std::vector<std::uint32_t> under_way;
+      for (std::size_t i = 0; i < states.size(); ++i)
+        if (start(i, boxes[i], states[i])) under_way.push_back(static_cast<std::uint32_t>(i));
+      trace_interleaved(traversed_, boxes, states, std::span<const std::uint32_t>(under_way));
     }
-    RayStream<measure, any> stream(setup_, leaf_test_, alone_);
-    for (unsigned octant = 0; octant < 8; ++octant)
-      if (!octants[octant].empty()) stream.run(states, octants[octant], octant);
     for (std::size_t i = 0; i < states.size(); ++i) tell(i, states[i]);
   }
 
   std::optional<Hit> answer(const RayState& state) const { return leaf_test_.answer(state); }
 
  private:
-  void start(std::size_t number, RayState& state) const {
-    set_up(setup_, rays_[number], static_cast<std::uint32_t>(number), state);
-    if (state.exhaustive)
-      for_each_leaf(setup_.tree, [&](const Leaf& leaf) { leaf_test_.visit_in_double(state, leaf); });
+  /// Whether most rays start near the one before, so that they meet many nodes together. This decides about
+  /// speed only: measured with a campus of 10 million points, rays that bounce off neighbouring pixels
+  /// are 1.5 times faster together, the same rays in random order 1.2 times faster by turns.
+  bool share_nodes() const {
+    constexpr std::size_t k_samples = 64;
+    const glm::dvec3 size = setup_.tree.bounds.size();
+    const double near = (size.x + size.y + size.z) / 64.0;
+    const std::size_t samples = std::min(k_samples, rays_.size() - 1);
+    std::size_t near_count = 0;
+    for (std::size_t s = 0; s < samples; ++s) {
+      const std::size_t i = s * (rays_.size() - 1) / samples;
+      const glm::dvec3 apart = rays_[i + 1].origin - rays_[i].origin;
+      near_count += std::fabs(apart.x) + std::fabs(apart.y) + std::fabs(apart.z) <= near;
+    }
+    return 2 * near_count > samples;
   }
-  static bool needs_tree(const RayState& state) { return !state.misses && !state.exhaustive; }
+
+  /// Whether the ray is to go through the tree; if not, its state holds the answer.
+  bool start(std::size_t number, RayBoxes& boxes, RayState& state) const {
+    switch (set_up(setup_, rays_[number], static_cast<std::uint32_t>(number), boxes, state)) {
+      case Course::usual:
+        return true;
+      case Course::misses:
+        return false;
+      case Course::far_away:
+        trace_far_away(number, boxes, state);
+        return false;
+      default:
+        state.shift = 0.0;
+        state.cut = std::numeric_limits<double>::infinity();
+        for_each_leaf(setup_.tree, [&](const Leaf& leaf) { leaf_test_.visit_in_double(boxes, state, leaf); });
+        return false;
+    }
+  }
+
+  void trace_far_away(std::size_t number, RayBoxes& boxes, RayState& state) const {
+    const Ray& ray = rays_[number];
+    double way = setup_.query.radius;
+    for (int axis = 0; axis < 3; ++axis) {
+      way += std::max(std::fabs(setup_.tree.bounds.min[axis] - ray.origin[axis]),
+                      std::fabs(setup_.tree.bounds.max[axis] - ray.origin[axis]));
+    }
+    // Twice and more, since the way is measured to the widened bounds.
+    const QuerySetup setup(setup_.tree, setup_.query, 2.0 * (way + 3.0 * setup_.box_radius));
+    const LeafTest<measure, any> leaf_test(setup, rays_, first_index_);
+    if (set_up(setup, ray, static_cast<std::uint32_t>(number), boxes, state) == Course::usual)
+      simd::HWY_NAMESPACE::trace(Traversed<measure, any>(setup, leaf_test), boxes, state,
+                                 root_visit(setup.tree));
+  }
 
   const QuerySetup setup_;
   const std::span<const Ray> rays_;
+  const std::size_t first_index_;
   const LeafTest<measure, any> leaf_test_;
-  const RayTraversal<measure, any> alone_;
+  const Traversed<measure, any> traversed_;
 };
 
 template <Measure measure>
@@ -115,32 +173,7 @@ HWY_AFTER_NAMESPACE();
 namespace alidade::simd {
 
 const Traversal& traversal(InstructionSet instruction_set) {
-  switch (instruction_set) {
-#if HWY_TARGETS & HWY_AVX3
-    case InstructionSet::avx512:
-      return N_AVX3::k_traversal;
-#endif
-#if HWY_TARGETS & HWY_AVX2
-    case InstructionSet::avx2:
-      return N_AVX2::k_traversal;
-#endif
-#if HWY_TARGETS & HWY_SSE4
-    case InstructionSet::sse4:
-      return N_SSE4::k_traversal;
-#endif
-#if HWY_TARGETS & HWY_SSSE3
-    case InstructionSet::ssse3:
-      return N_SSSE3::k_traversal;
-#endif
-      // Which of its two scalar targets Highway compiles depends on the compiler.
-#if HWY_TARGETS & HWY_SCALAR
-    default:
-      return N_SCALAR::k_traversal;
-#else
-    default:
-      return N_EMU128::k_traversal;
-#endif
-  }
+  ALIDADE_CHOOSE_TABLE(instruction_set, k_traversal)
 }
 
 }  // namespace alidade::simd

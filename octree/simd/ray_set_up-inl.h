@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+// Included once per instruction set by Highway: no #pragma once.
+#if defined(ALIDADE_SIMD_RAY_SET_UP_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ALIDADE_SIMD_RAY_SET_UP_INL_H
+#undef ALIDADE_SIMD_RAY_SET_UP_INL_H
+#else
+#define ALIDADE_SIMD_RAY_SET_UP_INL_H
+#endif
+
+#include <hwy/highway.h>
+
+#include "octree/simd/ray_state.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace alidade::simd {
+namespace HWY_NAMESPACE {
+
+/// How a ray is to be traced.
+enum class Course : std::uint8_t {
+  misses,  ///< does not come near the points, or its interval is empty
+  usual,
+  far_away,    ///< needs a setup for a longer way
+  exhaustive,  ///< lengths beyond what floats can square: no pruning is safe
+};
+
+HWY_INLINE double clamped(double t) {
+  return std::min(std::max(t, -k_far), k_far);
+}
+
+/// Fills boxes and state; state.found is false.
+HWY_INLINE Course set_up(const QuerySetup& setup, const Ray& ray, std::uint32_t number, RayBoxes& boxes,
+                         RayState& state) {
+  state.number = number;
+  state.found = false;
+  state.best_low = std::numeric_limits<double>::infinity();
+  double enter = -std::numeric_limits<double>::infinity(), leave = std::numeric_limits<double>::infinity();
+  double inverse[3], way = 0.0;
+  unsigned octant = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    // The sign is taken here and nowhere else, so that -0.0 cannot be seen differently in two places.
+    const double d = ray.direction[axis];
+    const unsigned negative = d < 0.0 ? 1 : 0;
+    octant |= negative << axis;
+    inverse[axis] = (1.0 - 2.0 * negative) / std::max(std::fabs(d), 1e-12);
+    const double below = setup.low_face[axis] - ray.origin[axis];
+    const double above = setup.high_face[axis] - ray.origin[axis];
+    way += std::max(std::fabs(below), std::fabs(above));
+    enter = std::max(enter, std::min(below * inverse[axis], above * inverse[axis]));
+    leave = std::min(leave, std::max(below * inverse[axis], above * inverse[axis]));
+  }
+  if (!(way <= setup.longest_way)) return setup.longest + way < 1e16 ? Course::far_away : Course::exhaustive;
+  if (enter > leave) return Course::misses;
+  state.octant = static_cast<std::uint8_t>(octant);
+  state.shift = enter;
+  for (int axis = 0; axis < 3; ++axis) {
+    state.direction[axis] = ray.direction[axis];
+    state.origin[axis] = (ray.origin[axis] - setup.corner[axis]) + enter * ray.direction[axis];
+    boxes.inverse[axis] = static_cast<float>(inverse[axis]);
+    boxes.origin_t[axis] = static_cast<float>(state.origin[axis] * inverse[axis]);
+  }
+  state.direction[3] = state.origin[3] = 0.0;
+  state.t_min = clamped(ray.t_min - enter);
+  state.t_max = clamped(ray.t_max - enter);
+  state.entry_min = clamped(setup.query.entry_min - enter);
+  state.cut = state.t_max + setup.double_error;
+  boxes.t_low = float_below(std::max(state.t_min, state.entry_min) - setup.box_radius);
+  boxes.t_cut = float_above(state.cut);
+  return boxes.t_low <= boxes.t_cut ? Course::usual : Course::misses;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace alidade::simd
+HWY_AFTER_NAMESPACE();
+
+#endif
