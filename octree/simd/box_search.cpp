@@ -129,12 +129,16 @@ class BoxWalk {
   Visit& visit_;
 };
 
-/// The points as answers; those of a leaf in a row.
+/// The points, in the order of the leaves.
 class BoxFinder {
  public:
+  /// count: of the points in the box, as far as it is known.
   BoxFinder(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t query_index,
-            std::vector<PointHit>& answers)
-      : tree_(tree), box_(box), query_(query), query_index_(query_index), answers_(answers) {}
+            std::size_t count)
+      : tree_(tree), box_(box), query_(query), query_index_(query_index) {
+    keys_.reserve(count);
+    positions_.reserve(count);
+  }
 
   bool is_done() const { return false; }
   bool all(const Frame&, int) const { return false; }
@@ -143,13 +147,21 @@ class BoxFinder {
     for (; points != 0; points &= points - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
       const std::uint64_t id = point_id(tree_, leaf.place + i);
-      const glm::dvec3 position = to_world(tree_.lattice, position_of(tree_, leaf, i));
-      if (!query_.filter) {
-        answers_.push_back({id, position, 0.0});
-      } else if (const auto answer = evaluate(box_, query_, position, id, query_index_)) {
-        answers_.push_back(*answer);
-      }
+      const LatticePosition position = position_of(tree_, leaf, i);
+      if (query_.filter && !evaluate(box_, query_, to_world(tree_.lattice, position), id, query_index_))
+        continue;
+      keys_.push_back(id << 32 | positions_.size());
+      positions_.push_back(position);
     }
+  }
+
+  /// Appends the k points with the lowest ids.
+  void finish(std::size_t k, std::vector<PointHit>& answers) {
+    sort_by_id(keys_, k);
+    const std::size_t room = answers.size() + keys_.size();
+    if (answers.capacity() < room) answers.reserve(std::max(2 * answers.capacity(), room));
+    for (const IdKey key : keys_)
+      answers.push_back({key >> 32, to_world(tree_.lattice, positions_[key & 0xffffffffu]), 0.0});
   }
 
  private:
@@ -157,7 +169,8 @@ class BoxFinder {
   const Bounds& box_;
   const PointQuery& query_;
   const std::size_t query_index_;
-  std::vector<PointHit>& answers_;
+  std::vector<IdKey> keys_;
+  std::vector<LatticePosition> positions_;
 };
 
 /// How many points, without a filter.
@@ -207,16 +220,6 @@ class FilteredBoxCounter {
   std::size_t count_ = 0;
 };
 
-void find(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
-          std::size_t query_index, std::vector<PointHit>& answers) {
-  const LatticeBox steps(tree, box);
-  if (steps.empty()) return;
-  const std::size_t first = answers.size();
-  BoxFinder finder(tree, box, query, query_index, answers);
-  BoxWalk(tree, steps, query.max_level, finder).run();
-  sort_by_id(answers, first, k);
-}
-
 template <class Counter>
 std::size_t count_with(const TreeView& tree, const LatticeBox& steps, const PointQuery& query,
                        Counter counter) {
@@ -231,6 +234,19 @@ std::size_t count(const TreeView& tree, const Bounds& box, const PointQuery& que
   if (query.filter)
     return count_with(tree, steps, query, FilteredBoxCounter(tree, box, query, k, query_index));
   return count_with(tree, steps, query, BoxCounter(tree, k, query.max_level == k_all_levels));
+}
+
+void find(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
+          std::size_t query_index, std::vector<PointHit>& answers) {
+  const LatticeBox steps(tree, box);
+  if (steps.empty()) return;
+  // Counting costs little beside lists that grow.
+  const bool knows_count = !query.filter && query.max_level == k_all_levels;
+  const std::size_t expected =
+      knows_count ? count_with(tree, steps, query, BoxCounter(tree, k_all, true)) : 0;
+  BoxFinder finder(tree, box, query, query_index, expected);
+  BoxWalk(tree, steps, query.max_level, finder).run();
+  finder.finish(k, answers);
 }
 
 constexpr BoxSearch k_box_search{find, count};

@@ -11,9 +11,10 @@
 #include <bit>
 #include <vector>
 
+#include "octree/simd/first_answers.h"
+#include "octree/simd/float_bounds.h"
 #include "octree/simd/lanes-inl.h"
-#include "octree/simd/ray_state.h"
-#include "octree/tree_query.h"
+#include "octree/tree_walk.h"
 
 // What a search does with the points that lanes could not discard. Lanes tell of every point whether it may
 // count, whether it certainly does, and limits of its measure; a *target* (octree/query_targets.h) decides in
@@ -53,15 +54,16 @@ class NearestCollector {
   static constexpr bool k_has_cut = true;
   static constexpr bool k_counts = false;
 
-  /// measure_shift: what floats count from. shift_error: of the difference of a measure and the shift.
+  /// Appends to `answers`. measure_shift: what floats count from. shift_error: of the difference of a measure
+  /// and the shift.
   NearestCollector(const TreeView& tree, const Target& target, std::size_t k, double measure_shift,
-                   double shift_error)
+                   double shift_error, std::vector<Answer>& answers)
       : tree_(tree),
         target_(target),
         k_(k),
         measure_shift_(measure_shift),
         shift_error_(shift_error),
-        exact_(target, k) {
+        decided_(target, k, answers) {
     if (k <= k_most_sorted) {
       std::fill_n(highs_, k_lanes, -std::numeric_limits<float>::infinity());
       std::fill_n(highs_ + k_lanes, (k + k_lanes - 1) / k_lanes * k_lanes,
@@ -79,25 +81,29 @@ class NearestCollector {
   bool is_done() const { return false; }
 
   void add(const Leaf& leaf, const TestedPoints& points) {
-    for (std::uint32_t rest = points.possible; rest != 0; rest &= rest - 1) {
+    if (waiting_count_ + k_max_leaf_size > room_) make_room();
+    for (std::uint32_t rest = points.certain; rest != 0; rest &= rest - 1) {
       const std::uint32_t i = index_of_lowest_bit(rest);
-      if (points.low[i] > cut_) continue;
-      if ((points.certain >> i & 1u) == 0) {
-        if (const auto answer = decide(tree_, target_, leaf, i)) insert(*answer);
-        continue;
-      }
-      if (waiting_count_ == room_) make_room();
       waiting_[waiting_count_++] = {points.low[i], points.high[i], leaf.place + i,
                                     position_of(tree_, leaf, i)};
-      note_high(points.high[i]);
+    }
+    if (points.certain != 0) note_highs(points.high, points.certain);
+    for (std::uint32_t rest = points.possible & ~points.certain; rest != 0; rest &= rest - 1) {
+      const std::uint32_t i = index_of_lowest_bit(rest);
+      if (points.low[i] > cut_) continue;
+      const auto answer = decide(tree_, target_, leaf, i);
+      if (!answer) continue;
+      decided_.insert(*answer);
+      const float high = at_least(target_.measured(*answer) - measure_shift_ + shift_error_);
+      note_highs(&high, 1u);
+      cut_at_decided();
     }
   }
 
-  /// Appends the answers in order.
-  void finish(std::vector<Answer>& answers) {
+  /// Puts the answers in order.
+  void finish() {
     decide_waiting();
-    const std::vector<Answer> found = exact_.in_order();
-    answers.insert(answers.end(), found.begin(), found.end());
+    decided_.finish();
   }
 
  private:
@@ -105,44 +111,64 @@ class NearestCollector {
     float low, high;
     std::uint32_t place;
     LatticePosition position;
+    bool operator<(const Waiting& other) const { return high < other.high; }
   };
   static constexpr std::size_t k_most_sorted = 64;
   static constexpr std::size_t k_lanes = 16;  ///< at least those of PointLanes
   static constexpr std::size_t k_few = 192;
 
-  /// A point counts for certain; its measure is not above `high`.
-  void note_high(float high) {
-    if (k_ > k_most_sorted || !(high < cut_)) return;
-    // In a sorted list everything above the new value moves up by one, the last drops out.
+  /// Points that count for certain; their measures are not above `highs`.
+  void note_highs(const float* highs, std::uint32_t points) {
+    if (k_ > k_most_sorted) return;
+    // In a sorted list everything above a new value moves up by one, the last drops out.
     const PointLanes d;
     const std::size_t lanes = hn::Lanes(d);
-    const auto value = hn::Set(d, high);
     float* const sorted = highs_ + k_lanes;
-    for (std::size_t begin = (k_ - 1) / lanes * lanes;; begin -= lanes) {
-      const auto moved = hn::Max(hn::LoadU(d, sorted + begin - 1), value);
-      hn::Store(hn::Min(hn::Load(d, sorted + begin), moved), d, sorted + begin);
-      if (begin == 0 || sorted[begin - 1] <= high) break;
+    if (k_ <= lanes) {
+      auto list = hn::Load(d, sorted);
+      for (; points != 0; points &= points - 1) {
+        const auto value = hn::Set(d, highs[index_of_lowest_bit(points)]);
+        list = hn::Min(list, hn::Max(moved_up(d, list), value));
+      }
+      hn::Store(list, d, sorted);
     }
-    cut_ = sorted[k_ - 1];
+    for (; points != 0; points &= points - 1) {
+      const float high = highs[index_of_lowest_bit(points)];
+      if (!(high < sorted[k_ - 1])) continue;
+      const auto value = hn::Set(d, high);
+      for (std::size_t begin = (k_ - 1) / lanes * lanes;; begin -= lanes) {
+        const auto moved = hn::Max(hn::LoadU(d, sorted + begin - 1), value);
+        hn::Store(hn::Min(hn::Load(d, sorted + begin), moved), d, sorted + begin);
+        if (begin == 0 || sorted[begin - 1] <= high) break;
+      }
+    }
+    cut_ = std::min(cut_, sorted[k_ - 1]);
   }
 
-  void insert(const Answer& answer) {
-    exact_.insert(answer);
-    note_high(float_above(target_.measured(answer) - measure_shift_ + shift_error_));
-    cut_at_exact();
+  /// Lane i takes lane i - 1; the first one -infinity.
+  static HWY_INLINE hn::Vec<PointLanes> moved_up(PointLanes d, hn::Vec<PointLanes> list) {
+    const auto before = hn::Set(d, -std::numeric_limits<float>::infinity());
+#if HWY_TARGET == HWY_AVX3
+    return hn::Vec<PointLanes>{_mm512_castsi512_ps(
+        _mm512_alignr_epi32(_mm512_castps_si512(list.raw), _mm512_castps_si512(before.raw), 15))};
+#else
+    alignas(64) float values[2 * k_lanes];
+    hn::Store(before, d, values);
+    hn::Store(list, d, values + hn::Lanes(d));
+    return hn::LoadU(d, values + hn::Lanes(d) - 1);
+#endif
   }
 
-  void cut_at_exact() {
-    const double limit = exact_.limit();
-    if (limit < std::numeric_limits<double>::infinity())
-      cut_ = std::min(cut_, float_above(limit - measure_shift_ + shift_error_));
+  void cut_at_decided() {
+    if (decided_.limit() < std::numeric_limits<double>::infinity())
+      cut_ = std::min(cut_, at_least(decided_.limit() - measure_shift_ + shift_error_));
   }
 
+  /// For the points of one more leaf.
   void make_room() {
-    if (k_ > k_most_sorted) {
+    if (k_ > k_most_sorted && waiting_count_ >= k_) {
       const auto kth = waiting_ + (k_ - 1);
-      std::nth_element(waiting_, kth, waiting_ + waiting_count_,
-                       [](const Waiting& a, const Waiting& b) { return a.high < b.high; });
+      std::nth_element(waiting_, kth, waiting_ + waiting_count_);
       cut_ = std::min(cut_, kth->high);
     }
     std::size_t kept = 0;
@@ -151,7 +177,7 @@ class NearestCollector {
     waiting_count_ = kept;
     if (kept > room_ / 4 * 3) {
       decide_waiting();
-      cut_at_exact();
+      cut_at_decided();
     }
   }
 
@@ -161,7 +187,7 @@ class NearestCollector {
       if (point.low > cut_) continue;
       if (const auto answer =
               target_.evaluate(to_world(tree_.lattice, point.position), point_id(tree_, point.place)))
-        exact_.insert(*answer);
+        decided_.insert(*answer);
     }
     waiting_count_ = 0;
   }
@@ -170,7 +196,7 @@ class NearestCollector {
   const Target& target_;
   const std::size_t k_;
   const double measure_shift_, shift_error_;
-  Nearest<Target> exact_;
+  FirstAnswers<Target> decided_;
   float cut_ = std::numeric_limits<float>::infinity();
   std::size_t waiting_count_ = 0, room_ = k_few;
   Waiting* waiting_ = few_;
@@ -202,8 +228,7 @@ class AllCollector {
   }
 
   void finish() {
-    std::sort(answers_.begin() + static_cast<std::ptrdiff_t>(first_), answers_.end(),
-              [this](const Answer& a, const Answer& b) { return target_.precedes(a, b); });
+    std::sort(answers_.begin() + static_cast<std::ptrdiff_t>(first_), answers_.end(), Precedes{target_});
   }
 
  private:

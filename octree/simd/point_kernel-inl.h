@@ -37,7 +37,7 @@ class PointKernel {
   };
 
   PointKernel(const TreeView& tree, const glm::dvec3& point, double radius, bool filtered)
-      : tree_(tree), radius_(float_above(radius)), all_in_double_(filtered) {
+      : tree_(tree), radius_(at_least(radius)), all_in_double_(filtered) {
     const glm::dvec3 corner = to_world(tree.lattice, tree.base);
     double largest = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -49,7 +49,7 @@ class PointKernel {
     }
     double_error_ = 0x1p-48 * largest + 1e-18;
     if (std::isinf(radius)) radius_ = std::numeric_limits<float>::infinity();
-    certain_radius_ = std::isinf(radius) ? radius_ : float_below(radius);
+    certain_radius_ = std::isinf(radius) ? radius_ : at_most(radius);
   }
 
   HWY_INLINE Local at(const std::uint32_t* corner, int level) const {

@@ -22,10 +22,10 @@ void find(const TreeView& tree, const glm::dvec3& point, const PointQuery& query
     NearestFirst(tree, kernel, all, query.max_level, k_all).run();
     all.finish();
   } else {
-    NearestCollector<PointTarget> nearest(tree, target, k, 0.0, 0.0);
+    NearestCollector<PointTarget> nearest(tree, target, k, 0.0, 0.0, answers);
     const bool knows_all_points = !query.filter && query.max_level == k_all_levels;
     NearestFirst(tree, kernel, nearest, query.max_level, knows_all_points ? k : k_all).run();
-    nearest.finish(answers);
+    nearest.finish();
   }
 }
 

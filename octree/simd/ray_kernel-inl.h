@@ -54,15 +54,15 @@ class RayKernel {
       widest_scale_ = std::max(widest_scale_, tree.lattice.scale[axis]);
     }
     const bool unlimited = std::isinf(query.radius);
-    radius_ = unlimited ? infinity() : float_above(query.radius);
-    inner_radius_ = unlimited ? infinity() : float_below(query.radius);
+    radius_ = unlimited ? infinity() : at_least(query.radius);
+    inner_radius_ = unlimited ? infinity() : at_most(query.radius);
     if (!unlimited && (measure == Measure::entry || has_entry_min_)) chord_error_ = 0x1p-20 * query.radius;
     // A sphere is never entered behind the projection of its centre.
-    t_low_ = float_below(std::max(ray.t_min, query.entry_min) - line.shift - line.error);
-    t_high_ = float_above(ray.t_max - line.shift + line.error);
-    sure_t_low_ = float_above(ray.t_min - line.shift + line.error);
-    sure_t_high_ = float_below(ray.t_max - line.shift - line.error);
-    entry_min_ = float_above(query.entry_min - line.shift + line.error);
+    t_low_ = at_most(std::max(ray.t_min, query.entry_min) - line.shift - line.error);
+    t_high_ = at_least(ray.t_max - line.shift + line.error);
+    sure_t_low_ = at_least(ray.t_min - line.shift + line.error);
+    sure_t_high_ = at_most(ray.t_max - line.shift - line.error);
+    entry_min_ = at_least(query.entry_min - line.shift + line.error);
   }
 
   HWY_INLINE Local at(const std::uint32_t* corner, int level) const {

@@ -30,9 +30,9 @@ void find_first(const TreeView& tree, const Ray& ray, const RayQuery& query, std
   const RayKernel<measure> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
   constexpr bool is_place = measure != Measure::distance;
   NearestCollector<RayTarget> nearest(tree, target, k, is_place ? line.shift : 0.0,
-                                      is_place ? line.error : 0.0);
+                                      is_place ? line.error : 0.0, answers);
   NearestFirst(tree, kernel, nearest, query.max_level, knows_all_points(query) ? k : k_all).run();
-  nearest.finish(answers);
+  nearest.finish();
 }
 
 void find(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k, std::size_t query_index,
