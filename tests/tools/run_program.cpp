@@ -37,7 +37,7 @@ void redirect(const std::filesystem::path& path, int flags, int descriptor) {
 }  // namespace
 
 Program::Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
-                 const std::filesystem::path& standard_output) {
+                 const std::filesystem::path& standard_output, const std::filesystem::path& standard_input) {
   // What the program says is kept outside its folder, whose files the tests list.
   out_ = folder.string() + ".out";
   err_ = folder.string() + ".err";
@@ -52,7 +52,7 @@ Program::Program(const std::vector<std::string>& words, const std::filesystem::p
   if (process_ != 0) return;
   const rlimit processor_time{k_most_seconds, k_most_seconds + 1};
   if (::setrlimit(RLIMIT_CPU, &processor_time) != 0) ::_exit(125);
-  redirect("/dev/null", O_RDONLY, STDIN_FILENO);
+  redirect(standard_input, O_RDONLY, STDIN_FILENO);
   redirect(out, keep_out_ ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   redirect(err_, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
   if (::chdir(folder.c_str()) != 0) ::_exit(125);
@@ -97,12 +97,19 @@ void ProgramTest::SetUp() {
 }
 
 void ProgramTest::TearDown() {
-  for (const char* const suffix : {"", ".out", ".err"}) std::filesystem::remove_all(folder.string() + suffix);
+  for (const char* const suffix : {"", ".in", ".out", ".err"})
+    std::filesystem::remove_all(folder.string() + suffix);
 }
 
 ProgramResult ProgramTest::run(const std::vector<std::string>& words,
                                const std::filesystem::path& standard_output) {
   return Program(words, folder, standard_output).wait();
+}
+
+ProgramResult ProgramTest::run_with_input(const std::vector<std::string>& words, const std::string& input) {
+  const std::filesystem::path file = folder.string() + ".in";
+  std::ofstream(file, std::ios::binary) << input;
+  return Program(words, folder, {}, file).wait();
 }
 
 void ProgramTest::write(const std::string& name, const std::string& content) {

@@ -22,9 +22,11 @@ struct ProgramResult {
 /// takes 30 seconds of processor time (300 under a sanitizer).
 class Program {
  public:
-  /// Starts `alidade WORDS...` in `folder`; stdout goes to `standard_output` if one is given.
+  /// Starts `alidade WORDS...` in `folder`; stdout goes to `standard_output` if one is given, stdin is
+  /// `standard_input` or else empty.
   Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
-          const std::filesystem::path& standard_output = {});
+          const std::filesystem::path& standard_output = {},
+          const std::filesystem::path& standard_input = "/dev/null");
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -46,6 +48,8 @@ class ProgramTest : public ::testing::Test {
   void TearDown() override;
 
   ProgramResult run(const std::vector<std::string>& words, const std::filesystem::path& standard_output = {});
+  /// The same with `input` on stdin.
+  ProgramResult run_with_input(const std::vector<std::string>& words, const std::string& input);
 
   /// Writes a file into the folder.
   void write(const std::string& name, const std::string& content);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "tools/message.h"
 
@@ -53,9 +54,8 @@ void add_row(std::string& text, const std::vector<AnswerColumn>& columns, const 
 AnswerText::AnswerText(std::vector<AnswerColumn> columns, TextForm form, std::unique_ptr<OutputFile> file)
     : columns_(std::move(columns)), form_(form), file_(std::move(file)) {
   if (form_ == TextForm::json_lines) return;
-  std::string header;
-  for (const AnswerColumn& column : columns_) header += (header.empty() ? "" : ",") + column.name;
-  put(header + "\n");
+  for (const AnswerColumn& column : columns_) header_ += (header_.empty() ? "" : ",") + column.name;
+  header_ += "\n";
 }
 
 void AnswerText::put(const std::string& text) {
@@ -66,7 +66,12 @@ void AnswerText::put(const std::string& text) {
   }
 }
 
+void AnswerText::put_header() {
+  put(std::exchange(header_, {}));
+}
+
 void AnswerText::write(const AnswerRows& rows) {
+  put_header();
   for (std::size_t begin = 0; begin < rows.size; begin += k_rows_at_once) {
     const std::size_t end = std::min(begin + k_rows_at_once, rows.size);
     std::vector<std::string> parts((end - begin + k_grain - 1) / k_grain);
@@ -82,6 +87,7 @@ void AnswerText::write(const AnswerRows& rows) {
 }
 
 void AnswerText::finish() {
+  put_header();
   if (file_) file_->commit();
 }
 

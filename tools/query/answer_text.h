@@ -3,7 +3,7 @@
 
 #include <filesystem>
 #include <memory>
-#include <optional>
+#include <string>
 #include <vector>
 
 #include "octree/cloud/output_file.h"
@@ -27,9 +27,11 @@ class AnswerText final : public AnswerOutput {
 
  private:
   void put(const std::string& text);
+  void put_header();
 
   std::vector<AnswerColumn> columns_;
   TextForm form_;
+  std::string header_;  ///< until it is written: with the first rows, so that bad targets leave stdout empty
   std::unique_ptr<OutputFile> file_;
 };
 

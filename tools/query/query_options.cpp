@@ -105,9 +105,11 @@ void add_answers(CLI::App& query, QueryCommand& command) {
   const char* const group = "Answers";
   CLI::Option* const occluded =
       query.add_flag("--occluded", command.occluded, "only whether there is any point: 0 or 1 per target")
+          ->option_text(" ")
           ->group(group);
   query.add_flag("--count", command.count, "only how many points there are, up to K")
       ->excludes(occluded)
+      ->option_text(" ")
       ->group(group);
   query
       .add_option("-o,--output", command.output,

@@ -58,7 +58,7 @@ void RowReader::begin() {
     return;
   }
   throw Error({.file = source_.name(),
-               .place = "1:1",
+               .place = source_.is_command_line() ? "" : "1:1",
                .problem = fmt::format("holds no {}", kind_->plural),
                .expected = fmt::format("CSV with the header {}, or JSON lines", kind_->form()),
                .found = "nothing"});

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+constexpr const char* k_header = "ox,oy,oz,dx,dy,dz\n";
+constexpr const char* k_answer = "ray_id,count\n0,5\n1,1\n";
+
+class QueryInputTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write("tiny.xyz", "0 0 0\n1 0 0\n2 0.5 0\n3 0 2\n4 0 0\n");
+  }
+
+  ProgramResult ask(const std::string& option, const std::string& text) {
+    write("targets", text);
+    return run({"query", "tiny.xyz", "-q", option, "targets", "--count"});
+  }
+
+  std::string count_rays(const std::string& text) {
+    write("targets", text);
+    const ProgramResult result =
+        run({"query", "tiny.xyz", "-q", "--rays", "targets", "--radius", "2", "--count"});
+    EXPECT_EQ(result.err, "");
+    return result.out;
+  }
+
+  /// The error for targets that are not good, which leaves nothing behind.
+  std::string refused(const std::string& option, const std::string& text) {
+    const ProgramResult result = ask(option, text);
+    EXPECT_EQ(result.exit_code, 2) << text;
+    EXPECT_EQ(result.out, "") << text;
+    EXPECT_EQ(names(), (Words{"targets", "tiny.xyz"}));
+    return result.err;
+  }
+};
+
+TEST_F(QueryInputTest, csv_and_json_lines_say_the_same) {
+  EXPECT_EQ(count_rays("ox,oy,oz,dx,dy,dz\n0,0,0,1,0,0\n3,0,9,0,0,-1\n").substr(0, 17),
+            "ray_id,count\n0,5\n");
+  const std::string csv = count_rays("ox,oy,oz,dx,dy,dz,t_max\n0,0,0,1,0,0,\n3,0,9,0,0,-1,7.5\n");
+  EXPECT_EQ(csv, k_answer);
+  for (const char* const text :
+       {"\xEF\xBB\xBFox,oy,oz,dx,dy,dz,t_max\r\n0,0,0,1,0,0,inf\r\n\r\n3,0,9,0,0,-1,7.5",
+        "\n  \ndz , dy,dx,\"oz\",oy,ox,t_max\n0,0,1,0,0,0,\n+ 1\n",
+        "{\"origin\": [0, 0, 0], \"direction\": [1, 0, 0]}\n"
+        "{\"t_max\": 7.5, \"direction\": [0, 0, -1], \"origin\": [3, 0, 9]}\n",
+        "{\"ox\": 0, \"oy\": 0, \"oz\": 0, \"dx\": 1, \"dy\": 0, \"dz\": 0, \"t_max\": null}\n"
+        "[3, 0, 9, 0, 0, -1, \"-inf\", 7.5]\n"}) {
+    if (contains(text, "+ 1")) {
+      EXPECT_TRUE(contains(refused("--rays", text), "targets:5:4: too few columns")) << text;
+    } else {
+      EXPECT_EQ(count_rays(text), k_answer) << text;
+    }
+  }
+}
+
+TEST_F(QueryInputTest, standard_input_and_pipes_are_read_like_files) {
+  const std::string text = std::string(k_header) + "0,0,0,1,0,0\n3,0,9,0,0,-1\n";
+  const Words words = {"query", "tiny.xyz", "-q", "--rays", "-", "--radius", "1", "--count"};
+  EXPECT_EQ(run_with_input(words, text).out, "ray_id,count\n0,4\n1,2\n");
+  const ProgramResult empty = run_with_input(words, "");
+  EXPECT_EQ(empty.exit_code, 2);
+  EXPECT_TRUE(contains(empty.err, "standard input:1:1: holds no rays")) << empty.err;
+
+  const std::filesystem::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  Program program({"query", "tiny.xyz", "-q", "--rays", "pipe", "--radius", "1", "--count"}, folder);
+  write("pipe", text);
+  EXPECT_EQ(program.wait().out, "ray_id,count\n0,4\n1,2\n");
+}
+
+TEST_F(QueryInputTest, interrupt_while_waiting_for_targets_ends_with_130) {
+  const std::filesystem::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  Program program({"query", "tiny.xyz", "-q", "--rays", "-", "--radius", "1", "-o", "out.csv"}, folder, {},
+                  pipe);
+  {
+    // More than the program reads at once, so that it answers and then waits for the rest.
+    std::ofstream writer(pipe);
+    writer << k_header;
+    for (int i = 0; i < 100000; ++i) writer << "0,0,0,1,0,0\n";
+    writer.flush();
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (names().size() < 3 && std::chrono::steady_clock::now() < limit)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    program.send(SIGINT);
+    EXPECT_EQ(program.wait().exit_code, 130);
+  }
+  EXPECT_EQ(names(), (Words{"pipe", "tiny.xyz"}));
+}
+
+TEST_F(QueryInputTest, wrong_csv_is_refused_with_line_and_column) {
+  const std::string header = k_header;
+  const std::pair<std::string, const char*> wrong[] = {
+      {"", "targets:1:1: holds no rays; expected CSV with the header ox,oy,oz,dx,dy,dz[,t_min][,t_max]"},
+      {"\n\r\n \t\n", "targets:1:1: holds no rays"},
+      {"1,2,3,4,5,6\n", "targets:1:1: there is no header"},
+      {"ox,oy,oz\n", "targets:1:9: column dx is missing"},
+      {"ox,oy,oz,dx,dy,dz,time\n", "targets:1:19: unknown column \"time\"; expected some of ox, oy, oz, dx"},
+      {"ox,oy,oz,dx,oy,dz\n", "targets:1:13: column oy stands twice"},
+      {"\x89PNG\r\n\x1a\n", "targets:1:1: unknown column \"?PNG\""},
+      {header + "1,2,3,4,5\n", "targets:2:10: too few columns; expected 6, found 5"},
+      {header + "1,2,3,4,5,6,7\n", "targets:2:13: too many columns; expected 6, found 7"},
+      {header + "0,0,0,1,0,0\n\n1,2,abc,4,5,6\n",
+       "targets:4:5: oz is not a number; expected a number, found \"abc\""},
+      {header + "1,2,3m,4,5,6\n", "targets:2:5: oz is not a number"},
+      {header + "1,,3,4,5,6\n", "targets:2:3: oy is not a number; expected a number, found nothing"},
+      {header + "1,2,nan,4,5,6\n",
+       "targets:2:5: oz is out of range; expected a finite number, found \"nan\""},
+      {header + "1,2,3,4,inf,6\n", "targets:2:9: dy is out of range"},
+      {header + "1,2,1e999,4,5,6\n", "targets:2:5: oz is out of range"},
+      {header + "1,2,3,0,-0,0\n", "targets:2:7: direction of the ray has length zero"},
+      {"ox,oy,oz,dx,dy,dz,t_min\n1,2,3,4,5,6,nan\n", "targets:2:13: t_min is out of range"}};
+  for (const auto& [text, message] : wrong) {
+    const std::string error = refused("--rays", text);
+    EXPECT_TRUE(contains(error, message)) << text << "\n" << error;
+  }
+}
+
+TEST_F(QueryInputTest, wrong_json_lines_are_refused_with_line_and_column) {
+  const std::string good = "[0, 0, 0, 1, 0, 0]\n";
+  const std::pair<std::string, const char*> wrong[] = {
+      {"{\"ox\": 1,}\n", "targets:1:10: not valid JSON"},
+      {good + "{\"ox\": 1", "targets:2:9: not valid JSON"},
+      {good + "\n7\n", "targets:3:1: not a ray; expected an object or an array"},
+      {good + "[1, 2, 3]\n", "targets:2:1: not a ray"},
+      {good + "[1, 2, 3, 4, 5, 6, 7, 8, 9]\n", "targets:2:1: not a ray"},
+      {good + "[1, 2, \"3\", 4, 5, 6]\n", "targets:2:8: oz is not a number; expected a number, found \"3\""},
+      {good + "[1, 2, null, 4, 5, 6]\n", "targets:2:8: oz is not a number"},
+      {good + "[1, 2, \"inf\", 4, 5, 6]\n", "targets:2:8: oz is out of range"},
+      {good + "[1, 2, 3, 0, 0, 0]\n", "targets:2:11: direction of the ray has length zero"},
+      {good + "{\"origin\": [1, 2], \"direction\": [0, 0, 1]}\n", "targets:2:12: origin is not a vector"},
+      {good + "{\"origin\": [1, 2, 3], \"direktion\": [0, 0, 1]}\n",
+       "targets:2:23: unknown key \"direktion\""},
+      {good + "{\"origin\": [1, 2, 3]}\n", "targets:2:1: no value for dx"},
+      {good + "{\"origin\": [1, 2, 3], \"oy\": 5}\n", "targets:2:29: oy is given twice"},
+      {good + "{\"ox\": 1, \"ox\": 5}\n", "targets:2:11: key \"ox\" stands twice"}};
+  for (const auto& [text, message] : wrong) {
+    const std::string error = refused("--rays", text);
+    EXPECT_TRUE(contains(error, message)) << text << "\n" << error;
+  }
+}
+
+TEST_F(QueryInputTest, wrong_targets_of_other_kinds_are_refused) {
+  const std::tuple<const char*, std::string, const char*> wrong[] = {
+      {"--cones", "ox,oy,oz,dx,dy,dz,half_angle\n0,0,0,1,0,0,90\n",
+       "targets:2:13: half_angle is out of range"},
+      {"--cones", "ox,oy,oz,dx,dy,dz,half_angle,radius\n0,0,0,1,0,0,9,-1\n",
+       "targets:2:15: radius is out of range"},
+      {"--cones", "ox,oy,oz,dx,dy,dz\n0,0,0,1,0,0\n", "targets:1:18: column half_angle is missing"},
+      {"--planes", "px,py,pz,nx,ny,nz\n0,0,0,0,0,0\n", "targets:2:7: normal of the region has length zero"},
+      {"--planes", "px,py,pz,nx,ny,nz,region\n0,0,0,1,0,0,0.5\n", "targets:2:13: region is out of range"},
+      {"--path", "x,y,z\n1,2,3\n1,2,3\n", "targets:2:1: path has too few different vertices"},
+      {"--path", "x,y,z,path\n1,2,3,1\n1,2,4,1\n5,5,5,0\n",
+       "targets:4:1: number of the path is below the one before"},
+      {"--boxes", "min_x,min_y,min_z,max_x,max_y,max_z\n0,0,0,1,nan,1\n",
+       "targets:2:9: max_y is out of range"},
+      {"--points", "x,y,z\n0,0,inf\n", "targets:2:5: z is out of range"}};
+  for (const auto& [option, text, message] : wrong) {
+    const std::string error = refused(option, text);
+    EXPECT_TRUE(contains(error, message)) << text << "\n" << error;
+  }
+}
+
+TEST_F(QueryInputTest, first_bad_line_of_many_is_told) {
+  std::string text = k_header;
+  for (int i = 0; i < 20000; ++i) text += i % 5000 == 4999 ? "0,0,0,0,0,0\n" : "0,0,0,1,0,0\n";
+  for (const char* const threads : {"1", "4"}) {
+    write("targets", text);
+    const ProgramResult result = run({"query", "tiny.xyz", "-q", "--rays", "targets", "--threads", threads});
+    EXPECT_TRUE(contains(result.err, "targets:5001:7: ")) << result.err;
+  }
+}
+
+TEST_F(QueryInputTest, line_without_end_is_refused) {
+  const std::string error = refused("--rays", std::string(3'000'000, 'x'));
+  EXPECT_TRUE(contains(error, "targets:1:1: the line does not end")) << error;
+  const std::string later = refused("--rays", std::string(k_header) + std::string(3'000'000, '1'));
+  EXPECT_TRUE(contains(later, "targets:2:1: the line does not end")) << later;
+}
+
+TEST_F(QueryInputTest, targets_across_blocks_of_the_text_are_read_once) {
+  // Lines of all lengths, so that they fall across the places where the text is cut.
+  std::string text = k_header;
+  for (int i = 0; i < 60000; ++i) text += fmt::format("{},0,0,1,0,{:.{}f}\n", -i, 0.0, 1 + i % 40);
+  write("targets", text);
+  const ProgramResult result =
+      run({"query", "tiny.xyz", "-q", "--rays", "targets", "--radius", "0.1", "--k", "1", "--measure", "t"});
+  std::string expected = "ray_id,rank,point_id,x,y,z,t,distance,entry\n";
+  for (int i = 0; i < 60000; ++i) expected += fmt::format("{0},0,0,0,0,0,{0},0,{1:.17g}\n", i, i - 0.1);
+  EXPECT_TRUE(result.out == expected) << result.out.substr(0, 300);
+}
+
+TEST_F(QueryInputTest, targets_of_the_command_line_are_quoted_in_errors) {
+  const std::pair<Words, const char*> wrong[] = {
+      {{"--ray", "1,2,3"},
+       "--ray: \"1,2,3\": not a ray; expected ox,oy,oz,dx,dy,dz[,t_min][,t_max], found 3 values"},
+      {{"--ray", "0,0,0,1,0,0", "--ray", "0,0,0,1,y,0"}, "--ray: \"0,0,0,1,y,0\": dy is not a number"},
+      {{"--ray", "0,0,0,0,0,0"}, "direction of the ray has length zero"},
+      {{"--ray", ""}, "--ray: holds no rays"},
+      {{"--vertex", "1,2,3"}, "--vertex: path has too few different vertices"},
+      {{"--ray", "0,0,0,1,0,0", "--point", "0,0,0"}, "targets of two kinds are given: rays and points"},
+      {{"--point", "0,0,0", "--points", "targets"}, "given in two ways: --points and --point"},
+      {{}, "nothing to ask for; expected one of --rays, --cones, --path, --planes, --boxes, --points"},
+      {{"--rays", "absent.csv"}, "absent.csv: cannot be opened"},
+      {{"--rays", "."}, ".: reading failed"}};
+  for (const auto& [words, message] : wrong) {
+    Words all = {"query", "tiny.xyz", "-q"};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramResult result = run(all);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_TRUE(contains(result.err, message)) << result.err;
+  }
+}
+
+TEST_F(QueryInputTest, conditions_that_mean_nothing_are_refused) {
+  const Words ray = {"--ray", "0,0,0,1,0,0"}, box = {"--box", "0,0,0,1,1,1"},
+              cone = {"--cone", "0,0,0,1,0,0,5"}, path = {"--vertex", "0,0,0", "--vertex", "1,0,0"};
+  const std::tuple<Words, Words, const char*> wrong[] = {
+      {ray, {"--radius", "-1"}, "--radius"},
+      {ray, {"--radius", "nan"}, "--radius"},
+      {ray, {"--k", "0"}, "--k: expected a whole number from 1"},
+      {ray, {"--k", "-1"}, "--k"},
+      {ray, {"--measure", "depth"}, "--measure: expected distance|t|entry"},
+      {ray, {"--measure", "entry"}, "--measure entry needs a radius"},
+      {ray, {"--entry-min", "0"}, "--entry-min needs a radius"},
+      {ray, {"--class", "2,256"}, "--class"},
+      {ray, {"--class", "2,"}, "--class"},
+      {ray, {"--max-level", "-1"}, "--max-level"},
+      {ray, {"--count", "--occluded"}, "--occluded"},
+      {ray, {"-o", "out.xyz"}, "out.xyz: the name does not tell the form of the answers"},
+      {ray, {"--format", "las"}, "LAS is not written to stdout"},
+      {ray, {"--count", "-o", "out.las"}, "out.las: LAS holds points"},
+      {box, {"--radius", "1"}, "--radius is not for boxes"},
+      {box, {"--measure", "t"}, "--measure is not for boxes"},
+      {cone, {"--radius", "1"}, "--radius is not for cones"},
+      {cone, {"--entry-min", "1"}, "--entry-min is not for cones"},
+      {path, {"--measure", "entry"}, "--measure entry is not for paths"},
+      {{"--point", "0,0,0"}, {"--t-min", "1"}, "--t-min is not for points"}};
+  for (const auto& [target, condition, message] : wrong) {
+    Words all = {"query", "tiny.xyz", "-q"};
+    all.insert(all.end(), target.begin(), target.end());
+    all.insert(all.end(), condition.begin(), condition.end());
+    const ProgramResult result = run(all);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_TRUE(contains(result.err, message)) << message << "\n" << result.err;
+    EXPECT_EQ(names(), Words{"tiny.xyz"});
+  }
+}
+
+}  // namespace
+}  // namespace alidade::test
