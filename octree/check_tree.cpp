@@ -82,6 +82,29 @@ std::string leaf_problem(const TreeView& tree, const Node& node, int level) {
   return {};
 }
 
+/// Whether below low frames points stand one after another (octree/node.h): from the last node on, so that
+/// children come before parents.
+std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::vector<Rank>& ranks) {
+  std::vector<std::uint32_t> ends(tree.node_count);  // past the last place below a node
+  for (std::uint32_t index = tree.node_count; index-- > 0;) {
+    if (ranks[index].level > k_exact_frame_level) continue;
+    const Node& node = tree.nodes[index];
+    const std::uint64_t kinds = kinds_of(node);
+    std::uint32_t place = node.first_point + static_cast<std::uint32_t>(sum_of_bytes(leaf_counts(kinds)));
+    const auto inner = static_cast<std::uint32_t>(std::popcount(kinds & (k_every_byte << 7)));
+    for (std::uint32_t child = node.first_child; child < node.first_child + inner; ++child) {
+      if (tree.nodes[child].first_point != place) {
+        return TreeFault{Array::nodes, child,
+                         fmt::format("its points should begin at place {} but begin at {}", place,
+                                     tree.nodes[child].first_point)};
+      }
+      place = ends[child];
+    }
+    ends[index] = place;
+  }
+  return std::nullopt;
+}
+
 /// Bits that threads set.
 class Marks {
  public:
@@ -165,11 +188,17 @@ class PointCheck {
         if (!is_inner(tree.nodes[index].kind[slot])) continue;
         const Frame child = child_frame(tree, frames_[index], slot);
         frames_[child.node] = child;
+        deepest_ = std::max(deepest_, child.depth);
       }
     }
   }
 
   std::optional<TreeFault> run() {
+    if (deepest_ + 1 != tree_.level_count) {
+      return TreeFault{
+          Array::nodes, 0,
+          fmt::format("the header has {} levels, the nodes {}", tree_.level_count, deepest_ + 1)};
+    }
     const tbb::blocked_range<std::uint32_t> all(0, tree_.node_count, k_nodes_per_task);
     const Extent extent = tbb::parallel_reduce(
         all, Extent{},
@@ -253,6 +282,7 @@ class PointCheck {
 
   const TreeView& tree_;
   std::vector<Frame> frames_;
+  int deepest_ = 0;
   Marks places_, ids_;
   std::atomic<std::uint64_t> points_seen_ = 0;
   FirstFault first_;
@@ -270,7 +300,7 @@ std::optional<TreeFault> find_broken_link(const TreeView& tree) {
     if (problem.empty()) problem = leaf_problem(tree, tree.nodes[index], ranks[index].level);
     if (!problem.empty()) return TreeFault{Array::nodes, index, std::move(problem)};
   }
-  return std::nullopt;
+  return find_scattered_points(tree, ranks);
 }
 
 std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end) {

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// Any bytes as an index file, as they are and with checksums made right: an Error, or answers that stay
+// inside.
+#include <cstdint>
+#include <cstdlib>
+#include <vector>
+
+#include "octree/cloud/cloud_reader.h"
+#include "octree/index_file.h"
+#include "octree/query.h"
+#include "tests/support/seal_index.h"
+
+namespace alidade {
+namespace {
+
+void check_id(const Octree& octree, std::uint64_t point_id) {
+  if (point_id >= octree.size()) std::abort();
+}
+
+void ask(const IndexFile& index) {
+  const Octree octree = index.octree();
+  const AttributeColumns& columns = index.columns();
+  const Bounds& bounds = octree.bounds();
+  std::vector<Ray> rays;
+  for (const glm::dvec3& direction :
+       {glm::dvec3(0, 0, -1), glm::dvec3(1, 0.1, 0), glm::dvec3(-0.3, 1, 0.2), glm::dvec3(0.5, 0.5, 0.7)})
+    rays.push_back(make_ray(octree.size() > 0 ? bounds.center() : glm::dvec3(0), direction));
+  for (const Ray& ray : rays) {
+    for (const Measure measure : {Measure::t, Measure::entry}) {
+      const auto hit = closest(octree, ray, {.radius = 0.5, .measure = measure});
+      if (!hit) continue;
+      check_id(octree, hit->point_id);
+      if (!columns.colors.empty() && columns.colors[hit->point_id].x == 1) check_id(octree, 0);
+    }
+    occluded(octree, ray, {.radius = 0.1});
+    for (const Hit& hit : find(octree, ray, {.measure = Measure::distance, .k = 3}))
+      check_id(octree, hit.point_id);
+  }
+  std::vector<std::optional<Hit>> hits(rays.size());
+  closest(octree, rays, {.radius = 1.0}, hits);
+  count(octree, bounds, {});
+  if (octree.size() > 0) {
+    for (const PointHit& hit : find(octree, bounds.center(), {.k = 5})) check_id(octree, hit.point_id);
+  }
+}
+
+void use(std::span<const std::byte> bytes) {
+  // What may be built on a file that is refused in one place must hold in the next.
+  try {
+    const IndexFile index(InputFile(bytes, "input"));
+    ask(index);
+    index.records();
+    index.verify();
+  } catch (const Error&) {
+  }
+  try {
+    std::vector<InputFile> files;
+    files.emplace_back(bytes, "input");
+    const PointCloud cloud = join_files(std::move(files), {});
+    // A point takes six bytes at least.
+    if (is_index_file(bytes) && cloud.size() * 6 > bytes.size()) std::abort();
+  } catch (const Error&) {
+  }
+}
+
+}  // namespace
+}  // namespace alidade
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto input = std::as_bytes(std::span(data, size));
+  std::vector<std::byte> bytes(input.begin(), input.end());
+  // All other readers have targets of their own.
+  if (!alidade::is_index_file(bytes)) return 0;
+  alidade::use(bytes);
+  alidade::test::seal(bytes);
+  alidade::use(bytes);
+  return 0;
+}
