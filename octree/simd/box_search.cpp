@@ -132,31 +132,44 @@ class BoxWalk {
 /// The points, in the order of the leaves.
 class BoxFinder {
  public:
-  /// count: of the points in the box, as far as it is known.
-  BoxFinder(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t query_index,
-            std::size_t count)
-      : tree_(tree), box_(box), query_(query), query_index_(query_index) {
-    keys_.reserve(count);
-    positions_.reserve(count);
-  }
+  BoxFinder(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t query_index)
+      : tree_(tree), box_(box), query_(query), query_index_(query_index) {}
 
   bool is_done() const { return false; }
   bool all(const Frame&, int) const { return false; }
 
   void leaf(const Leaf& leaf, std::uint32_t points) {
+    if (count_ + k_max_leaf_size > keys_.size()) {
+      keys_.resize(2 * keys_.size() + k_first_room);
+      positions_.resize(keys_.size());
+    }
+    if (query_.filter || (tree_.positions && leaf.place >= tree_.first_exact)) {
+      for (; points != 0; points &= points - 1) {
+        const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
+        const std::uint64_t id = point_id(tree_, leaf.place + i);
+        const LatticePosition position = position_of(tree_, leaf, i);
+        if (!query_.filter || evaluate(box_, query_, to_world(tree_.lattice, position), id, query_index_))
+          add(id, position);
+      }
+      return;
+    }
+    // What position_of() does, with what is the same for all points of the leaf taken out of the loop.
+    const std::uint16_t* const x = tree_.coordinates + std::size_t{3} * leaf.place;
+    const std::uint16_t *const y = x + leaf.count, *const z = y + leaf.count;
+    std::uint32_t corner[3];
+    for (int axis = 0; axis < 3; ++axis)
+      corner[axis] = static_cast<std::uint32_t>(tree_.base[axis]) + leaf.corner[axis];
     for (; points != 0; points &= points - 1) {
       const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
-      const std::uint64_t id = point_id(tree_, leaf.place + i);
-      const LatticePosition position = position_of(tree_, leaf, i);
-      if (query_.filter && !evaluate(box_, query_, to_world(tree_.lattice, position), id, query_index_))
-        continue;
-      keys_.push_back(id << 32 | positions_.size());
-      positions_.push_back(position);
+      add(point_id(tree_, leaf.place + i),
+          {static_cast<std::int32_t>(corner[0] + x[i]), static_cast<std::int32_t>(corner[1] + y[i]),
+           static_cast<std::int32_t>(corner[2] + z[i])});
     }
   }
 
   /// Appends the k points with the lowest ids.
   void finish(std::size_t k, std::vector<PointHit>& answers) {
+    keys_.resize(count_);
     sort_by_id(keys_, k);
     const std::size_t room = answers.size() + keys_.size();
     if (answers.capacity() < room) answers.reserve(std::max(2 * answers.capacity(), room));
@@ -165,11 +178,19 @@ class BoxFinder {
   }
 
  private:
+  static constexpr std::size_t k_first_room = 256;
+
+  void add(std::uint64_t id, const LatticePosition& position) {
+    keys_[count_] = id << 32 | count_;
+    positions_[count_++] = position;
+  }
+
   const TreeView& tree_;
   const Bounds& box_;
   const PointQuery& query_;
   const std::size_t query_index_;
-  std::vector<IdKey> keys_;
+  std::size_t count_ = 0;
+  std::vector<IdKey> keys_;  ///< longer than count_, as positions_
   std::vector<LatticePosition> positions_;
 };
 
@@ -240,11 +261,7 @@ void find(const TreeView& tree, const Bounds& box, const PointQuery& query, std:
           std::size_t query_index, std::vector<PointHit>& answers) {
   const LatticeBox steps(tree, box);
   if (steps.empty()) return;
-  // Counting costs little beside lists that grow.
-  const bool knows_count = !query.filter && query.max_level == k_all_levels;
-  const std::size_t expected =
-      knows_count ? count_with(tree, steps, query, BoxCounter(tree, k_all, true)) : 0;
-  BoxFinder finder(tree, box, query, query_index, expected);
+  BoxFinder finder(tree, box, query, query_index);
   BoxWalk(tree, steps, query.max_level, finder).run();
   finder.finish(k, answers);
 }
