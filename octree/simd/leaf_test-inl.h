@@ -215,7 +215,8 @@ class LeafTest {
     if (!hit) return;
     if (state.found) {
       const std::optional<Hit> best = in_double(state, state.best_leaf, state.best_index);
-      if (!precedes(measure, *hit, *best)) {
+      // Coordinates of a damaged index file can lie where floats are sure of them and doubles are not.
+      if (best && !precedes(measure, *hit, *best)) {
         settle(boxes, state, *best);
         return;
       }
