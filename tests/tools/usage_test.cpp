@@ -16,7 +16,7 @@ TEST_F(UsageTest, help_lists_the_finished_commands_and_the_exit_codes) {
   const ProgramResult result = run({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* const command : {"info", "generate", "render"})
+  for (const char* const command : {"info", "generate", "index", "query", "render"})
     EXPECT_TRUE(contains(result.out, command)) << command;
   for (const char* const code : {"0 done", "1 the answer is no", "2 anything wrong", "130 interrupted"}) {
     EXPECT_TRUE(contains(result.out, code)) << code;
@@ -27,6 +27,8 @@ TEST_F(UsageTest, help_of_every_command_gives_units_and_examples) {
   const std::vector<std::pair<std::string, std::vector<std::string>>> expected = {
       {"info", {"metres", "Examples:", "alidade info --json"}},
       {"generate", {"metres", "Examples:", "alidade generate courtyard"}},
+      {"query",
+       {"metres", "degrees", "inclusive", "ray_id,rank,point_id", "Examples:", "alidade query site.las"}},
       {"render", {"metres", "pixels", "degrees", "bits", "Examples:", "alidade render --cloud"}}};
   for (const auto& [command, parts] : expected) {
     const ProgramResult result = run({command, "--help"});
