@@ -241,6 +241,31 @@ TEST(IndexFile, progress_grows_up_to_its_total) {
   EXPECT_EQ(last, std::filesystem::file_size(path));
 }
 
+TEST(IndexFile, holds_what_files_held_that_nobody_here_made) {
+  const std::filesystem::path data = test::shared_data("lidar");
+  if (data.empty()) GTEST_SKIP() << test::k_no_shared_data;
+  const auto path = test::test_folder() / "site.alidade";
+  int count = 0;
+  for (const char* const name : {"lidar", "lidar_rgb", "ply", "pcd"}) {
+    for (const auto& entry : std::filesystem::directory_iterator(test::shared_data(name))) {
+      SCOPED_TRACE(entry.path());
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".las" && extension != ".ply" && extension != ".pcd") continue;
+      const PointCloud cloud = read_cloud(entry.path());
+      save_index(path, build(cloud), cloud, {.overwrite = true});
+      EXPECT_NO_THROW(verify_index(path));
+      const PointCloud read = read_cloud(path);
+      EXPECT_TRUE(test::equal_bits(read.positions, cloud.positions));
+      test::expect_same_columns(columns_of(read), columns_of(cloud));
+      test::expect_same_facts(read, cloud);
+      EXPECT_EQ(read.records, cloud.records);
+      EXPECT_EQ(read.warnings, cloud.warnings);
+      ++count;
+    }
+  }
+  EXPECT_GT(count, 5);
+}
+
 TEST(IndexedCloud, comes_from_the_map_or_from_reading_and_building_with_the_same_answers) {
   const auto folder = test::test_folder();
   test::write_bytes(folder / "site.las", test::build_las(test::sample_las(4, 7, 500)));
