@@ -60,7 +60,8 @@ std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind
 
 void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const std::size_t> column_of_cell,
                  std::span<double> row) {
-  thread_local std::vector<std::string_view> cells;
+  std::vector<std::string_view> cells;
+  cells.reserve(column_of_cell.size());
   split_cells(line.text, ',', cells);
   if (cells.size() != column_of_cell.size()) {
     const bool surplus = cells.size() > column_of_cell.size();

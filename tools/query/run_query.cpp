@@ -161,7 +161,7 @@ Tally answer_all_targets(TargetReader<Target>& reader, Asker<Target>& asker, con
   BatchSize size;
   TargetBatch<Target> batch;
   // Work is told once: a target whose work is counted is never asked twice.
-  while (reader.next(command.explain ? k_explained_batch : size.targets(), batch)) {
+  while (reader.next(command.explain ? std::min(size.targets(), k_explained_batch) : size.targets(), batch)) {
     const std::size_t rows =
         only_numbers(command)
             ? count_batch(asker, batch, command.occluded, output)

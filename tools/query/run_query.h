@@ -8,8 +8,8 @@ namespace alidade {
 
 /// Does what was asked: reads targets, asks the octree batch by batch in parallel, writes. Memory beside
 /// cloud and octree: about 200 MB at most, whatever the number of targets and answers; a single target with
-/// more than a million answers takes what these take. Errors: of options that do not go together, of cloud,
-/// targets and output.
+/// more than a million answers takes what these take; if work is explained, some dozens of them. Errors: of
+/// options that do not go together, of cloud, targets and output.
 template <class Target>
 ExitCode run_query(const QueryCommand& command, TargetFamily family);
 

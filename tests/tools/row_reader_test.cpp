@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+#include "tools/query/row_reader.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "octree/error.h"
+#include "tests/support/random.h"
+
+namespace alidade::test {
+namespace {
+
+class RowReaderTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = std::filesystem::path(::testing::TempDir()) / ("alidade_rows_" + std::to_string(::getpid()));
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  /// All rows of a text.
+  std::vector<double> read(const std::string& text, const TargetKind& kind) {
+    std::ofstream(file_, std::ios::binary) << text;
+    RowReader reader(LineSource::open(file_.string()), kind);
+    std::vector<double> values;
+    for (TargetRows rows; reader.next(rows);)
+      values.insert(values.end(), rows.values.begin(), rows.values.end());
+    return values;
+  }
+
+  std::filesystem::path file_;
+};
+
+/// A text with some bytes changed, left out, doubled or swapped.
+std::string damaged(std::string text, Random& random) {
+  const std::string letters = "0123456789.,-+eE\"[]{}:\n\r\t naif\\xyzod_\xC3\xBC";
+  for (std::uint64_t changes = 1 + random.below(2); changes > 0 && !text.empty(); --changes) {
+    const std::size_t at = random.below(text.size()), length = 1 + random.below(6);
+    switch (random.below(5)) {
+      case 0:
+        text[at] = letters[random.below(letters.size())];
+        break;
+      case 1:
+        text.erase(at, length);
+        break;
+      case 2:
+        text.insert(at, text.substr(random.below(text.size()), length));
+        break;
+      case 3:
+        text[at] = static_cast<char>(random.below(256));
+        break;
+      default:
+        text.resize(at);
+    }
+  }
+  return text;
+}
+
+// Whatever a text holds, it is either rows whose values keep the rules, or an Error that names line and
+// column.
+TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_place) {
+  const std::string csv =
+      "ox,oy,oz,dx,dy,dz,half_angle,t_max\n1,2,3,4,5,6,7.5,inf\n-1e3,2.5e-2,3,0,0,1,0,\n\n0,0,0,\"1\",2,3,89,"
+      "5\n";
+  const std::string json =
+      "{\"origin\": [1, 2, 3], \"direction\": [0, 0, 1], \"half_angle\": 5}\n[1, 2, 3, 4, 5, 6, 7, 0.5, "
+      "null, \"inf\"]\n"
+      "{\"ox\": 1, \"oy\": 2, \"oz\": 3, \"direction\": [1, 0, 0], \"half_angle\": 5, \"t_min\": -2}\n";
+  const TargetKind& kind = target_kind<Cone>();
+  EXPECT_EQ(read(csv, kind).size(), 3 * kind.columns.size());
+  EXPECT_EQ(read(json, kind).size(), 3 * kind.columns.size());
+  Random random;
+  int read_count = 0, refused_count = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const std::string text = damaged(i % 2 == 0 ? csv : json, random);
+    try {
+      const std::vector<double> values = read(text, kind);
+      ASSERT_EQ(values.size() % kind.columns.size(), 0u);
+      for (std::size_t row = 0; row < values.size(); row += kind.columns.size()) {
+        for (std::size_t axis = 0; axis < 6; ++axis) ASSERT_TRUE(std::isfinite(values[row + axis])) << text;
+        ASSERT_TRUE(values[row + 6] >= 0.0 && values[row + 6] < 90.0) << text;
+        ASSERT_TRUE(values[row + 3] != 0.0 || values[row + 4] != 0.0 || values[row + 5] != 0.0) << text;
+      }
+      ++read_count;
+    } catch (const Error& error) {
+      ASSERT_EQ(error.parts().file, file_.string());
+      std::size_t line = 0, column = 0;
+      ASSERT_EQ(std::sscanf(error.parts().place.c_str(), "%zu:%zu", &line, &column), 2) << error.what();
+      ASSERT_TRUE(line >= 1 && line <= 6 + text.size() && column >= 1 && column <= text.size() + 1)
+          << error.what();
+      ++refused_count;
+    }
+  }
+  EXPECT_GT(read_count, 50);
+  EXPECT_GT(refused_count, 500);
+}
+
+TEST_F(RowReaderTest, numbers_are_read_to_the_last_bit_in_csv_and_json) {
+  Random random;
+  std::string csv = "x,y,z\n", json;
+  std::vector<double> expected;
+  for (int i = 0; i < 3000; ++i) {
+    std::string numbers[3];
+    for (std::string& number : numbers) {
+      const double value = std::ldexp(random.between(-1, 1), static_cast<int>(random.below(2000)) - 1000);
+      char digits[40];
+      std::snprintf(digits, sizeof digits, "%.17g", value);
+      number = digits;
+      expected.push_back(value);
+    }
+    csv += numbers[0] + "," + numbers[1] + "," + numbers[2] + "\n";
+    json += "[" + numbers[0] + "," + numbers[1] + "," + numbers[2] + "]\n";
+  }
+  EXPECT_TRUE(read(csv, target_kind<glm::dvec3>()) == expected);
+  EXPECT_TRUE(read(json, target_kind<glm::dvec3>()) == expected);
+}
+
+}  // namespace
+}  // namespace alidade::test
