@@ -64,7 +64,7 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
   for (std::uint64_t begin = 0; begin < stored.size(); begin += k_blocks_per_report) {
     const std::uint64_t end = std::min<std::uint64_t>(begin + k_blocks_per_report, stored.size());
     std::atomic<std::uint64_t> first_bad = k_none;
-    tbb::parallel_for(begin, end, [&](std::uint64_t block) {
+    const auto check_block = [&](std::uint64_t block) {
       const std::span<const std::byte> part = checksum_block(all, static_cast<std::size_t>(block));
       if (checksum(part) != stored[static_cast<std::size_t>(block)]) {
         std::uint64_t bad = first_bad;
@@ -73,7 +73,13 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
       } else if (look) {
         look(block * k_checksum_block, block * k_checksum_block + part.size());
       }
-    });
+    };
+    // Calling for threads takes longer than a single block.
+    if (end - begin == 1) {
+      check_block(begin);
+    } else {
+      tbb::parallel_for(begin, end, check_block);
+    }
     if (first_bad != k_none) {
       const std::uint64_t byte = first_bad * k_checksum_block;
       fail(kind, byte,
