@@ -39,7 +39,7 @@ bool before(const glm::dvec3& a, const glm::dvec3& b) {
 }
 
 /// Squared distance to the nearest point that is not at the very place; infinite if there is none.
-double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Frame& frame,
+double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Frame& frame, int max_level,
                         double best = std::numeric_limits<double>::infinity()) {
   struct Child {
     double distance_sq;
@@ -58,7 +58,8 @@ double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Fram
   for (int c = 0; c < count && children[c].distance_sq < best; ++c) {
     const int slot = children[c].slot;
     if (is_inner(node.kind[slot])) {
-      best = nearest_other_sq(tree, from, child_frame(tree, frame, slot), best);
+      if (frame.depth < max_level)
+        best = nearest_other_sq(tree, from, child_frame(tree, frame, slot), max_level, best);
       continue;
     }
     const Leaf leaf = child_leaf(tree, frame, slot);
@@ -72,24 +73,35 @@ double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Fram
 
 }  // namespace
 
-std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count) {
+std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count, int max_level) {
   const TreeView& tree = octree.view();
+  std::uint64_t point_count = tree.point_count;
+  const bool all_levels = max_level >= tree.level_count - 1;
+  if (!all_levels) {
+    point_count = 0;
+    for_each_leaf(tree, [&](const Leaf& leaf) { point_count += leaf.depth <= max_level ? leaf.count : 0; });
+  }
   const std::uint64_t wanted = std::max<std::size_t>(sample_count, 1);
-  const std::uint64_t stride = std::max<std::uint64_t>(1, (tree.point_count + wanted - 1) / wanted);
+  const std::uint64_t stride = std::max<std::uint64_t>(1, (point_count + wanted - 1) / wanted);
   std::vector<glm::dvec3> samples;
+  std::uint64_t seen = 0;
   for_each_leaf(tree, [&](const Leaf& leaf) {
-    for (std::uint64_t place = (leaf.place + stride - 1) / stride * stride; place < leaf.place + leaf.count;
-         place += stride) {
+    if (leaf.depth > max_level) return;
+    // Points of some levels do not stand one after another; they are counted as they come.
+    const std::uint64_t first = all_levels ? leaf.place : seen;
+    for (std::uint64_t number = (first + stride - 1) / stride * stride; number < first + leaf.count;
+         number += stride) {
       samples.push_back(
-          to_world(tree.lattice, position_of(tree, leaf, static_cast<std::uint32_t>(place - leaf.place))));
+          to_world(tree.lattice, position_of(tree, leaf, static_cast<std::uint32_t>(number - first))));
     }
+    seen += leaf.count;
   });
   return samples;
 }
 
-Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
+Spacing measure_spacing(const Octree& octree, std::size_t sample_count, int max_level) {
   const TreeView& tree = octree.view();
-  std::vector<glm::dvec3> samples = sample_positions(octree, sample_count);
+  std::vector<glm::dvec3> samples = sample_positions(octree, sample_count, max_level);
   // A search passes over all points at its own place; so each place is searched once, however many points it
   // holds.
   std::ranges::sort(samples, before);
@@ -100,7 +112,7 @@ Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
   std::vector<double> distances(samples.size());
   tbb::parallel_for(std::size_t{0}, firsts.size(), [&](std::size_t f) {
     const std::size_t begin = firsts[f], end = f + 1 < firsts.size() ? firsts[f + 1] : samples.size();
-    const double distance = std::sqrt(nearest_other_sq(tree, samples[begin], root_frame(tree)));
+    const double distance = std::sqrt(nearest_other_sq(tree, samples[begin], root_frame(tree), max_level));
     std::fill(distances.begin() + static_cast<std::ptrdiff_t>(begin),
               distances.begin() + static_cast<std::ptrdiff_t>(end), distance);
   });
@@ -112,8 +124,9 @@ Spacing measure_spacing(const Octree& octree, std::size_t sample_count) {
           sum / static_cast<double>(distances.size()), distances.size()};
 }
 
-double automatic_radius(const Octree& octree) {
-  const double spacing = measure_spacing(octree).percentile_90;
+double automatic_radius(const Octree& octree, int max_level) {
+  constexpr std::size_t k_sample_count = 20000;
+  const double spacing = measure_spacing(octree, k_sample_count, max_level).percentile_90;
   if (spacing > 0.0) return k_radius_factor * spacing;
   const glm::dvec3 size = octree.bounds().size();
   const double diagonal = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z);

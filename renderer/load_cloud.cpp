@@ -224,7 +224,13 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) 
   };
   const bool is_indexed = settings.files.size() == 1 && is_index_file(settings.files.front());
   LoadedCloud loaded = is_indexed ? map_cloud(settings, reading) : build_cloud(settings, reading, afterwards);
-  loaded.radius = settings.radius ? *settings.radius : automatic_radius(loaded.octree);
+  if (settings.max_level < k_max_level && loaded.octree.size() > 0 &&
+      loaded.octree.view().organisation != Organisation::layered) {
+    throw Error({.file = names(settings.files),
+                 .problem = "max_level needs points in levels",
+                 .expected = "an index file made with --organisation layered"});
+  }
+  loaded.radius = settings.radius ? *settings.radius : automatic_radius(loaded.octree, settings.max_level);
   report(afterwards, done, total);
   return loaded;
 }

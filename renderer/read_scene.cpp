@@ -20,8 +20,8 @@ std::filesystem::path path_beside(const std::filesystem::path& scene_file, const
 }
 
 CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
-  const JsonFields fields(node,
-                          {"files", "file", "radius", "hits", "color", "color_depth", "normals", "material"});
+  const JsonFields fields(
+      node, {"files", "file", "radius", "hits", "color", "color_depth", "normals", "max_level", "material"});
   CloudSettings cloud;
   const auto files = fields.find("files"), file = fields.find("file");
   if (files && file) file->fail("both \"file\" and \"files\"", "one of them", "the second");
@@ -48,6 +48,8 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
                                 PointColor::height};
     cloud.color = values[color->choice(words)];
   }
+  if (const auto max_level = fields.find("max_level"))
+    cloud.max_level = static_cast<int>(max_level->whole_number(0, k_max_level));
   if (const auto depth = fields.find("color_depth")) {
     constexpr std::array<std::string_view, 1> words{"automatic"};
     if (depth->is_string()) {

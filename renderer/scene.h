@@ -38,6 +38,9 @@ enum class NormalMode {
            ///< surface
 };
 
+/// More levels than any octree has: all of them.
+inline constexpr int k_max_level = 255;
+
 /// The scanned part of a scene.
 struct CloudSettings {
   std::vector<std::filesystem::path> files;
@@ -47,6 +50,8 @@ struct CloudSettings {
   PointColor color = PointColor::automatic;
   Material material = Lambertian{};
   NormalMode normals = NormalMode::sphere;  ///< glass points are always spheres
+  /// Only the levels 0 to max_level of an index file of organisation layered: a thinned cloud, for previews.
+  int max_level = k_max_level;
 };
 
 struct Sphere {

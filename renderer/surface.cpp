@@ -80,7 +80,8 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
       .colors = cloud->point_colors(),
       .query = {.radius = cloud->radius,
                 .measure = settings.hits == HitMode::entry ? Measure::entry : Measure::t,
-                .entry_min = smallest_entry(cloud->octree.bounds(), cloud->radius)},
+                .entry_min = smallest_entry(cloud->octree.bounds(), cloud->radius),
+                .max_level = settings.max_level < k_max_level ? settings.max_level : k_all_levels},
       .material = settings.material,
   };
   if (settings.normals == NormalMode::smooth && !std::holds_alternative<Dielectric>(settings.material)) {

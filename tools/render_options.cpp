@@ -80,6 +80,13 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
       "normals of each sphere, or across the points around, which evens out walls (default: the "
       "scene's; smooth without a scene)",
       command.normals, {{"sphere", NormalMode::sphere}, {"smooth", NormalMode::smooth}});
+  add_value(
+      render, "--max-level", "N",
+      "only levels 0 to N of an index file made with --organisation layered: a quick preview of a thinned "
+      "cloud (default: all levels)",
+      [&command](const std::string& text) {
+        command.max_level = static_cast<int>(parse_count(text, 0, k_max_level));
+      });
 }
 
 /// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
@@ -95,12 +102,13 @@ Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
 }
 
 void apply_cloud_options(const RenderCommand& command, Scene& scene) {
-  const bool any = command.radius || command.color_depth || command.color || command.hits || command.normals;
+  const bool any = command.radius || command.color_depth || command.color || command.hits ||
+                   command.normals || command.max_level;
   if (!any) return;
   if (!scene.cloud) {
-    throw Error(
-        {.file = command.scene_file.string(),
-         .problem = "the scene has no cloud for --radius, --color-depth, --color, --hits or --normals"});
+    throw Error({.file = command.scene_file.string(),
+                 .problem = "the scene has no cloud for --radius, --color-depth, --color, --hits, --normals "
+                            "or --max-level"});
   }
   CloudSettings& cloud = *scene.cloud;
   if (command.radius) cloud.radius = *command.radius;
@@ -108,6 +116,7 @@ void apply_cloud_options(const RenderCommand& command, Scene& scene) {
   cloud.color = command.color.value_or(cloud.color);
   cloud.hits = command.hits.value_or(cloud.hits);
   cloud.normals = command.normals.value_or(cloud.normals);
+  cloud.max_level = command.max_level.value_or(cloud.max_level);
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ struct RenderCommand {
   std::optional<PointColor> color;
   std::optional<HitMode> hits;
   std::optional<NormalMode> normals;
+  std::optional<int> max_level;
   std::optional<double> exposure;
   std::vector<Layer> layers;
   bool overwrite = false;

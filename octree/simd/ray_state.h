@@ -40,9 +40,9 @@ inline float float_below(double value) {
 /// the lattice's scale, of 1/d and of their products with corner and grid step at most 4 F (corner and grid
 /// steps together stay below F), of the ray's local origin F + r, of the three sums in t at most 6 F + 5 r,
 /// of the widening 4 r. The sum stays below 11 (F + r); the budget is 16 (F + r). What goes wrong in double
-/// comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way, W the largest coordinate and `way` that
-/// from a ray's origin to the far end of the points: cancellation in point - origin and in t, and direction
-/// components that are kept 1e-12 away from zero.
+/// comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way, W the largest coordinate with the
+/// lattice's offset and `way` that from a ray's origin to the far end of the points: cancellation in point -
+/// origin and in t, and direction components that are kept 1e-12 away from zero.
 struct QuerySetup {
   /// For rays that start not farther away than a few times the extent of the points; others get a setup of
   /// their own.
@@ -79,9 +79,13 @@ struct QuerySetup {
 
   /// For rays with a way of so many metres to the far end of the points.
   static double double_error_of(const TreeView& tree, double way) {
+    // Positions are sums of the lattice's offset and a product that may be as large.
     double largest = 0.0;
-    for (int axis = 0; axis < 3; ++axis)
-      largest = std::max({largest, std::fabs(tree.bounds.min[axis]), std::fabs(tree.bounds.max[axis])});
+    for (int axis = 0; axis < 3; ++axis) {
+      largest =
+          std::max(largest, std::fabs(tree.lattice.offset[axis]) +
+                                std::max(std::fabs(tree.bounds.min[axis]), std::fabs(tree.bounds.max[axis])));
+    }
     // A ray's origin lies not farther from zero than the points by more than the way between them.
     return 0x1p-48 * (largest + 2.0 * way) + 4e-12 * way + 1e-30;
   }

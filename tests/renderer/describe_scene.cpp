@@ -61,6 +61,7 @@ std::string text(const CloudSettings& cloud) {
   for (const auto& file : cloud.files) result += file.string() + " ";
   result += fmt::format("depth {} hits {} color {} normals {} ", int(cloud.color_depth), int(cloud.hits),
                         int(cloud.color), int(cloud.normals));
+  if (cloud.max_level != k_max_level) result += fmt::format("levels {} ", cloud.max_level);
   return result + (cloud.radius ? text(*cloud.radius) : "auto ") + text(cloud.material);
 }
 

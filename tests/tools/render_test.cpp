@@ -93,5 +93,31 @@ TEST_F(RenderCommandTest, names_that_are_not_ascii_and_hold_spaces_work) {
   EXPECT_EQ(run({"info", "--json", "Würfel und Plätze.xyz"}).exit_code, 0);
 }
 
+TEST_F(RenderCommandTest, max_level_shows_a_thinned_cloud_of_a_layered_index) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "site.las", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"index", "site.las", "--organisation", "layered", "-o", "site.alidade", "-q"}).exit_code, 0);
+  const auto render = [&](const std::string& picture, const std::vector<std::string>& options) {
+    std::vector<std::string> words = {"render", "--cloud", "site.alidade", "-o", picture,
+                                      "--size", "32x24",   "--samples",    "2"};
+    words.insert(words.end(), options.begin(), options.end());
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    const std::string content = read(picture);
+    return content.substr(content.find("IDAT"));  // before that stands the command
+  };
+  const std::string whole = render("whole.png", {}), coarse = render("coarse.png", {"--max-level", "1"});
+  EXPECT_NE(whole, coarse);
+  // All levels there are make the whole cloud, with the same radius.
+  EXPECT_EQ(whole, render("all.png", {"--max-level", "255"}));
+}
+
+TEST_F(RenderCommandTest, max_level_of_points_without_levels_is_an_error) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "site.las", "-q"}).exit_code, 0);
+  const ProgramResult result = run({"render", "--cloud", "site.las", "-o", "out.png", "--max-level", "2"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("max_level needs points in levels; expected an index file"), std::string::npos)
+      << result.err;
+}
+
 }  // namespace
 }  // namespace alidade::test
