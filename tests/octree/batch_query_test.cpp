@@ -94,27 +94,45 @@ TEST_F(Batch, of_nothing_answers_nothing) {
   closest(octree_, std::span<const Ray>(), {.radius = 1.0}, hits);
 }
 
-TEST_F(Batch, its_filter_is_told_the_number_of_the_target) {
-  std::vector<Ray> rays;
-  for (const FindRayCase& c : find_ray_cases(family_.cloud, k_targets, random_)) rays.push_back(c.target);
-  const auto only_of_odd_rays = [](const Candidate& point) { return point.query_index % 2 == 1; };
-  RayQuery query{.radius = 0.3};
-  const Answers<Hit> all = find(octree_, rays, query);
-  query.filter = only_of_odd_rays;
-  const Answers<Hit> odd = find(octree_, rays, query);
-  std::vector<std::optional<Hit>> hits(rays.size());
-  std::vector<std::uint8_t> blocked(rays.size());
-  std::vector<std::size_t> counts(rays.size());
-  closest(octree_, rays, query, hits);
-  occluded(octree_, rays, query, blocked);
-  count(octree_, rays, query, counts);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
+/// A filter that admits points to every second target only.
+template <class Target, class Query>
+void expect_every_second_answered(const Octree& octree, const std::vector<QueryCase<Target, Query>>& cases,
+                                  Query query) {
+  std::vector<Target> targets;
+  for (const auto& c : cases) targets.push_back(c.target);
+  const std::span<const Target> span(targets);
+  const auto all = find(octree, span, query);
+  query.filter = [](const Candidate& point) { return point.query_index % 2 == 1; };
+  const auto odd = find(octree, span, query);
+  std::vector<std::size_t> counts(targets.size());
+  count(octree, span, query, counts);
+  std::vector<std::optional<Hit>> hits(targets.size());
+  std::vector<std::uint8_t> blocked(targets.size());
+  if constexpr (std::is_same_v<Target, Ray>) {
+    closest(octree, span, query, hits);
+    occluded(octree, span, query, blocked);
+  }
+  for (std::size_t i = 0; i < targets.size(); ++i) {
     const std::size_t expected = i % 2 ? all[i].size() : 0;
     ASSERT_EQ(odd[i].size(), expected);
-    ASSERT_EQ(hits[i].has_value(), expected > 0);
-    ASSERT_EQ(blocked[i] != 0, expected > 0);
     ASSERT_EQ(counts[i], expected);
+    if constexpr (std::is_same_v<Target, Ray>) {
+      ASSERT_EQ(hits[i].has_value(), expected > 0);
+      ASSERT_EQ(blocked[i] != 0, expected > 0);
+    }
   }
+  EXPECT_GT(odd.all.size(), 100u);
+}
+
+TEST_F(Batch, its_filter_is_told_the_number_of_the_target) {
+  expect_every_second_answered(octree_, find_ray_cases(family_.cloud, k_targets, random_),
+                               RayQuery{.radius = 0.3});
+  expect_every_second_answered(octree_, cone_cases(family_.cloud, k_targets, random_), ConeQuery{.k = 5});
+  expect_every_second_answered(octree_, path_cases(family_.cloud, k_targets, random_),
+                               PathQuery{.radius = 0.5});
+  expect_every_second_answered(octree_, region_cases(family_.cloud, k_targets, random_), PointQuery{.k = 9});
+  expect_every_second_answered(octree_, box_cases(family_.cloud, k_targets, random_), PointQuery{.k = 9});
+  expect_every_second_answered(octree_, point_cases(family_.cloud, k_targets, random_), PointQuery{.k = 9});
 }
 
 }  // namespace

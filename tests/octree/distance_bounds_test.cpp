@@ -134,6 +134,27 @@ TEST(DistanceBounds, the_index_of_a_path_finds_the_nearest_place_to_the_last_bit
   }
 }
 
+TEST(DistanceBounds, the_index_of_a_path_allows_for_the_rounding_of_distances) {
+  // Segments almost along an axis: the box around them is as near as they are, so a bound that allowed for no
+  // rounding would discard the nearest segment itself.
+  Random random;
+  for (int i = 0; i < 20000; ++i) {
+    const glm::dvec3 start = 1000.0 * random.in_cube();
+    const double tilt = std::pow(10.0, random.between(-15, -9));
+    const glm::dvec3 way = glm::dvec3(random.between(1, 100), 0, 0) + tilt * random.in_cube();
+    const Path path = make_path({start, start + way});
+    const PathIndex index(path);
+    const glm::dvec3 point =
+        start + random.unit() * way + std::pow(10.0, random.between(-3, 3)) * glm::dvec3(0, random.unit(), 1);
+    const PathProjection at = project(segments_of(path), point);
+    ASSERT_EQ(index.project(point).distance, at.distance);
+    const RayReach reach = index.reach({point, point}, k_unlimited_radius);
+    ASSERT_LE(reach.distance.low, at.distance) << i;
+    ASSERT_LE(reach.t.low, at.t);
+    ASSERT_GE(reach.t.high, at.t);
+  }
+}
+
 TEST(DistanceBounds, numbers_that_overflow_discard_nothing) {
   const Bounds box{{-1e308, -1e308, -1e308}, {1e308, 1e308, 1e308}};
   const Ray ray = make_ray({1e308, -1e308, 0}, {1, 1, -1});

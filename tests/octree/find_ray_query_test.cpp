@@ -91,36 +91,5 @@ TEST(FindRay, a_direction_that_is_only_nearly_of_length_1_is_answered_as_brute_f
   }
 }
 
-TEST(FindRay, max_level_gives_the_coarse_levels_of_a_layered_octree) {
-  std::size_t thinned = 0;
-  for (const PointFamily& family : point_families()) {
-    BuildOptions options;
-    options.organisation = Organisation::layered;
-    options.leaf_size = 4;
-    const Octree octree = build(family.cloud, options);
-    const std::vector<int> levels = levels_by_id(octree);
-    Random random("max_level " + family.name);
-    for (FindRayCase& c : find_ray_cases(family.cloud, 40, random)) {
-      SCOPED_TRACE(family.name + " " + describe(c));
-      const int max_level =
-          static_cast<int>(random.below(static_cast<std::uint64_t>(octree.view().level_count) + 2));
-      RayQuery coarse = c.query;
-      coarse.max_level = max_level;
-      RayQuery filtered = c.query;
-      filtered.filter = [&](const Candidate& point) {
-        return levels[point.point_id] <= max_level && (!c.query.filter || c.query.filter(point));
-      };
-      const std::vector<Hit> expected = brute_force::find(family.cloud, c.target, filtered);
-      ASSERT_TRUE(same_hits(find(octree, c.target, coarse), expected));
-      ASSERT_EQ(count(octree, c.target, coarse), expected.size());
-      ASSERT_EQ(occluded(octree, c.target, coarse), !expected.empty());
-      ASSERT_TRUE(same_hits(closest(octree, c.target, coarse),
-                            brute_force::closest(family.cloud, c.target, filtered)));
-      thinned += expected.size() < brute_force::find(family.cloud, c.target, c.query).size();
-    }
-  }
-  EXPECT_GT(thinned, 100u);
-}
-
 }  // namespace
 }  // namespace alidade

@@ -91,6 +91,23 @@ TEST(TreeQueryVsBruteForce, each_pruning_mechanism_off_gives_the_same_bits) {
   });
 }
 
+TEST(TreeQuery, boxes_that_only_touch_a_limit_are_not_discarded) {
+  // The box of one point has all its faces where the point is, here exactly at a limit.
+  const PointCloud cloud = make_cloud({{5, 0.5, 0}}, {glm::dvec3(0.001), glm::dvec3(0)});
+  const StrRTree tree(cloud);
+  const auto is_found = [&](const Ray& ray, const RayQuery& query) {
+    const RayTarget target(ray, query);
+    Counter counter(k_all);
+    tree_query(tree, target, counter);
+    return counter.count() == 1;
+  };
+  EXPECT_TRUE(is_found(make_ray({0, 0, 0}, {1, 0, 0}, 0.0, 5.0), {.radius = 0.5}));
+  EXPECT_TRUE(is_found(make_ray({0, 0, 0}, {1, 0, 0}, 5.0, 9.0), {.radius = 0.5}));
+  EXPECT_TRUE(is_found(make_ray({0, 0, 0}, {-1, 0, 0}, -5.0, 0.0), {.radius = 0.5}));
+  EXPECT_TRUE(is_found(make_ray({0, 0, 0}, {1, 0, 0}), {.radius = 0.5, .entry_min = 5.0}));
+  EXPECT_FALSE(is_found(make_ray({0, 0, 0}, {1, 0, 0}, 0.0, 4.999), {.radius = 0.5}));
+}
+
 /// A few thousand points in a cube and a ray across it.
 class Pruned : public ::testing::Test {
  protected:

@@ -17,6 +17,7 @@ class StrRTree {
   /// Number of a page.
   using Node = std::size_t;
 
+  /// page_size: points of a leaf and children of a page, at least 2.
   explicit StrRTree(const PointCloud& cloud, std::size_t page_size = 16) : cloud_(cloud) {
     for (std::size_t id = 0; id < cloud.size(); ++id) ids_.push_back(id);
     tile(0, ids_.size(), 0, page_size);
