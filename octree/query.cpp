@@ -34,14 +34,25 @@ std::size_t stream_grain(std::size_t rays) {
 // --------------------------------------------------------------------------- Algorithm 1 answers everything;
 // lanes answer what they are tuned for. Here and nowhere else it is chosen.
 
-/// Lanes take directions to be of length 1 as exactly as make_ray makes them; the contract allows more.
-bool is_normalised(const glm::dvec3& direction) {
-  const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
-  return std::fabs(square - 1.0) <= 2e-15;
+// Floats of `closest` and `occluded` hold squares of lengths up to here.
+constexpr double k_longest = 1e15;
+
+bool is_short(const glm::dvec3& v) {
+  return std::fabs(v.x) < k_longest && std::fabs(v.y) < k_longest && std::fabs(v.z) < k_longest;
 }
 
-bool has_lanes(const RayQuery& query) {
-  return std::isfinite(query.radius) && query.measure != Measure::distance;
+/// Lanes take directions to be of length 1 as exactly as make_ray makes them; the contract allows more.
+bool suits_traversal(const Ray& ray) {
+  const glm::dvec3& d = ray.direction;
+  const double square = d.x * d.x + d.y * d.y + d.z * d.z;
+  return std::fabs(square - 1.0) <= 2e-15 && is_short(ray.origin);
+}
+
+bool has_traversal(const Octree& octree, const RayQuery& query) {
+  const TreeView& tree = octree.view();
+  return query.measure != Measure::distance && query.radius < k_longest && is_short(tree.lattice.offset) &&
+         is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
+         is_short(tree.lattice.scale * std::ldexp(1.0, tree.root_level));
 }
 
 const simd::RaySearch& search_for(const Octree& octree, const Ray&) {
@@ -91,7 +102,7 @@ std::optional<Hit> first_hit(const Octree& octree, const Target& target, const Q
                              std::size_t query_index) {
   if (octree.size() == 0) return std::nullopt;
   if constexpr (std::is_same_v<Target, Ray>) {
-    if (has_lanes(query) && is_normalised(target.direction))
+    if (has_traversal(octree, query) && suits_traversal(target))
       return simd::traversal(octree.instruction_set()).closest(octree.view(), target, query, query_index);
   }
   std::vector<Hit> hits;
@@ -103,7 +114,7 @@ template <class Target, class Query>
 bool any_hit(const Octree& octree, const Target& target, const Query& query, std::size_t query_index) {
   if (octree.size() == 0) return false;
   if constexpr (std::is_same_v<Target, Ray>) {
-    if (has_lanes(query) && is_normalised(target.direction))
+    if (has_traversal(octree, query) && suits_traversal(target))
       return simd::traversal(octree.instruction_set()).occluded(octree.view(), target, query, query_index);
   }
   return count_to(octree, target, query, 1, query_index) > 0;
@@ -161,7 +172,7 @@ void ask_many(const Octree& octree, std::span<const Target> targets, const Query
 template <class Answer, class Stream, class Ask>
 void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
               std::span<Answer> answers, const Stream& stream, const Ask& ask) {
-  if (!has_lanes(query) || octree.size() == 0) {
+  if (octree.size() == 0 || !has_traversal(octree, query)) {
     ask_many(octree, rays, query, answers, ask);
     return;
   }
@@ -169,7 +180,7 @@ void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& q
   check_room(rays.size(), answers.size());
   for_each_range(rays, stream_grain(rays.size()), [&](std::size_t first, std::size_t last) {
     const auto range = rays.subspan(first, last - first);
-    if (std::ranges::all_of(range, [](const Ray& ray) { return is_normalised(ray.direction); })) {
+    if (std::ranges::all_of(range, suits_traversal)) {
       stream(octree.view(), range, query, first, answers.subspan(first, last - first));
     } else {
       for (std::size_t i = first; i < last; ++i) answers[i] = ask(octree, rays[i], query, i);

@@ -50,6 +50,11 @@ Octree build_from(const IndexCommand& command, PointCloud& cloud) {
 ExitCode run(const IndexCommand& command) {
   if (command.cell_size > 0.0 && command.organisation != Organisation::fixed)
     throw Error({.problem = "--cell-size is for --organisation fixed"});
+  if (command.output.extension() != ".alidade") {
+    throw Error({.file = command.output.string(),
+                 .problem = "is no name of an index file",
+                 .expected = "a name that ends in .alidade"});
+  }
   check_writable(command.output, command.overwrite);
   PointCloud cloud = read(command);
   const Octree octree = build_from(command, cloud);

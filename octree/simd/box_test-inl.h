@@ -61,9 +61,9 @@ struct Slots {
 };
 
 /// Slots of a node at the lowest level whose points all stand at one place. Boxes are exact there, and ids
-/// rise from point to point and from slot to slot of one place; so only the first point of the first such
-/// slot can be the answer to `closest` without a filter (but for layered trees, whose samples break that
-/// order). This is what keeps a ray through a million equal points from testing each.
+/// rise from point to point and from slot to slot of one place (node.h); so only the first point of the first
+/// such slot can be the answer to `closest` without a filter and with all levels. This is what keeps a ray
+/// through a million equal points from testing each.
 struct Places {
   unsigned single = 0;  ///< bit per slot: one place
   unsigned twins = 0;   ///< of these, those at the place of slot 0, without slot 0

@@ -68,10 +68,6 @@ class NearestCollector {
       std::fill_n(highs_, k_lanes, -std::numeric_limits<float>::infinity());
       std::fill_n(highs_ + k_lanes, (k + k_lanes - 1) / k_lanes * k_lanes,
                   std::numeric_limits<float>::infinity());
-    } else {
-      many_.resize(2 * k + k_few);
-      waiting_ = many_.data();
-      room_ = many_.size();
     }
   }
   NearestCollector(const NearestCollector&) = delete;
@@ -175,10 +171,22 @@ class NearestCollector {
     for (std::size_t i = 0; i < waiting_count_; ++i)
       if (waiting_[i].low <= cut_) waiting_[kept++] = waiting_[i];
     waiting_count_ = kept;
+    if (kept > room_ / 4 * 3 && k_ > k_most_sorted) grow();
     if (kept > room_ / 4 * 3) {
       decide_waiting();
       cut_at_decided();
     }
+  }
+
+  /// Towards room for twice the points asked for: among so many, the k first are found without deciding all.
+  /// As points come, since k may be no more than a cap.
+  void grow() {
+    std::vector<Waiting> more(std::min(2 * room_, 2 * k_ + k_few));
+    if (more.size() <= room_) return;
+    std::copy_n(waiting_, waiting_count_, more.begin());
+    many_ = std::move(more);
+    waiting_ = many_.data();
+    room_ = many_.size();
   }
 
   void decide_waiting() {

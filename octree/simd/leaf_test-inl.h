@@ -163,11 +163,6 @@ class LeafTest {
     }
   }
 
-  /// Every point of a leaf, decided in double only.
-  void visit_in_double(RayBoxes& boxes, RayState& state, const Leaf& leaf) const {
-    for (std::uint32_t i = 0; i < leaf.count && !(any && state.found); ++i) decide(boxes, state, leaf, i);
-  }
-
   /// The ray's best point as a hit.
   std::optional<Hit> answer(const RayState& state) const {
     if (!state.found) return std::nullopt;

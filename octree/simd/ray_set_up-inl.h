@@ -19,8 +19,7 @@ namespace HWY_NAMESPACE {
 enum class Course : std::uint8_t {
   misses,  ///< does not come near the points, or its interval is empty
   usual,
-  far_away,    ///< needs a setup for a longer way
-  exhaustive,  ///< lengths beyond what floats can square: no pruning is safe
+  far_away,  ///< needs a setup for a longer way
 };
 
 HWY_INLINE double clamped(double t) {
@@ -48,7 +47,7 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const Ray& ray, std::uint32_t 
     enter = std::max(enter, std::min(below * inverse[axis], above * inverse[axis]));
     leave = std::min(leave, std::max(below * inverse[axis], above * inverse[axis]));
   }
-  if (!(way <= setup.longest_way)) return setup.longest + way < 1e16 ? Course::far_away : Course::exhaustive;
+  if (way > setup.longest_way) return Course::far_away;
   if (enter > leave) return Course::misses;
   state.octant = static_cast<std::uint8_t>(octant);
   state.shift = enter;

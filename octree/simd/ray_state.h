@@ -59,7 +59,6 @@ struct QuerySetup {
     widest_scale = std::max({lattice_scale.x, lattice_scale.y, lattice_scale.z});
     const double frame_width = widest_scale * power_of_two(tree.root_level);
     box_radius = query.radius + 0x1p-20 * (frame_width + query.radius) + double_error;
-    longest = frame_width + query.radius;
     for (int axis = 0; axis < 3; ++axis) {
       corner[axis] = root_corner[axis];
       scale[axis] = lattice_scale[axis];
@@ -101,7 +100,6 @@ struct QuerySetup {
   const double double_error;
   double widest_scale = 0.0;
   double box_radius = 0.0;
-  double longest = 0.0;                              ///< width of the root's frame and radius
   alignas(32) double corner[4] = {}, scale[4] = {};  ///< world position of the root's corner; lattice scale
   alignas(32) double low_face[4] = {}, high_face[4] = {};  ///< of the points' bounds, widened, world
   float float_scale[4] = {};

@@ -28,7 +28,7 @@ struct Traversed {
       : setup(query_setup),
         leaf_test(test),
         max_depth(setup.query.max_level),
-        skips_twins(!setup.query.filter && setup.tree.organisation != Organisation::layered) {}
+        skips_twins(!setup.query.filter && setup.query.max_level == k_all_levels) {}
 };
 
 /// One ray on its way through the tree, nearest nodes first, in steps: look at a node's boxes, test the
@@ -79,7 +79,7 @@ class RayWalk {
     const float cut_before = boxes_->t_cut;
     const auto place = traversed.leaf_test.place(visit_.corner, visit_.level);
     do {
-      const int slot = std::countr_zero(leaves_);
+      const int slot = std::countr_zero(leaves_ | 0x80u);
       leaves_ &= leaves_ - 1;
       if (t_near_[slot] > boxes_->t_cut) continue;
       const std::uint32_t count = node.kind[slot];

@@ -80,20 +80,9 @@ class Tracer {
 
   /// Whether the ray is to go through the tree; if not, its state holds the answer.
   bool start(std::size_t number, RayBoxes& boxes, RayState& state) const {
-    switch (set_up(setup_, rays_[number], static_cast<std::uint32_t>(number), boxes, state)) {
-      case Course::usual:
-        return true;
-      case Course::misses:
-        return false;
-      case Course::far_away:
-        trace_far_away(number, boxes, state);
-        return false;
-      default:
-        state.shift = 0.0;
-        state.cut = std::numeric_limits<double>::infinity();
-        for_each_leaf(setup_.tree, [&](const Leaf& leaf) { leaf_test_.visit_in_double(boxes, state, leaf); });
-        return false;
-    }
+    const Course course = set_up(setup_, rays_[number], static_cast<std::uint32_t>(number), boxes, state);
+    if (course == Course::far_away) trace_far_away(number, boxes, state);
+    return course == Course::usual;
   }
 
   void trace_far_away(std::size_t number, RayBoxes& boxes, RayState& state) const {
