@@ -46,7 +46,8 @@ TEST(ReadSceneTest, a_scene_says_what_its_file_says) {
     "output": { "file": "out/yard.exr", "layers": ["id", "variance"], "exposure": -1.5, "precision": "float" } })",
                                   "scenes/yard.json");
   EXPECT_EQ(describe(scene),
-            "cloud scenes/a.las b.ply depth 1 hits 1 color 2 normals 1 levels 4 0.050000000000000003 metal own 0.25 \n"
+            "cloud scenes/a.las b.ply depth 1 hits 1 color 2 normals 1 levels 4 0.050000000000000003 metal "
+            "own 0.25 \n"
             "sphere 2 1.5 -1 0.5 metal 0.89999997615814209 0.80000001192092896 0.69999998807907104 "
             "0.10000000000000001 \n"
             "sphere 0 0 0 1 dielectric 1.3300000000000001 \n"
