@@ -236,7 +236,8 @@ class AllCollector {
   }
 
   void finish() {
-    std::sort(answers_.begin() + static_cast<std::ptrdiff_t>(first_), answers_.end(), Precedes{target_});
+    std::sort(answers_.begin() + static_cast<std::ptrdiff_t>(first_), answers_.end(),
+              Precedes<Target>{target_});
   }
 
  private:

@@ -35,7 +35,7 @@ class FirstAnswers {
     answers_.push_back(answer);
     if (answers_.size() - first_ < 2 * k_ + k_few) return;
     std::nth_element(begin(), begin() + static_cast<std::ptrdiff_t>(k_ - 1), answers_.end(),
-                     Precedes{target_});
+                     Precedes<Target>{target_});
     answers_.resize(first_ + k_);
     limit_ = target_.measured(answers_.back());
   }
@@ -45,7 +45,7 @@ class FirstAnswers {
 
   /// Puts them in order.
   void finish() {
-    std::sort(begin(), answers_.end(), Precedes{target_});
+    std::sort(begin(), answers_.end(), Precedes<Target>{target_});
     if (answers_.size() - first_ > k_) answers_.resize(first_ + k_);
   }
 
