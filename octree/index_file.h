@@ -30,6 +30,7 @@
 // - octree() reads nodes and ids once (about 5 bytes per point), in parallel, before the first query:
 //   checksums, links and ids. Queries then end and stay inside the arrays. About a quarter of a second of
 //   processor time for 10^8 points in memory, shared by the cores; otherwise as fast as the disk delivers.
+//   The nodes (about 1 byte per point) are copied; all else is asked in the map.
 // - coordinates and attribute columns may hold any values without harm to a program; only verify_index()
 //   reads them all. Without it, a damaged coordinate is a wrong answer.
 
