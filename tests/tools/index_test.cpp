@@ -92,9 +92,12 @@ class PictureTest : public IndexTest {
         run({"generate", "courtyard", "--points", "5000", "-o", "cloud", "-q", "--overwrite"}).exit_code, 0);
     write("scene.json", R"({"version": 1, "cloud": {"files": ["cloud"], )" + cloud + "}}");
     const std::string of_las = render(picture);
+    // A picture tells the name of its cloud; so the index takes over that of its source.
     ASSERT_EQ(
-        run({"index", "cloud", "-o", "cloud", "--overwrite", "-q", "--organisation", organisation}).exit_code,
+        run({"index", "cloud", "-o", "cloud.alidade", "--overwrite", "-q", "--organisation", organisation})
+            .exit_code,
         0);
+    std::filesystem::rename(folder / "cloud.alidade", folder / "cloud");
     EXPECT_TRUE(of_las == render(picture));
   }
 
@@ -186,6 +189,17 @@ TEST_F(IndexTest, existing_index_is_kept_without_overwrite) {
   EXPECT_EQ(read("out.alidade"), "precious");
   EXPECT_EQ(run({"index", "square.xyz", "-o", "out.alidade", "--overwrite"}).exit_code, 0);
   EXPECT_EQ(info({"out.alidade"}).at("points"), 400);
+}
+
+TEST_F(IndexTest, a_name_that_is_none_of_an_index_is_refused) {
+  write_square("square.xyz");
+  const ProgramResult result = run({"index", "square.xyz", "-o", "square.xyz", "--overwrite"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(
+      contains(result.err, "square.xyz: is no name of an index file; expected a name that ends in .alidade"))
+      << result.err;
+  EXPECT_EQ(names(), Words{"square.xyz"});
+  EXPECT_EQ(info({"square.xyz"}).at("points"), 400);
 }
 
 TEST_F(IndexTest, bad_input_leaves_no_index) {
