@@ -55,7 +55,7 @@ ExitCode run(const IndexCommand& command) {
                  .problem = "is no name of an index file",
                  .expected = "a name that ends in .alidade"});
   }
-  check_writable(command.output, command.overwrite);
+  check_writable(command.output, command.overwrite, command.files);
   PointCloud cloud = read(command);
   const Octree octree = build_from(command, cloud);
   ProgressLine line("writing", "B", command.verbosity.verbosity());

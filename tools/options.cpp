@@ -17,19 +17,39 @@ namespace {
 constexpr std::uint64_t k_largest_side = 65536;
 constexpr std::uint64_t k_most_threads = 1024;
 
-}  // namespace
-
-double parse_number(const std::string& text, double least, double most) {
+/// Any double, as it is written; NaN for what is no number.
+double parse_double(const std::string& text) {
   double number = 0.0;
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || stop != end || !std::isfinite(number)) {
-    throw CLI::ValidationError("expected a number, found '" + text + "'");
-  }
+  return error == std::errc() && stop == end ? number : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+double parse_number(const std::string& text, double least, double most) {
+  const double number = parse_double(text);
+  if (!std::isfinite(number)) throw CLI::ValidationError("expected a number, found '" + text + "'");
   if (number < least || number > most) {
     throw CLI::ValidationError(fmt::format("expected a number from {} to {}, found '{}'", least, most, text));
   }
   return number;
+}
+
+double parse_limit(const std::string& text) {
+  const double limit = parse_double(text);
+  if (std::isnan(limit)) {
+    throw CLI::ValidationError("expected a number, inf or -inf, found '" + text + "'");
+  }
+  return limit;
+}
+
+std::optional<double> parse_length_limit(const std::string& text) {
+  const double length = parse_double(text);
+  if (!(length >= 0.0)) {
+    throw CLI::ValidationError("expected a number, at least 0, or inf, found '" + text + "'");
+  }
+  return std::isinf(length) ? std::nullopt : std::optional(length);
 }
 
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
@@ -103,8 +123,17 @@ void with_threads(std::optional<int> threads, const std::function<void()>& work)
   arena.execute(work);
 }
 
-void check_writable(const std::filesystem::path& output, bool overwrite) {
+void check_writable(const std::filesystem::path& output, bool overwrite,
+                    std::span<const std::filesystem::path> inputs) {
   std::error_code error;
+  for (const std::filesystem::path& input : inputs) {
+    // Files that are not there are no equals; that they are missing is said by whoever reads them.
+    if (std::filesystem::equivalent(output, input == "-" ? "/dev/stdin" : input, error)) {
+      throw Error({.file = output.string(),
+                   .problem = "is read from as well, and would be lost",
+                   .expected = "another name for the output"});
+    }
+  }
   if (!overwrite && std::filesystem::is_regular_file(output, error)) {
     throw Error(
         {.file = output.string(), .problem = "exists already", .expected = "another name, or --overwrite"});

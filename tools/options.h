@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,12 @@ std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uin
 /// A finite number in [least, most].
 double parse_number(const std::string& text, double least = std::numeric_limits<double>::lowest(),
                     double most = std::numeric_limits<double>::max());
+
+/// A place on a scale: a number, inf or -inf.
+double parse_limit(const std::string& text);
+
+/// A length, at least 0; empty for inf, which is no limit.
+std::optional<double> parse_length_limit(const std::string& text);
 
 /// "600x400": width and height in pixels, each in [1, 65536].
 struct ImageSize {
@@ -67,8 +74,10 @@ void add_threads(CLI::App& command, std::optional<int>& threads);
 /// Runs `work` on exactly this many threads.
 void with_threads(std::optional<int> threads, const std::function<void()>& work);
 
-/// Lets a long task fail before it starts: Error if the file exists and may not be replaced, is no regular
-/// file, or if its folder cannot be written to.
-void check_writable(const std::filesystem::path& output, bool overwrite);
+/// Lets a long task fail before it starts: Error if the file is one of `inputs` by whatever name ("-" is
+/// standard input), exists and may not be replaced, is no regular file, or if its folder cannot be written
+/// to.
+void check_writable(const std::filesystem::path& output, bool overwrite,
+                    std::span<const std::filesystem::path> inputs = {});
 
 }  // namespace alidade

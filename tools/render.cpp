@@ -43,6 +43,15 @@ std::string picture_command(const CommandLine& words) {
   return text;
 }
 
+std::vector<std::filesystem::path> input_files(const RenderCommand& command, const Scene& scene) {
+  std::vector<std::filesystem::path> files;
+  if (scene.cloud) files = scene.cloud->files;
+  for (const std::filesystem::path& file : {command.scene_file, command.camera_file}) {
+    if (!file.empty()) files.push_back(file);
+  }
+  return files;
+}
+
 LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
   ProgressLine line("loading cloud", "B", verbosity);
   LoadedCloud cloud = load_cloud(settings, line.callback());
@@ -57,15 +66,16 @@ LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
   return cloud;
 }
 
-PinholeCamera choose_camera(const RenderCommand& command, const LoadedCloud* cloud) {
+PinholeCamera choose_camera(const RenderCommand& command, const Scene& scene, const LoadedCloud* cloud) {
   if (cloud == nullptr) {
     throw Error({.file = command.scene_file.string(),
                  .problem = "the scene has neither a camera nor a cloud to look at"});
   }
   if (cloud->octree.size() == 0) {
-    const std::string file = cloud->files.empty() ? std::string() : cloud->files.front().path.string();
-    throw Error(
-        {.file = file, .problem = "holds no points, so there is no view of it", .expected = "--camera FILE"});
+    // What was asked for, which for an index file is not what its points came from.
+    throw Error({.file = scene.cloud->files.front().string(),
+                 .problem = "holds no points, so there is no view of it",
+                 .expected = "a cloud with points, or --camera FILE"});
   }
   const ImageSize size = command.size.value_or(ImageSize{1200, 800});
   return overview_camera(visible_bounds(*cloud), size.width, size.height);
@@ -88,7 +98,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   const Verbosity verbosity = command.verbosity.verbosity();
   Scene scene = requested_scene(command);
   check_image_name(scene.output.file);
-  check_writable(scene.output.file, command.overwrite);
+  check_writable(scene.output.file, command.overwrite, input_files(command, scene));
   if (verbosity == Verbosity::verbose) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   }
@@ -96,7 +106,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   std::optional<LoadedCloud> loaded;
   if (scene.cloud) loaded = load(*scene.cloud, verbosity);
   const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
-  if (!scene.camera) scene.camera = choose_camera(command, cloud);
+  if (!scene.camera) scene.camera = choose_camera(command, scene, cloud);
 
   ProgressLine line("rendering", "camera rays", verbosity);
   RenderStatistics statistics;

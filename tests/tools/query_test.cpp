@@ -87,6 +87,36 @@ TEST_F(QueryTest, limits_of_a_ray_stand_above_those_of_the_options) {
             "ray_id,count\n0,4\n1,1\n2,0\n");
 }
 
+TEST_F(QueryTest, limits_may_be_infinite_on_the_command_line_as_in_a_file) {
+  const Words count = {"--rays", "rays.csv", "--count"};
+  const auto counts = [&](const Words& limits) {
+    Words words = count;
+    words.insert(words.end(), limits.begin(), limits.end());
+    return ask(words);
+  };
+  const std::string all = "ray_id,count\n0,4\n1,0\n2,2\n", none = "ray_id,count\n0,0\n1,0\n2,0\n";
+  EXPECT_EQ(counts({"--radius", "1", "--t-min", "-inf", "--t-max", "inf", "--entry-min", "-inf"}), all);
+  EXPECT_EQ(counts({"--radius=1", "--t-min=-inf", "--t-max=inf"}), all);
+  EXPECT_EQ(counts({"--radius", "1", "--t-min", "inf"}), none);
+  EXPECT_EQ(counts({"--radius", "1", "--t-max", "-inf"}), none);
+  EXPECT_EQ(counts({"--radius", "1", "--entry-min", "inf"}), none);
+  // An infinite radius is none: the nearest point.
+  EXPECT_EQ(ask({"--ray", "3,0,-5,0,0,1", "--radius", "inf"}), ask({"--ray", "3,0,-5,0,0,1"}));
+  EXPECT_EQ(ask({"--point", "3,0,-5", "--radius", "inf"}), ask({"--point", "3,0,-5"}));
+}
+
+TEST_F(QueryTest, limits_that_are_no_numbers_are_refused) {
+  for (const Words& limit :
+       {Words{"--t-min", "nan"}, Words{"--t-max", "1x"}, Words{"--radius", "-inf"}, Words{"--radius", "nan"},
+        Words{"--entry-min", "nan"}, Words{"--radius", "-1"}}) {
+    Words words = {"query", "tiny.xyz", "--ray", "0,0,0,1,0,0"};
+    words.insert(words.end(), limit.begin(), limit.end());
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 2) << limit[1];
+    EXPECT_NE(result.err.find(limit[0] + ": expected a number"), std::string::npos) << result.err;
+  }
+}
+
 TEST_F(QueryTest, entry_min_leaves_out_spheres_the_ray_starts_in) {
   EXPECT_EQ(ask({"--ray", "0,0,0,1,0,0,0", "--radius", "0.25", "--entry-min", "0", "--count"}),
             "ray_id,count\n0,2\n");

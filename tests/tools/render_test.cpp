@@ -80,6 +80,10 @@ TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
   const ProgramResult result = run(small({"--cloud", "empty.ply", "-o", "out.png"}));
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "empty.ply: holds no points")) << result.err;
+  ASSERT_EQ(run({"index", "empty.ply", "-o", "empty.alidade", "-q"}).exit_code, 0);
+  const ProgramResult of_index = run(small({"--cloud", "empty.alidade", "-o", "out.png"}));
+  EXPECT_EQ(of_index.exit_code, 2);
+  EXPECT_TRUE(contains(of_index.err, "empty.alidade: holds no points")) << of_index.err;
 }
 
 TEST_F(RenderCommandTest, one_point_is_a_picture) {

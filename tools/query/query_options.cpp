@@ -62,8 +62,8 @@ void add_targets(CLI::App& query, QueryCommand& command) {
 void add_conditions(CLI::App& query, QueryCommand& command) {
   const char* const group = "Conditions";
   add_value(query, "--radius", "R",
-            "points at most so far from the ray, path or point, in metres (default: any)",
-            [&command](const std::string& text) { command.radius = parse_number(text, 0.0); })
+            "points at most so far from the ray, path or point, in metres (default: inf)",
+            [&command](const std::string& text) { command.radius = parse_length_limit(text); })
       ->group(group);
   add_value(query, "--k", "K",
             "at most so many points, the first by the measure (default: 1 for rays, paths and points without "
@@ -82,13 +82,13 @@ void add_conditions(CLI::App& query, QueryCommand& command) {
   add_value(query, "--t-min", "A",
             "points that project to t >= A, metres along the ray, cone or path, where the targets do not say "
             "it themselves (default: -inf; cones 0)",
-            [&command](const std::string& text) { command.t_min = parse_number(text); })
+            [&command](const std::string& text) { command.t_min = parse_limit(text); })
       ->group(group);
   add_value(query, "--t-max", "B", "points that project to t <= B (default: inf)",
-            [&command](const std::string& text) { command.t_max = parse_number(text); })
+            [&command](const std::string& text) { command.t_max = parse_limit(text); })
       ->group(group);
   add_value(query, "--entry-min", "E", "of rays with --radius: spheres entered at E or later, metres",
-            [&command](const std::string& text) { command.entry_min = parse_number(text); })
+            [&command](const std::string& text) { command.entry_min = parse_limit(text); })
       ->group(group);
   add_value(query, "--class", "LIST", "points of these classes, as 2,6", [&command](const std::string& text) {
     command.classes = parse_classes(text);

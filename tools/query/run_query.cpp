@@ -181,7 +181,12 @@ template <class Target>
 ExitCode run_query(const QueryCommand& command, TargetFamily family) {
   const AnswerForm form = chosen_form(command);
   auto query = conditions<Target>(command);
-  if (!command.output.empty()) check_writable(command.output, command.overwrite);
+  if (!command.output.empty()) {
+    std::vector<std::filesystem::path> inputs = command.files;
+    const std::string& text = command.targets[static_cast<std::size_t>(family)].text;
+    if (!text.empty()) inputs.emplace_back(text);
+    check_writable(command.output, command.overwrite, inputs);
+  }
   TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
   const IndexedCloud cloud = load(command, form == AnswerForm::las);
   query.filter = class_filter(command, cloud);
