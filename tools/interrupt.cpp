@@ -2,6 +2,9 @@
 #include "tools/interrupt.h"
 
 #include <csignal>
+#include <cstdlib>
+
+#include "tools/exit_code.h"
 
 namespace alidade {
 namespace {
@@ -27,6 +30,15 @@ void catch_interrupts() {
   struct sigaction ignored = {};
   ignored.sa_handler = SIG_IGN;
   sigaction(SIGXFSZ, &ignored, nullptr);
+  // So is writing to a reader that has gone away.
+  sigaction(SIGPIPE, &ignored, nullptr);
+}
+
+void end_by_broken_pipe() {
+  std::signal(SIGPIPE, SIG_DFL);
+  std::raise(SIGPIPE);
+  // Reached only where the caller of the program has blocked the signal.
+  std::_Exit(static_cast<int>(ExitCode::failed));
 }
 
 bool interrupted() {

@@ -107,6 +107,8 @@ int main(int argument_count, char** arguments) {
   } catch (const Cancelled&) {
     say_error("interrupted");
     code = ExitCode::interrupted;
+  } catch (const ReaderGone&) {
+    end_by_broken_pipe();
   } catch (const std::bad_alloc&) {
     say_error("not enough memory");
   } catch (const std::exception& error) {

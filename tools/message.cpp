@@ -37,8 +37,9 @@ void say_note(std::string_view text) {
 void write_to_stdout(std::string_view text) {
   const bool written =
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (!written)
-    throw Error({.file = "standard output", .problem = "cannot write", .found = std::strerror(errno)});
+  if (written) return;
+  if (errno == EPIPE) throw ReaderGone();
+  throw Error({.file = "standard output", .problem = "cannot write", .found = std::strerror(errno)});
 }
 
 }  // namespace alidade

@@ -19,7 +19,10 @@ void say_warning(std::string_view text);
 /// "alidade: TEXT": what was assumed or measured on the user's behalf.
 void say_note(std::string_view text);
 
-/// Data for stdout. Errors: stdout cannot take it (no space left, closed).
+/// Thrown where stdout is a pipe whose reader has gone away: nobody wants the rest, so nothing is said.
+struct ReaderGone {};
+
+/// Data for stdout. Errors: stdout cannot take it (no space left, closed); ReaderGone.
 void write_to_stdout(std::string_view text);
 
 }  // namespace alidade

@@ -226,5 +226,20 @@ TEST_F(QueryOutputTest, reader_that_goes_away_ends_the_program) {
   EXPECT_EQ(program.wait().signal, SIGPIPE);
 }
 
+TEST_F(QueryOutputTest, messages_that_nobody_reads_do_not_keep_the_answers_from_being_written) {
+  write_tiny();
+  const std::filesystem::path messages = folder / "messages", targets = folder / "targets";
+  ASSERT_EQ(::mkfifo(messages.c_str(), 0600), 0);
+  ASSERT_EQ(::mkfifo(targets.c_str(), 0600), 0);
+  Program program({"query", "tiny.csv", "--points", "targets", "-o", "out.csv"}, folder, {}, "/dev/null",
+                  messages);
+  std::ifstream(messages).close();
+  // Only now can the program come to its last message.
+  std::ofstream(targets) << "x,y,z\n1,0,0\n";
+  EXPECT_EQ(program.wait().exit_code, 0);
+  EXPECT_EQ(read("out.csv"), "query_id,rank,point_id,x,y,z,distance\n0,0,1,1,0,0,0\n");
+  EXPECT_EQ(names(), (Words{"messages", "out.csv", "targets", "tiny.csv"}));
+}
+
 }  // namespace
 }  // namespace alidade::test

@@ -37,7 +37,8 @@ void redirect(const std::filesystem::path& path, int flags, int descriptor) {
 }  // namespace
 
 Program::Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
-                 const std::filesystem::path& standard_output, const std::filesystem::path& standard_input) {
+                 const std::filesystem::path& standard_output, const std::filesystem::path& standard_input,
+                 const std::filesystem::path& standard_error) {
   // What the program says is kept outside its folder, whose files the tests list.
   out_ = folder.string() + ".out";
   err_ = folder.string() + ".err";
@@ -54,7 +55,11 @@ Program::Program(const std::vector<std::string>& words, const std::filesystem::p
   if (::setrlimit(RLIMIT_CPU, &processor_time) != 0) ::_exit(125);
   redirect(standard_input, O_RDONLY, STDIN_FILENO);
   redirect(out, keep_out_ ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
-  redirect(err_, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+  if (standard_error.empty()) {
+    redirect(err_, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+  } else {
+    redirect(standard_error, O_WRONLY, STDERR_FILENO);
+  }
   if (::chdir(folder.c_str()) != 0) ::_exit(125);
   ::execv(pointers[0], pointers.data());
   ::_exit(126);

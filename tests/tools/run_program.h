@@ -23,10 +23,11 @@ struct ProgramResult {
 class Program {
  public:
   /// Starts `alidade WORDS...` in `folder`; stdout goes to `standard_output` if one is given, stdin is
-  /// `standard_input` or else empty.
+  /// `standard_input` or else empty, stderr goes to `standard_error` if one is given.
   Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
           const std::filesystem::path& standard_output = {},
-          const std::filesystem::path& standard_input = "/dev/null");
+          const std::filesystem::path& standard_input = "/dev/null",
+          const std::filesystem::path& standard_error = {});
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
