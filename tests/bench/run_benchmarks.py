@@ -5,6 +5,7 @@
 Each size is a process of its own; its repetitions are interleaved. Beside Google Benchmark's JSON stands in runs.json
 how much other programs worked meanwhile. --full adds 50 and 100 million points."""
 
+import argparse
 import json
 import os
 import subprocess
@@ -69,16 +70,26 @@ def run(program, results, name, pattern, repetitions):
     return max(0.0, busy_seconds() - before - own_seconds) / seconds, seconds
 
 
+def arguments():
+    title, _, more = __doc__.partition("\n")
+    parser = argparse.ArgumentParser(description=title.partition(": ")[2], epilog=more)
+    parser.add_argument("build", type=Path, help="build folder, configured with ALIDADE_BUILD_BENCHMARKS=ON")
+    parser.add_argument("results", type=Path, help="folder for the figures; those of an earlier run are removed")
+    parser.add_argument("--full", action="store_true", help="also 50 and 100 million points")
+    given = parser.parse_args()
+    for program in ("octree_bench", "point_bench"):
+        if not (given.build / "tests/bench" / program).is_file():
+            parser.error(f"{given.build}: has no tests/bench/{program}")
+    return given.build, given.results, given.full
+
+
 def main():
-    words = [word for word in sys.argv[1:] if word != "--full"]
-    if len(words) != 2:
-        sys.exit(__doc__)
-    build, results = Path(words[0]), Path(words[1])
+    build, results, full = arguments()
     results.mkdir(parents=True, exist_ok=True)
     for old in results.glob("*.json"):
         old.unlink()
     runs = {}
-    for name, program, pattern, repetitions, needed in all_runs("--full" in sys.argv):
+    for name, program, pattern, repetitions, needed in all_runs(full):
         if needed > available_memory():
             print(f"bench: {name} is left out: it needs {needed / 1e9:.0f} GB of free memory", flush=True)
             continue

@@ -5,6 +5,7 @@
 Everything in docs/benchmarks.md from the line "## Ray queries" on is written anew; what stands above is measured by
 hand and kept. Plots go to docs/images/bench_*.svg; without matplotlib they stay as they are, and that is said."""
 
+import argparse
 import datetime
 import re
 import subprocess
@@ -66,8 +67,21 @@ def draw(results, images):
     plots.figure_5(results, images / "bench_figure_5.svg")
 
 
+def arguments():
+    title, _, more = __doc__.partition("\n")
+    parser = argparse.ArgumentParser(description=title.partition(": ")[2], epilog=more)
+    parser.add_argument("results", type=Path, help="folder that run_benchmarks.py filled")
+    parser.add_argument("repository", type=Path, help="its top folder")
+    given = parser.parse_args()
+    if not (given.results / "runs.json").is_file():
+        parser.error(f"{given.results}: holds no runs.json; run_benchmarks.py writes it")
+    if not (given.repository / "tests/bench/page.md").is_file():
+        parser.error(f"{given.repository}: is not the top folder of the repository: it has no tests/bench/page.md")
+    return given.results, given.repository
+
+
 def main():
-    folder, repository = Path(sys.argv[1]), Path(sys.argv[2])
+    folder, repository = arguments()
     results = Results(folder)
     parts = {
         "machine": machine(results),
