@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "renderer/camera/projection.h"
 #include "renderer/deterministic_math.h"
 
 namespace alidade {
@@ -65,18 +66,13 @@ double place_to_center(const std::array<double, 8>& across, const std::array<dou
 
 }  // namespace
 
-Ray camera_ray(const PinholeCamera& camera, const glm::dvec2& film_position) {
-  const double x = (film_position.x - camera.cx) / camera.fx, y = (film_position.y - camera.cy) / camera.fy;
-  const glm::dvec3 direction = x * camera.pose.right + y * camera.pose.down + camera.pose.forward;
-  return make_ray(camera.pose.position, direction, 0.0);
+Ray camera_ray(const Camera& camera, const glm::dvec2& film_position) {
+  if (const std::optional<Ray> ray = Projection(camera).ray(film_position)) return *ray;
+  throw Error({.problem = "the camera's lens has no view through this place of the film"});
 }
 
-std::optional<glm::dvec2> project_to_film(const PinholeCamera& camera, const glm::dvec3& world) {
-  const glm::dvec3 offset = world - camera.pose.position;
-  const double ahead = glm::dot(offset, camera.pose.forward);
-  if (!(ahead > 0.0)) return std::nullopt;
-  return glm::dvec2(camera.cx + camera.fx * glm::dot(offset, camera.pose.right) / ahead,
-                    camera.cy + camera.fy * glm::dot(offset, camera.pose.down) / ahead);
+std::optional<glm::dvec2> project_to_film(const Camera& camera, const glm::dvec3& world) {
+  return Projection(camera).project(world);
 }
 
 CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
@@ -94,7 +90,7 @@ CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::d
   return pose;
 }
 
-PinholeCamera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose) {
+Camera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose) {
   if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
   if (!(vertical_fov > 0.0 && vertical_fov < 180.0)) {
     throw Error({.problem = "vertical field of view is out of range",
@@ -102,23 +98,25 @@ PinholeCamera pinhole_from_fov(int width, int height, double vertical_fov, const
                  .found = std::to_string(vertical_fov)});
   }
   const double focal_length = 0.5 * height / tangent_of_degrees(0.5 * vertical_fov);
-  return {width, height, focal_length, focal_length, 0.5 * width, 0.5 * height, pose};
+  return {width, height, focal_length, focal_length, 0.5 * width, 0.5 * height, pose, PinholeLens{}};
 }
 
-PinholeCamera resized(const PinholeCamera& camera, int width, int height) {
+Camera resized(const Camera& camera, int width, int height) {
   if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
-  PinholeCamera result = camera;
+  Camera result = camera;
+  const double across = static_cast<double>(width) / camera.width;
   const double scale = static_cast<double>(height) / camera.height;
   result.width = width;
   result.height = height;
-  result.fx *= scale;
+  // A panorama keeps its whole sphere; all others keep square pixels square.
+  result.fx *= std::holds_alternative<EquirectangularLens>(camera.lens) ? across : scale;
   result.fy *= scale;
-  result.cx *= static_cast<double>(width) / camera.width;
+  result.cx *= across;
   result.cy *= scale;
   return result;
 }
 
-PinholeCamera overview_camera(const Bounds& bounds, int width, int height) {
+Camera overview_camera(const Bounds& bounds, int width, int height) {
   constexpr double k_vertical_fov = 40.0, k_azimuth = 45.0, k_descent = 30.0, k_margin = 0.04;
   const glm::dvec3 center = bounds.empty() ? glm::dvec3(0.0) : bounds.center();
   glm::dvec3 half = 0.5 * bounds.size();
@@ -129,7 +127,7 @@ PinholeCamera overview_camera(const Bounds& bounds, int width, int height) {
   const SineCosine azimuth = sine_cosine_of_degrees(k_azimuth), descent = sine_cosine_of_degrees(k_descent);
   const glm::dvec3 forward(azimuth.sine * descent.cosine, azimuth.cosine * descent.cosine, -descent.sine);
   CameraPose pose = look_at(glm::dvec3(0.0), forward);
-  PinholeCamera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
+  Camera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
 
   Corners corners;
   for (int corner = 0; corner < 8; ++corner) {

@@ -12,26 +12,27 @@
 namespace alidade {
 
 /// Ray through a place on the film, in pixels ((0.5, 0.5) = centre of the top left pixel). Starts at the
-/// camera, t_min = 0. Unit direction.
-Ray camera_ray(const PinholeCamera& camera, const glm::dvec2& film_position);
+/// camera, t_min = 0. Unit direction. For many rays of one camera make a Projection (renderer/camera/
+/// projection.h). Errors: the lens has no view through this place.
+Ray camera_ray(const Camera& camera, const glm::dvec2& film_position);
 
-/// Film position of a world point in pixels (may lie outside the image); empty if it lies in or behind the
-/// camera's plane.
-std::optional<glm::dvec2> project_to_film(const PinholeCamera& camera, const glm::dvec3& world);
+/// Film position of a world point in pixels (may lie outside the image); empty if the lens does not see it,
+/// as when it lies in or behind the camera's plane.
+std::optional<glm::dvec2> project_to_film(const Camera& camera, const glm::dvec3& world);
 
 /// Pose that looks from `eye` to `target` with `up` towards the top of the image.
 /// Errors: eye and target coincide, up is zero or parallel to the view.
 CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up = {0, 0, 1});
 
 /// Pinhole from a vertical field of view in degrees, (0, 180); square pixels, principal point in the middle.
-PinholeCamera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose);
+Camera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose);
 
 /// The same camera for another image size: the vertical field of view is kept, the principal point scales
-/// along.
-PinholeCamera resized(const PinholeCamera& camera, int width, int height);
+/// along; a panorama stays whole.
+Camera resized(const Camera& camera, int width, int height);
 
 /// A view of the whole box: three-quarter from above (from the south-west, 30 degrees down), filling the
 /// image.
-PinholeCamera overview_camera(const Bounds& bounds, int width, int height);
+Camera overview_camera(const Bounds& bounds, int width, int height);
 
 }  // namespace alidade

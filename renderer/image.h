@@ -14,7 +14,7 @@ namespace alidade {
 
 /// What an image file says about where it comes from.
 struct ImageMetadata {
-  PinholeCamera camera;
+  Camera camera;
   RenderSettings render;
   std::string command;  ///< command line, or empty
   std::vector<std::string> cloud_files;

@@ -12,7 +12,7 @@ std::string vector_text(const glm::dvec3& v) {
   return fmt::format("{:.17g} {:.17g} {:.17g}", v.x, v.y, v.z);
 }
 
-std::string camera_text(const PinholeCamera& camera) {
+std::string camera_text(const Camera& camera) {
   const CameraPose& pose = camera.pose;
   return fmt::format(
       "pinhole, {} x {} pixels, focal length {:.3f} x {:.3f}, principal point {:.3f} {:.3f}, at {:.3f} "
@@ -24,7 +24,7 @@ std::string camera_text(const PinholeCamera& camera) {
 
 }  // namespace
 
-std::string camera_json(const PinholeCamera& camera) {
+std::string camera_json(const Camera& camera) {
   const CameraPose& pose = camera.pose;
   std::string rows;
   for (int axis = 0; axis < 3; ++axis) {
@@ -38,7 +38,7 @@ std::string camera_json(const PinholeCamera& camera) {
       camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, rows);
 }
 
-glm::dvec3 position_offset(const PinholeCamera& camera) {
+glm::dvec3 position_offset(const Camera& camera) {
   constexpr double k_step = 10000.0;
   glm::dvec3 offset{0.0};
   // Adding 0 turns -0 into 0.

@@ -208,10 +208,10 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& name) {
   return scene;
 }
 
-PinholeCamera parse_camera(std::string_view text, const std::filesystem::path& name) {
+Camera parse_camera(std::string_view text, const std::filesystem::path& name) {
   const JsonDocument document = parse_json(std::string(text), name.string());
   const JsonNode node(document);
-  const PinholeCamera camera = read_camera_node(node);
+  const Camera camera = read_camera_node(node);
   if (!node.find("version")) node.fail("missing key \"version\"", "the key", "an object without it");
   return camera;
 }
@@ -219,7 +219,7 @@ PinholeCamera parse_camera(std::string_view text, const std::filesystem::path& n
 Scene read_scene(const std::filesystem::path& file) {
   return parse_scene(read_text_file(file), file);
 }
-PinholeCamera read_camera(const std::filesystem::path& file) {
+Camera read_camera(const std::filesystem::path& file) {
   return parse_camera(read_text_file(file), file);
 }
 

@@ -16,10 +16,10 @@ namespace alidade {
 Scene read_scene(const std::filesystem::path& file);
 
 /// Reads a camera file of its own (scenes/schema/camera.schema.json). Errors: as read_scene.
-PinholeCamera read_camera(const std::filesystem::path& file);
+Camera read_camera(const std::filesystem::path& file);
 
 /// The same from text; `name` is used in messages and relative paths are taken relative to its folder.
 Scene parse_scene(std::string_view text, const std::filesystem::path& name);
-PinholeCamera parse_camera(std::string_view text, const std::filesystem::path& name);
+Camera parse_camera(std::string_view text, const std::filesystem::path& name);
 
 }  // namespace alidade

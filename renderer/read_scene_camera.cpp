@@ -139,15 +139,15 @@ CameraPose read_pose(const JsonNode& node) {
 }
 
 // Horizontal field of view: the same camera on its side.
-PinholeCamera from_horizontal_fov(int width, int height, double fov, const CameraPose& pose) {
-  PinholeCamera camera = pinhole_from_fov(height, width, fov, pose);
+Camera from_horizontal_fov(int width, int height, double fov, const CameraPose& pose) {
+  Camera camera = pinhole_from_fov(height, width, fov, pose);
   std::swap(camera.width, camera.height);
   std::swap(camera.fx, camera.fy);
   std::swap(camera.cx, camera.cy);
   return camera;
 }
 
-PinholeCamera read_intrinsics(const JsonNode& node, int width, int height, const CameraPose& pose) {
+Camera read_intrinsics(const JsonNode& node, int width, int height, const CameraPose& pose) {
   const JsonFields fields(node, {"vertical_fov", "horizontal_fov", "fx", "fy", "cx", "cy"});
   if (const auto fov = fields.find("vertical_fov")) {
     const JsonFields alone(node, {"vertical_fov"});
@@ -172,7 +172,7 @@ PinholeCamera read_intrinsics(const JsonNode& node, int width, int height, const
 
 }  // namespace
 
-PinholeCamera read_camera_node(const JsonNode& node) {
+Camera read_camera_node(const JsonNode& node) {
   const JsonFields fields(node, {"version", "description", "model", "width", "height", "intrinsics", "pose"});
   if (const auto version = fields.find("version")) read_version(*version);
   if (const auto description = fields.find("description")) description->text();

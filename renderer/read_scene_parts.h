@@ -23,7 +23,7 @@ inline constexpr NumberRange k_light{0.0, 1e9};
 void read_version(const JsonNode& version);
 
 /// A camera; its "version" may be left out when it stands inside a scene.
-PinholeCamera read_camera_node(const JsonNode& node);
+Camera read_camera_node(const JsonNode& node);
 
 /// A material. `of_cloud`: points have a colour of their own, so that the albedo may be left out.
 Material read_material(const JsonNode& node, bool of_cloud);

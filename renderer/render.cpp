@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 #include <mutex>
 
-#include "renderer/camera.h"
+#include "renderer/camera/projection.h"
 #include "renderer/integrator.h"
 
 namespace alidade {
@@ -85,19 +85,28 @@ class SampleCount {
 
 /// Everything a pixel needs; the same for all of them.
 struct Task {
-  const PinholeCamera& camera;
+  const Projection& projection;
   const RenderSettings& settings;
   const World& world;
   const Lights& lights;
 };
 
+/// Depth along the camera's axis over distance along the ray. A panorama has no axis: its depth is the
+/// distance.
+double depth_share(const Camera& camera, const Ray& ray) {
+  if (std::holds_alternative<EquirectangularLens>(camera.lens)) return 1.0;
+  return glm::dot(ray.direction, camera.pose.forward);
+}
+
 void fill_layers(const Task& task, int x, int y, Film& film) {
-  const Ray ray = camera_ray(task.camera, {x + 0.5, y + 0.5});
+  const std::optional<Ray> seen = task.projection.ray({x + 0.5, y + 0.5});
+  if (!seen) return;
+  const Ray& ray = *seen;
   const std::optional<Intersection> met = task.world.nearest(ray, {});
   if (!met) return;
   const Surface surface = task.world.surface_at(ray, *met);
   const std::size_t pixel = film.index(x, y);
-  film.depth[pixel] = static_cast<float>(met->t * glm::dot(ray.direction, task.camera.pose.forward));
+  film.depth[pixel] = static_cast<float>(met->t * depth_share(task.projection.camera(), ray));
   film.distance[pixel] = static_cast<float>(met->t);
   film.normal[pixel] =
       glm::vec3(glm::dot(surface.normal, ray.direction) > 0.0 ? -surface.normal : surface.normal);
@@ -115,8 +124,10 @@ std::uint64_t render_pixel(const Task& task, int x, int y, Film& film, SampleCou
     Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                     static_cast<std::uint32_t>(index));
     const glm::dvec2 place = sampler.next_2d();
-    const Ray ray = camera_ray(task.camera, {x + place.x, y + place.y});
-    const PathResult path = trace_path(task.world, task.lights, ray, sampler, task.settings.max_bounces);
+    const std::optional<Ray> ray = task.projection.ray({x + place.x, y + place.y});
+    // Outside the circle of a fisheye there is no light and no surface.
+    const PathResult path =
+        ray ? trace_path(task.world, task.lights, *ray, sampler, task.settings.max_bounces) : PathResult{};
     color.add(path.radiance);
     met_count += path.met_surface ? 1 : 0;
     ray_count += path.ray_count;
@@ -142,10 +153,12 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
                  .found = std::to_string(scene.render.samples)});
   }
   const Clock::time_point start = Clock::now();
-  const PinholeCamera& camera = *scene.camera;
+  const Camera& camera = *scene.camera;
+  check_camera(camera);
+  const Projection projection(camera);
   const World world(scene, cloud);
   const Lights lights(scene);
-  const Task task{camera, scene.render, world, lights};
+  const Task task{projection, scene.render, world, lights};
   Film film(camera.width, camera.height);
   SharedProgress progress(options.progress, std::uint64_t{film.color.size()} * scene.render.samples);
   std::atomic<std::uint64_t> ray_count{0};

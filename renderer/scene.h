@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "octree/cloud/read_cloud.h"
+#include "renderer/camera/lens.h"
 #include "renderer/material.h"
 
 // A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative
@@ -105,12 +106,15 @@ struct CameraPose {
   glm::dvec3 forward{0.0, 1.0, 0.0};
 };
 
-/// An ideal pinhole camera, in pixels. Pixel (0,0) is top left, its centre at (0.5, 0.5).
-struct PinholeCamera {
+/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film place
+/// (x, y), which is pixel place (cx + fx x, cy + fy y); see renderer/camera/lens.h.
+struct Camera {
   int width = 600, height = 400;
-  double fx = 0.0, fy = 0.0;  ///< focal lengths, pixels
-  double cx = 0.0, cy = 0.0;  ///< principal point, pixels
+  double fx = 0.0, fy = 0.0;  ///< focal lengths in pixels; orthographic: pixels per metre; equirectangular:
+                              ///< pixels per radian
+  double cx = 0.0, cy = 0.0;  ///< where the axis meets the film, pixels
   CameraPose pose;
+  Lens lens = PinholeLens{};
 };
 
 // Largest values that scene files and command lines may ask for, inclusive.
@@ -157,7 +161,7 @@ struct Scene {
   std::vector<Object> objects;
   Sky sky = GradientSky{};
   std::optional<Sun> sun;
-  std::optional<PinholeCamera> camera;  ///< empty = a view is chosen that shows the whole cloud
+  std::optional<Camera> camera;  ///< empty = a view is chosen that shows the whole cloud
   RenderSettings render;
   OutputSettings output;
 };

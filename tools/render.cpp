@@ -66,7 +66,7 @@ LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
   return cloud;
 }
 
-PinholeCamera choose_camera(const RenderCommand& command, const Scene& scene, const LoadedCloud* cloud) {
+Camera choose_camera(const RenderCommand& command, const Scene& scene, const LoadedCloud* cloud) {
   if (cloud == nullptr) {
     throw Error({.file = command.scene_file.string(),
                  .problem = "the scene has neither a camera nor a cloud to look at"});

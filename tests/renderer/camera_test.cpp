@@ -15,9 +15,8 @@ namespace {
 TEST(Camera, film_position_survives_the_way_to_the_world_and_back) {
   test::Random random;
   for (int i = 0; i < 2000; ++i) {
-    PinholeCamera camera =
-        pinhole_from_fov(600, 400, random.between(10.0, 120.0),
-                         look_at(random.in_cube(), random.in_cube() * 10.0, random.direction()));
+    Camera camera = pinhole_from_fov(600, 400, random.between(10.0, 120.0),
+                                     look_at(random.in_cube(), random.in_cube() * 10.0, random.direction()));
     camera.fx *= random.between(0.5, 2.0);
     camera.cx += random.between(-100.0, 100.0);
     const glm::dvec2 film(random.between(0.0, 600.0), random.between(0.0, 400.0));
@@ -32,7 +31,7 @@ TEST(Camera, film_position_survives_the_way_to_the_world_and_back) {
 }
 
 TEST(Camera, nothing_is_projected_from_behind) {
-  const PinholeCamera camera = pinhole_from_fov(10, 10, 90.0, look_at({0, 0, 0}, {0, 1, 0}));
+  const Camera camera = pinhole_from_fov(10, 10, 90.0, look_at({0, 0, 0}, {0, 1, 0}));
   EXPECT_FALSE(project_to_film(camera, {0.0, -1.0, 0.0}));
   EXPECT_FALSE(project_to_film(camera, {1.0, 0.0, 0.0}));
 }
@@ -45,7 +44,7 @@ TEST(Camera, look_at_is_a_rotation_with_up_towards_the_top) {
 }
 
 TEST(Camera, field_of_view_reaches_the_middle_of_the_top_edge) {
-  const PinholeCamera camera = pinhole_from_fov(600, 400, 50.0, look_at({0, 0, 0}, {0, 1, 0}));
+  const Camera camera = pinhole_from_fov(600, 400, 50.0, look_at({0, 0, 0}, {0, 1, 0}));
   const Ray ray = camera_ray(camera, {300.0, 0.0});
   EXPECT_NEAR(std::atan2(ray.direction.z, ray.direction.y), 25.0 * std::numbers::pi / 180.0, 1e-14);
   EXPECT_NEAR(camera_ray(camera, {300.0, 200.0}).direction.y, 1.0, 1e-15);
@@ -64,9 +63,9 @@ TEST(Camera, impossible_views_are_errors) {
 }
 
 TEST(Camera, resizing_keeps_the_vertical_field_of_view) {
-  PinholeCamera camera = pinhole_from_fov(600, 400, 50.0, look_at({0, 0, 0}, {0, 1, 0}));
+  Camera camera = pinhole_from_fov(600, 400, 50.0, look_at({0, 0, 0}, {0, 1, 0}));
   camera.cy = 100.0;
-  const PinholeCamera large = resized(camera, 2400, 800);
+  const Camera large = resized(camera, 2400, 800);
   EXPECT_EQ(large.width, 2400);
   for (const double y : {0.0, 100.0, 400.0}) {
     EXPECT_NEAR(glm::length(camera_ray(camera, {300.0, y}).direction -
@@ -76,7 +75,7 @@ TEST(Camera, resizing_keeps_the_vertical_field_of_view) {
 }
 
 /// Largest distance of the box's corners from the image's centre, in half image sizes: 1 touches the edge.
-double reach(const PinholeCamera& camera, const Bounds& bounds) {
+double reach(const Camera& camera, const Bounds& bounds) {
   double result = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     const auto film = project_to_film(
@@ -99,7 +98,7 @@ TEST(Camera, overview_shows_the_whole_box_and_fills_the_image) {
                           {glm::dvec3(-1e-3), glm::dvec3(1e-3)}};
   for (const Bounds& box : boxes) {
     for (const auto& [width, height] : {std::pair(600, 400), std::pair(400, 600), std::pair(1, 1)}) {
-      const PinholeCamera camera = overview_camera(box, width, height);
+      const Camera camera = overview_camera(box, width, height);
       EXPECT_LE(reach(camera, box), 0.97);
       EXPECT_GE(reach(camera, box), 0.9);
       EXPECT_GT(camera.pose.position.z, box.max.z);
@@ -112,7 +111,7 @@ TEST(Camera, overview_shows_the_whole_box_and_fills_the_image) {
 TEST(Camera, overview_leaves_equal_margins) {
   const Bounds box{{0, 0, 0}, {100, 70, 30}};
   for (const auto& [width, height] : {std::pair(600, 400), std::pair(400, 600)}) {
-    const PinholeCamera camera = overview_camera(box, width, height);
+    const Camera camera = overview_camera(box, width, height);
     Bounds film;
     for (int corner = 0; corner < 8; ++corner) {
       const auto place = project_to_film(
@@ -128,7 +127,7 @@ TEST(Camera, overview_leaves_equal_margins) {
 TEST(Camera, overview_of_a_single_place_and_of_nothing_is_a_usable_camera) {
   const glm::dvec3 place(690000.0, 5325000.0, 500.0);
   for (const Bounds& box : {Bounds{place, place}, Bounds{}, Bounds{glm::dvec3(3e9), glm::dvec3(3e9)}}) {
-    const PinholeCamera camera = overview_camera(box, 600, 400);
+    const Camera camera = overview_camera(box, 600, 400);
     const auto film = project_to_film(camera, box.empty() ? glm::dvec3(0.0) : box.min);
     ASSERT_TRUE(film);
     EXPECT_NEAR(film->x, 300.0, 1.0);

@@ -67,7 +67,7 @@ std::string text(const CloudSettings& cloud) {
 
 }  // namespace
 
-std::string describe(const PinholeCamera& camera) {
+std::string describe(const Camera& camera) {
   return fmt::format("{} x {} ", camera.width, camera.height) + text(camera.fx) + text(camera.fy) +
          text(camera.cx) + text(camera.cy) + text(camera.pose.position) + text(camera.pose.right) +
          text(camera.pose.down) + text(camera.pose.forward);

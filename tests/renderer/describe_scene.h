@@ -9,6 +9,6 @@ namespace alidade::test {
 
 /// All that a scene holds, as text: equal texts for equal scenes, to the last bit of every number.
 std::string describe(const Scene& scene);
-std::string describe(const PinholeCamera& camera);
+std::string describe(const Camera& camera);
 
 }  // namespace alidade::test

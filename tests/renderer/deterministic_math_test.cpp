@@ -34,6 +34,27 @@ TEST(DeterministicMath, small_angles_keep_their_digits) {
   }
 }
 
+TEST(DeterministicMath, angles_agree_with_the_c_library) {
+  test::Random random;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = random.between(-1.0, 1.0), y = random.between(-1.0, 1.0);
+    const long double expected = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+    ASSERT_NEAR(angle_of(y, x), static_cast<double>(expected), 5e-16) << y << " " << x;
+  }
+  for (double y = 1.0; y > 1e-300; y *= 1e-3) {
+    EXPECT_NEAR(angle_of(y, 1.0) / std::atan(y), 1.0, 4e-16) << y;
+    EXPECT_EQ(angle_of(-y, 3.0), -angle_of(y, 3.0));
+  }
+}
+
+TEST(DeterministicMath, angles_along_the_axes_are_exact) {
+  EXPECT_EQ(angle_of(0.0, 0.0), 0.0);
+  EXPECT_EQ(angle_of(0.0, 2.0), 0.0);
+  EXPECT_EQ(angle_of(2.0, 0.0), 0.5 * std::numbers::pi);
+  EXPECT_EQ(angle_of(-2.0, 0.0), -0.5 * std::numbers::pi);
+  EXPECT_EQ(angle_of(0.0, -2.0), std::numbers::pi);
+}
+
 TEST(DeterministicMath, roots_agree_with_the_c_library) {
   test::Random random;
   for (int i = 0; i < 20000; ++i) {

@@ -190,7 +190,7 @@ TEST_F(ImageTest, positions_are_precise_far_from_the_origin) {
 }
 
 TEST(PositionOffsetTest, is_zero_near_the_origin_and_round_elsewhere) {
-  PinholeCamera camera;
+  Camera camera;
   camera.pose.position = {-4999, 4999, 0};
   EXPECT_EQ(position_offset(camera), glm::dvec3(0.0));
   EXPECT_FALSE(std::signbit(position_offset(camera).x));
@@ -221,7 +221,7 @@ TEST_F(ImageTest, metadata_stand_in_exr_and_png) {
 TEST(CameraJsonTest, gives_back_the_same_bits) {
   Random random;
   for (int round = 0; round < 200; ++round) {
-    PinholeCamera camera;
+    Camera camera;
     camera.fx = random.between(1, 2000);
     camera.fy = random.between(1, 2000);
     camera.cx = random.between(-9, 700);

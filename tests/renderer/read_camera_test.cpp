@@ -15,8 +15,7 @@
 namespace alidade::test {
 namespace {
 
-PinholeCamera camera_of(const std::string& intrinsics, const std::string& pose, int width = 600,
-                        int height = 400) {
+Camera camera_of(const std::string& intrinsics, const std::string& pose, int width = 600, int height = 400) {
   return parse_camera(fmt::format(R"({{"version": 1, "model": "pinhole", "width": {}, "height": {},
                                       "intrinsics": {{{}}}, "pose": {{{}}}}})",
                                   width, height, intrinsics, pose),
@@ -56,13 +55,13 @@ TEST(ReadCameraTest, look_at_is_the_camera_headers) {
 }
 
 TEST(ReadCameraTest, fields_of_view_give_square_pixels_and_a_central_principal_point) {
-  const PinholeCamera vertical = camera_of(R"("vertical_fov": 90)", k_view);
+  const Camera vertical = camera_of(R"("vertical_fov": 90)", k_view);
   EXPECT_NEAR(vertical.fx, 200.0, 1e-9);
   EXPECT_NEAR(vertical.fy, 200.0, 1e-9);
-  const PinholeCamera horizontal = camera_of(R"("horizontal_fov": 90)", k_view);
+  const Camera horizontal = camera_of(R"("horizontal_fov": 90)", k_view);
   EXPECT_NEAR(horizontal.fx, 300.0, 1e-9);
   EXPECT_NEAR(horizontal.fy, 300.0, 1e-9);
-  for (const PinholeCamera& camera : {vertical, horizontal}) {
+  for (const Camera& camera : {vertical, horizontal}) {
     EXPECT_EQ(camera.width, 600);
     EXPECT_EQ(camera.height, 400);
     EXPECT_EQ(camera.cx, 300.0);
@@ -71,7 +70,7 @@ TEST(ReadCameraTest, fields_of_view_give_square_pixels_and_a_central_principal_p
 }
 
 TEST(ReadCameraTest, intrinsics_in_pixels_are_taken_as_they_are) {
-  const PinholeCamera camera = camera_of(R"("fx": 512.25, "fy": 500, "cx": -3.5, "cy": 1000)", k_view);
+  const Camera camera = camera_of(R"("fx": 512.25, "fy": 500, "cx": -3.5, "cy": 1000)", k_view);
   EXPECT_EQ(camera.fx, 512.25);
   EXPECT_EQ(camera.fy, 500.0);
   EXPECT_EQ(camera.cx, -3.5);

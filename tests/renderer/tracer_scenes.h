@@ -16,15 +16,14 @@
 
 namespace alidade::test {
 
-inline PinholeCamera camera_at(const glm::dvec3& eye, const glm::dvec3& target, double vertical_fov,
-                               int size = 16) {
+inline Camera camera_at(const glm::dvec3& eye, const glm::dvec3& target, double vertical_fov, int size = 16) {
   const glm::dvec3 view = target - eye;
   const bool vertical = view.x == 0.0 && view.y == 0.0;
   return pinhole_from_fov(size, size, vertical_fov,
                           look_at(eye, target, vertical ? glm::dvec3(0, 1, 0) : glm::dvec3(0, 0, 1)));
 }
 
-inline Scene dark_scene(const PinholeCamera& camera, int samples, int max_bounces) {
+inline Scene dark_scene(const Camera& camera, int samples, int max_bounces) {
   Scene scene;
   scene.sky = ConstantSky{};
   scene.camera = camera;
