@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "renderer/camera/camera_json.h"
+
 namespace alidade {
 namespace {
 
@@ -15,28 +17,15 @@ std::string vector_text(const glm::dvec3& v) {
 std::string camera_text(const Camera& camera) {
   const CameraPose& pose = camera.pose;
   return fmt::format(
-      "pinhole, {} x {} pixels, focal length {:.3f} x {:.3f}, principal point {:.3f} {:.3f}, at {:.3f} "
+      "{}, {} x {} pixels, focal length {:.3f} x {:.3f}, principal point {:.3f} {:.3f}, at {:.3f} "
       "{:.3f} {:.3f}, "
       "looking along {:.6f} {:.6f} {:.6f}",
-      camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, pose.position.x,
-      pose.position.y, pose.position.z, pose.forward.x, pose.forward.y, pose.forward.z);
+      k_lens_names[camera.lens.index()], camera.width, camera.height, camera.fx, camera.fy, camera.cx,
+      camera.cy, pose.position.x, pose.position.y, pose.position.z, pose.forward.x, pose.forward.y,
+      pose.forward.z);
 }
 
 }  // namespace
-
-std::string camera_json(const Camera& camera) {
-  const CameraPose& pose = camera.pose;
-  std::string rows;
-  for (int axis = 0; axis < 3; ++axis) {
-    rows += fmt::format("[{:.17g}, {:.17g}, {:.17g}, {:.17g}], ", pose.right[axis], pose.down[axis],
-                        pose.forward[axis], pose.position[axis]);
-  }
-  return fmt::format(
-      R"({{"version": 1, "model": "pinhole", "width": {}, "height": {}, )"
-      R"("intrinsics": {{"fx": {:.17g}, "fy": {:.17g}, "cx": {:.17g}, "cy": {:.17g}}}, )"
-      R"("pose": {{"matrix": [{}[0, 0, 0, 1]], "convention": "opencv", "direction": "camera_to_world"}}}})",
-      camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, rows);
-}
 
 glm::dvec3 position_offset(const Camera& camera) {
   constexpr double k_step = 10000.0;

@@ -13,9 +13,6 @@ namespace alidade {
 /// significant digits.
 std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetadata& metadata);
 
-/// The camera as a camera file on one line; parse_camera gives back the same camera, bit for bit.
-std::string camera_json(const Camera& camera);
-
 /// Positions in an image are float, too coarse for coordinates like 5325000. They are therefore stored
 /// relative to this point: the camera's place rounded to 10 km along each axis. It is 0 0 0 for sites around
 /// the origin, and the same for cameras near each other.

@@ -7,15 +7,12 @@
 
 #include "octree/error.h"
 #include "renderer/camera.h"
+#include "renderer/camera/projection.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {
 namespace {
 
-// Wider or narrower views are mistakes; the focal length stays an ordinary number.
-constexpr NumberRange k_field_of_view{1e-6, 179.999};
-constexpr NumberRange k_focal_length{1e-6, 1e12};
-constexpr NumberRange k_principal_point{-1e9, 1e9};
 constexpr double k_rotation_tolerance = 1e-6;
 // Below this a rotation is as good as double makes it, and is taken to the bit: what a program wrote with 17
 // digits comes back.
@@ -138,54 +135,34 @@ CameraPose read_pose(const JsonNode& node) {
   return pose_from_transform(allowed, {rotation, fields.require("translation").vector(k_coordinate)});
 }
 
-// Horizontal field of view: the same camera on its side.
-Camera from_horizontal_fov(int width, int height, double fov, const CameraPose& pose) {
-  Camera camera = pinhole_from_fov(height, width, fov, pose);
-  std::swap(camera.width, camera.height);
-  std::swap(camera.fx, camera.fy);
-  std::swap(camera.cx, camera.cy);
-  return camera;
-}
-
-Camera read_intrinsics(const JsonNode& node, int width, int height, const CameraPose& pose) {
-  const JsonFields fields(node, {"vertical_fov", "horizontal_fov", "fx", "fy", "cx", "cy"});
-  if (const auto fov = fields.find("vertical_fov")) {
-    const JsonFields alone(node, {"vertical_fov"});
-    return pinhole_from_fov(width, height, fov->number(k_field_of_view), pose);
-  }
-  if (const auto fov = fields.find("horizontal_fov")) {
-    const JsonFields alone(node, {"horizontal_fov"});
-    return from_horizontal_fov(width, height, fov->number(k_field_of_view), pose);
-  }
-  if (!fields.find("fx") && !fields.find("fy") && !fields.find("cx") && !fields.find("cy")) {
-    node.fail("no focal length", R"("vertical_fov", "horizontal_fov" or "fx", "fy", "cx", "cy")",
-              "none of them");
-  }
-  return {.width = width,
-          .height = height,
-          .fx = fields.require("fx").number(k_focal_length),
-          .fy = fields.require("fy").number(k_focal_length),
-          .cx = fields.require("cx").number(k_principal_point),
-          .cy = fields.require("cy").number(k_principal_point),
-          .pose = pose};
-}
-
 }  // namespace
 
 Camera read_camera_node(const JsonNode& node) {
-  const JsonFields fields(node, {"version", "description", "model", "width", "height", "intrinsics", "pose"});
+  const std::size_t model = model_of(node);
+  const bool distorts = is_distorting(model);
+  const JsonFields fields =
+      distorts
+          ? JsonFields(node, {"version", "description", "model", "width", "height", "intrinsics",
+                              "distortion", "pose"})
+          : JsonFields(node, {"version", "description", "model", "width", "height", "intrinsics", "pose"});
   if (const auto version = fields.find("version")) read_version(*version);
   if (const auto description = fields.find("description")) description->text();
-  constexpr std::array<std::string_view, 1> models{"pinhole"};
-  fields.require("model").choice(models);
   const std::uint64_t width = fields.require("width").whole_number(1, k_max_image_side);
   const std::uint64_t height = fields.require("height").whole_number(1, k_max_image_side);
   if (width * height > k_max_pixels) {
     node.fail("image too large", "at most 2^28 pixels", std::to_string(width * height) + " pixels");
   }
-  const CameraPose pose = read_pose(fields.require("pose"));
-  return read_intrinsics(fields.require("intrinsics"), static_cast<int>(width), static_cast<int>(height),
-                         pose);
+  Camera camera{.width = static_cast<int>(width),
+                .height = static_cast<int>(height),
+                .pose = read_pose(fields.require("pose"))};
+  read_intrinsics(fields.require("intrinsics"), model, camera);
+  if (distorts) camera.lens = read_distortion(fields.require("distortion"), model);
+  try {
+    check_camera(camera);
+  } catch (const Error& error) {
+    node.fail(error.parts().problem, error.parts().expected, error.parts().found);
+  }
+  return camera;
 }
 
 }  // namespace alidade

@@ -25,6 +25,16 @@ void read_version(const JsonNode& version);
 /// A camera; its "version" may be left out when it stands inside a scene.
 Camera read_camera_node(const JsonNode& node);
 
+/// Which of k_lens_names a camera's "model" is.
+std::size_t model_of(const JsonNode& camera);
+/// Whether cameras of that model have a "distortion".
+bool is_distorting(std::size_t model);
+/// "intrinsics" of a camera of that model: sets its focal lengths, principal point and, without distortion,
+/// lens. Needs its size.
+void read_intrinsics(const JsonNode& node, std::size_t model, Camera& camera);
+/// "distortion" of a camera of a distorting model.
+Lens read_distortion(const JsonNode& node, std::size_t model);
+
 /// A material. `of_cloud`: points have a colour of their own, so that the albedo may be left out.
 Material read_material(const JsonNode& node, bool of_cloud);
 

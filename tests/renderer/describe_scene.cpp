@@ -65,12 +65,35 @@ std::string text(const CloudSettings& cloud) {
   return result + (cloud.radius ? text(*cloud.radius) : "auto ") + text(cloud.material);
 }
 
+std::string text(const Distortion& distortion) {
+  std::string result;
+  for (const double each : distortion.radial) result += text(each);
+  for (const double each : distortion.denominator) result += text(each);
+  for (const double each : distortion.prism) result += text(each);
+  return result + text(distortion.p1) + text(distortion.p2) + (distortion.after_radial ? "after " : "");
+}
+
+std::string text(const Lens& lens) {
+  struct {
+    std::string operator()(const BrownLens& l) const { return text(l.distortion); }
+    std::string operator()(const FisheyeLens& l) const { return text(l.distortion); }
+    std::string operator()(const FieldOfViewLens& l) const { return text(l.omega); }
+    std::string operator()(const DivisionLens& l) const { return text(l.k); }
+    std::string operator()(const UnifiedLens& l) const { return text(l.alpha) + text(l.beta); }
+    std::string operator()(const DualLens& l) const { return text(l.transition) + text(l.distortion); }
+    std::string operator()(const PinholeLens&) const { return ""; }
+    std::string operator()(const OrthographicLens&) const { return ""; }
+    std::string operator()(const EquirectangularLens&) const { return ""; }
+  } visitor;
+  return std::string(k_lens_names[lens.index()]) + " " + std::visit(visitor, lens);
+}
+
 }  // namespace
 
 std::string describe(const Camera& camera) {
   return fmt::format("{} x {} ", camera.width, camera.height) + text(camera.fx) + text(camera.fy) +
          text(camera.cx) + text(camera.cy) + text(camera.pose.position) + text(camera.pose.right) +
-         text(camera.pose.down) + text(camera.pose.forward);
+         text(camera.pose.down) + text(camera.pose.forward) + text(camera.lens);
 }
 
 std::string describe(const Scene& scene) {

@@ -218,21 +218,6 @@ TEST_F(ImageTest, metadata_stand_in_exr_and_png) {
   }
 }
 
-TEST(CameraJsonTest, gives_back_the_same_bits) {
-  Random random;
-  for (int round = 0; round < 200; ++round) {
-    Camera camera;
-    camera.fx = random.between(1, 2000);
-    camera.fy = random.between(1, 2000);
-    camera.cx = random.between(-9, 700);
-    camera.cy = random.between(-9, 700);
-    const glm::dvec3 forward = glm::normalize(random.direction());
-    const glm::dvec3 right = glm::normalize(glm::cross(forward, random.direction()));
-    camera.pose = {1e6 * random.in_cube(), right, glm::cross(forward, right), forward};
-    EXPECT_EQ(describe(parse_camera(camera_json(camera), "metadata")), describe(camera));
-  }
-}
-
 TEST_F(ImageTest, same_film_gives_the_same_bytes_in_every_format) {
   const Film film = colorful_film();
   for (const std::string extension : {".exr", ".png", ".jpg"}) {

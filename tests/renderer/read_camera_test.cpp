@@ -8,8 +8,10 @@
 
 #include "octree/error.h"
 #include "renderer/camera.h"
+#include "renderer/camera/camera_json.h"
 #include "renderer/read_scene.h"
 #include "tests/renderer/describe_scene.h"
+#include "tests/renderer/lens_cases.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {
@@ -198,6 +200,79 @@ TEST(ReadCameraTest, images_have_at_most_2_to_the_28_pixels) {
   EXPECT_EQ(error_of(R"("vertical_fov": 50)", k_view, 16384, 16384), "no error");
   EXPECT_NE(error_of(R"("vertical_fov": 50)", k_view, 16384, 16385).find("image too large"),
             std::string::npos);
+}
+
+TEST(ReadCameraTest, what_metadata_keep_gives_back_the_same_bits) {
+  Random random;
+  for (const auto& [name, each] : lens_cases()) {
+    for (int round = 0; round < 20; ++round) {
+      Camera camera = each;
+      camera.fx += random.between(0, 20);
+      camera.cx += random.between(0, 1);
+      const glm::dvec3 forward = glm::normalize(random.direction());
+      const glm::dvec3 right = glm::normalize(glm::cross(forward, random.direction()));
+      camera.pose = {1e6 * random.in_cube(), right, glm::cross(forward, right), forward};
+      EXPECT_EQ(describe(parse_camera(camera_json(camera), "metadata")), describe(camera)) << name;
+    }
+  }
+}
+
+Camera camera_with(const std::string& model, const std::string& intrinsics,
+                   const std::string& distortion = "") {
+  return parse_camera(fmt::format(R"({{"version": 1, "model": "{}", "width": 600, "height": 400,
+                                      "intrinsics": {{{}}}, {} "pose": {{{}}}}})",
+                                  model, intrinsics,
+                                  distortion.empty() ? "" : "\"distortion\": {" + distortion + "},", k_view),
+                      "camera.json");
+}
+
+std::string error_with(const std::string& model, const std::string& intrinsics,
+                       const std::string& distortion = "") {
+  try {
+    camera_with(model, intrinsics, distortion);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(ReadCameraTest, parallel_rays_have_a_resolution_in_metres) {
+  const Camera camera = camera_with("orthographic", R"("resolution": 0.25)");
+  EXPECT_EQ(camera.fx, 4.0);
+  EXPECT_EQ(camera.fy, 4.0);
+  EXPECT_EQ(camera.cx, 300.0);
+  EXPECT_EQ(camera.cy, 200.0);
+}
+
+TEST(ReadCameraTest, a_panorama_is_the_whole_sphere_unless_it_says_less) {
+  const Camera whole = camera_with("equirectangular", "");
+  EXPECT_NEAR(whole.fx, 600.0 / (2.0 * std::numbers::pi), 1e-12);
+  EXPECT_NEAR(whole.fy, 400.0 / std::numbers::pi, 1e-12);
+  const Camera part = camera_with("equirectangular", R"("horizontal_fov": 90, "vertical_fov": 60)");
+  EXPECT_NEAR(part.fx, 600.0 / (0.5 * std::numbers::pi), 1e-12);
+  EXPECT_NEAR(part.fy, 400.0 / (std::numbers::pi / 3.0), 1e-12);
+}
+
+TEST(ReadCameraTest, a_distorting_lens_may_have_a_field_of_view_as_focal_length) {
+  const Camera camera = camera_with("brown", R"("vertical_fov": 90)", R"("k1": -0.1, "r8": 0.001)");
+  EXPECT_NEAR(camera.fx, 200.0, 1e-9);
+  const Distortion& distortion = std::get<BrownLens>(camera.lens).distortion;
+  EXPECT_EQ(distortion.radial, (std::array<double, 6>{-0.1, 0.0, 0.0, 0.001, 0.0, 0.0}));
+}
+
+TEST(ReadCameraTest, distortion_that_folds_over_names_file_and_radius) {
+  const std::string text = error_with("brown", R"("vertical_fov": 90)", R"("k1": -0.5)");
+  EXPECT_NE(text.find("camera.json:1:1: the distortion folds over 108.866 pixels from the principal point"),
+            std::string::npos)
+      << text;
+}
+
+TEST(ReadCameraTest, distortion_belongs_to_lenses_that_distort) {
+  EXPECT_NE(error_with("pinhole", R"("vertical_fov": 90)", R"("k1": 0)").find("unknown key"),
+            std::string::npos);
+  EXPECT_NE(error_with("brown", R"("vertical_fov": 90)").find("missing key \"distortion\""),
+            std::string::npos);
+  EXPECT_NE(error_with("bron", R"("vertical_fov": 90)").find("did you mean \"brown\"?"), std::string::npos);
 }
 
 TEST(ReadCameraTest, a_camera_file_needs_its_version) {
