@@ -107,15 +107,16 @@ struct SplitRules {
 
 /// Eight equal parts; in Morton order, so that at the lowest level only parts of one place can have equal
 /// boxes: where the bit is decided in which the first and the last point of two parts differ, one of the
-/// boxes ends.
+/// boxes ends. Where they are not quite equal the smaller ones come first: if only these are leaves, their
+/// points, which take the places before those of inner children, are the first in the order too.
 template <class Entry>
 ChildList split_by_number(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
                           int frame_level) {
   ChildList parts;
-  const std::uint64_t count = range.count();
+  const std::uint32_t size = range.count() / k_node_width, larger_parts = range.count() % k_node_width;
   std::uint32_t begin = range.begin;
-  for (std::uint64_t part = 1; part <= k_node_width; ++part) {
-    const auto end = static_cast<std::uint32_t>(range.begin + count * part / k_node_width);
+  for (std::uint32_t part = 0; part < k_node_width; ++part) {
+    const std::uint32_t end = begin + size + (part + larger_parts >= k_node_width ? 1 : 0);
     if (begin < end) {
       const PointRange points = point_range(sorted, begin, end);
       parts.add({points, rules.fits_leaf(points, frame_level)});

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "octree/build.h"
+#include "octree/query.h"
 #include "octree/tree_walk.h"
 #include "tests/support/point_families.h"
 
@@ -49,6 +50,25 @@ TEST(StoredOrder, brings_every_attribute_to_its_point_and_needs_no_ids) {
       ASSERT_EQ(value, from);
     }
     EXPECT_EQ(seen, std::vector<int>(positions.size(), 1));
+  }
+}
+
+TEST(StoredOrder, nearest_of_points_of_one_place_are_those_of_the_lowest_ids) {
+  for (std::size_t count = 250; count <= 270; ++count) {
+    PointCloud cloud = test::make_cloud(std::vector<glm::dvec3>(count, glm::dvec3(1, 2, 3)),
+                                        {glm::dvec3(0.001), glm::dvec3(0)});
+    const Octree octree = build_in_stored_order(cloud);
+    for (const std::size_t k : {1, 31, 32, 33, 40, 64, 65, 100, 200, 249}) {
+      const std::vector<Hit> hits =
+          find(octree, make_ray({0, 2, 3}, {1, 0, 0}), {.measure = Measure::t, .k = k});
+      const std::vector<PointHit> neighbors = find(octree, glm::dvec3(0.0), {.k = k});
+      ASSERT_EQ(hits.size(), k);
+      ASSERT_EQ(neighbors.size(), k);
+      for (std::size_t i = 0; i < k; ++i) {
+        ASSERT_EQ(hits[i].point_id, i) << count << " points, k = " << k;
+        ASSERT_EQ(neighbors[i].point_id, i) << count << " points, k = " << k;
+      }
+    }
   }
 }
 
