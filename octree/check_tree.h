@@ -31,9 +31,10 @@ std::optional<TreeFault> find_broken_link(const TreeView& tree);
 std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end);
 
 /// Whether the answers are those of the points: every place stands in one leaf, every id occurs once, every
-/// box holds the points below it, coordinates agree with exact positions, and the bounds are those of the
-/// points. Requires that find_broken_link() and find_bad_id() find nothing. Cost: one pass over all arrays,
-/// in parallel; 12 B per node and 1/4 B per point.
+/// box holds the points below it, coordinates agree with exact positions, the bounds are those of the
+/// points, and slots of one place have the lowest ids in the first of them. Requires that find_broken_link()
+/// and find_bad_id() find nothing. Cost: one pass over all arrays, one more over points of one place for each
+/// level they take; in parallel; 12 B per node and 1/4 B per point.
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree);
 
 }  // namespace alidade

@@ -230,5 +230,25 @@ TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
   expect("levels", [](Bytes& file) { put<std::uint32_t>(file, 60, get<std::uint32_t>(file, 60) + 1); });
 }
 
+TEST(IndexForgery, lower_ids_behind_higher_ones_at_one_place_are_found_by_verifying) {
+  const PointCloud cloud =
+      test::make_cloud(std::vector<glm::dvec3>(300, glm::dvec3(1, 2, 3)), {glm::dvec3(0.001), glm::dvec3(0)});
+  const auto path = test::test_folder() / "one_place.alidade";
+  save_index(path, build(cloud), cloud);
+  Bytes file = test::read_bytes(path);
+  EXPECT_NO_THROW(test::index_in_memory(file).verify());
+  const std::size_t ids = section(file, IndexSection::ids).place;
+  // Within a leaf any order will do.
+  put<std::uint32_t>(file, ids, 1);
+  put<std::uint32_t>(file, ids + 4, 0);
+  seal(file);
+  EXPECT_NO_THROW(test::index_in_memory(file).verify());
+  put<std::uint32_t>(file, ids, 299);
+  put<std::uint32_t>(file, ids + 4 * 299, 1);
+  seal(file);
+  const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+  EXPECT_NE(message.find("should have lower ids than slot"), std::string::npos) << message;
+}
+
 }  // namespace
 }  // namespace alidade
