@@ -23,15 +23,6 @@ constexpr int k_rows_at_once = 64;
 
 constexpr int k_longest_jpeg_side = 65500;
 
-ImageFormat format_of(const std::filesystem::path& file) {
-  if (const std::optional<ImageFormat> format = image_format(file)) return *format;
-  const std::string extension = file.extension().string();
-  throw Error({.file = file.string(),
-               .problem = "unknown kind of image",
-               .expected = "a name that ends in .exr, .png, .jpg or .jpeg",
-               .found = extension.empty() ? "no extension" : extension});
-}
-
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& message) {
   throw Error({.file = file.string(), .problem = "image cannot be written: " + message});
 }
@@ -108,23 +99,10 @@ void write_display(const Film& film, const OutputSettings& output, const ImageMe
 
 }  // namespace
 
-std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(),
-                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
-  if (extension == ".exr") return ImageFormat::exr;
-  if (extension == ".png") return ImageFormat::png;
-  if (extension == ".jpg" || extension == ".jpeg") return ImageFormat::jpeg;
-  return std::nullopt;
-}
-
-void check_image_name(const std::filesystem::path& file) {
-  format_of(file);
-}
-
 void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                  bool overwrite) {
-  const ImageFormat format = format_of(output.file);
+  check_image_name(output.file);
+  const ImageFormat format = *image_format(output.file);
   assert(film.width > 0 && film.height > 0);
   OutputFile file(output.file, overwrite);
   if (format == ImageFormat::exr)

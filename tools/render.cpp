@@ -9,6 +9,7 @@
 #include "renderer/camera.h"
 #include "renderer/image.h"
 #include "tools/command.h"
+#include "tools/image_writer.h"
 #include "tools/message.h"
 #include "tools/render_options.h"
 
@@ -99,6 +100,8 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   Scene scene = requested_scene(command);
   check_image_name(scene.output.file);
   check_writable(scene.output.file, command.overwrite, input_files(command, scene));
+  // Before the work, so that a program that cannot write pictures does not render for hours first.
+  const ImageWriter write_picture = load_image_writer();
   if (verbosity == Verbosity::verbose) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   }
@@ -112,7 +115,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   RenderStatistics statistics;
   const Film film = render(scene, cloud, {.progress = line.callback()}, &statistics);
   line.finish();
-  write_image(film, scene.output, metadata(scene, cloud, words), command.overwrite);
+  write_picture(film, scene.output, metadata(scene, cloud, words), command.overwrite);
   if (verbosity != Verbosity::quiet) {
     say_note(fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}",
                          short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,

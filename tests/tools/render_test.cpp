@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
@@ -84,6 +89,38 @@ TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
   const ProgramResult of_index = run(small({"--cloud", "empty.alidade", "-o", "out.png"}));
   EXPECT_EQ(of_index.exit_code, 2);
   EXPECT_TRUE(contains(of_index.err, "empty.alidade: holds no points")) << of_index.err;
+}
+
+/// A part of the environment, for the programs that are started meanwhile.
+class Setting {
+ public:
+  Setting(const char* name, const char* value) : name_(name) { ::setenv(name, value, 1); }
+  ~Setting() { ::unsetenv(name_); }
+  Setting(const Setting&) = delete;
+  Setting& operator=(const Setting&) = delete;
+
+ private:
+  const char* name_;
+};
+
+TEST_F(RenderCommandTest, program_starts_without_the_libraries_of_image_formats) {
+  const Setting list_libraries("LD_TRACE_LOADED_OBJECTS", "1");
+  const std::string libraries = run({"--version"}).out;
+  if (!contains(libraries, "libc.so")) GTEST_SKIP() << "the loader of this system does not list libraries";
+  EXPECT_FALSE(contains(libraries, "OpenImageIO")) << libraries;
+}
+
+TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_told_before_the_work) {
+  write_square("square.xyz");
+  std::filesystem::copy(program_file(), folder / "alone");
+  const std::string command =
+      fmt::format("cd '{}' && ./alone render --cloud square.xyz -o out.png 2> said", folder.string());
+  const int status = std::system(command.c_str());
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  EXPECT_TRUE(contains(read("said"), "alidade_images")) << read("said");
+  EXPECT_FALSE(contains(read("said"), "loading cloud")) << read("said");
+  EXPECT_EQ(names(), (std::vector<std::string>{"alone", "said", "square.xyz"}));
 }
 
 TEST_F(RenderCommandTest, one_point_is_a_picture) {

@@ -44,7 +44,7 @@ Program::Program(const std::vector<std::string>& words, const std::filesystem::p
   err_ = folder.string() + ".err";
   keep_out_ = !standard_output.empty();
   const std::filesystem::path out = keep_out_ ? standard_output : out_;
-  std::vector<std::string> arguments = {ALIDADE_PROGRAM};
+  std::vector<std::string> arguments = {program_file()};
   arguments.insert(arguments.end(), words.begin(), words.end());
   std::vector<char*> pointers;
   for (std::string& argument : arguments) pointers.push_back(argument.data());
@@ -79,6 +79,10 @@ bool Program::running() const {
   siginfo_t information = {};
   return ::waitid(P_PID, static_cast<id_t>(process_), &information, WEXITED | WNOHANG | WNOWAIT) == 0 &&
          information.si_pid == 0;
+}
+
+std::string Program::errors_so_far() const {
+  return read_file(err_);
 }
 
 ProgramResult Program::wait() {
@@ -138,6 +142,10 @@ void ProgramTest::write_square(const std::string& name) {
   for (int i = 0; i < 400; ++i)
     text += fmt::format("{:.1f} {:.1f} 5.0\n", 100.0 + 0.1 * (i % 20), 200.0 + 0.1 * (i / 20));
   write(name, text);
+}
+
+std::filesystem::path program_file() {
+  return ALIDADE_PROGRAM;
 }
 
 std::optional<std::filesystem::path> shared_data(const std::string& name) {

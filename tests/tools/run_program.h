@@ -34,6 +34,8 @@ class Program {
 
   void send(int signal) const;
   bool running() const;
+  /// What it has written to stderr by now.
+  std::string errors_so_far() const;
   ProgramResult wait();
 
  private:
@@ -62,6 +64,9 @@ class ProgramTest : public ::testing::Test {
 
   std::filesystem::path folder;
 };
+
+/// The built program.
+std::filesystem::path program_file();
 
 /// `../shared/data/NAME` beside the repository; empty if it is not there.
 std::optional<std::filesystem::path> shared_data(const std::string& name);

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#include "tools/image_writer.h"
+
+#include <dlfcn.h>
+
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+/// Where the module is: beside the program as it is built, or where both are installed.
+std::filesystem::path module_file() {
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::canonical("/proc/self/exe", error).parent_path();
+  const std::filesystem::path installed = folder / ALIDADE_MODULE_FOLDER / ALIDADE_IMAGE_MODULE;
+  return std::filesystem::exists(installed, error) ? installed : folder / ALIDADE_IMAGE_MODULE;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& file) {
+  const char* const reason = ::dlerror();
+  throw Error({.file = file.string(),
+               .problem = "pictures cannot be written without this part of the program",
+               .found = reason != nullptr ? reason : "nothing"});
+}
+
+}  // namespace
+
+ImageWriter load_image_writer() {
+  const std::filesystem::path file = module_file();
+  void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (module == nullptr) fail(file);
+  void* const writer = ::dlsym(module, "alidade_write_image");
+  if (writer == nullptr) fail(file);
+  return reinterpret_cast<ImageWriter>(writer);
+}
+
+}  // namespace alidade
