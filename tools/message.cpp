@@ -7,6 +7,7 @@
 #include <string>
 
 #include "octree/error.h"
+#include "tools/interrupt.h"
 
 namespace alidade {
 namespace {
@@ -39,6 +40,7 @@ void write_to_stdout(std::string_view text) {
       std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
   if (written) return;
   if (errno == EPIPE) throw ReaderGone();
+  if (interrupted()) throw Cancelled();
   throw Error({.file = "standard output", .problem = "cannot write", .found = std::strerror(errno)});
 }
 

@@ -22,7 +22,8 @@ void say_note(std::string_view text);
 /// Thrown where stdout is a pipe whose reader has gone away: nobody wants the rest, so nothing is said.
 struct ReaderGone {};
 
-/// Data for stdout. Errors: stdout cannot take it (no space left, closed); ReaderGone.
+/// Data for stdout. Errors: stdout cannot take it (no space left, closed); ReaderGone; Cancelled, if the
+/// program is interrupted while it waits for the reader.
 void write_to_stdout(std::string_view text);
 
 }  // namespace alidade

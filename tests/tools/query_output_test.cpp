@@ -226,6 +226,23 @@ TEST_F(QueryOutputTest, reader_that_goes_away_ends_the_program) {
   EXPECT_EQ(program.wait().signal, SIGPIPE);
 }
 
+TEST_F(QueryOutputTest, interrupt_is_heard_while_a_reader_is_waited_for) {
+  write_tiny();
+  const std::filesystem::path pipe = folder / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::string boxes = "min_x,min_y,min_z,max_x,max_y,max_z\n";
+  for (int i = 0; i < 200000; ++i) boxes += "0,0,0,9,9,9\n";
+  write("boxes.csv", boxes);
+  Program program({"query", "tiny.csv", "-q", "--boxes", "boxes.csv"}, folder, pipe);
+  std::ifstream reader(pipe);
+  std::string line;
+  std::getline(reader, line);
+  EXPECT_EQ(line, "box_id,rank,point_id,x,y,z");
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+}
+
 TEST_F(QueryOutputTest, messages_that_nobody_reads_do_not_keep_the_answers_from_being_written) {
   write_tiny();
   const std::filesystem::path messages = folder / "messages", targets = folder / "targets";

@@ -42,6 +42,12 @@ void RowReader::fail(std::uint64_t number, std::string problem, std::string expe
                .found = std::move(found)});
 }
 
+double RowReader::share(double of_last_rows) const {
+  if (source_.total() == 0) return 0.0;
+  const double waiting = (1.0 - of_last_rows) * static_cast<double>(block_.text.size());
+  return (static_cast<double>(source_.done()) - waiting) / static_cast<double>(source_.total());
+}
+
 void RowReader::begin() {
   while (source_.next(block_)) {
     for (used_ = 0; used_ < block_.size() && is_blank_line(block_.line(used_));) ++used_;

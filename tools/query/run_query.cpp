@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 
 #include "octree/check_query.h"
 #include "octree/indexed_cloud.h"
@@ -20,6 +21,8 @@
 
 namespace alidade {
 namespace {
+
+using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t k_explained_batch = 256;
 
@@ -142,10 +145,9 @@ std::size_t count_batch(Asker<Target>& asker, const TargetBatch<Target>& batch, 
   return counts.size();
 }
 
-/// How many targets there will be, from the share of the text that is read; 0 if its size is not known.
-std::uint64_t expected_targets(std::uint64_t targets, const LineSource& source) {
-  if (source.total() == 0) return 0;
-  const double share = static_cast<double>(source.done()) / static_cast<double>(source.total());
+/// How many targets there will be, from the share of the text they stood in; 0 if that is not known.
+std::uint64_t expected_targets(std::uint64_t targets, double share) {
+  if (share == 0.0) return 0;
   return std::max(targets, static_cast<std::uint64_t>(static_cast<double>(targets) / share));
 }
 
@@ -162,14 +164,15 @@ Tally answer_all_targets(TargetReader<Target>& reader, Asker<Target>& asker, con
   TargetBatch<Target> batch;
   // Work is told once: a target whose work is counted is never asked twice.
   while (reader.next(command.explain ? std::min(size.targets(), k_explained_batch) : size.targets(), batch)) {
+    const auto begin = Clock::now();
     const std::size_t rows =
         only_numbers(command)
             ? count_batch(asker, batch, command.occluded, output)
             : answer_batch(asker, batch, command.explain ? k_all : size.answers_per_target(), output);
-    size.learn(batch.targets.size(), rows);
+    size.learn(batch.targets.size(), rows, std::chrono::duration<double>(Clock::now() - begin).count());
     tally.targets += batch.targets.size();
     tally.rows += rows;
-    report(progress, tally.targets, expected_targets(tally.targets, reader.source()));
+    report(progress, tally.targets, expected_targets(tally.targets, reader.share()));
   }
   report(progress, tally.targets, tally.targets);
   return tally;

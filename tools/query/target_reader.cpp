@@ -63,6 +63,12 @@ bool TargetReader<Target>::next(std::size_t most, TargetBatch<Target>& batch) {
 }
 
 template <class Target>
+double TargetReader<Target>::share() const {
+  const std::size_t size = block_.size();
+  return rows_.share(size == 0 ? 1.0 : static_cast<double>(used_) / static_cast<double>(size));
+}
+
+template <class Target>
 template <class Make>
 auto TargetReader<Target>::placed(std::uint64_t line, const Make& make) const {
   try {

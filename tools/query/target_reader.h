@@ -35,7 +35,8 @@ class TargetReader {
   /// number below the one before; a path whose vertices are all the same.
   bool next(std::size_t most, TargetBatch<Target>& batch);
 
-  const LineSource& source() const { return rows_.source(); }
+  /// Share of the text that stands before the targets still to come; 0 if its size is not known.
+  double share() const;
 
  private:
   void take_row(std::size_t i, TargetBatch<Target>& batch);

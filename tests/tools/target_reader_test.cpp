@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "tools/query/target_reader.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace alidade::test {
+namespace {
+
+class TargetReaderTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = std::filesystem::path(::testing::TempDir()) / ("alidade_targets_" + std::to_string(::getpid()));
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  /// A text of so many rows, all of the same length.
+  LineSource rows(const std::string& header, const std::string& row, int count) {
+    std::ofstream stream(file_);
+    stream << header;
+    for (int i = 0; i < count; ++i) stream << row;
+    stream.close();
+    return LineSource::open(file_.string());
+  }
+
+  std::filesystem::path file_;
+};
+
+TEST_F(TargetReaderTest, share_follows_the_targets_given_out_in_small_texts_and_large_ones) {
+  for (const int count : {1000, 500000}) {
+    TargetReader<glm::dvec3> reader(rows("x,y,z\n", "1,2,3\n", count), {});
+    TargetBatch<glm::dvec3> batch;
+    for (int part = 1; part <= 10; ++part) {
+      ASSERT_TRUE(reader.next(static_cast<std::size_t>(count / 10), batch));
+      EXPECT_NEAR(reader.share(), part / 10.0, 1e-3) << count;
+    }
+    EXPECT_FALSE(reader.next(1, batch));
+    EXPECT_EQ(reader.share(), 1.0);
+  }
+}
+
+TEST_F(TargetReaderTest, share_of_regions_follows_their_planes) {
+  std::string text;
+  for (int region = 10; region < 20; ++region) {
+    for (int plane = 0; plane < 6; ++plane) text += "1,2,3,0,0,1," + std::to_string(region) + "\n";
+  }
+  TargetReader<HalfSpaces> reader(rows("px,py,pz,nx,ny,nz,region\n", text, 1), {});
+  TargetBatch<HalfSpaces> batch;
+  ASSERT_TRUE(reader.next(5, batch));
+  EXPECT_EQ(batch.targets.size(), 5u);
+  // The plane that ended the fifth region is read.
+  EXPECT_NEAR(reader.share(), 31.0 / 60.0, 0.02);
+}
+
+TEST_F(TargetReaderTest, share_is_not_known_of_what_is_no_file) {
+  TargetReader<glm::dvec3> reader(LineSource::command_line("--point", {"1,2,3", "4,5,6"}), {});
+  TargetBatch<glm::dvec3> batch;
+  ASSERT_TRUE(reader.next(1, batch));
+  EXPECT_EQ(reader.share(), 0.0);
+}
+
+}  // namespace
+}  // namespace alidade::test
