@@ -12,13 +12,21 @@ namespace {
 
 class OutputTest : public ProgramTest {
  protected:
+  /// Waits until the running program has come so far.
+  template <class Condition>
+  void wait_until(const Program& program, const Condition& is_so_far) const {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(5);
+    bool is_reached = false;
+    while (program.running() && !is_reached && std::chrono::steady_clock::now() < limit) {
+      is_reached = is_so_far();
+      if (!is_reached) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    ASSERT_TRUE(is_reached) << "ended before it could be interrupted, or hangs";
+  }
+
   /// Waits until the program has begun an output beside the files that were there.
   void wait_for_work(const Program& program, std::size_t names_before) const {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (program.running() && names().size() <= names_before && std::chrono::steady_clock::now() < limit) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    }
-    ASSERT_TRUE(program.running()) << "ended before it could be interrupted";
+    wait_until(program, [&] { return names().size() > names_before; });
   }
 };
 
@@ -166,8 +174,8 @@ TEST_F(OutputTest, interrupted_program_ends_with_130_and_leaves_nothing) {
 TEST_F(OutputTest, interrupted_render_ends_with_130_and_leaves_nothing) {
   write_square("square.xyz");
   Program program({"render", "--cloud", "square.xyz", "--samples", "20000", "-o", "out.png"}, folder);
-  // Well beyond loading, so that the interrupt meets the tracer; earlier would be right as well.
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  // Beyond loading, so that the interrupt meets the tracer.
+  wait_until(program, [&] { return contains(program.errors_so_far(), "loading cloud: "); });
   program.send(SIGINT);
   EXPECT_EQ(program.wait().exit_code, 130);
   EXPECT_EQ(names(), Words{"square.xyz"});
