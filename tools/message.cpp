@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/message.h"
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -36,12 +38,18 @@ void say_note(std::string_view text) {
 }
 
 void write_to_stdout(std::string_view text) {
-  const bool written =
-      std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0;
-  if (written) return;
-  if (errno == EPIPE) throw ReaderGone();
-  if (interrupted()) throw Cancelled();
-  throw Error({.file = "standard output", .problem = "cannot write", .found = std::strerror(errno)});
+  // Not by stdio, which goes on waiting for the reader whatever signal has come.
+  while (!text.empty()) {
+    if (interrupted()) throw Cancelled();
+    const ::ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());
+    if (count >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(count));
+    } else if (errno == EPIPE) {
+      throw ReaderGone();
+    } else if (errno != EINTR) {
+      throw Error({.file = "standard output", .problem = "cannot write", .found = std::strerror(errno)});
+    }
+  }
 }
 
 }  // namespace alidade

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
+#include <fcntl.h>
 #include <signal.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "octree/cloud/read_cloud.h"
 #include "tests/tools/run_program.h"
@@ -239,6 +243,10 @@ TEST_F(QueryOutputTest, interrupt_is_heard_while_a_reader_is_waited_for) {
   std::getline(reader, line);
   EXPECT_EQ(line, "box_id,rank,point_id,x,y,z");
   program.send(SIGINT);
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (program.running() && std::chrono::steady_clock::now() < limit)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ASSERT_FALSE(program.running()) << "waits for the reader still";
   const ProgramResult result = program.wait();
   EXPECT_EQ(result.exit_code, 130) << result.err;
 }
@@ -252,7 +260,11 @@ TEST_F(QueryOutputTest, messages_that_nobody_reads_do_not_keep_the_answers_from_
                   messages);
   std::ifstream(messages).close();
   // Only now can the program come to its last message.
-  std::ofstream(targets) << "x,y,z\n1,0,0\n";
+  int writer = -1;
+  while (writer < 0 && program.running()) writer = ::open(targets.c_str(), O_WRONLY | O_NONBLOCK);
+  const std::string text = "x,y,z\n1,0,0\n";
+  EXPECT_EQ(::write(writer, text.data(), text.size()), static_cast<::ssize_t>(text.size()));
+  ::close(writer);
   EXPECT_EQ(program.wait().exit_code, 0);
   EXPECT_EQ(read("out.csv"), "query_id,rank,point_id,x,y,z,distance\n0,0,1,1,0,0,0\n");
   EXPECT_EQ(names(), (Words{"messages", "out.csv", "targets", "tiny.csv"}));
