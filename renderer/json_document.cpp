@@ -18,7 +18,8 @@ constexpr std::size_t k_longest_quote = 40;
 // tokens.
 class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
-  explicit TreeBuilder(JsonDocument& document) : document_(document), text_(document.text) {
+  TreeBuilder(JsonDocument& document, std::span<const std::string_view> unread)
+      : document_(document), text_(document.text), unread_(unread) {
     if (text_.starts_with("\xEF\xBB\xBF")) cursor_ = 3;
   }
 
@@ -37,6 +38,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool end_array() override { return close(); }
 
   bool end_object() override {
+    if (skipped_depth_ > 0) return close();
     check_keys(std::get<JsonObject>(open_.back()->data));
     return close();
   }
@@ -44,6 +46,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool key(string_t& key) override {
     const std::size_t begin = token_begin();
     cursor_ = string_end();
+    if (skipped_depth_ > 0) return true;
+    skips_next_ = std::ranges::find(unread_, key) != unread_.end();
     auto& object = std::get<JsonObject>(open_.back()->data);
     object.push_back({.key = std::move(key), .key_begin = begin, .key_end = cursor_, .value = {}});
     return true;
@@ -109,6 +113,14 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
   template <typename Data>
   bool add(Data&& data, std::size_t end) {
+    if (skipped_depth_ > 0) {
+      cursor_ = end;
+      return true;
+    }
+    if (skips_next_) {
+      skips_next_ = false;
+      return add(nullptr, end);
+    }
     slot() = {.data = std::forward<Data>(data), .begin = token_begin(), .end = end};
     cursor_ = end;
     return true;
@@ -117,8 +129,15 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   template <typename Data>
   bool open(Data data) {
     const std::size_t begin = token_begin();
-    if (open_.size() >= k_deepest) {
+    if (open_.size() + skipped_depth_ >= k_deepest) {
       fail(begin, "nested too deeply", "at most " + std::to_string(k_deepest) + " levels", "");
+    }
+    if (skips_next_ || skipped_depth_ > 0) {
+      if (skipped_depth_ == 0) add(nullptr, begin + 1);
+      ++skipped_depth_;
+      skips_next_ = false;
+      cursor_ = begin + 1;
+      return true;
     }
     JsonValue& value = slot();
     value = {.data = std::move(data), .begin = begin, .end = begin + 1};
@@ -128,6 +147,11 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   }
 
   bool close() {
+    if (skipped_depth_ > 0) {
+      --skipped_depth_;
+      cursor_ = token_begin() + 1;
+      return true;
+    }
     cursor_ = open_.back()->end = token_begin() + 1;
     open_.pop_back();
     return true;
@@ -150,8 +174,11 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
   JsonDocument& document_;
   const std::string& text_;
-  std::size_t cursor_ = 0;        // end of the last token
-  std::vector<JsonValue*> open_;  // objects and arrays that are not closed yet
+  std::span<const std::string_view> unread_;
+  std::size_t cursor_ = 0;         // end of the last token
+  std::vector<JsonValue*> open_;   // objects and arrays that are not closed yet
+  bool skips_next_ = false;        // the next value stands under an unread key
+  std::size_t skipped_depth_ = 0;  // objects and arrays open inside such a value
 };
 
 bool is_continuation(char byte) {
@@ -183,9 +210,9 @@ std::string JsonDocument::quote(std::size_t begin, std::size_t end) const {
   return quoted + (cut ? "..." : "");
 }
 
-JsonDocument parse_json(std::string text, std::string name) {
+JsonDocument parse_json(std::string text, std::string name, std::span<const std::string_view> unread) {
   JsonDocument document{.name = std::move(name), .text = std::move(text), .root = {}};
-  TreeBuilder builder(document);
+  TreeBuilder builder(document, unread);
   nlohmann::json::sax_parse(document.text, &builder);
   return document;
 }

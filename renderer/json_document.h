@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -42,8 +43,9 @@ struct JsonDocument {
 };
 
 /// Parses strict JSON (RFC 8259: UTF-8, no comments, no trailing commas), nested at most 64 deep.
-/// Errors: Error with line and column, for anything else, for a number beyond double, and for a key that
-/// stands twice in one object. Cost: linear; memory at most about 100 times the text.
-JsonDocument parse_json(std::string text, std::string name);
+/// What stands under a key of `unread`, at any depth, is checked but not kept: it becomes null. Errors: Error
+/// with line and column, for anything else, for a number beyond double, and for a key that stands twice in
+/// one object. Cost: linear; memory at most about 100 times the text that is kept.
+JsonDocument parse_json(std::string text, std::string name, std::span<const std::string_view> unread = {});
 
 }  // namespace alidade

@@ -129,6 +129,21 @@ glm::dvec3 JsonNode::vector(const NumberRange& range) const {
   return {numbers[0].number(range), numbers[1].number(range), numbers[2].number(range)};
 }
 
+std::vector<std::pair<std::string, JsonNode>> JsonNode::members() const {
+  const auto* object = std::get_if<JsonObject>(&value_->data);
+  if (!object) fail("wrong type", "an object");
+  std::vector<std::pair<std::string, JsonNode>> all;
+  all.reserve(object->size());
+  for (const JsonMember& member : *object) all.emplace_back(member.key, child(member.value, member.key));
+  return all;
+}
+
+bool JsonNode::boolean() const {
+  const auto* value = std::get_if<bool>(&value_->data);
+  if (!value) fail("wrong type", "true or false");
+  return *value;
+}
+
 JsonNode JsonNode::child(const JsonValue& value, std::string_view step) const {
   JsonNode node = *this;
   node.value_ = &value;

@@ -34,6 +34,11 @@ class JsonNode {
   const JsonValue& value() const { return *value_; }
   const std::string& pointer() const { return pointer_; }
   bool is_object() const { return std::holds_alternative<JsonObject>(value_->data); }
+  bool is_array() const { return std::holds_alternative<JsonArray>(value_->data); }
+  bool is_number() const {
+    return std::holds_alternative<double>(value_->data) ||
+           std::holds_alternative<std::uint64_t>(value_->data);
+  }
   bool is_string() const { return std::holds_alternative<std::string>(value_->data); }
 
   double number(const NumberRange& range = {}) const;
@@ -47,6 +52,11 @@ class JsonNode {
   std::vector<JsonNode> elements(std::size_t minimum, std::size_t maximum) const;
   /// An array of exactly three numbers.
   glm::dvec3 vector(const NumberRange& range) const;
+
+  /// Name and value of every member of an object.
+  std::vector<std::pair<std::string, JsonNode>> members() const;
+  /// true or false.
+  bool boolean() const;
 
   /// The member of that name, if this is an object and has it.
   std::optional<JsonNode> find(std::string_view key) const;

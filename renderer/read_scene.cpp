@@ -13,8 +13,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::uintmax_t k_largest_file = 4u << 20;
-
 std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
   return (scene_file.parent_path() / node.text()).lexically_normal();
 }
@@ -167,16 +165,17 @@ Rgb read_rgb(const JsonNode& node, const NumberRange& range) {
   return Rgb(node.vector(range));
 }
 
-std::string read_text_file(const std::filesystem::path& file) {
+std::string read_text_file(const std::filesystem::path& file, std::uintmax_t largest) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
   if (!std::filesystem::exists(status)) throw Error({.file = file.string(), .problem = "no such file"});
   if (!std::filesystem::is_regular_file(status))
     throw Error({.file = file.string(), .problem = "not a regular file"});
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error || size > k_largest_file) {
-    throw Error(
-        {.file = file.string(), .problem = "too large for a scene or camera", .expected = "at most 4 MiB"});
+  if (error || size > largest) {
+    throw Error({.file = file.string(),
+                 .problem = "too large for a scene or camera",
+                 .expected = "at most " + std::to_string(largest >> 20) + " MiB"});
   }
   std::ifstream stream(file, std::ios::binary);
   std::string text(size, '\0');

@@ -8,6 +8,7 @@
 #include "octree/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/projection.h"
+#include "renderer/camera/rotation.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {
@@ -17,17 +18,6 @@ constexpr double k_rotation_tolerance = 1e-6;
 // Below this a rotation is as good as double makes it, and is taken to the bit: what a program wrote with 17
 // digits comes back.
 constexpr double k_exact_rotation = 1e-12;
-
-double error_of_rotation(const glm::dmat3& rotation) {
-  const glm::dmat3 product = glm::transpose(rotation) * rotation;
-  double error = 0.0;
-  for (int column = 0; column < 3; ++column) {
-    for (int row = 0; row < 3; ++row) {
-      error = std::fmax(error, std::fabs(product[column][row] - (column == row ? 1.0 : 0.0)));
-    }
-  }
-  return error;
-}
 
 // The text of a file has few digits; the axes that rays are made of shall be orthonormal all the same.
 glm::dmat3 checked_rotation(const JsonNode& node, const glm::dmat3& rotation) {
@@ -39,12 +29,10 @@ glm::dmat3 checked_rotation(const JsonNode& node, const glm::dmat3& rotation) {
   if (glm::determinant(rotation) < 0.0)
     node.fail("rotation is a mirror image", "determinant +1", "determinant -1");
   if (error <= k_exact_rotation) return rotation;
-  const glm::dvec3 z = glm::normalize(rotation[2]);
-  const glm::dvec3 x = glm::normalize(glm::cross(rotation[1], z));
-  return {x, glm::cross(z, x), z};
+  return orthonormal(rotation);
 }
 
-glm::dmat3 rotation_from_quaternion(const JsonNode& node) {
+glm::dmat3 read_quaternion(const JsonNode& node) {
   const std::vector<JsonNode> numbers = node.elements(4, 4);
   std::array<double, 4> q{};
   for (std::size_t i = 0; i < 4; ++i) q[i] = numbers[i].number({-2, 2});
@@ -53,12 +41,7 @@ glm::dmat3 rotation_from_quaternion(const JsonNode& node) {
     node.fail("quaternion is not of length 1", "w, x, y, z with a length of 1, to 1e-6",
               "a length of " + std::to_string(length));
   }
-  for (double& component : q) component /= length;
-  const auto [w, x, y, z] = q;
-  // Columns: the images of the three axes (e.g. Shoemake, "Animating Rotation with Quaternion Curves", 1985).
-  return {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
-          {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
-          {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+  return *rotation_from_quaternion(q);
 }
 
 struct Transform {
@@ -131,7 +114,7 @@ CameraPose read_pose(const JsonNode& node) {
     return pose_from_transform(allowed, transform_from_matrix(*matrix));
   }
   const JsonFields allowed(node, {"quaternion", "translation", "convention", "direction"});
-  const glm::dmat3 rotation = rotation_from_quaternion(*quaternion);
+  const glm::dmat3 rotation = read_quaternion(*quaternion);
   return pose_from_transform(allowed, {rotation, fields.require("translation").vector(k_coordinate)});
 }
 

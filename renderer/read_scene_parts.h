@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -41,7 +42,10 @@ Material read_material(const JsonNode& node, bool of_cloud);
 /// Three values, each in `range`.
 Rgb read_rgb(const JsonNode& node, const NumberRange& range);
 
-/// A text file of at most 4 MiB. Errors: missing, not a regular file, too large, unreadable.
-std::string read_text_file(const std::filesystem::path& file);
+/// What scene files and our camera files may have in bytes.
+inline constexpr std::uintmax_t k_largest_scene_file = 4u << 20;
+
+/// A text file of at most so many bytes. Errors: missing, not a regular file, too large, unreadable.
+std::string read_text_file(const std::filesystem::path& file, std::uintmax_t largest = k_largest_scene_file);
 
 }  // namespace alidade

@@ -97,7 +97,7 @@ void check_fold_towards(const Projection& projection, const glm::dvec2& place) {
 
 }  // namespace
 
-void check_camera(const Camera& camera) {
+void check_camera_numbers(const Camera& camera) {
   require(camera.width >= 1 && camera.width <= k_max_image_side, "image width is out of range",
           "1 to 65536 pixels", camera.width);
   require(camera.height >= 1 && camera.height <= k_max_image_side, "image height is out of range",
@@ -111,6 +111,10 @@ void check_camera(const Camera& camera) {
        {camera.pose.position, camera.pose.right, camera.pose.down, camera.pose.forward})
     require_finite({axis.x, axis.y, axis.z}, "pose of the camera is not finite");
   std::visit(CheckLens{}, camera.lens);
+}
+
+void check_camera(const Camera& camera) {
+  check_camera_numbers(camera);
   if (!can_fold(camera.lens)) return;
 
   // What a lens reaches is a shape around the principal point, so looking along the image's border is enough;

@@ -22,6 +22,8 @@ struct Distortion {
   double p1 = 0.0, p2 = 0.0;
   std::array<double, 4> prism{};
   bool after_radial = false;
+
+  bool operator==(const Distortion&) const = default;
 };
 
 /// Straight lines stay straight: film (u, v).

@@ -38,4 +38,7 @@ class Projection {
 /// which it can be inverted. What a lens merely does not see (outside a fisheye's circle) is no error.
 void check_camera(const Camera& camera);
 
+/// The same without following the lens over the image: a fold is not found.
+void check_camera_numbers(const Camera& camera);
+
 }  // namespace alidade

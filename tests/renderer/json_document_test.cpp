@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
 
 #include "octree/error.h"
 #include "renderer/json_reader.h"
@@ -131,6 +132,32 @@ TEST(NearestWordTest, finds_what_was_probably_meant) {
   EXPECT_EQ(nearest_word("camera", words), "");
   EXPECT_EQ(nearest_word("", words), "");
   EXPECT_EQ(nearest_word(std::string(1'000'000, 's'), words), "");
+}
+
+TEST(JsonDocumentTest, what_stands_under_unread_keys_is_checked_but_not_kept) {
+  constexpr std::array<std::string_view, 2> unread{"points", "b"};
+  const JsonDocument document = parse_json(
+      R"({"points": {"a": [1, {"points": [2]}], "c": "x"}, "a": [{"b": 1, "c": 2}, {"b": [[], 3], "c": {"b": {}, "d": 4}}]})",
+      "f", unread);
+  const JsonDocument same = parse_json(
+      R"({"points": null, "a": [{"b": null, "c": 2}, {"b": null, "c": {"b": null, "d": 4}}]})", "f");
+  const std::function<std::string(const JsonValue&)> text = [&](const JsonValue& value) -> std::string {
+    std::string result = std::to_string(value.data.index());
+    if (const auto* array = std::get_if<JsonArray>(&value.data)) {
+      for (const JsonValue& each : *array) result.append("[").append(text(each));
+    }
+    if (const auto* object = std::get_if<JsonObject>(&value.data)) {
+      for (const JsonMember& each : *object) result.append("{").append(each.key).append(text(each.value));
+    }
+    if (const auto* number = std::get_if<std::uint64_t>(&value.data))
+      result.append("=").append(std::to_string(*number));
+    return result;
+  };
+  EXPECT_EQ(text(document.root), text(same.root));
+  EXPECT_THROW(parse_json(R"({"points": [1,}, "a": 1})", "f", unread), Error);
+  std::string deep = "{\"points\": ";
+  for (int i = 0; i < 70; ++i) deep += '[';
+  EXPECT_THROW(parse_json(deep, "f", unread), Error);
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/scene.h"
+
+namespace alidade {
+
+/// A camera under the name of its photo, or what else its file calls it.
+struct NamedCamera {
+  std::string name;
+  Camera camera;
+};
+
+/// The cameras of a file in an order that does not change from reading to reading: by name, byte by byte;
+/// those of a trajectory as they follow in the file.
+struct CameraSet {
+  std::vector<NamedCamera> cameras;
+  std::vector<std::string> warnings;  ///< what was left out or assumed
+};
+
+struct CameraFileOptions {
+  /// What a trajectory lacks: image size and lens are taken from this camera, its pose is not used.
+  std::optional<Camera> lens;
+  /// transforms.json: undo `applied_transform` and `applied_scale`, so that cameras stand in the world that
+  /// was there before the conversion.
+  bool original_world = false;
+};
+
+/// Reads our camera file, a COLMAP model (a folder with cameras and images, .bin or .txt), transforms.json of
+/// nerfstudio and instant-ngp, OpenSfM's reconstruction.json (its first reconstruction), openMVG's
+/// sfm_data.json, or a trajectory as text, told apart by content. Formats and conventions: docs/cameras.md.
+/// Poses become camera-to-world, pixels get our convention. Lenses are not followed over their images: that
+/// is check_camera()'s work for the cameras one wants. Errors: Error with file and place: unknown formats and
+/// models, missing parts, counts beyond the file's size, rotations that are none, focal lengths of 0, names
+/// that stand twice. A file without any camera is an error. Cost: linear. Memory: a constant times the file's
+/// size without its points.
+CameraSet read_cameras(const std::filesystem::path& path, const CameraFileOptions& options = {});
+
+/// The same from the text of a file; `name` is used in messages and relative paths are taken relative to its
+/// folder. Not for COLMAP models.
+CameraSet parse_cameras(std::string text, const std::filesystem::path& name,
+                        const CameraFileOptions& options = {});
+
+/// The camera called `name`: exactly, or if there is only one, the one whose file name without folder or
+/// without folder and extension is `name`. `source` is what messages call the file. Errors: none, or several.
+const NamedCamera& camera_called(const CameraSet& set, const std::string& name, const std::string& source);
+
+}  // namespace alidade
