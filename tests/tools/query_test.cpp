@@ -117,6 +117,19 @@ TEST_F(QueryTest, limits_that_are_no_numbers_are_refused) {
   }
 }
 
+TEST_F(QueryTest, levels_need_a_layered_index_as_the_manual_says) {
+  EXPECT_TRUE(contains(run({"query", "--help"}).out, "--organisation layered"));
+  for (const std::string organisation : {"adaptive", "fixed", "layered"}) {
+    const std::string file = organisation + ".alidade";
+    ASSERT_EQ(run({"index", "tiny.xyz", "-o", file, "--organisation", organisation, "-q"}).exit_code, 0);
+    const ProgramResult result = run({"query", file, "--point", "0,0,0", "--max-level", "0", "-q"});
+    EXPECT_EQ(result.exit_code, organisation == "layered" ? 0 : 2) << result.err;
+    EXPECT_EQ(contains(result.err, file + ": has no levels for --max-level; expected a layered index"),
+              organisation != "layered")
+        << result.err;
+  }
+}
+
 TEST_F(QueryTest, entry_min_leaves_out_spheres_the_ray_starts_in) {
   EXPECT_EQ(ask({"--ray", "0,0,0,1,0,0,0", "--radius", "0.25", "--entry-min", "0", "--count"}),
             "ray_id,count\n0,2\n");

@@ -93,11 +93,13 @@ void add_conditions(CLI::App& query, QueryCommand& command) {
   add_value(query, "--class", "LIST", "points of these classes, as 2,6", [&command](const std::string& text) {
     command.classes = parse_classes(text);
   })->group(group);
-  add_value(query, "--max-level", "N",
-            "a thinned cloud: points of the levels 0 .. N of a layered octree (made, if the cloud has none)",
-            [&command](const std::string& text) {
-              command.max_level = static_cast<int>(parse_count(text, 0, k_all_levels));
-            })
+  add_value(
+      query, "--max-level", "N",
+      "a thinned cloud: points of the levels 0 .. N of a layered octree; made for cloud files, while an "
+      "index file must be one (alidade index --organisation layered)",
+      [&command](const std::string& text) {
+        command.max_level = static_cast<int>(parse_count(text, 0, k_all_levels));
+      })
       ->group(group);
 }
 
