@@ -209,60 +209,6 @@ void check_sections(const Page& page, const IndexHeader& header) {
 
 }  // namespace
 
-IndexSection column_section(Attribute attribute) {
-  return static_cast<IndexSection>(static_cast<std::uint32_t>(IndexSection::first_column) +
-                                   std::countr_zero(static_cast<std::uint32_t>(attribute)));
-}
-
-std::uint32_t element_bytes(IndexSection kind) {
-  constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
-  switch (kind) {
-    case IndexSection::nodes:
-      return sizeof(Node);
-    case IndexSection::coordinates:
-      return sizeof(std::uint16_t);
-    case IndexSection::ids:
-      return sizeof(std::uint32_t);
-    case IndexSection::positions:
-      return sizeof(LatticePosition);
-    case IndexSection::metadata:
-    case IndexSection::record_data:
-      return 1;
-    case IndexSection::checksums:
-      return sizeof(std::uint64_t);
-    default: {
-      const std::uint32_t column =
-          static_cast<std::uint32_t>(kind) - static_cast<std::uint32_t>(IndexSection::first_column);
-      return column < k_columns.size() ? k_columns[column] : 0;
-    }
-  }
-}
-
-std::string name(IndexSection section) {
-  switch (section) {
-    case IndexSection::nodes:
-      return "nodes";
-    case IndexSection::coordinates:
-      return "coordinates";
-    case IndexSection::ids:
-      return "ids";
-    case IndexSection::positions:
-      return "positions";
-    case IndexSection::metadata:
-      return "metadata";
-    case IndexSection::record_data:
-      return "record data";
-    case IndexSection::checksums:
-      return "checksums";
-    default: {
-      AttributeSet attribute;
-      attribute.bits = 1u << (static_cast<std::uint32_t>(section) -
-                              static_cast<std::uint32_t>(IndexSection::first_column));
-      return "column " + attribute_names(attribute).front();
-    }
-  }
-}
-
 const SectionEntry* IndexHeader::find(IndexSection kind) const {
   const auto found = std::ranges::find(sections, kind, &SectionEntry::kind);
   return found == sections.end() ? nullptr : &*found;

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/attributes.h"
+#include "octree/index_section_kind.h"
 #include "octree/octree.h"
 
 // The first page of an index file; docs/index_file.md has it byte by byte.
@@ -19,25 +19,6 @@ namespace alidade {
 inline constexpr std::size_t k_index_page = 4096;  ///< the header's size, and what sections are aligned to
 inline constexpr std::uint32_t k_index_version = 1;
 inline constexpr std::size_t k_most_index_sections = 32;
-
-/// What a section holds. Attribute columns have the number k_first_column plus the attribute's bit number.
-enum class IndexSection : std::uint32_t {
-  nodes = 1,
-  coordinates = 2,
-  ids = 3,
-  positions = 4,
-  first_column = 16,
-  extra_dimensions = 27,
-  metadata = 32,
-  record_data = 33,
-  checksums = 34,
-};
-
-/// The section with the column of an attribute.
-IndexSection column_section(Attribute attribute);
-
-/// "nodes", "column gps_time": what messages call a section.
-std::string name(IndexSection section);
 
 /// Where a section stands.
 struct SectionEntry {
@@ -74,9 +55,6 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
 
 /// Whether a file that starts so claims to be an index file.
 bool is_index_file(std::span<const std::byte> start);
-
-/// Bytes of one element of a section; 1 where elements have no fixed size.
-std::uint32_t element_bytes(IndexSection kind);
 
 /// First byte from `place` on where a section may begin.
 constexpr std::uint64_t align_to_page(std::uint64_t place) {

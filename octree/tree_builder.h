@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "octree/child_ranges.h"
 #include "octree/for_each_in_order.h"
 #include "octree/leaf_writer.h"
+#include "octree/node_draft.h"
 
 namespace alidade {
 
@@ -53,25 +53,10 @@ class TreeBuilder {
   }
 
  private:
-  /// A node whose boxes are not all known yet.
-  struct Draft {
-    Steps corner{};
-    int level = 0;  ///< of the frame
-    ChildList children;
-    std::array<StepBox, k_node_width> boxes;
-    std::uint32_t first_child = 0, first_point = 0;
-
-    StepBox box() const {
-      StepBox all;
-      for (const StepBox& child : boxes) all.grow(child);
-      return all;
-    }
-  };
-
   /// A node of the top above subtrees, which has to wait for their boxes.
   struct Waiting {
     std::uint32_t index = 0;
-    Draft draft;
+    NodeDraft draft;
   };
 
   struct Subtree {
@@ -91,8 +76,8 @@ class TreeBuilder {
 
   /// Whether the box of the node is known: no subtree stands below.
   bool build_top(const PointRange& range, int level, std::uint32_t index, int depth) {
-    Draft draft = draft_node(range, level);
-    const std::uint32_t count = leaf_point_count(draft);
+    NodeDraft draft = draft_node(range, level);
+    const std::uint32_t count = draft.leaf_point_count();
     if (level > k_exact_frame_level) {
       draft.first_point = exact_begin_ -= count;
     } else {
@@ -103,7 +88,7 @@ class TreeBuilder {
       if (child.is_leaf) sorted_.use_up(child.points.begin, child.points.end);
     draft.first_child = static_cast<std::uint32_t>(top_.size());
     level_count_ = std::max(level_count_, depth);
-    top_.resize(top_.size() + inner_count(draft));
+    top_.resize(top_.size() + draft.inner_count());
     top_boxes_.resize(top_.size());
 
     bool is_known = true;
@@ -123,7 +108,7 @@ class TreeBuilder {
       ++child_index;
     }
     if (is_known) {
-      top_[index] = finished(draft);
+      top_[index] = draft.node(rules_);
       top_boxes_[index] = draft.box();
     } else {
       waiting_.push_back({index, draft});
@@ -156,13 +141,13 @@ class TreeBuilder {
   /// Builds the node for a range into batch.nodes[index]; its points take the places from first_place on.
   StepBox build_node(Batch& batch, const PointRange& range, int level, std::size_t index,
                      std::uint32_t first_place, int depth) {
-    Draft draft = draft_node(range, level);
+    NodeDraft draft = draft_node(range, level);
     draft.first_point = first_place;
     write_leaves(draft);
     draft.first_child = static_cast<std::uint32_t>(batch.nodes.size());
-    batch.nodes.resize(batch.nodes.size() + inner_count(draft));
+    batch.nodes.resize(batch.nodes.size() + draft.inner_count());
     batch.level_count = std::max(batch.level_count, depth);
-    std::uint32_t place = first_place + leaf_point_count(draft);
+    std::uint32_t place = first_place + draft.leaf_point_count();
     std::size_t child_index = draft.first_child;
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
@@ -171,12 +156,12 @@ class TreeBuilder {
                                      child_index++, place, depth + 1);
       place += child.points.count();
     }
-    batch.nodes[index] = finished(draft);
+    batch.nodes[index] = draft.node(rules_);
     return draft.box();
   }
 
-  Draft draft_node(PointRange range, int level) {
-    Draft draft;
+  NodeDraft draft_node(PointRange range, int level) {
+    NodeDraft draft;
     draft.level = level;
     draft.corner = steps_of(sorted_[range.begin]);
     for (std::uint32_t& c : draft.corner) c = level >= 32 ? 0 : c >> level << level;
@@ -214,18 +199,7 @@ class TreeBuilder {
     return range.begin + sample_count;
   }
 
-  static std::uint32_t leaf_point_count(const Draft& draft) {
-    std::uint32_t count = 0;
-    for (const ChildRange& child : draft.children) count += child.is_leaf ? child.points.count() : 0;
-    return count;
-  }
-
-  static std::size_t inner_count(const Draft& draft) {
-    return static_cast<std::size_t>(std::count_if(draft.children.begin(), draft.children.end(),
-                                                  [](const ChildRange& c) { return !c.is_leaf; }));
-  }
-
-  void write_leaves(Draft& draft) {
+  void write_leaves(NodeDraft& draft) {
     std::uint32_t place = draft.first_point;
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
@@ -236,34 +210,14 @@ class TreeBuilder {
     }
   }
 
-  Node finished(const Draft& draft) const {
-    Node node{};
-    node.first_child = draft.first_child;
-    node.first_point = draft.first_point;
-    for (int slot = 0; slot < draft.children.count; ++slot) {
-      const auto grid_step = [&](std::uint32_t step, int axis) {
-        return static_cast<std::uint8_t>((step - draft.corner[axis]) >> (draft.level - k_min_frame_level));
-      };
-      for (int axis = 0; axis < 3; ++axis) {
-        node.low[axis][slot] = grid_step(draft.boxes[slot].low[axis], axis);
-        node.high[axis][slot] = grid_step(draft.boxes[slot].high[axis], axis);
-      }
-      const ChildRange& child = draft.children[slot];
-      node.kind[slot] = static_cast<std::uint8_t>(
-          child.is_leaf ? child.points.count()
-                        : k_inner_kind + draft.level - rules_.child_frame_level(child.points, draft.level));
-    }
-    return node;
-  }
-
   /// The nodes that had to wait; they were noted after those below them.
   void finish_top() {
     for (Waiting& waiting : waiting_) {
-      Draft& draft = waiting.draft;
+      NodeDraft& draft = waiting.draft;
       std::uint32_t child = draft.first_child;
       for (int slot = 0; slot < draft.children.count; ++slot)
         if (!draft.children[slot].is_leaf) draft.boxes[slot] = top_boxes_[child++];
-      top_[waiting.index] = finished(draft);
+      top_[waiting.index] = draft.node(rules_);
       top_boxes_[waiting.index] = draft.box();
     }
     std::vector<Waiting>().swap(waiting_);
