@@ -31,10 +31,10 @@ TEST(BatchSize, batches_of_heavy_targets_end_within_a_fifth_of_a_second) {
 
 TEST(BatchSize, first_batch_is_small_and_the_next_ones_grow_fourfold_at_most) {
   BatchSize size;
-  EXPECT_EQ(size.targets(), 256u);
-  size.learn(256, 0, 0.0);
-  EXPECT_EQ(size.targets(), 1024u);
-  size.learn(1024, 0, 30.0);
+  EXPECT_EQ(size.targets(), 32u);
+  size.learn(32, 0, 0.0);
+  EXPECT_EQ(size.targets(), 128u);
+  size.learn(128, 0, 30.0);
   EXPECT_EQ(size.targets(), 8u);
   size.learn(8, 0, 0.0);
   EXPECT_EQ(size.targets(), 32u);

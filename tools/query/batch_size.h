@@ -32,7 +32,7 @@ class BatchSize {
   static constexpr std::size_t k_least_limit = 32;
   static constexpr double k_wanted_seconds = 0.2;
 
-  std::size_t targets_ = 256;
+  std::size_t targets_ = 32;
 };
 
 }  // namespace alidade
