@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/camera.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 
 #include "renderer/camera/projection.h"
 #include "renderer/deterministic_math.h"
@@ -143,6 +146,49 @@ Camera overview_camera(const Bounds& bounds, int width, int height) {
   camera.pose.position = center + place_to_center(corners.right, corners.ahead, distance) * pose.right +
                          place_to_center(corners.down, corners.ahead, distance) * pose.down -
                          distance * pose.forward;
+  return camera;
+}
+
+Camera panorama_camera(const glm::dvec3& place, int width, int height) {
+  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  return {.width = width,
+          .height = height,
+          .fx = width / (2.0 * std::numbers::pi),
+          .fy = height / std::numbers::pi,
+          .cx = 0.5 * width,
+          .cy = 0.5 * height,
+          .pose = {.position = place},
+          .lens = EquirectangularLens{}};
+}
+
+Camera orthophoto_camera(const Bounds& bounds, double resolution) {
+  if (!(resolution > 0.0) || !std::isfinite(resolution)) {
+    throw Error({.problem = "resolution is out of range",
+                 .expected = "metres above 0",
+                 .found = std::to_string(resolution)});
+  }
+  if (bounds.empty()) throw Error({.problem = "there is nothing to look at from above"});
+  const double left = std::floor(bounds.min.x / resolution), right = std::ceil(bounds.max.x / resolution);
+  const double bottom = std::floor(bounds.min.y / resolution), top = std::ceil(bounds.max.y / resolution);
+  const double width = std::max(right - left, 1.0), height = std::max(top - bottom, 1.0);
+  if (!(width <= k_max_image_side && height <= k_max_image_side && width * height <= k_max_pixels)) {
+    throw Error({.problem = "the picture is too large",
+                 .expected =
+                     "at most 65536 pixels each way and 2^28 in all: a coarser resolution or a smaller "
+                     "extent",
+                 .found = fmt::format("{:.0f} x {:.0f}", width, height)});
+  }
+  Camera camera{.width = static_cast<int>(width),
+                .height = static_cast<int>(height),
+                .fx = 1.0 / resolution,
+                .fy = 1.0 / resolution,
+                .pose = {},
+                .lens = OrthographicLens{}};
+  // The camera's place is the image's upper left corner, so that its coordinates are those of the file.
+  camera.pose = {.position = {left * resolution, (bottom + height) * resolution, bounds.max.z + resolution},
+                 .right = {1.0, 0.0, 0.0},
+                 .down = {0.0, -1.0, 0.0},
+                 .forward = {0.0, 0.0, -1.0}};
   return camera;
 }
 

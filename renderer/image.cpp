@@ -12,6 +12,7 @@
 #include "octree/error.h"
 #include "renderer/image_display.h"
 #include "renderer/image_exr.h"
+#include "renderer/image_geotiff.h"
 #include "renderer/image_metadata.h"
 
 namespace alidade {
@@ -107,6 +108,8 @@ void write_image(const Film& film, const OutputSettings& output, const ImageMeta
   OutputFile file(output.file, overwrite);
   if (format == ImageFormat::exr)
     write_exr(film, output, metadata, file);
+  else if (format == ImageFormat::geotiff)
+    write_geotiff(film, output, metadata, file);
   else
     write_display(film, output, metadata, format, file);
   file.commit();

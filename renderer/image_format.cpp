@@ -15,6 +15,7 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
   if (extension == ".exr") return ImageFormat::exr;
   if (extension == ".png") return ImageFormat::png;
   if (extension == ".jpg" || extension == ".jpeg") return ImageFormat::jpeg;
+  if (extension == ".tif" || extension == ".tiff") return ImageFormat::geotiff;
   return std::nullopt;
 }
 
@@ -23,7 +24,7 @@ void check_image_name(const std::filesystem::path& file) {
   const std::string extension = file.extension().string();
   throw Error({.file = file.string(),
                .problem = "unknown kind of image",
-               .expected = "a name that ends in .exr, .png, .jpg or .jpeg",
+               .expected = "a name that ends in .exr, .png, .jpg, .jpeg or .tif",
                .found = extension.empty() ? "no extension" : extension});
 }
 

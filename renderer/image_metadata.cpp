@@ -53,7 +53,7 @@ std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetad
   add("alidade:seed", std::to_string(metadata.render.seed));
   add("alidade:cloud_files", files);
   if (!files.empty()) add("alidade:cloud_offset", vector_text(metadata.cloud_offset));
-  add("alidade:crs", metadata.crs_wkt);
+  add("alidade:crs", metadata.crs.wkt);
   if (metadata.radius > 0.0) add("alidade:radius", fmt::format("{:.17g}", metadata.radius));
   for (const auto& [key, text] : metadata.further) add(key, text);
   return texts;

@@ -144,7 +144,7 @@ OutputSettings read_output_settings(const JsonNode& node, const std::filesystem:
   if (const auto file = fields.find("file")) {
     output.file = path_beside(scene_file, *file);
     if (!image_format(output.file))
-      file->fail("unknown kind of image", "a name that ends in .exr, .png, .jpg or .jpeg");
+      file->fail("unknown kind of image", "a name that ends in .exr, .png, .jpg, .jpeg or .tif");
   }
   if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
   if (const auto exposure = fields.find("exposure")) output.exposure = exposure->number({-64, 64});

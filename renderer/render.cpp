@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/render.h"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
 
@@ -10,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <mutex>
 
+#include "octree/query.h"
 #include "renderer/camera/projection.h"
 #include "renderer/integrator.h"
 
@@ -143,6 +145,19 @@ std::uint64_t render_pixel(const Task& task, int x, int y, Film& film, SampleCou
 
 }  // namespace
 
+void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCloud& cloud) {
+  if (std::holds_alternative<OrthographicLens>(camera.lens)) return;
+  const bool all_levels = !scene.cloud || scene.cloud->max_level >= k_max_level;
+  const int max_level = all_levels ? k_all_levels : scene.cloud->max_level;
+  const std::vector<PointHit> around =
+      find(cloud.octree, camera.pose.position, {.radius = cloud.radius, .k = 1, .max_level = max_level});
+  if (around.empty()) return;
+  throw Error(
+      {.problem = fmt::format("the camera stands inside the sphere of point {}", around.front().point_id),
+       .expected = fmt::format("a place more than {:.6g} from every point", cloud.radius),
+       .found = fmt::format("{:.6g} away", around.front().distance)});
+}
+
 Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
             RenderStatistics* statistics) {
   constexpr int k_tile = 16;
@@ -155,6 +170,7 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
   const Clock::time_point start = Clock::now();
   const Camera& camera = *scene.camera;
   check_camera(camera);
+  if (cloud != nullptr) check_camera_place(camera, scene, *cloud);
   const Projection projection(camera);
   const World world(scene, cloud);
   const Lights lights(scene);

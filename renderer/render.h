@@ -49,9 +49,13 @@ struct RenderStatistics {
   double seconds = 0.0;
 };
 
-/// Path-traces the scene (its camera must be set). `cloud` may be null for scenes of objects alone. Runs on
-/// as many threads as the caller's oneTBB arena allows; the film's bytes do not depend on their number, nor
-/// on the instruction set.
+/// Errors: the camera stands inside the sphere of a point (its number is told). Parallel rays have no such
+/// place.
+void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCloud& cloud);
+
+/// Path-traces the scene (its camera must be set, and pass check_camera() and check_camera_place()). `cloud`
+/// may be null for scenes of objects alone. Runs on as many threads as the caller's oneTBB arena allows; the
+/// film's bytes do not depend on their number, nor on the instruction set.
 Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
             RenderStatistics* statistics = nullptr);
 

@@ -6,11 +6,12 @@
 #include <string_view>
 
 #include "octree/simd/instruction_set.h"
-#include "renderer/camera.h"
+#include "renderer/camera/ground_transform.h"
 #include "renderer/image.h"
 #include "tools/command.h"
 #include "tools/image_writer.h"
 #include "tools/message.h"
+#include "tools/picture_names.h"
 #include "tools/render_options.h"
 
 namespace alidade {
@@ -18,7 +19,8 @@ namespace {
 
 /// Flags that cannot change the picture: --overwrite, and -q and -v alone or together.
 bool is_silent_flag(std::string_view word) {
-  if (word == "--overwrite" || word == "--quiet" || word == "--verbose") return true;
+  if (word == "--overwrite" || word == "--skip-existing" || word == "--quiet" || word == "--verbose")
+    return true;
   return word.size() > 1 && word[0] == '-' && word.find_first_not_of("qv", 1) == std::string_view::npos;
 }
 
@@ -47,7 +49,8 @@ std::string picture_command(const CommandLine& words) {
 std::vector<std::filesystem::path> input_files(const RenderCommand& command, const Scene& scene) {
   std::vector<std::filesystem::path> files;
   if (scene.cloud) files = scene.cloud->files;
-  for (const std::filesystem::path& file : {command.scene_file, command.camera_file}) {
+  for (const std::filesystem::path& file :
+       {command.scene_file, command.camera.file, command.camera.lens_file}) {
     if (!file.empty()) files.push_back(file);
   }
   return files;
@@ -67,60 +70,125 @@ LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
   return cloud;
 }
 
-Camera choose_camera(const RenderCommand& command, const Scene& scene, const LoadedCloud* cloud) {
-  if (cloud == nullptr) {
-    throw Error({.file = command.scene_file.string(),
-                 .problem = "the scene has neither a camera nor a cloud to look at"});
+/// A view and the picture it becomes.
+struct Picture {
+  View view;
+  std::filesystem::path file;
+};
+
+/// The pictures to make, those left out that are there already and may stay.
+std::vector<Picture> requested_pictures(const RenderCommand& command, const Scene& scene,
+                                        std::span<const View> views) {
+  std::vector<std::filesystem::path> names{scene.output.file};
+  if (is_set(command.camera)) names = picture_names(scene.output.file, views);
+  const std::vector<std::filesystem::path> inputs = input_files(command, scene);
+  std::vector<Picture> pictures;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::error_code error;
+    if (command.skip_existing && std::filesystem::exists(names[i], error)) continue;
+    check_writable(names[i], command.overwrite, inputs);
+    // Without a view yet it is chosen once the cloud is known.
+    pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
   }
-  if (cloud->octree.size() == 0) {
-    // What was asked for, which for an index file is not what its points came from.
-    throw Error({.file = scene.cloud->files.front().string(),
-                 .problem = "holds no points, so there is no view of it",
-                 .expected = "a cloud with points, or --camera FILE"});
-  }
-  const ImageSize size = command.size.value_or(ImageSize{1200, 800});
-  return overview_camera(visible_bounds(*cloud), size.width, size.height);
+  return pictures;
 }
 
-ImageMetadata metadata(const Scene& scene, const LoadedCloud* cloud, const CommandLine& words) {
+ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* cloud,
+                       const CommandLine& words) {
   ImageMetadata metadata;
-  metadata.camera = *scene.camera;
+  metadata.camera = view.camera;
   metadata.render = scene.render;
   metadata.command = picture_command(words);
+  if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
   if (cloud == nullptr) return metadata;
   for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(file.path.string());
   metadata.cloud_offset = cloud->octree.lattice().offset;
-  metadata.crs_wkt = cloud->crs.wkt;
+  metadata.crs = cloud->crs;
   metadata.radius = cloud->radius;
   return metadata;
+}
+
+std::uint64_t camera_rays(const Scene& scene, const Camera& camera) {
+  return std::uint64_t{static_cast<std::uint32_t>(camera.width)} * static_cast<std::uint32_t>(camera.height) *
+         static_cast<std::uint32_t>(scene.render.samples);
+}
+
+void check_views(std::span<const Picture> pictures, const Scene& scene, const LoadedCloud* cloud) {
+  for (const Picture& picture : pictures) {
+    try {
+      if (image_format(picture.file) == ImageFormat::geotiff) ground_transform(picture.view.camera);
+      if (cloud != nullptr) check_camera_place(picture.view.camera, scene, *cloud);
+    } catch (const Error& error) {
+      Error::Parts parts = error.parts();
+      if (!picture.view.name.empty())
+        parts.problem = fmt::format("camera '{}': {}", picture.view.name, parts.problem);
+      throw Error(parts);
+    }
+  }
+}
+
+/// Renders and writes one picture after the other under one progress line.
+RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, const LoadedCloud* cloud,
+                            const RenderCommand& command, const CommandLine& words,
+                            ImageWriter write_picture) {
+  std::uint64_t total = 0, done = 0;
+  for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
+  ProgressLine line(
+      pictures.size() == 1 ? "rendering" : fmt::format("rendering {} pictures", pictures.size()),
+      "camera rays", command.verbosity.verbosity());
+  const Progress progress = line.callback();
+  RenderStatistics statistics;
+  for (const Picture& picture : pictures) {
+    scene.camera = picture.view.camera;
+    scene.output.file = picture.file;
+    const auto report = [&](std::uint64_t rays, std::uint64_t) { return progress(done + rays, total); };
+    RenderStatistics of_picture;
+    const Film film = render(scene, cloud, {.progress = report}, &of_picture);
+    write_picture(film, scene.output, metadata(scene, picture.view, cloud, words), command.overwrite);
+    done += camera_rays(scene, picture.view.camera);
+    statistics.ray_count += of_picture.ray_count;
+    statistics.seconds += of_picture.seconds;
+  }
+  line.finish();
+  return statistics;
 }
 
 ExitCode run(const RenderCommand& command, const CommandLine& words) {
   const Verbosity verbosity = command.verbosity.verbosity();
   Scene scene = requested_scene(command);
   check_image_name(scene.output.file);
-  check_writable(scene.output.file, command.overwrite, input_files(command, scene));
+  std::vector<std::string> warnings;
+  const std::vector<View> views = requested_views(command.camera, scene, warnings);
+  if (verbosity != Verbosity::quiet) {
+    for (const std::string& warning : warnings) say_warning(warning);
+  }
+  std::vector<Picture> pictures = requested_pictures(command, scene, views);
+  if (pictures.empty()) {
+    if (verbosity != Verbosity::quiet) say_note("every picture is there already");
+    return ExitCode::done;
+  }
   // Before the work, so that a program that cannot write pictures does not render for hours first.
   const ImageWriter write_picture = load_image_writer();
   if (verbosity == Verbosity::verbose) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   }
+  if (!views.empty()) check_views(pictures, scene, nullptr);
 
   std::optional<LoadedCloud> loaded;
   if (scene.cloud) loaded = load(*scene.cloud, verbosity);
   const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
-  if (!scene.camera) scene.camera = choose_camera(command, scene, cloud);
+  if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
+  check_views(pictures, scene, cloud);
 
-  ProgressLine line("rendering", "camera rays", verbosity);
-  RenderStatistics statistics;
-  const Film film = render(scene, cloud, {.progress = line.callback()}, &statistics);
-  line.finish();
-  write_picture(film, scene.output, metadata(scene, cloud, words), command.overwrite);
+  const RenderStatistics statistics = render_all(pictures, scene, cloud, command, words, write_picture);
   if (verbosity != Verbosity::quiet) {
+    const std::string written = pictures.size() == 1 ? pictures.front().file.string()
+                                                     : fmt::format("{} to {}", pictures.front().file.string(),
+                                                                   pictures.back().file.string());
     say_note(fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}",
                          short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
                          short_count(static_cast<double>(statistics.ray_count) / statistics.seconds),
-                         scene.output.file.string()));
+                         written));
   }
   return ExitCode::done;
 }
@@ -134,13 +202,16 @@ Command add_render(CLI::App& program, const CommandLine& command_line) {
       "Forms:\n"
       "  alidade render SCENE.json [-o FILE] [OPTIONS]\n"
       "  alidade render --cloud FILE... -o FILE [OPTIONS]\n"
+      "  ... --camera FOLDER -o 'out_%04d.png'   one picture for every camera\n"
+      "  ... --panorama X,Y,Z                    everything around a place\n"
+      "  ... --orthographic top --resolution M   from straight above; -o FILE.tif is a GeoTIFF\n"
       "\n"
       "With --cloud and no scene, the whole cloud is shown three-quarter from above, under a sun and a blue "
       "sky.\n"
       "Options stand above what the scene file says. Lengths are in metres (the unit of the cloud's CRS), "
       "angles in degrees.\n"
       "The bytes of the picture do not depend on the number of threads nor on the machine.\n"
-      "Scene and camera files: docs/scene_format.md.\n"
+      "Scene files: docs/scene_format.md; cameras: docs/cameras.md.\n"
       "\n"
       "Examples:\n"
       "  alidade render scenes/courtyard.json -o courtyard.png\n"

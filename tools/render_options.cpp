@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "octree/error.h"
-#include "renderer/camera.h"
 #include "renderer/image.h"
 #include "renderer/read_scene.h"
 
@@ -43,18 +42,14 @@ void add_picture_options(CLI::App& render, RenderCommand& command) {
             [&command](const std::string& text) {
               command.samples = static_cast<int>(parse_count(text, 1, k_max_samples));
             });
-  add_value(render, "--size", "WxH",
-            "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
-            [&command](const std::string& text) { command.size = parse_image_size(text); });
-  render.add_option("--camera", command.camera_file, "camera file (JSON) instead of the scene's camera")
-      ->option_text("FILE.json");
   add_value(
       render, "--max-bounces", "N",
       "reflections followed after the first surface (default 8; 0 = light straight from sun, sky and lamps)",
       [&command](const std::string& text) {
         command.max_bounces = static_cast<int>(parse_count(text, 0, k_max_bounces));
       });
-  add_value(render, "--exposure", "STOPS", "brightness of PNG and JPEG: +1 is twice as bright (default 0)",
+  add_value(render, "--exposure", "STOPS",
+            "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)",
             [&command](const std::string& text) { command.exposure = parse_number(text, -64.0, 64.0); });
   add_value(render, "--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)",
             [&command](const std::string& text) { command.layers = parse_layers(text); });
@@ -130,9 +125,13 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
       ->excludes(scene);
   render
       .add_option("-o,--output", command->output,
-                  "picture to write: .png, .jpg or .exr (default: the scene's)")
+                  "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, "
+                  "with %04d (number, from 0) or %s (name) in it")
       ->option_text("FILE");
   render.add_flag("--overwrite", command->overwrite, "replace an existing picture");
+  render.add_flag("--skip-existing", command->skip_existing,
+                  "leave out pictures that are there already: goes on with an interrupted set");
+  add_camera_options(render, command->camera);
   add_picture_options(render, *command);
   add_cloud_options(render, *command);
   add_threads(render, command->threads);
@@ -147,9 +146,6 @@ Scene requested_scene(const RenderCommand& command) {
   Scene scene =
       command.scene_file.empty() ? daylight_scene(command.cloud_files) : read_scene(command.scene_file);
   apply_cloud_options(command, scene);
-  if (!command.camera_file.empty()) scene.camera = read_camera(command.camera_file);
-  if (scene.camera && command.size)
-    scene.camera = resized(*scene.camera, command.size->width, command.size->height);
   scene.render.samples = command.samples.value_or(scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);

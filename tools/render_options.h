@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "renderer/scene.h"
+#include "tools/camera_options.h"
 #include "tools/options.h"
 
 namespace alidade {
@@ -16,10 +17,10 @@ namespace alidade {
 struct RenderCommand {
   std::filesystem::path scene_file;
   std::vector<std::filesystem::path> cloud_files;
-  std::filesystem::path output, camera_file;
+  std::filesystem::path output;
+  CameraRequest camera;
   std::optional<int> samples, max_bounces;
   std::optional<std::uint64_t> seed;
-  std::optional<ImageSize> size;
   std::optional<std::optional<double>> radius;  ///< an empty radius in it is "auto"
   std::optional<ColorDepth> color_depth;
   std::optional<PointColor> color;
@@ -28,7 +29,7 @@ struct RenderCommand {
   std::optional<int> max_level;
   std::optional<double> exposure;
   std::vector<Layer> layers;
-  bool overwrite = false;
+  bool overwrite = false, skip_existing = false;
   std::optional<int> threads;
   VerbosityOptions verbosity;
 };
@@ -36,9 +37,8 @@ struct RenderCommand {
 /// Declares the command's options; they fill what is returned.
 std::shared_ptr<RenderCommand> add_render_options(CLI::App& render);
 
-/// The scene to render: read from its file, or made up around the clouds, with the options laid over it. Its
-/// camera is still empty if neither scene nor options give one. Errors: options that contradict each other or
-/// do not fit the scene.
+/// The scene to render: read from its file, or made up around the clouds, with the options laid over it but
+/// for those of the camera. Errors: options that contradict each other or do not fit the scene.
 Scene requested_scene(const RenderCommand& command);
 
 }  // namespace alidade

@@ -7,11 +7,13 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 #include <numbers>
+#include <span>
 
 #include "octree/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/camera_json.h"
 #include "renderer/camera/camera_set.h"
+#include "renderer/camera/image_file_size.h"
 #include "renderer/camera/projection.h"
 #include "tests/renderer/describe_scene.h"
 #include "tests/support/random.h"
@@ -214,6 +216,35 @@ TEST(TransformsJson, a_size_that_is_not_told_is_the_images) {
   EXPECT_EQ(set.cameras[0].camera.width, 30);
   EXPECT_EQ(set.cameras[0].camera.height, 20);
   EXPECT_NEAR(set.cameras[0].camera.fx, 15.0, 1e-12);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(ImageFileSizeTest, png_and_jpeg_tell_their_size) {
+  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "alidade_image_size";
+  std::filesystem::create_directories(folder);
+  for (const std::string name : {"a.png", "a.jpg"}) {
+    const auto image = OIIO::ImageOutput::create((folder / name).string());
+    const OIIO::ImageSpec spec(300, 17, 3, OIIO::TypeUInt8);
+    ASSERT_TRUE(image->open((folder / name).string(), spec));
+    const std::vector<unsigned char> pixels(300 * 17 * 3);
+    ASSERT_TRUE(image->write_image(OIIO::TypeUInt8, pixels.data()));
+    image->close();
+    EXPECT_EQ(image_file_size(folder / name).width, 300u) << name;
+    EXPECT_EQ(image_file_size(folder / name).height, 17u) << name;
+    // Cut off anywhere it is an error, or still tells the same.
+    std::ifstream stream(folder / name, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    for (std::size_t size = 0; size < bytes.size(); ++size) {
+      InputFile cut(std::as_bytes(std::span(bytes).first(size)), "cut");
+      try {
+        EXPECT_EQ(image_file_size(cut).width, 300u);
+      } catch (const Error&) {
+      }
+    }
+  }
+  std::ofstream(folder / "b.png") << "no picture";
+  EXPECT_THROW(image_file_size(folder / "b.png"), Error);
+  EXPECT_THROW(image_file_size(folder / "c.png"), Error);
   std::filesystem::remove_all(folder);
 }
 

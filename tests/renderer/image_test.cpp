@@ -57,7 +57,7 @@ ImageMetadata metadata() {
   data.command = "alidade render site.json -o site.exr";
   data.cloud_files = {"a.las", "b.las"};
   data.cloud_offset = {690000.0, 5325000.0, 0.0};
-  data.crs_wkt = "PROJCS[\"WGS 84 / UTM zone 32N\"]";
+  data.crs.wkt = "PROJCS[\"WGS 84 / UTM zone 32N\"]";
   data.radius = 0.1;
   data.further = {{"alidade:radius_source", "auto"}};
   return data;
@@ -206,7 +206,7 @@ TEST_F(ImageTest, metadata_stand_in_exr_and_png) {
     EXPECT_EQ(picture.text("alidade:command"), metadata().command);
     EXPECT_EQ(picture.text("alidade:cloud_files"), "a.las\nb.las");
     EXPECT_EQ(picture.text("alidade:cloud_offset"), "690000 5325000 0");
-    EXPECT_EQ(picture.text("alidade:crs"), metadata().crs_wkt);
+    EXPECT_EQ(picture.text("alidade:crs"), metadata().crs.wkt);
     EXPECT_EQ(picture.text("alidade:radius"), "0.10000000000000001");
     EXPECT_EQ(picture.text("alidade:samples"), "9");
     EXPECT_EQ(picture.text("alidade:max_bounces"), "4");
@@ -291,7 +291,7 @@ TEST_F(ImageTest, an_existing_file_is_kept_unless_overwriting_is_asked_for) {
 }
 
 TEST_F(ImageTest, failures_are_errors_and_leave_nothing_behind) {
-  EXPECT_NE(error_of(Film(1, 1), output("a.tif")).find("unknown kind of image; expected a name that ends in"),
+  EXPECT_NE(error_of(Film(1, 1), output("a.bmp")).find("unknown kind of image; expected a name that ends in"),
             std::string::npos);
   EXPECT_NE(error_of(Film(1, 1), output("a")).find("no extension"), std::string::npos);
   OutputSettings empty = output("empty.exr");

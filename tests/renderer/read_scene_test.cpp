@@ -128,7 +128,7 @@ TEST(ReadSceneTest, every_mistake_is_named_at_its_place) {
       {with(R"("render": { "seed": -1 })"), "2:23", "number out of range (at /render/seed)"},
       {with(R"("render": { "seed": 18446744073709551616 })"), "2:23",
        "number out of range (at /render/seed)"},
-      {with(R"("output": { "file": "a.tif" })"), "2:23", "unknown kind of image"},
+      {with(R"("output": { "file": "a.bmp" })"), "2:23", "unknown kind of image"},
       {with(R"("output": { "layers": ["id", "id"] })"), "2:32", "layer stands twice (at /output/layers/1)"},
       {with(R"("output": { "layers": [] })"), "2:25", "wrong number of values"},
       {with(R"("camera": 5)"), "2:13", "wrong type (at /camera)"},

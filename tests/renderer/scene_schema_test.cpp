@@ -270,7 +270,7 @@ TEST_F(SceneSchemaTest, reader_and_schema_agree_at_the_limits_of_every_number) {
 
 TEST_F(SceneSchemaTest, reader_and_schema_agree_on_small_changes_everywhere) {
   const Json replacements = Json::parse(
-      R"([null, true, false, -1, 0, 0.5, 1, 1.0, 2, 16.0, 1e300, -1e300, "", "x", "x.png", "x.PNG", "x.Jpeg", "x.jpegg", ".exr",
+      R"([null, true, false, -1, 0, 0.5, 1, 1.0, 2, 16.0, 1e300, -1e300, "", "x", "x.png", "x.PNG", "x.Jpeg", "x.jpegg", "x.tif", "x.TIFF", "x.tifff", ".exr",
     "auto", "entry", "sphere", "metal", "constant", [], {}, [1], ["id"], ["id", "id"], [1, 1, 1], [0.5, 0.5, 0.5],
     [0.5, 0.5, 0.5, 0.5], [1, 1, "1"], [[1, 1, 1]], {"type": "emissive"}, {"type": "sphere"}, {"type": "metal"},
     {"file": "a"}, {"file": "a", "files": ["a"]}, {"vertical_fov": 1}, {"vertical_fov": 1, "fx": 1}])");

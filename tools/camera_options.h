@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "renderer/camera/camera_set.h"
+#include "renderer/render.h"
+#include "tools/options.h"
+
+namespace alidade {
+
+/// From where `alidade render` was asked to look. Everything that is empty is left as the scene has it.
+struct CameraRequest {
+  std::filesystem::path file, lens_file;
+  std::string name;
+  bool original_world = false;
+  std::optional<glm::dvec3> panorama;
+  bool from_above = false;
+  std::optional<double> resolution;
+  std::optional<std::array<double, 4>> extent;  ///< least x and y, largest x and y
+  std::optional<ImageSize> size;
+};
+
+/// Declares the options; they fill `request`.
+void add_camera_options(CLI::App& render, CameraRequest& request);
+
+/// One picture to make.
+struct View {
+  std::string name;  ///< what its file calls the camera; empty for other cameras
+  Camera camera;
+};
+
+/// What is to be seen, as far as it is known without the cloud: the cameras of a file, a panorama, the
+/// scene's own camera; empty if the cloud must be looked at first. Every camera has passed check_camera().
+/// `warnings` gets what the file's reader has to say.
+std::vector<View> requested_views(const CameraRequest& request, const Scene& scene,
+                                  std::vector<std::string>& warnings);
+
+/// Whether the views are a numbered set, whose pictures have names made from a pattern.
+bool is_set(const CameraRequest& request);
+
+/// The view of a loaded cloud from above, or of the whole of it. Errors: there are no points to look at.
+/// `scene_file` is what messages call the scene.
+View view_of_cloud(const CameraRequest& request, const Scene& scene, const LoadedCloud* cloud,
+                   const std::filesystem::path& scene_file);
+
+}  // namespace alidade
