@@ -18,16 +18,16 @@ constexpr double k_largest_coordinate = 1e12;
 
 template <std::size_t count>
 std::array<double, count> parse_coordinates(const std::string& text) {
-  std::array<double, count> numbers{};
-  std::istringstream words(text + ",");
-  std::size_t found = 0;
-  for (std::string word; std::getline(words, word, ','); ++found) {
-    if (found == count) break;
-    numbers[found] = parse_number(word, -k_largest_coordinate, k_largest_coordinate);
-  }
-  if (found != count || words.peek() != std::istringstream::traits_type::eof())
+  std::vector<std::string> words;
+  std::istringstream stream(text + ",");
+  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  if (words.size() != count) {
     throw CLI::ValidationError(
         fmt::format("expected {} numbers with commas between, found '{}'", count, text));
+  }
+  std::array<double, count> numbers{};
+  for (std::size_t i = 0; i < count; ++i)
+    numbers[i] = parse_number(words[i], -k_largest_coordinate, k_largest_coordinate);
   return numbers;
 }
 
