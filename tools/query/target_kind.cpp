@@ -50,8 +50,11 @@ std::size_t TargetKind::required_count() const {
 std::string TargetKind::form() const {
   std::string text;
   for (const TargetColumn& column : columns) {
-    const std::string word = (text.empty() ? "" : ",") + std::string(column.name);
-    text += column.required ? word : "[" + word + "]";
+    const char* const separator = text.empty() ? "" : ",";
+    text.append(column.required ? "" : "[")
+        .append(separator)
+        .append(column.name)
+        .append(column.required ? "" : "]");
   }
   return text;
 }
