@@ -150,10 +150,10 @@ inline constexpr std::array<NamedLayer, 8> k_layers = {{{"color", Layer::color},
                                                         {"variance", Layer::variance}}};
 
 struct OutputSettings {
-  std::filesystem::path file;               ///< .exr, .png, .jpg; may be empty in a scene file
+  std::filesystem::path file;               ///< .exr, .png, .jpg, .tif; may be empty in a scene file
   std::vector<Layer> layers{Layer::color};  ///< EXR only
-  double exposure = 0.0;  ///< stops: PNG and JPEG show color * 2^exposure through the sRGB curve
-  bool half = true;       ///< EXR: colour, normal and albedo as half; all others are always float or uint
+  double exposure = 0.0;                    ///< stops: PNG, JPEG and GeoTIFF show color * 2^exposure, sRGB
+  bool half = true;  ///< EXR: colour, normal and albedo as half; all others are always float or uint
 };
 
 struct Scene {
