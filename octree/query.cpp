@@ -24,15 +24,13 @@ constexpr std::size_t k_grain = 256;
 // Rays that go through the tree together: the more, the more often they share a node; the fewer, the longer
 // their states stay in the second-level cache. Small batches are cut into smaller pieces, so that no thread
 // is idle.
-constexpr std::size_t k_most_stream_rays = 4096;
+constexpr std::size_t k_most_stream_rays = 12288;
 std::size_t stream_grain(std::size_t rays) {
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   return threads == 1 ? k_most_stream_rays : std::clamp(rays / (4 * threads), k_grain, k_most_stream_rays);
 }
 
-// --- Which traversal answers what
-// --------------------------------------------------------------------------- Algorithm 1 answers everything;
-// lanes answer what they are tuned for. Here and nowhere else it is chosen.
+// Algorithm 1 answers everything; lanes answer what they are tuned for. Here and nowhere else it is chosen.
 
 // Floats of `closest` and `occluded` hold squares of lengths up to here.
 constexpr double k_longest = 1e15;

@@ -118,10 +118,10 @@ struct RayOnGrid {
   alignas(16) float near_step[4] = {}, far_step[4] = {};
   int near_row[3], far_row[3];  ///< bytes from the node's start
 
-  RayOnGrid(const QuerySetup& setup, const RayBoxes& boxes, unsigned octant) {
+  RayOnGrid(const QuerySetup& setup, const RayBoxes& boxes) {
     const auto widening = static_cast<float>(setup.box_radius);
     for (int axis = 0; axis < 3; ++axis) {
-      const bool negative = (octant >> axis & 1) != 0;
+      const bool negative = boxes.inverse[axis] < 0.0f;
       steps[axis] = setup.float_scale[axis] * boxes.inverse[axis];
       corner_steps[axis] = 256.0f * steps[axis];
       origin_t[axis] = boxes.origin_t[axis];

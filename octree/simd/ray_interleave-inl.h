@@ -19,10 +19,10 @@ namespace HWY_NAMESPACE {
 
 /// Many rays, a few of them under way at a time by turns: while one does its step, the memory that the others
 /// need next is on its way to the processor. For rays that have little of the tree in common.
-/// rays: numbers into boxes and states.
+/// rays: numbers in the batch.
 template <Measure measure, bool any>
-void trace_interleaved(const Traversed<measure, any>& traversed, std::span<RayBoxes> boxes,
-                       std::span<RayState> states, std::span<const std::uint32_t> rays) {
+void trace_interleaved(const Traversed<measure, any>& traversed, const RayBatch& batch,
+                       std::span<const std::uint32_t> rays) {
   using Walk = RayWalk<measure, any>;
   constexpr std::size_t k_under_way = 12;
   struct Turn {
@@ -34,8 +34,7 @@ void trace_interleaved(const Traversed<measure, any>& traversed, std::span<RayBo
   const Visit root = root_visit(traversed.setup.tree);
   std::size_t next = 0, active = 0;
   const auto start = [&](Turn& turn) {
-    const std::uint32_t ray = rays[next++];
-    new (turn.walk) Walk(traversed, boxes[ray], states[ray], root);
+    new (turn.walk) Walk(traversed, batch[rays[next++]], root);
     turn.has_leaves = false;
   };
   while (active < k_under_way && next < rays.size()) start(turns[active++]);

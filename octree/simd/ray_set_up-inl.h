@@ -26,21 +26,19 @@ HWY_INLINE double clamped(double t) {
   return std::min(std::max(t, -k_far), k_far);
 }
 
-/// Fills boxes and state; state.found is false.
-HWY_INLINE Course set_up(const QuerySetup& setup, const Ray& ray, std::uint32_t number, RayBoxes& boxes,
-                         RayState& state) {
-  state.number = number;
-  state.found = false;
+/// Fills boxes and state; nothing is found.
+HWY_INLINE Course set_up(const QuerySetup& setup, const RayUnderWay& under_way) {
+  const Ray& ray = under_way.asked;
+  RayBoxes& boxes = under_way.boxes;
+  RayState& state = under_way.state;
   state.best_low = std::numeric_limits<double>::infinity();
   double enter = -std::numeric_limits<double>::infinity(), leave = std::numeric_limits<double>::infinity();
   double inverse[3], way = 0.0;
-  unsigned octant = 0;
   for (int axis = 0; axis < 3; ++axis) {
     // The sign is taken here and nowhere else, so that -0.0 cannot be seen differently in two places.
     const double d = ray.direction[axis];
-    const unsigned negative = d < 0.0 ? 1 : 0;
-    octant |= negative << axis;
-    inverse[axis] = (1.0 - 2.0 * negative) / std::max(std::fabs(d), 1e-12);
+    const double sign = d < 0.0 ? -1.0 : 1.0;
+    inverse[axis] = sign / std::max(std::fabs(d), 1e-12);
     const double below = setup.low_face[axis] - ray.origin[axis];
     const double above = setup.high_face[axis] - ray.origin[axis];
     way += std::max(std::fabs(below), std::fabs(above));
@@ -49,21 +47,18 @@ HWY_INLINE Course set_up(const QuerySetup& setup, const Ray& ray, std::uint32_t 
   }
   if (way > setup.longest_way) return Course::far_away;
   if (enter > leave) return Course::misses;
-  state.octant = static_cast<std::uint8_t>(octant);
   state.shift = enter;
   for (int axis = 0; axis < 3; ++axis) {
-    state.direction[axis] = ray.direction[axis];
-    state.origin[axis] = (ray.origin[axis] - setup.corner[axis]) + enter * ray.direction[axis];
+    const double origin = (ray.origin[axis] - setup.corner[axis]) + enter * ray.direction[axis];
     boxes.inverse[axis] = static_cast<float>(inverse[axis]);
-    boxes.origin_t[axis] = static_cast<float>(state.origin[axis] * inverse[axis]);
+    boxes.origin_t[axis] = static_cast<float>(origin * inverse[axis]);
   }
-  state.direction[3] = state.origin[3] = 0.0;
-  state.t_min = clamped(ray.t_min - enter);
-  state.t_max = clamped(ray.t_max - enter);
-  state.entry_min = clamped(setup.query.entry_min - enter);
-  state.cut = state.t_max + setup.double_error;
-  boxes.t_low = float_below(std::max(state.t_min, state.entry_min) - setup.box_radius);
-  boxes.t_cut = float_above(state.cut);
+  state.limits.t_min = clamped(ray.t_min - enter);
+  state.limits.t_max = clamped(ray.t_max - enter);
+  state.limits.entry_min = clamped(setup.query.entry_min - enter);
+  state.limits.cut = state.limits.t_max + setup.double_error;
+  boxes.t_low = float_below(std::max(state.limits.t_min, state.limits.entry_min) - setup.box_radius);
+  boxes.t_cut = float_above(state.limits.cut);
   return boxes.t_low <= boxes.t_cut ? Course::usual : Course::misses;
 }
 

@@ -73,7 +73,7 @@ struct QuerySetup {
   double leaf_error(int level) const {
     const int shift = coordinate_shift(level);
     const double lost = shift > 0 ? 2.0 * widest_scale * power_of_two(shift) : 0.0;
-    return double_error + lost + 0x1p-18 * (widest_scale * power_of_two(level) + query.radius);
+    return double_error + lost + 0x1p-18 * (widest_scale * power_of_two(level) + box_radius);
   }
 
   /// For rays with a way of so many metres to the far end of the points.
@@ -111,24 +111,51 @@ struct alignas(32) RayBoxes {
   float t_low;        ///< nothing that ends before counts
   float origin_t[3];  ///< local origin * inverse
   float t_cut;        ///< nothing that begins after counts
+
+  /// Bit per axis: the ray goes down.
+  unsigned octant() const {
+    return (inverse[0] < 0.0f ? 1u : 0u) | (inverse[1] < 0.0f ? 2u : 0u) | (inverse[2] < 0.0f ? 4u : 0u);
+  }
 };
 
-/// A ray under way. Places on it are told by local t, which counts from where the ray enters the root's box,
-/// so that origins far away cost no precision.
+/// Limits of a ray's places, local t within k_far.
+struct RayLimits {
+  double t_min, t_max, entry_min;
+  double cut;  ///< the best point's measure is not beyond
+};
+
+/// What else is known of a ray on its way, a cache line of it. Places are told by local t, which counts from
+/// where the ray enters the root's box, so that origins far away cost no precision.
 struct alignas(64) RayState {
-  double origin[4];  ///< ray.position(shift) from the root's corner
-  double direction[4];
-  double shift;
-  double t_min, t_max, entry_min;  ///< local, within k_far
-  /// The best point's measure lies in [best_low, cut], local t. They are equal but for rounding once it was
-  /// decided in double.
+  RayLimits limits;
+  double shift;  ///< t = local t + shift
+  /// The best point's measure lies in [best_low, limits.cut], local t. They are equal but for rounding once
+  /// it was decided in double. Infinite if there is none, -infinity if any point will do and there is one.
   double best_low;
-  double cut;
-  Leaf best_leaf;
-  std::uint32_t best_index;  ///< within the leaf
-  std::uint32_t number;      ///< of the ray in its batch
-  std::uint8_t octant;       ///< bit per axis: direction is negative
-  bool found;
+  LatticePosition best_position;
+  std::uint32_t best_place;
+
+  bool found() const { return best_low < std::numeric_limits<double>::infinity(); }
+};
+
+/// A ray on its way.
+struct RayUnderWay {
+  const Ray& asked;
+  RayBoxes& boxes;
+  RayState& state;
+  std::size_t query_index;
+};
+
+/// Rays on their way, by number.
+struct RayBatch {
+  const Ray* asked;
+  RayBoxes* boxes;
+  RayState* states;
+  std::size_t first_index;  ///< query_index of ray 0
+
+  RayUnderWay operator[](std::size_t number) const {
+    return {asked[number], boxes[number], states[number], first_index + number};
+  }
 };
 
 }  // namespace alidade::simd

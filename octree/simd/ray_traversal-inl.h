@@ -36,14 +36,14 @@ struct Traversed {
 template <Measure measure, bool any>
 class RayWalk {
  public:
-  RayWalk(const Traversed<measure, any>& traversed, RayBoxes& boxes, RayState& state, const Visit& from)
-      : boxes_(&boxes), state_(&state), ray_(traversed.setup, boxes, state.octant), visit_(from) {}
+  RayWalk(const Traversed<measure, any>& traversed, const RayUnderWay& ray, const Visit& from)
+      : ray_(ray), on_grid_(traversed.setup, ray.boxes), visit_(from) {}
 
   /// Whether the ray meets leaves of the node.
   HWY_INLINE bool look(const Traversed<measure, any>& traversed) {
     const Node& node = traversed.setup.tree.nodes[visit_.node];
     const Slots slots(node);
-    unsigned met = meet_boxes(*boxes_, ray_, node, visit_, t_near_, keys_);
+    unsigned met = meet_boxes(ray_.boxes, on_grid_, node, visit_, t_near_, keys_);
     single_ = 0;
     if (visit_.level == k_min_frame_level && traversed.skips_twins) {
       const Places places(node);
@@ -76,24 +76,24 @@ class RayWalk {
   HWY_INLINE void test_leaves(const Traversed<measure, any>& traversed) {
     const Node& node = traversed.setup.tree.nodes[visit_.node];
     const Slots slots(node);
-    const float cut_before = boxes_->t_cut;
+    const float cut_before = ray_.boxes.t_cut;
     const auto place = traversed.leaf_test.place(visit_.corner, visit_.level);
     do {
       const int slot = std::countr_zero(leaves_ | 0x80u);
       leaves_ &= leaves_ - 1;
-      if (t_near_[slot] > boxes_->t_cut) continue;
+      if (t_near_[slot] > ray_.boxes.t_cut) continue;
       const std::uint32_t count = node.kind[slot];
       const Leaf leaf{
           slots.first_point(node, slot), count, {visit_.corner[0], visit_.corner[1], visit_.corner[2]}};
-      traversed.leaf_test.visit(*boxes_, *state_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, place);
-      if (any && state_->found) return;
+      traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, place, t_near_[slot]);
+      if (any && ray_.state.found()) return;
     } while (leaves_ != 0);
-    if (boxes_->t_cut < cut_before) children_ &= begin_before(t_near_, boxes_->t_cut);
+    if (ray_.boxes.t_cut < cut_before) children_ &= begin_before(t_near_, ray_.boxes.t_cut);
   }
 
   /// To the next node; false at the end of the way.
   HWY_INLINE bool go_on(const Traversed<measure, any>& traversed) {
-    if (any && state_->found) return false;
+    if (any && ray_.state.found()) return false;
     const Node* nodes = traversed.setup.tree.nodes;
     if (children_ != 0) {
       const Node& node = nodes[visit_.node];
@@ -103,7 +103,7 @@ class RayWalk {
       visit_ = child_visit(visit_, node, Slots(node).child(node, slot), slot);
       return true;
     }
-    const std::uint32_t cut = order_key(boxes_->t_cut);
+    const std::uint32_t cut = order_key(ray_.boxes.t_cut);
     Waiting chosen;
     do {
       if (waiting_count_ == 0) return false;
@@ -115,8 +115,6 @@ class RayWalk {
     visit_ = child_visit(parent, node, Slots(node).child(node, slot), slot);
     return true;
   }
-
-  RayState& state() const { return *state_; }
 
  private:
   /// A child still to be visited: from high to low 32 bits order_key of its t, 24 bits depth of its parent, 8
@@ -140,9 +138,8 @@ class RayWalk {
     return slot;
   }
 
-  RayBoxes* boxes_;
-  RayState* state_;
-  RayOnGrid ray_;
+  RayUnderWay ray_;
+  RayOnGrid on_grid_;
   Visit visit_;
   unsigned leaves_, children_, single_;
   int waiting_count_ = 0;
@@ -154,8 +151,8 @@ class RayWalk {
 
 /// One ray from one node on.
 template <Measure measure, bool any>
-void trace(const Traversed<measure, any>& traversed, RayBoxes& boxes, RayState& state, const Visit& from) {
-  RayWalk<measure, any> walk(traversed, boxes, state, from);
+void trace(const Traversed<measure, any>& traversed, const RayUnderWay& ray, const Visit& from) {
+  RayWalk<measure, any> walk(traversed, ray, from);
   do {
     if (walk.look(traversed)) walk.test_leaves(traversed);
   } while (walk.go_on(traversed));

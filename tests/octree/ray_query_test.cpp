@@ -73,13 +73,16 @@ TEST_P(RayQueryVsBruteForce, batches_are_the_same_bits_on_every_family) {
   for (const PointFamily& family : point_families()) {
     const Octree octree = build(family.cloud, options_for(GetParam()));
     Random random(family.name + "_batches");
-    for (int turn = 0; turn < 4; ++turn) {
-      // A batch has one query: that of its first ray. Some batches are coherent, a fan from one place.
+    for (int turn = 0; turn < 12; ++turn) {
+      // A batch has one query: that of its first ray. Some batches are coherent: a wide fan from one place, a
+      // narrow one, whose rays meet the same leaves, the same ray again and again.
       std::vector<RayCase> cases = ray_cases(family.cloud, 60, random);
       const RayQuery query = cases[0].query;
       std::vector<Ray> rays;
       for (RayCase& c : cases) {
-        if (turn % 2) c.ray.origin = cases[0].ray.origin;
+        if (turn % 4 >= 1) c.ray.origin = cases[0].ray.origin;
+        if (turn % 4 >= 2) c.ray.direction = cases[0].ray.direction;
+        if (turn % 4 == 2) c.ray.direction = unit_direction(c.ray.direction + 0.01 * random.in_cube());
         c.query = query;
         rays.push_back(c.ray);
       }

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+// Included once per instruction set by Highway: no #pragma once.
+#if defined(ALIDADE_SIMD_LEAF_GROUP_TEST_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef ALIDADE_SIMD_LEAF_GROUP_TEST_INL_H
+#undef ALIDADE_SIMD_LEAF_GROUP_TEST_INL_H
+#else
+#define ALIDADE_SIMD_LEAF_GROUP_TEST_INL_H
+#endif
+
+#include "octree/simd/leaf_test-inl.h"
+#include "octree/simd/rays_together-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace alidade::simd {
+namespace HWY_NAMESPACE {
+
+/// Tests the points of one leaf against a list of rays, one lane per ray. Lanes decide as those of LeafTest
+/// do; where one point does not stand out, the ray goes to LeafTest.
+template <Measure measure, bool any>
+class LeafGroupTest {
+ public:
+  using Single = LeafTest<measure, any>;
+
+  /// The first `count` points of a leaf.
+  LeafGroupTest(const QuerySetup& setup, const Single& single, const Leaf& leaf, std::uint32_t count,
+                const typename Single::Place& place)
+      : single_(single), leaf_(leaf), count_(count), place_(place) {
+    const PointLanes d;
+    const std::uint16_t* coordinates = setup.tree.coordinates + std::size_t{3} * leaf.place;
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d)))
+        hn::Store(
+            hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, place.scale[axis])), d,
+            points_[axis] + i);
+  }
+
+  void visit(const RayBatch& batch, const RayList& list, std::uint64_t& answers) const {
+    for (std::uint32_t i = 0; i < list.count; i += static_cast<std::uint32_t>(hn::Lanes(RayLanes())))
+      visit_group(batch, list.rays + i, list.t_near + i, list.count - i, answers);
+  }
+
+ private:
+  static constexpr std::size_t k_most_lanes = 16;
+
+  /// From places where they enter the leaf's box, relative to the frame's corner.
+  struct Group {
+    RayVector x, y, z, direction_x, direction_y, direction_z;
+    RayVector t_min, t_max, entry_min, cut;
+
+    Group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::size_t rows,
+          const double* corner) {
+      alignas(64) float from[k_most_lanes][4], direction[k_most_lanes][4], limits[k_most_lanes][4];
+      for (std::size_t row = 0; row < rows; ++row)
+        relative_to(batch[rays[row]], t_near[row], corner, from[row], direction[row], limits[row]);
+      const RayLanes d;
+      RayVector padding;
+      hn::LoadInterleaved4(d, from[0], x, y, z, padding);
+      hn::LoadInterleaved4(d, direction[0], direction_x, direction_y, direction_z, padding);
+      hn::LoadInterleaved4(d, limits[0], t_min, t_max, entry_min, cut);
+    }
+  };
+
+  void visit_group(const RayBatch& batch, const std::uint32_t* rays, const float* t_near, std::uint32_t left,
+                   std::uint64_t& answers) const {
+    const RayLanes d;
+    const std::size_t rows = hn::Lanes(d);
+    const Group group(batch, rays, t_near, rows, place_.corner);
+    const auto error = hn::Set(d, float_above(place_.error));
+    const auto low = hn::Sub(group.t_min, error);
+    auto high = hn::Add(group.cut, error);
+    if constexpr (measure == Measure::entry)
+      high = hn::Min(hn::Add(high, hn::Add(error, hn::Set(d, single_.radius_above()))),
+                     hn::Add(group.t_max, error));
+    const auto in_list = lanes_in_list(0, left);
+    const auto outer_sq = hn::Set(d, place_.outer_sq);
+
+    alignas(64) float ts[k_max_leaf_size][k_most_lanes], distances_sq[k_max_leaf_size][k_most_lanes];
+    std::uint32_t possible = 0;
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      const auto x = hn::Sub(hn::Set(d, points_[0][i]), group.x),
+                 y = hn::Sub(hn::Set(d, points_[1][i]), group.y),
+                 z = hn::Sub(hn::Set(d, points_[2][i]), group.z);
+      const auto t =
+          hn::MulAdd(z, group.direction_z, hn::MulAdd(y, group.direction_y, hn::Mul(x, group.direction_x)));
+      const auto across_x = hn::NegMulAdd(t, group.direction_x, x),
+                 across_y = hn::NegMulAdd(t, group.direction_y, y),
+                 across_z = hn::NegMulAdd(t, group.direction_z, z);
+      const auto distance_sq =
+          hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)));
+      hn::Store(t, d, ts[i]);
+      hn::Store(distance_sq, d, distances_sq[i]);
+      const auto near = hn::And(hn::Le(distance_sq, outer_sq), hn::And(hn::Ge(t, low), hn::Le(t, high)));
+      possible |= (hn::AllFalse(d, near) ? 0u : 1u) << i;
+    }
+    if (possible == 0) return;
+    ++answers;
+
+    const auto inner_sq = hn::Set(d, single_.inner_sq(place_));
+    const auto surely_low = hn::Add(group.t_min, error), surely_high = hn::Sub(group.t_max, error),
+               surely_after = hn::Add(group.entry_min, error);
+    const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
+    const auto zero = hn::Zero(d);
+    // Of the certain points the one that surely begins first leads; of the lows of all possible ones the two
+    // least tell whether any other could begin before it ends.
+    auto leader_low = none, leader_high = none, lowest = none, second_lowest = none;
+    const hn::RebindToUnsigned<RayLanes> n;
+    auto leader = hn::Zero(n);
+    for (; possible != 0; possible &= possible - 1) {
+      const int i = std::countr_zero(possible);
+      const auto t = hn::Load(d, ts[i]), distance_sq = hn::Load(d, distances_sq[i]);
+      const auto near = hn::And(hn::Le(distance_sq, outer_sq), hn::And(hn::Ge(t, low), hn::Le(t, high)));
+      const auto entry_low =
+          hn::Sub(hn::Sub(t, error), hn::Sqrt(hn::Max(hn::Sub(outer_sq, distance_sq), zero)));
+      const auto sure =
+          hn::And(hn::And(near, hn::And(hn::Le(distance_sq, inner_sq), hn::Ge(entry_low, surely_after))),
+                  hn::And(hn::Ge(t, surely_low), hn::Le(t, surely_high)));
+      auto measure_low = entry_low, measure_high = hn::Add(t, error);
+      if constexpr (measure == Measure::entry) {
+        measure_high = hn::Sub(measure_high, hn::Sqrt(hn::Max(hn::Sub(inner_sq, distance_sq), zero)));
+      } else {
+        measure_low = hn::Sub(t, error);
+      }
+      measure_low = hn::IfThenElse(near, measure_low, none);
+      second_lowest = hn::Min(second_lowest, hn::Max(lowest, measure_low));
+      lowest = hn::Min(lowest, measure_low);
+      const auto leads = hn::And(sure, hn::Lt(measure_high, leader_high));
+      leader_high = hn::IfThenElse(leads, measure_high, leader_high);
+      leader_low = hn::IfThenElse(leads, measure_low, leader_low);
+      leader = hn::IfThenElse(hn::RebindMask(n, leads), hn::Set(n, static_cast<std::uint32_t>(i)), leader);
+    }
+    const auto has_leader = hn::And(in_list, hn::Lt(leader_high, none));
+    if constexpr (any) {
+      for_each(has_leader, [&](std::size_t lane) { Single::finish(batch[rays[lane]]); });
+      const auto unclear = hn::And(in_list, hn::AndNot(has_leader, hn::Lt(lowest, none)));
+      for_each(unclear, [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
+      return;
+    }
+    const auto cut = hn::Min(leader_high, hn::Add(group.cut, error));
+    const auto counts = hn::And(in_list, hn::Le(lowest, cut));
+    const auto stands_out =
+        hn::And(hn::And(counts, has_leader), hn::And(hn::Eq(lowest, leader_low), hn::Gt(second_lowest, cut)));
+    alignas(64) float leader_lows[k_most_lanes], leader_highs[k_most_lanes];
+    alignas(64) std::uint32_t leaders[k_most_lanes];
+    hn::Store(leader_low, d, leader_lows);
+    hn::Store(leader_high, d, leader_highs);
+    hn::Store(leader, n, leaders);
+    for_each(stands_out, [&](std::size_t lane) {
+      const RayUnderWay ray = batch[rays[lane]];
+      const double t = t_near[lane];
+      if (t + leader_highs[lane] < ray.state.best_low) {
+        single_.take(ray, leaf_, leaders[lane], t + leader_lows[lane], t + leader_highs[lane]);
+      } else {
+        alone(batch[rays[lane]], t_near[lane]);
+      }
+    });
+    for_each(hn::AndNot(stands_out, counts),
+             [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
+  }
+
+  template <class Visit>
+  static void for_each(const hn::Mask<RayLanes>& mask, const Visit& visit) {
+    for (unsigned bits = mask_bits(RayLanes(), mask); bits != 0; bits &= bits - 1)
+      visit(static_cast<std::size_t>(std::countr_zero(bits)));
+  }
+
+  HWY_NOINLINE void alone(const RayUnderWay& ray, float t_near) const {
+    single_.visit(ray, leaf_, count_, place_, t_near);
+  }
+
+  const Single& single_;
+  const Leaf leaf_;
+  const std::uint32_t count_;
+  const typename Single::Place& place_;
+  alignas(64) float points_[3][k_max_leaf_size];
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace alidade::simd
+HWY_AFTER_NAMESPACE();
+
+#endif
