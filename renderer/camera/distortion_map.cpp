@@ -41,22 +41,27 @@ double end_of_growth(const Distortion& distortion, double largest_radius) {
 
 DistortionMap::DistortionMap(const Distortion& distortion, double largest_radius)
     : distortion_(distortion),
+      radial_count_(one_and(distortion.radial).size() - 1),
+      denominator_count_(one_and(distortion.denominator).size() - 1),
       radial_only_(distortion.p1 == 0.0 && distortion.p2 == 0.0 &&
                    distortion.prism == std::array<double, 4>{}),
       ideal_limit_(end_of_growth(distortion, largest_radius)),
       film_limit_(ideal_limit_ * radial_at(ideal_limit_ * ideal_limit_).factor) {}
 
 DistortionMap::Radial DistortionMap::radial_at(double q) const {
-  double numerator = 0.0, numerator_slope = 0.0, denominator = 0.0, denominator_slope = 0.0;
-  for (auto k = distortion_.radial.rbegin(); k != distortion_.radial.rend(); ++k) {
-    numerator_slope = numerator_slope * q + numerator + *k;
-    numerator = (numerator + *k) * q;
-  }
-  for (auto k = distortion_.denominator.rbegin(); k != distortion_.denominator.rend(); ++k) {
-    denominator_slope = denominator_slope * q + denominator + *k;
-    denominator = (denominator + *k) * q;
+  double numerator = 0.0, numerator_slope = 0.0;
+  for (std::size_t i = radial_count_; i-- > 0;) {
+    numerator_slope = numerator_slope * q + numerator + distortion_.radial[i];
+    numerator = (numerator + distortion_.radial[i]) * q;
   }
   numerator += 1.0;
+  if (denominator_count_ == 0) return {numerator, numerator_slope};
+
+  double denominator = 0.0, denominator_slope = 0.0;
+  for (std::size_t i = denominator_count_; i-- > 0;) {
+    denominator_slope = denominator_slope * q + denominator + distortion_.denominator[i];
+    denominator = (denominator + distortion_.denominator[i]) * q;
+  }
   denominator += 1.0;
   const double factor = numerator / denominator;
   return {factor, (numerator_slope - factor * denominator_slope) / denominator};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <glm/vec2.hpp>
 #include <optional>
 
@@ -38,6 +39,7 @@ class DistortionMap {
   std::optional<double> radius_before(double film_radius) const;
 
   Distortion distortion_;
+  std::size_t radial_count_, denominator_count_;  ///< coefficients up to the last one that is not 0
   bool radial_only_;
   double ideal_limit_, film_limit_;
 };
