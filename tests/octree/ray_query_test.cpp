@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
+#include <glm/geometric.hpp>
+
 #include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/query.h"
@@ -96,6 +99,33 @@ TEST_P(RayQueryVsBruteForce, batches_are_the_same_bits_on_every_family) {
         ASSERT_TRUE(same_hits(hits[i], expected));
         ASSERT_EQ(blocked[i] != 0, expected.has_value());
       }
+    }
+  }
+}
+
+TEST_P(RayQueryVsBruteForce, spheres_that_begin_within_a_nanometre_of_each_other_are_told_apart_in_batches) {
+  // Points in a ring around a line, as exactly as the lattice allows, and rays along that line.
+  const glm::dvec3 along = unit_direction({0.6, 0.5, 0.4}), across = unit_direction({0.5, -0.6, 0.0});
+  const glm::dvec3 middle(0.9, 0.8, 0.7), third = glm::cross(along, across);
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 20; ++i)
+    points.push_back(middle + 0.05 * (std::cos(0.3 * i) * across + std::sin(0.3 * i) * third));
+  const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-9), glm::dvec3(0)});
+  const Octree octree = build(cloud, options_for(GetParam()));
+  for (const Measure measure : {Measure::entry, Measure::t}) {
+    const RayQuery query{.radius = 0.06, .measure = measure};
+    Random random("ring");
+    std::vector<Ray> rays;
+    for (int i = 0; i < 400; ++i) {
+      const double beside = std::pow(10.0, random.between(-12.0, -6.0));
+      rays.push_back(make_ray(middle - along + beside * random.in_cube(), along, 0.0));
+    }
+    std::vector<std::optional<Hit>> hits(rays.size());
+    closest(octree, rays, query, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      SCOPED_TRACE(i);
+      ASSERT_TRUE(same_hits(hits[i], brute_force::closest(cloud, rays[i], query)));
+      ASSERT_TRUE(same_hits(closest(octree, rays[i], query), hits[i]));
     }
   }
 }
