@@ -82,6 +82,7 @@ void add_camera_options(CLI::App& render, CameraRequest& request) {
   render
       .add_flag("--original-world", request.original_world,
                 "transforms.json: cameras in the world before applied_transform and applied_scale")
+      ->option_text(" ")
       ->needs(camera);
   CLI::Option* const panorama =
       add_value(render, "--panorama", "X,Y,Z",

@@ -216,6 +216,8 @@ Command add_render(CLI::App& program, const CommandLine& command_line) {
       "Examples:\n"
       "  alidade render scenes/courtyard.json -o courtyard.png\n"
       "  alidade render --cloud site.las -o site.png\n"
+      "  alidade render --cloud site.las --orthographic top --resolution 0.1 -o site.tif\n"
+      "  alidade render --cloud site.las --camera sparse/0 -o 'render/%s.png'\n"
       "  alidade render --cloud a.las b.las --size 1200x800 --samples 200 --radius 0.03 -o both.exr --layers "
       "color,depth,id\n");
   return {render, [command, command_line] {
