@@ -101,33 +101,45 @@ HWY_INLINE Visit child_visit(const Visit& visit, const Node& node, std::uint32_t
   return inner;
 }
 
-/// Integers in the order of the floats.
-inline std::uint32_t order_key(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  return bits ^ (static_cast<std::uint32_t>(static_cast<std::int32_t>(bits) >> 31) | 0x80000000u);
+/// Near faces in the lower, far faces in the upper half.
+using FaceLanes = hn::CappedTag<float, 2 * k_node_width>;
+
+/// A vector's worth, from `lane` on, of one value for all near faces and one for all far faces.
+HWY_INLINE hn::Vec<FaceLanes> near_and_far(std::size_t lane, float near, float far) {
+  const FaceLanes d;
+#if HWY_TARGET == HWY_AVX3
+  (void)lane;
+  return hn::IfThenElse(hn::FirstN(d, k_node_width), hn::Set(d, near), hn::Set(d, far));
+#else
+  return hn::Set(d, lane < k_node_width ? near : far);
+#endif
 }
 
-/// What of a ray meets boxes; t of grid step q of a frame is base + q * steps * 2^(level - 8).
-struct RayOnGrid {
-  alignas(16) float steps[4] = {};         ///< t per lattice step
-  alignas(16) float corner_steps[4] = {};  ///< t per 256 lattice steps
-  alignas(16) float origin_t[4] = {};
-  alignas(16) float reach[4] = {};  ///< widening of a slab, in t
+/// A single ray as it meets boxes. t of the faces at grid step q of a frame, those of far faces negated, is
+/// q * step * 2^(level - 8) + extra * 2^(level - 8) + corner * step + offset, with the frame's corner in
+/// lattice steps from the root's: so the greatest of three axes is where the ray enters, and minus where it
+/// leaves.
+struct alignas(64) RayOnGrid {
+  float step[3][2 * k_node_width];
+  float offset[3][2 * k_node_width];
   /// `high` is inclusive: its far face stands one grid step further. That is the nearer one to a ray that
   /// goes down.
-  alignas(16) float near_step[4] = {}, far_step[4] = {};
+  float extra[3][2 * k_node_width];
   int near_row[3], far_row[3];  ///< bytes from the node's start
 
   RayOnGrid(const QuerySetup& setup, const RayBoxes& boxes) {
+    const FaceLanes d;
     const auto widening = static_cast<float>(setup.box_radius);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = boxes.inverse[axis] < 0.0f;
-      steps[axis] = setup.float_scale[axis] * boxes.inverse[axis];
-      corner_steps[axis] = 256.0f * steps[axis];
-      origin_t[axis] = boxes.origin_t[axis];
-      reach[axis] = widening * std::fabs(boxes.inverse[axis]);
-      near_step[axis] = negative ? steps[axis] : 0.0f;
-      far_step[axis] = negative ? 0.0f : steps[axis];
+      const float steps = setup.float_scale[axis] * boxes.inverse[axis];
+      const float reach = widening * std::fabs(boxes.inverse[axis]), origin_t = boxes.origin_t[axis];
+      for (std::size_t lane = 0; lane < 2 * k_node_width; lane += hn::Lanes(d)) {
+        hn::Store(near_and_far(lane, steps, -steps), d, step[axis] + lane);
+        hn::Store(near_and_far(lane, -origin_t - reach, origin_t - reach), d, offset[axis] + lane);
+        hn::Store(near_and_far(lane, negative ? steps : 0.0f, negative ? 0.0f : -steps), d,
+                  extra[axis] + lane);
+      }
       near_row[axis] = 8 * (negative ? 3 + axis : axis);
       far_row[axis] = 8 * (negative ? axis : 3 + axis);
     }
@@ -143,45 +155,62 @@ HWY_INLINE unsigned begin_before(const float* t_near, float t) {
   return before;
 }
 
-/// Slots whose widened box the ray meets between t_low and t_cut, empty ones included; where it enters
-/// each, and the order of these places.
+/// Bytes of two rows, from `lane` of both on, as floats.
+HWY_INLINE hn::Vec<FaceLanes> rows_as_floats(const std::uint8_t* near, const std::uint8_t* far,
+                                             std::size_t lane) {
+  const FaceLanes d;
+#if HWY_TARGET == HWY_AVX3
+  (void)lane;
+  const hn::Rebind<std::uint8_t, FaceLanes> bytes;
+  const hn::Half<decltype(bytes)> row;
+  const hn::RebindToSigned<FaceLanes> ints;
+  return hn::ConvertTo(d, hn::PromoteTo(ints, hn::Combine(bytes, hn::LoadU(row, far), hn::LoadU(row, near))));
+#else
+  return load_as_float(d, lane < k_node_width ? near + lane : far + (lane - k_node_width));
+#endif
+}
+
+/// Slots whose widened box the ray meets between t_low and t_cut, empty ones included, and where it enters
+/// each; rounding below 0, where it enters the root's box, is left out. corner: of the node's frame, lattice
+/// steps.
 HWY_INLINE unsigned meet_boxes(const RayBoxes& boxes, const RayOnGrid& ray, const Node& node,
-                               const Visit& visit, float* t_near, std::uint32_t* keys) {
-  const ChildLanes d;
-  const hn::RebindToUnsigned<ChildLanes> bits;
-  const hn::RebindToSigned<ChildLanes> ints;
+                               const float* corner, int level, float* t_near) {
+  const FaceLanes d;
   const auto* rows = &node.low[0][0];
-  const auto low = hn::Set(d, boxes.t_low), cut = hn::Set(d, boxes.t_cut);
-  const auto grid_step = hn::Set(d, static_cast<float>(power_of_two(visit.level - k_min_frame_level)));
-  unsigned met = 0;
-  for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
-    // Every lane does the frame's share of the work, too: what one lane stored could not be read by all in
-    // time.
-    auto enter = low, leave = cut;
+  const auto grid_step =
+      hn::Set(d, std::bit_cast<float>(static_cast<std::uint32_t>(127 + level - k_min_frame_level) << 23));
+  const auto faces = [&](std::size_t lane) {
+    auto t = hn::Zero(d);
     for (int axis = 0; axis < 3; ++axis) {
-      // A multiple of 256 below 2^32: its upper 24 bits make an exact float.
-      const auto corner =
-          hn::ConvertTo(d, hn::BitCast(ints, hn::ShiftRight<8>(hn::Set(bits, visit.corner[axis]))));
+      const auto step = hn::Load(d, ray.step[axis] + lane);
       const auto base =
-          hn::MulSub(corner, hn::Set(d, ray.corner_steps[axis]), hn::Set(d, ray.origin_t[axis]));
-      const auto step = hn::Mul(hn::Set(d, ray.steps[axis]), grid_step);
-      const auto reach = hn::Set(d, ray.reach[axis]);
-      const auto near_base = hn::Add(base, hn::MulSub(hn::Set(d, ray.near_step[axis]), grid_step, reach));
-      const auto far_base = hn::Add(base, hn::MulAdd(hn::Set(d, ray.far_step[axis]), grid_step, reach));
-      const auto near = hn::MulAdd(load_as_float(d, rows + ray.near_row[axis] + lane), step, near_base);
-      const auto far = hn::MulAdd(load_as_float(d, rows + ray.far_row[axis] + lane), step, far_base);
-      enter = axis == 0 ? near : hn::Max(enter, near);
-      leave = axis == 0 ? far : hn::Min(leave, far);
+          hn::MulAdd(hn::Load(d, ray.extra[axis] + lane), grid_step,
+                     hn::MulAdd(hn::Set(d, corner[axis]), step, hn::Load(d, ray.offset[axis] + lane)));
+      const auto on_axis =
+          hn::MulAdd(rows_as_floats(rows + ray.near_row[axis], rows + ray.far_row[axis], lane),
+                     hn::Mul(step, grid_step), base);
+      t = axis == 0 ? on_axis : hn::Max(t, on_axis);
     }
-    hn::Store(enter, d, t_near + lane);
-    const auto enter_bits = hn::BitCast(bits, enter);
-    const auto sign =
-        hn::BitCast(bits, hn::ShiftRight<31>(hn::BitCast(hn::RebindToSigned<ChildLanes>(), enter_bits)));
-    hn::Store(hn::Xor(enter_bits, hn::Or(sign, hn::Set(bits, 0x80000000u))), bits, keys + lane);
-    const auto meets = hn::And(hn::And(hn::Le(enter, leave), hn::Ge(leave, low)), hn::Le(enter, cut));
-    met |= mask_bits(d, meets) << lane;
-  }
-  return met;
+    return t;
+  };
+  const ChildLanes half;
+  const auto zero = hn::Zero(half);
+  const auto compare = [&](auto enter, auto minus_leave, std::size_t lane) {
+    hn::Store(hn::Abs(hn::Max(enter, zero)), half, t_near + lane);
+    return mask_bits(half, hn::And(hn::Le(hn::Add(enter, minus_leave), zero),
+                                   hn::And(hn::Le(minus_leave, hn::Set(half, -boxes.t_low)),
+                                           hn::Le(enter, hn::Set(half, boxes.t_cut)))))
+           << lane;
+  };
+#if HWY_TARGET == HWY_AVX3
+  const auto t = faces(0);
+  return compare(hn::LowerHalf(half, t), hn::UpperHalf(half, t), 0);
+#else
+  unsigned meets = 0;
+  for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d))
+    meets |= compare(faces(lane), faces(lane + k_node_width), lane);
+  return meets;
+#endif
 }
 
 }  // namespace HWY_NAMESPACE

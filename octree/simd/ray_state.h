@@ -38,8 +38,8 @@ inline float float_below(double value) {
 /// than everything that can go wrong between the float test and the double decision. With F the width of the
 /// root's frame and r the radius, all places relative to the root's corner, in units of 2^-24: rounding of
 /// the lattice's scale, of 1/d and of their products with corner and grid step at most 4 F (corner and grid
-/// steps together stay below F), of the ray's local origin F + r, of the three sums in t at most 6 F + 5 r,
-/// of the widening 4 r. The sum stays below 11 (F + r); the budget is 16 (F + r). What goes wrong in double
+/// steps together stay below F), of the ray's local origin F + r, of the four sums in t at most 8 F + 7 r,
+/// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). What goes wrong in double
 /// comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way, W the largest coordinate with the
 /// lattice's offset and `way` that from a ray's origin to the far end of the points: cancellation in point -
 /// origin and in t, and direction components that are kept 1e-12 away from zero.

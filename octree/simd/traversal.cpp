@@ -61,12 +61,10 @@ class Tracer {
   std::optional<Hit> answer(const RayUnderWay& ray) const { return leaf_test_.answer(ray); }
 
  private:
-  /// Whether the rays meet many nodes together: very many rays do, fewer if most start near the one before.
-  /// This decides about speed only: measured with a campus of 10 million points, 4096 rays that bounce off
-  /// neighbouring pixels are 1.5 times faster together, the same rays in random order as fast by turns.
+  /// Whether most rays start near the one before, so that they meet many nodes together. This decides about
+  /// speed only: measured with a campus of 10 and 50 million points, rays that bounce off neighbouring pixels
+  /// are 1.4 times faster together, the same rays in random order up to 1.1 times faster by turns.
   bool share_nodes() const {
-    constexpr std::size_t k_many = 8192;
-    if (rays_.size() >= k_many) return true;
     constexpr std::size_t k_samples = 64;
     const glm::dvec3 size = setup_.tree.bounds.size();
     const double near = (size.x + size.y + size.z) / 64.0;
