@@ -4,17 +4,11 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
 
+#include "octree/answer_target.h"
 #include "octree/check_query.h"
 #include "octree/octree.h"
-#include "octree/octree_tree.h"
 #include "octree/query_batch.h"
-#include "octree/query_targets.h"
-#include "octree/simd/box_search.h"
-#include "octree/simd/point_search.h"
-#include "octree/simd/ray_search.h"
-#include "octree/simd/traversal.h"
 
 namespace alidade {
 namespace {
@@ -29,97 +23,6 @@ std::size_t stream_grain(std::size_t rays) {
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   return threads == 1 ? k_most_stream_rays : std::clamp(rays / (4 * threads), k_grain, k_most_stream_rays);
 }
-
-// Algorithm 1 answers everything; lanes answer what they are tuned for. Here and nowhere else it is chosen.
-
-// Floats of `closest` and `occluded` hold squares of lengths up to here.
-constexpr double k_longest = 1e15;
-
-bool is_short(const glm::dvec3& v) {
-  return std::fabs(v.x) < k_longest && std::fabs(v.y) < k_longest && std::fabs(v.z) < k_longest;
-}
-
-/// Lanes take directions to be of length 1 as exactly as make_ray makes them; the contract allows more.
-bool suits_traversal(const Ray& ray) {
-  const glm::dvec3& d = ray.direction;
-  const double square = d.x * d.x + d.y * d.y + d.z * d.z;
-  return std::fabs(square - 1.0) <= 2e-15 && is_short(ray.origin);
-}
-
-bool has_traversal(const Octree& octree, const RayQuery& query) {
-  const TreeView& tree = octree.view();
-  return query.measure != Measure::distance && query.radius < k_longest && is_short(tree.lattice.offset) &&
-         is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
-         is_short(tree.lattice.scale * std::ldexp(1.0, tree.root_level));
-}
-
-const simd::RaySearch& search_for(const Octree& octree, const Ray&) {
-  return simd::ray_search(octree.instruction_set());
-}
-const simd::PointSearch& search_for(const Octree& octree, const glm::dvec3&) {
-  return simd::point_search(octree.instruction_set());
-}
-const simd::BoxSearch& search_for(const Octree& octree, const Bounds&) {
-  return simd::box_search(octree.instruction_set());
-}
-
-template <class Target>
-constexpr bool k_has_search = requires(const Octree& octree, const Target& target) {
-  search_for(octree, target);
-};
-
-/// Appends the k first answers.
-template <class Target, class Query, class Answer>
-void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
-               std::size_t query_index, std::vector<Answer>& answers) {
-  if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(octree.view(), target, query))
-      return search_for(octree, target).find(octree.view(), target, query, k, query_index, answers);
-  }
-  const auto asked = make_target(target, query, query_index);
-  Nearest neighbors(asked, k);
-  tree_query(OctreeTree(octree.view(), query.max_level), asked, neighbors);
-  const std::vector<Answer> found = neighbors.in_order();
-  answers.insert(answers.end(), found.begin(), found.end());
-}
-
-template <class Target, class Query>
-std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
-                     std::size_t query_index) {
-  if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(octree.view(), target, query))
-      return search_for(octree, target).count(octree.view(), target, query, k, query_index);
-  }
-  Counter counter(k);
-  tree_query(OctreeTree(octree.view(), query.max_level), make_target(target, query, query_index), counter);
-  return counter.count();
-}
-
-template <class Target, class Query>
-std::optional<Hit> first_hit(const Octree& octree, const Target& target, const Query& query,
-                             std::size_t query_index) {
-  if (octree.size() == 0) return std::nullopt;
-  if constexpr (std::is_same_v<Target, Ray>) {
-    if (has_traversal(octree, query) && suits_traversal(target))
-      return simd::traversal(octree.instruction_set()).closest(octree.view(), target, query, query_index);
-  }
-  std::vector<Hit> hits;
-  find_into(octree, target, query, 1, query_index, hits);
-  return hits.empty() ? std::nullopt : std::optional(hits.front());
-}
-
-template <class Target, class Query>
-bool any_hit(const Octree& octree, const Target& target, const Query& query, std::size_t query_index) {
-  if (octree.size() == 0) return false;
-  if constexpr (std::is_same_v<Target, Ray>) {
-    if (has_traversal(octree, query) && suits_traversal(target))
-      return simd::traversal(octree.instruction_set()).occluded(octree.view(), target, query, query_index);
-  }
-  return count_to(octree, target, query, 1, query_index) > 0;
-}
-
-// --- One target, many targets
-// -------------------------------------------------------------------------------
 
 template <class Target, class Query>
 void check_one(const Octree& octree, const Target& target, const Query& query) {
@@ -165,7 +68,7 @@ void ask_many(const Octree& octree, std::span<const Target> targets, const Query
   });
 }
 
-/// Many rays to `closest` or `occluded`: through the tree together where lanes answer them, otherwise one by
+/// Many rays to `closest` or `occluded`: through the tree together, those that lanes do not answer one by
 /// one.
 template <class Answer, class Stream, class Ask>
 void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
@@ -177,11 +80,17 @@ void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& q
   check_many(octree, rays, query);
   check_room(rays.size(), answers.size());
   for_each_range(rays, stream_grain(rays.size()), [&](std::size_t first, std::size_t last) {
-    const auto range = rays.subspan(first, last - first);
-    if (std::ranges::all_of(range, suits_traversal)) {
-      stream(octree.view(), range, query, first, answers.subspan(first, last - first));
-    } else {
-      for (std::size_t i = first; i < last; ++i) answers[i] = ask(octree, rays[i], query, i);
+    while (first < last) {
+      const auto rest = rays.subspan(first, last - first);
+      const auto suiting =
+          static_cast<std::size_t>(std::ranges::find_if_not(rest, suits_traversal) - rest.begin());
+      if (suiting > 0)
+        stream(octree.view(), rest.first(suiting), query, first, answers.subspan(first, suiting));
+      first += suiting;
+      if (first < last) {
+        answers[first] = ask(octree, rays[first], query, first);
+        ++first;
+      }
     }
   });
 }

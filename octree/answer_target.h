@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "octree/octree.h"
+#include "octree/octree_tree.h"
+#include "octree/query_targets.h"
+#include "octree/simd/box_search.h"
+#include "octree/simd/point_search.h"
+#include "octree/simd/ray_search.h"
+#include "octree/simd/traversal.h"
+
+// How one target is answered. Algorithm 1 answers everything; lanes answer what they are tuned for. Here and
+// nowhere else it is chosen. Requires: target and query checked (octree/check_query.h).
+
+namespace alidade {
+
+// Floats of `closest` and `occluded` hold squares of lengths up to here.
+constexpr double k_longest = 1e15;
+
+inline bool is_short(const glm::dvec3& v) {
+  return std::fabs(v.x) < k_longest && std::fabs(v.y) < k_longest && std::fabs(v.z) < k_longest;
+}
+
+/// Lanes take directions to be of length 1 as exactly as make_ray makes them; the contract allows more.
+inline bool suits_traversal(const Ray& ray) {
+  const glm::dvec3& d = ray.direction;
+  const double square = d.x * d.x + d.y * d.y + d.z * d.z;
+  return std::fabs(square - 1.0) <= 2e-15 && is_short(ray.origin);
+}
+
+inline bool has_traversal(const Octree& octree, const RayQuery& query) {
+  const TreeView& tree = octree.view();
+  return query.measure != Measure::distance && query.radius < k_longest && is_short(tree.lattice.offset) &&
+         is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
+         is_short(tree.lattice.scale * std::ldexp(1.0, tree.root_level));
+}
+
+inline const simd::RaySearch& search_for(const Octree& octree, const Ray&) {
+  return simd::ray_search(octree.instruction_set());
+}
+inline const simd::PointSearch& search_for(const Octree& octree, const glm::dvec3&) {
+  return simd::point_search(octree.instruction_set());
+}
+inline const simd::BoxSearch& search_for(const Octree& octree, const Bounds&) {
+  return simd::box_search(octree.instruction_set());
+}
+
+template <class Target>
+constexpr bool k_has_search = requires(const Octree& octree, const Target& target) {
+  search_for(octree, target);
+};
+
+/// Appends the k first answers.
+template <class Target, class Query, class Answer>
+void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
+               std::size_t query_index, std::vector<Answer>& answers) {
+  if constexpr (k_has_search<Target>) {
+    if (simd::suits_lanes(octree.view(), target, query))
+      return search_for(octree, target).find(octree.view(), target, query, k, query_index, answers);
+  }
+  const auto asked = make_target(target, query, query_index);
+  Nearest neighbors(asked, k);
+  tree_query(OctreeTree(octree.view(), query.max_level), asked, neighbors);
+  const std::vector<Answer> found = neighbors.in_order();
+  answers.insert(answers.end(), found.begin(), found.end());
+}
+
+template <class Target, class Query>
+std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
+                     std::size_t query_index) {
+  if constexpr (k_has_search<Target>) {
+    if (simd::suits_lanes(octree.view(), target, query))
+      return search_for(octree, target).count(octree.view(), target, query, k, query_index);
+  }
+  Counter counter(k);
+  tree_query(OctreeTree(octree.view(), query.max_level), make_target(target, query, query_index), counter);
+  return counter.count();
+}
+
+template <class Target, class Query>
+std::optional<Hit> first_hit(const Octree& octree, const Target& target, const Query& query,
+                             std::size_t query_index) {
+  if (octree.size() == 0) return std::nullopt;
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (has_traversal(octree, query) && suits_traversal(target))
+      return simd::traversal(octree.instruction_set()).closest(octree.view(), target, query, query_index);
+  }
+  std::vector<Hit> hits;
+  find_into(octree, target, query, 1, query_index, hits);
+  return hits.empty() ? std::nullopt : std::optional(hits.front());
+}
+
+template <class Target, class Query>
+bool any_hit(const Octree& octree, const Target& target, const Query& query, std::size_t query_index) {
+  if (octree.size() == 0) return false;
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (has_traversal(octree, query) && suits_traversal(target))
+      return simd::traversal(octree.instruction_set()).occluded(octree.view(), target, query, query_index);
+  }
+  return count_to(octree, target, query, 1, query_index) > 0;
+}
+
+}  // namespace alidade
