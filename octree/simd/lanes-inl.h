@@ -41,6 +41,7 @@ HWY_INLINE unsigned mask_bits(D d, const Mask& mask) {
   (void)d;
   return static_cast<unsigned>(_mm256_movemask_ps(mask.raw));
 #else
+  static_assert(hn::MaxLanes(D()) <= 8);
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(d, mask, bytes);
   return bytes[0];

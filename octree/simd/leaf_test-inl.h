@@ -182,6 +182,9 @@ class LeafTest {
       first_high = hn::Min(first_high, highs[i]);
     }
     first_high = hn::MinOfLanes(d, first_high);
+    // Highway's portable code for machines without vectors knows no minimum above the largest finite float.
+    first_high =
+        hn::IfThenElse(hn::Lt(first_high, hn::Set(d, std::numeric_limits<float>::max())), first_high, none);
     const float leader_high = hn::GetLane(first_high);
     if constexpr (any) {
       choose_any(ray, leaf, possible, leader_high < std::numeric_limits<float>::infinity());

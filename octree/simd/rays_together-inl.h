@@ -101,7 +101,7 @@ struct RayGroup {
 /// Rays that meet something, with where they do.
 struct RayList {
   std::uint32_t* rays;
-  float* t_near;
+  float* t_near;  ///< null for rays at the root
   std::uint32_t count;
 
   /// Appends lanes of a mask.
@@ -132,10 +132,13 @@ struct RayList {
     pad();
   }
 
-  /// Vectors at the end read rays that exist.
+  /// Vectors at the end read the first ray again.
   void pad() {
+    const RayLanes d;
     const RayNumbers n;
-    if (count != 0) hn::StoreU(hn::Set(n, rays[0]), n, rays + count);
+    if (count == 0) return;
+    hn::StoreU(hn::Set(n, rays[0]), n, rays + count);
+    if (t_near) hn::StoreU(hn::Set(d, t_near[0]), d, t_near + count);
   }
 };
 

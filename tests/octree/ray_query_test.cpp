@@ -130,6 +130,21 @@ TEST_P(RayQueryVsBruteForce, spheres_that_begin_within_a_nanometre_of_each_other
   }
 }
 
+TEST_P(RayQueryVsBruteForce, a_point_that_floats_are_not_sure_of_is_decided_in_double) {
+  // It lies where the interval ends; a second point makes a box of some size.
+  const PointCloud cloud = test::make_cloud({{0, 0, 1}, {5, 0, 0}}, {glm::dvec3(0.001), glm::dvec3(0)});
+  const Octree octree = build(cloud, options_for(GetParam()));
+  for (const Measure measure : {Measure::entry, Measure::t}) {
+    const RayQuery query{.radius = 0.1, .measure = measure};
+    const Ray to_the_point = make_ray({0, 0, 0}, {0, 0, 1}, 0.0, 1.0);
+    EXPECT_TRUE(occluded(octree, to_the_point, query));
+    EXPECT_TRUE(closest(octree, to_the_point, query));
+    const Ray shorter = make_ray({0, 0, 0}, {0, 0, 1}, 0.0, std::nextafter(1.0, 0.0));
+    EXPECT_FALSE(occluded(octree, shorter, query));
+    EXPECT_FALSE(closest(octree, shorter, query));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(, RayQueryVsBruteForce, ::testing::ValuesIn(available_instruction_sets()),
                          [](const auto& set) { return std::string(name(set.param)); });
 
