@@ -2,6 +2,7 @@
 #include "renderer/integrator.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace alidade {
 namespace {
@@ -67,28 +68,50 @@ float found_weight(double chance) {
   return static_cast<float>(chance_sq / (1.0 + chance_sq));
 }
 
-Rgb sunlight(const World& world, const SunDisc& sun, const Vertex& vertex, Sampler& sampler,
-             std::uint64_t& ray_count) {
+/// Rays of many paths that ask for one light each.
+struct LightRays {
+  std::vector<Ray> rays;
+  std::vector<Departure> departures;
+  std::vector<std::size_t> paths;
+  std::vector<Rgb> radiance;         ///< what the path gains if the light is seen
+  std::vector<std::size_t> objects;  ///< of lamps: the emissive sphere
+
+  void clear() {
+    rays.clear();
+    departures.clear();
+    paths.clear();
+    radiance.clear();
+    objects.clear();
+  }
+
+  void add(std::size_t path, const Vertex& vertex, const glm::dvec3& direction, const glm::dvec3& incoming,
+           const Rgb& gain) {
+    rays.push_back({vertex.surface.departure, direction});
+    departures.push_back(vertex.leaving(incoming));
+    paths.push_back(path);
+    radiance.push_back(gain);
+  }
+};
+
+void ask_sun(const SunDisc& sun, std::size_t path, const Vertex& vertex, const Rgb& throughput,
+             Sampler& sampler, LightRays& asked) {
   const glm::dvec3 direction = sun.sample(sampler.next_2d());
   const glm::dvec3 incoming = vertex.basis.to_local(direction);
   const double found_chance = sun.solid_angle() * pdf(vertex.material, vertex.outgoing, incoming);
   const Rgb light = sun.sample_weight() * vertex.eval(incoming) * (1.0f - found_weight(found_chance));
-  if (light == Rgb(0.0f)) return light;
-  ++ray_count;
-  return world.blocked({vertex.surface.departure, direction}, vertex.leaving(incoming)) ? Rgb(0.0f) : light;
+  if (light != Rgb(0.0f)) asked.add(path, vertex, direction, incoming, throughput * light);
 }
 
-Rgb lamplight(const World& world, const Lights& lights, const Vertex& vertex, Sampler& sampler,
-              std::uint64_t& ray_count) {
+void ask_lamp(const Lights& lights, std::size_t path, const Vertex& vertex, const Rgb& throughput,
+              Sampler& sampler, LightRays& asked) {
   const double u_choice = sampler.next_1d();
   const LightSample lamp = lights.sample(vertex.surface.departure, u_choice, sampler.next_2d());
   const glm::dvec3 incoming = vertex.basis.to_local(lamp.direction);
   const double both_pdf = lamp.pdf + pdf(vertex.material, vertex.outgoing, incoming);
   const Rgb light = lamp.radiance * vertex.eval(incoming) / static_cast<float>(both_pdf);
-  if (light == Rgb(0.0f)) return light;
-  ++ray_count;
-  const auto met = world.nearest({vertex.surface.departure, lamp.direction}, vertex.leaving(incoming));
-  return met && !met->on_cloud && met->index == lamp.object ? light : Rgb(0.0f);
+  if (light == Rgb(0.0f)) return;
+  asked.add(path, vertex, lamp.direction, incoming, throughput * light);
+  asked.objects.push_back(lamp.object);
 }
 
 /// Share that counts of a light found by way of mirrors and glass after scattering: the square of the chance
@@ -113,63 +136,154 @@ float sun_share(const SunDisc& sun, const Trail& trail) {
   return found_weight(sun.solid_angle() * trail.pdf);
 }
 
-}  // namespace
+/// All that trace_paths has under way.
+class PathTracer {
+ public:
+  PathTracer(const World& world, const Lights& lights, int max_bounces, std::span<PathResult> results)
+      : world_(world), lights_(lights), max_bounces_(max_bounces), results_(results) {}
 
-PathResult trace_path(const World& world, const Lights& lights, const Ray& camera_ray, Sampler& sampler,
-                      int max_bounces) {
-  PathResult result;
-  Ray ray = camera_ray;
-  Departure departure;
-  Rgb throughput(1.0f);
-  Trail trail;
-  for (int bounce = 0;; ++bounce) {
+  void trace(std::span<const CameraPath> starts) {
+    for (std::size_t path = 0; path < starts.size(); ++path) {
+      results_[path] = {};
+      ways_.emplace_back(starts[path].sampler);
+      go_on(path, starts[path].ray, {});
+    }
+    for (int bounce = 0; !next_.paths.empty(); ++bounce) {
+      std::swap(now_, next_);
+      next_.clear();
+      met_.assign(now_.paths.size(), std::nullopt);
+      world_.nearest(now_.rays, now_.departures, met_);
+      for (std::size_t i = 0; i < now_.paths.size(); ++i) advance(i, bounce);
+      gather_sunlight();
+      gather_lamplight();
+    }
+  }
+
+ private:
+  /// What a path takes along.
+  struct Way {
+    explicit Way(const Sampler& start) : sampler(start) {}
+
+    Sampler sampler;
+    Rgb throughput{1.0f};
+    Trail trail;
+  };
+
+  /// The paths that have not ended, each with its next ray.
+  struct Front {
+    std::vector<std::size_t> paths;
+    std::vector<Ray> rays;
+    std::vector<Departure> departures;
+
+    void clear() {
+      paths.clear();
+      rays.clear();
+      departures.clear();
+    }
+  };
+
+  void go_on(std::size_t path, const Ray& ray, const Departure& departure) {
+    next_.paths.push_back(path);
+    next_.rays.push_back(ray);
+    next_.departures.push_back(departure);
+  }
+
+  /// The i-th path of now_ to its next surface and off again.
+  void advance(std::size_t i, int bounce) {
+    const std::size_t path = now_.paths[i];
+    const Ray& ray = now_.rays[i];
+    const std::optional<Intersection>& met = met_[i];
+    PathResult& result = results_[path];
+    Way& way = ways_[path];
     ++result.ray_count;
-    const std::optional<Intersection> met = world.nearest(ray, departure);
     if (!met) {
-      Rgb light = sky_radiance(lights.sky(), ray.direction);
-      if (lights.sun()) light += lights.sun()->radiance(ray.direction) * sun_share(*lights.sun(), trail);
-      result.radiance += throughput * light;
-      return result;
+      Rgb light = sky_radiance(lights_.sky(), ray.direction);
+      if (lights_.sun())
+        light += lights_.sun()->radiance(ray.direction) * sun_share(*lights_.sun(), way.trail);
+      result.radiance += way.throughput * light;
+      return;
     }
     result.met_surface = true;
-    const Vertex vertex(ray, *met, world.surface_at(ray, *met), trail.roughness);
+    const Vertex vertex(ray, *met, world_.surface_at(ray, *met), way.trail.roughness);
     if (const auto* emissive = std::get_if<Emissive>(&vertex.material)) {
-      result.radiance += throughput * emissive->radiance * lamp_share(lights, *met, trail);
-      return result;
+      result.radiance += way.throughput * emissive->radiance * lamp_share(lights_, *met, way.trail);
+      return;
     }
-    if (bounce > max_bounces) return result;
+    if (bounce > max_bounces_) return;
 
+    Sampler& sampler = way.sampler;
     sampler.start_at(k_first_path_dimension + k_dimensions_per_vertex * static_cast<std::uint32_t>(bounce));
     const glm::dvec2 u = sampler.next_2d();
     const double u_choice = sampler.next_1d(), u_roulette = sampler.next_1d();
     if (!is_specular(vertex.material)) {
-      if (lights.sun())
-        result.radiance += throughput * sunlight(world, *lights.sun(), vertex, sampler, result.ray_count);
-      if (lights.has_spheres())
-        result.radiance += throughput * lamplight(world, lights, vertex, sampler, result.ray_count);
+      if (lights_.sun()) ask_sun(*lights_.sun(), path, vertex, way.throughput, sampler, to_sun_);
+      if (lights_.has_spheres()) ask_lamp(lights_, path, vertex, way.throughput, sampler, to_lamps_);
     }
 
     const auto next = sample(vertex.material, vertex.surface.color, vertex.outgoing, u, u_choice);
-    if (!next) return result;
-    throughput *= next->weight;
+    if (!next) return;
+    way.throughput *= next->weight;
     if (bounce >= k_first_roulette_vertex) {
-      const float survival = std::min(1.0f, std::max({throughput.r, throughput.g, throughput.b}));
-      if (!(u_roulette < survival)) return result;
-      throughput /= survival;
+      const Rgb& left = way.throughput;
+      const float survival = std::min(1.0f, std::max({left.r, left.g, left.b}));
+      if (!(u_roulette < survival)) return;
+      way.throughput /= survival;
     }
-    ray = {vertex.surface.departure, vertex.basis.to_world(next->incoming)};
-    departure = vertex.leaving(next->incoming);
-    trail.pdf = next->pdf;
-    if (next->specular) {
+    go_on(path, {vertex.surface.departure, vertex.basis.to_world(next->incoming)},
+          vertex.leaving(next->incoming));
+    remember(*next, vertex, way.trail);
+  }
+
+  static void remember(const MaterialSample& next, const Vertex& vertex, Trail& trail) {
+    trail.pdf = next.pdf;
+    if (next.specular) {
       // A curved mirror makes what is behind it small, and so more rarely met.
       trail.roughness = std::min(2.0 * trail.roughness, k_diffuse_roughness);
     } else {
       trail.scattered = true;
-      trail.scattered_at = ray.origin;
-      trail.scattered_pdf = next->pdf;
+      trail.scattered_at = vertex.surface.departure;
+      trail.scattered_pdf = next.pdf;
       trail.roughness = std::max(trail.roughness, roughness_of(vertex.material));
     }
   }
+
+  void gather_sunlight() {
+    blocked_.assign(to_sun_.rays.size(), 0);
+    world_.blocked(to_sun_.rays, to_sun_.departures, blocked_);
+    for (std::size_t i = 0; i < to_sun_.rays.size(); ++i) gather(to_sun_, i, blocked_[i] == 0);
+    to_sun_.clear();
+  }
+
+  void gather_lamplight() {
+    met_.assign(to_lamps_.rays.size(), std::nullopt);
+    world_.nearest(to_lamps_.rays, to_lamps_.departures, met_);
+    for (std::size_t i = 0; i < to_lamps_.rays.size(); ++i)
+      gather(to_lamps_, i, met_[i] && !met_[i]->on_cloud && met_[i]->index == to_lamps_.objects[i]);
+    to_lamps_.clear();
+  }
+
+  void gather(const LightRays& asked, std::size_t i, bool seen) {
+    PathResult& result = results_[asked.paths[i]];
+    ++result.ray_count;
+    if (seen) result.radiance += asked.radiance[i];
+  }
+
+  const World& world_;
+  const Lights& lights_;
+  const int max_bounces_;
+  const std::span<PathResult> results_;
+  std::vector<Way> ways_;
+  Front now_, next_;
+  std::vector<std::optional<Intersection>> met_;
+  LightRays to_sun_, to_lamps_;
+  std::vector<std::uint8_t> blocked_;
+};
+
+}  // namespace
+
+void trace_paths(const World& world, const Lights& lights, std::span<const CameraPath> paths, int max_bounces,
+                 std::span<PathResult> results) {
+  PathTracer(world, lights, max_bounces, results).trace(paths);
 }
 
 }  // namespace alidade

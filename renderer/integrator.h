@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "renderer/light.h"
 #include "renderer/sampler.h"
 #include "renderer/surface.h"
 
 namespace alidade {
+
+/// A path about to begin.
+struct CameraPath {
+  Ray ray;
+  Sampler sampler;
+};
 
 /// What one path brings back.
 struct PathResult {
@@ -22,8 +29,8 @@ constexpr std::uint32_t k_first_path_dimension = 2;
 /// Roughness that metal has at least on a path which a diffuse surface has scattered.
 constexpr double k_diffuse_roughness = 0.5;
 
-/// Follows light backwards along one path from the camera: at each surface light of sun and emissive spheres
-/// is gathered, then the path goes on in a direction its material chooses, at most `max_bounces` + 1 times in
+/// Follows light backwards along paths from the camera: at each surface light of sun and emissive spheres
+/// is gathered, then a path goes on in a direction its material chooses, at most `max_bounces` + 1 times in
 /// all, the last time only to see whether sky or an emissive surface is there. After a few bounces weak paths
 /// end by Russian roulette. The mean over samples is the radiance along the ray, without bias but for
 /// `max_bounces`, the caustics left out in light.h, and this: a path that has been scattered takes rough
@@ -32,7 +39,11 @@ constexpr double k_diffuse_roughness = 0.5;
 /// material. What is seen through a blur is blurred no less, so that no rare path brings a glint of the sun
 /// as a speckle. Source: Kaplanyan and Dachsbacher, Path Space Regularization for Holistic and Robust Light
 /// Transport, 2013.
-PathResult trace_path(const World& world, const Lights& lights, const Ray& camera_ray, Sampler& sampler,
-                      int max_bounces);
+///
+/// Paths do not depend on one another. They advance together, surface by surface, since rays in batches are
+/// answered several times faster: a few thousand paths of neighbouring pixels are best. results: as many as
+/// paths.
+void trace_paths(const World& world, const Lights& lights, std::span<const CameraPath> paths, int max_bounces,
+                 std::span<PathResult> results);
 
 }  // namespace alidade

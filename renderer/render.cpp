@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <atomic>
 #include <chrono>
@@ -66,25 +67,6 @@ class SharedProgress {
   Clock::time_point next_report_ = Clock::now();
 };
 
-/// One thread's samples, told to the others every few milliseconds of work.
-class SampleCount {
- public:
-  explicit SampleCount(SharedProgress& progress) : progress_(progress) {}
-
-  void add_one() {
-    constexpr int k_samples_per_report = 2048;
-    if (++pending_ == k_samples_per_report) report_pending();
-  }
-  void report_pending() {
-    progress_.add(pending_);
-    pending_ = 0;
-  }
-
- private:
-  SharedProgress& progress_;
-  std::uint64_t pending_ = 0;
-};
-
 /// Everything a pixel needs; the same for all of them.
 struct Task {
   const Projection& projection;
@@ -100,48 +82,106 @@ double depth_share(const Camera& camera, const Ray& ray) {
   return glm::dot(ray.direction, camera.pose.forward);
 }
 
-void fill_layers(const Task& task, int x, int y, Film& film) {
-  const std::optional<Ray> seen = task.projection.ray({x + 0.5, y + 0.5});
-  if (!seen) return;
-  const Ray& ray = *seen;
-  const std::optional<Intersection> met = task.world.nearest(ray, {});
-  if (!met) return;
-  const Surface surface = task.world.surface_at(ray, *met);
-  const std::size_t pixel = film.index(x, y);
-  film.depth[pixel] = static_cast<float>(met->t * depth_share(task.projection.camera(), ray));
-  film.distance[pixel] = static_cast<float>(met->t);
-  film.normal[pixel] =
-      glm::vec3(glm::dot(surface.normal, ray.direction) > 0.0 ? -surface.normal : surface.normal);
-  film.position[pixel] = surface.position;
-  film.albedo[pixel] = albedo(*surface.material, surface.color);
-  film.id[pixel] =
-      met->on_cloud ? static_cast<std::uint32_t>(met->index + 1) : static_cast<std::uint32_t>(~met->index);
-}
-
-std::uint64_t render_pixel(const Task& task, int x, int y, Film& film, SampleCount& samples) {
-  RunningMean color;
-  int met_count = 0;
-  std::uint64_t ray_count = 1;
-  for (int index = 0; index < task.settings.samples; ++index) {
-    Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
-                    static_cast<std::uint32_t>(index));
-    const glm::dvec2 place = sampler.next_2d();
-    const std::optional<Ray> ray = task.projection.ray({x + place.x, y + place.y});
-    // Outside the circle of a fisheye there is no light and no surface.
-    const PathResult path =
-        ray ? trace_path(task.world, task.lights, *ray, sampler, task.settings.max_bounces) : PathResult{};
-    color.add(path.radiance);
-    met_count += path.met_surface ? 1 : 0;
-    ray_count += path.ray_count;
-    samples.add_one();
+/// A tile of the image, by one thread. Its paths advance together, several samples of every pixel at a time.
+class TileRenderer {
+ public:
+  TileRenderer(const Task& task, const tbb::blocked_range2d<int>& tile, Film& film)
+      : task_(task), film_(film) {
+    for (int y = tile.rows().begin(); y < tile.rows().end(); ++y)
+      for (int x = tile.cols().begin(); x < tile.cols().end(); ++x) pixels_.push_back({.x = x, .y = y});
   }
-  const std::size_t pixel = film.index(x, y);
-  film.color[pixel] = color.mean();
-  film.variance[pixel] = color.variance_of_mean();
-  film.alpha[pixel] = static_cast<float>(met_count) / static_cast<float>(task.settings.samples);
-  fill_layers(task, x, y, film);
-  return ray_count;
-}
+
+  /// Returns the number of rays.
+  std::uint64_t render(SharedProgress& progress) {
+    const int samples = task_.settings.samples;
+    const int at_once = std::max(1, k_most_paths / static_cast<int>(pixels_.size()));
+    for (int first = 0; first < samples; first += at_once) {
+      const int last = std::min(first + at_once, samples);
+      trace(first, last);
+      progress.add(pixels_.size() * static_cast<std::size_t>(last - first));
+    }
+    for (const Pixel& pixel : pixels_) {
+      const std::size_t index = film_.index(pixel.x, pixel.y);
+      film_.color[index] = pixel.color.mean();
+      film_.variance[index] = pixel.color.variance_of_mean();
+      film_.alpha[index] = static_cast<float>(pixel.met_count) / static_cast<float>(samples);
+    }
+    fill_layers();
+    return ray_count_;
+  }
+
+ private:
+  /// More paths share more of the cloud, fewer stay in the processor's second-level cache.
+  static constexpr int k_most_paths = 4096;
+
+  struct Pixel {
+    int x = 0, y = 0;
+    RunningMean color = {};
+    int met_count = 0;
+  };
+
+  /// Samples first .. last - 1 of every pixel.
+  void trace(int first, int last) {
+    std::vector<CameraPath> paths;
+    std::vector<bool> sees;
+    for (const Pixel& pixel : pixels_) {
+      for (int sample = first; sample < last; ++sample) {
+        Sampler sampler(task_.settings.seed, static_cast<std::uint32_t>(pixel.x),
+                        static_cast<std::uint32_t>(pixel.y), static_cast<std::uint32_t>(sample));
+        const glm::dvec2 place = sampler.next_2d();
+        const std::optional<Ray> ray = task_.projection.ray({pixel.x + place.x, pixel.y + place.y});
+        // Outside the circle of a fisheye there is no light and no surface.
+        sees.push_back(ray.has_value());
+        if (ray) paths.push_back({*ray, sampler});
+      }
+    }
+    std::vector<PathResult> results(paths.size());
+    trace_paths(task_.world, task_.lights, paths, task_.settings.max_bounces, results);
+    std::size_t sample = 0, traced = 0;
+    for (Pixel& pixel : pixels_) {
+      for (int i = first; i < last; ++i) {
+        const PathResult path = sees[sample++] ? results[traced++] : PathResult{};
+        pixel.color.add(path.radiance);
+        pixel.met_count += path.met_surface ? 1 : 0;
+        ray_count_ += path.ray_count;
+      }
+    }
+  }
+
+  /// What the centres of the pixels see.
+  void fill_layers() {
+    std::vector<Ray> rays;
+    std::vector<std::size_t> indices;
+    for (const Pixel& pixel : pixels_) {
+      const std::optional<Ray> ray = task_.projection.ray({pixel.x + 0.5, pixel.y + 0.5});
+      if (!ray) continue;
+      rays.push_back(*ray);
+      indices.push_back(film_.index(pixel.x, pixel.y));
+    }
+    std::vector<std::optional<Intersection>> met(rays.size());
+    task_.world.nearest(rays, std::vector<Departure>(rays.size()), met);
+    ray_count_ += pixels_.size();
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      if (met[i]) fill_layers(rays[i], *met[i], indices[i]);
+  }
+
+  void fill_layers(const Ray& ray, const Intersection& met, std::size_t pixel) {
+    const Surface surface = task_.world.surface_at(ray, met);
+    film_.depth[pixel] = static_cast<float>(met.t * depth_share(task_.projection.camera(), ray));
+    film_.distance[pixel] = static_cast<float>(met.t);
+    film_.normal[pixel] =
+        glm::vec3(glm::dot(surface.normal, ray.direction) > 0.0 ? -surface.normal : surface.normal);
+    film_.position[pixel] = surface.position;
+    film_.albedo[pixel] = albedo(*surface.material, surface.color);
+    film_.id[pixel] =
+        met.on_cloud ? static_cast<std::uint32_t>(met.index + 1) : static_cast<std::uint32_t>(~met.index);
+  }
+
+  const Task& task_;
+  Film& film_;
+  std::vector<Pixel> pixels_;
+  std::uint64_t ray_count_ = 0;
+};
 
 }  // namespace
 
@@ -182,14 +222,9 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
   tbb::parallel_for(
       tbb::blocked_range2d<int>(0, camera.height, k_tile, 0, camera.width, k_tile),
       [&](const tbb::blocked_range2d<int>& tile) {
-        std::uint64_t tile_rays = 0;
-        SampleCount samples(progress);
-        for (int y = tile.rows().begin(); y < tile.rows().end(); ++y) {
-          for (int x = tile.cols().begin(); x < tile.cols().end(); ++x)
-            tile_rays += render_pixel(task, x, y, film, samples);
-        }
-        ray_count += tile_rays;
-        samples.report_pending();
+        // Threads have tiles of their own: the rays of one are not to be shared out again.
+        tbb::task_arena alone(1);
+        alone.execute([&] { ray_count += TileRenderer(task, tile, film).render(progress); });
       },
       tbb::simple_partitioner());
 

@@ -106,26 +106,59 @@ Intersection World::nearest_object(const Ray& ray, const Departure& departure) c
 }
 
 std::optional<Intersection> World::nearest(const Ray& ray, const Departure& departure) const {
-  Intersection best = nearest_object(ray, departure);
-  if (cloud_ && departure.from == Departure::From::point && departure.inward) {
-    const double t = intersect_sphere(ray, departure.center, cloud_->query.radius, Roots::far_one);
-    if (t < best.t) best = {.t = t, .on_cloud = true, .index = departure.index, .center = departure.center};
-  } else if (cloud_) {
-    // The interval limits projections, which lie up to a radius behind the place of entry.
-    const Ray limited{ray.origin, ray.direction, 0.0, best.t + cloud_->query.radius};
-    const std::optional<Hit> hit = closest(*cloud_->octree, limited, cloud_->query);
-    if (hit && hit->entry < best.t) {
-      best = {.t = hit->entry, .on_cloud = true, .index = hit->point_id, .center = hit->position};
+  std::optional<Intersection> met;
+  nearest({&ray, 1}, {&departure, 1}, {&met, 1});
+  return met;
+}
+
+void World::nearest(std::span<const Ray> rays, std::span<const Departure> departures,
+                    std::span<std::optional<Intersection>> met) const {
+  std::vector<Ray> asked;
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Intersection best = nearest_object(rays[i], departures[i]);
+    if (cloud_ && departures[i].from == Departure::From::point && departures[i].inward) {
+      const double t = intersect_sphere(rays[i], departures[i].center, cloud_->query.radius, Roots::far_one);
+      if (t < best.t)
+        best = {.t = t, .on_cloud = true, .index = departures[i].index, .center = departures[i].center};
+    } else if (cloud_) {
+      // The interval limits projections, which lie up to a radius behind the place of entry.
+      asked.push_back({rays[i].origin, rays[i].direction, 0.0, best.t + cloud_->query.radius});
+      numbers.push_back(i);
     }
+    met[i] = best.t == k_none ? std::nullopt : std::optional(best);
   }
-  if (best.t == k_none) return std::nullopt;
-  return best;
+  if (asked.empty()) return;
+  std::vector<std::optional<Hit>> hits(asked.size());
+  closest(*cloud_->octree, asked, cloud_->query, hits);
+  for (std::size_t a = 0; a < asked.size(); ++a) {
+    const std::optional<Hit>& hit = hits[a];
+    std::optional<Intersection>& best = met[numbers[a]];
+    if (hit && (!best || hit->entry < best->t))
+      best = {.t = hit->entry, .on_cloud = true, .index = hit->point_id, .center = hit->position};
+  }
 }
 
 bool World::blocked(const Ray& ray, const Departure& departure) const {
-  if (nearest_object(ray, departure).t < k_none) return true;
-  if (!cloud_) return false;
-  return occluded(*cloud_->octree, Ray{ray.origin, ray.direction, 0.0, k_none}, cloud_->query);
+  std::uint8_t answer = 0;
+  blocked({&ray, 1}, {&departure, 1}, {&answer, 1});
+  return answer != 0;
+}
+
+void World::blocked(std::span<const Ray> rays, std::span<const Departure> departures,
+                    std::span<std::uint8_t> answers) const {
+  std::vector<Ray> asked;
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    answers[i] = nearest_object(rays[i], departures[i]).t < k_none ? 1 : 0;
+    if (answers[i] != 0 || !cloud_) continue;
+    asked.push_back({rays[i].origin, rays[i].direction, 0.0, k_none});
+    numbers.push_back(i);
+  }
+  if (asked.empty()) return;
+  std::vector<std::uint8_t> occlusions(asked.size());
+  occluded(*cloud_->octree, asked, cloud_->query, occlusions);
+  for (std::size_t a = 0; a < asked.size(); ++a) answers[numbers[a]] = occlusions[a];
 }
 
 void World::smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const {
