@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "octree/check_tree.h"
+#include "octree/lattice_extent.h"
 #include "octree/tree_walk.h"
 
 namespace alidade {
@@ -73,22 +74,6 @@ StepBox slot_box(const TreeView& tree, const Frame& frame, int slot) {
   return box;
 }
 
-/// Low and high corner of points in lattice positions.
-struct Extent {
-  LatticePosition low{2147483647}, high{-2147483647 - 1};
-
-  void grow(const LatticePosition& p) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], p[axis]);
-      high[axis] = std::max(high[axis], p[axis]);
-    }
-  }
-  void grow(const Extent& other) {
-    grow(other.low);
-    grow(other.high);
-  }
-};
-
 /// Lowest and highest of some ids.
 struct IdRange {
   std::uint64_t low = ~std::uint64_t{0}, high = 0;
@@ -124,13 +109,13 @@ class PointCheck {
           fmt::format("the header has {} levels, the nodes {}", tree_.level_count, deepest_ + 1)};
     }
     const tbb::blocked_range<std::uint32_t> all(0, tree_.node_count, k_nodes_per_task);
-    const Extent extent = tbb::parallel_reduce(
-        all, Extent{},
-        [&](const tbb::blocked_range<std::uint32_t>& range, Extent part) {
+    const LatticeExtent extent = tbb::parallel_reduce(
+        all, LatticeExtent{},
+        [&](const tbb::blocked_range<std::uint32_t>& range, LatticeExtent part) {
           for (std::uint32_t index = range.begin(); index != range.end(); ++index) check_node(index, part);
           return part;
         },
-        [](Extent a, const Extent& b) {
+        [](LatticeExtent a, const LatticeExtent& b) {
           a.grow(b);
           return a;
         });
@@ -148,7 +133,7 @@ class PointCheck {
   }
 
  private:
-  void check_node(std::uint32_t index, Extent& extent) {
+  void check_node(std::uint32_t index, LatticeExtent& extent) {
     const Frame& frame = frames_[index];
     for (int slot = 0; slot < k_node_width; ++slot) {
       const std::uint8_t kind = tree_.nodes[index].kind[slot];
@@ -200,7 +185,7 @@ class PointCheck {
     }
   }
 
-  void check_leaf(const Frame& frame, int slot, Extent& extent) {
+  void check_leaf(const Frame& frame, int slot, LatticeExtent& extent) {
     const StepBox box = slot_box(tree_, frame, slot);
     const Leaf leaf = child_leaf(tree_, frame, slot);
     points_seen_.fetch_add(leaf.count, std::memory_order_relaxed);

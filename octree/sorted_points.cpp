@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octree/sorted_points.h"
+#include "octree/lattice_extent.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>
@@ -29,17 +30,6 @@ constexpr std::size_t k_min_chunk_size = std::size_t{1} << 12;
 constexpr std::size_t k_bucket_size = std::size_t{1} << 15;
 // Buckets are collected from all chunks at once, so each chunk has a block or two that are used up in part.
 constexpr std::size_t k_release_block = std::size_t{1} << 16;
-
-struct Extent {
-  LatticePosition low{2147483647}, high{-2147483647 - 1};
-
-  void grow(const LatticePosition& p) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], p[axis]);
-      high[axis] = std::max(high[axis], p[axis]);
-    }
-  }
-};
 
 std::uint32_t steps_from(std::int32_t base, std::int32_t value) {
   return static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(base);
@@ -201,13 +191,13 @@ class Sorter {
 
 KeySpace key_space(const std::vector<LatticePosition>& positions) {
   if (positions.empty()) return {};
-  const Extent extent = tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, positions.size(), k_points_per_task), Extent{},
-      [&](const tbb::blocked_range<std::size_t>& range, Extent part) {
+  const LatticeExtent extent = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, positions.size(), k_points_per_task), LatticeExtent{},
+      [&](const tbb::blocked_range<std::size_t>& range, LatticeExtent part) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) part.grow(positions[i]);
         return part;
       },
-      [](Extent a, const Extent& b) {
+      [](LatticeExtent a, const LatticeExtent& b) {
         a.grow(b.low);
         a.grow(b.high);
         return a;

@@ -19,14 +19,14 @@ namespace HWY_NAMESPACE {
 
 /// A node under visit, with the frame that its parent told.
 struct Visit {
-  std::uint32_t corner[4];  ///< lattice steps from the root's; the last is padding
+  std::uint32_t corner[3];  ///< lattice steps from the root's
   std::uint32_t node;
   std::uint16_t level;
   std::uint16_t depth;
 };
 
 inline Visit root_visit(const TreeView& tree) {
-  return {{0, 0, 0, 0}, 0, static_cast<std::uint16_t>(tree.root_level), 0};
+  return {{0, 0, 0}, 0, static_cast<std::uint16_t>(tree.root_level), 0};
 }
 
 /// What the slots of a node hold, as bits and bytes per slot.
@@ -94,7 +94,6 @@ HWY_INLINE Visit child_visit(const Visit& visit, const Node& node, std::uint32_t
   Visit inner;
   for (int axis = 0; axis < 3; ++axis)
     inner.corner[axis] = visit.corner[axis] + child_corner(node.low[axis][slot], visit.level, drop);
-  inner.corner[3] = 0;
   inner.node = child;
   inner.level = static_cast<std::uint16_t>(visit.level - drop);
   inner.depth = static_cast<std::uint16_t>(visit.depth + 1);

@@ -100,9 +100,9 @@ struct QuerySetup {
   const double double_error;
   double widest_scale = 0.0;
   double box_radius = 0.0;
-  alignas(32) double corner[4] = {}, scale[4] = {};  ///< world position of the root's corner; lattice scale
-  alignas(32) double low_face[4] = {}, high_face[4] = {};  ///< of the points' bounds, widened, world
-  float float_scale[4] = {};
+  double corner[3] = {}, scale[3] = {};        ///< world position of the root's corner; lattice scale
+  double low_face[3] = {}, high_face[3] = {};  ///< of the points' bounds, widened, world
+  float float_scale[3] = {};
 };
 
 /// What of a ray meets boxes, relative to the root's corner. t of a face at x is x * inverse - origin_t.

@@ -47,6 +47,15 @@ class QueryOutputTest : public ProgramTest {
           "x,y,z,intensity,red,green,blue,Depth\n"
           "0,0,0,10,0,0,65535,0.5\n1,0,0,11,1,2,3,1.5\n2,0.5,0,12,4,5,6,2.5\n");
   }
+  /// More answers than a pipe holds, on their way into one that nobody reads yet.
+  Program answer_into(const std::filesystem::path& pipe) {
+    write_tiny();
+    EXPECT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    std::string boxes = "min_x,min_y,min_z,max_x,max_y,max_z\n";
+    for (int i = 0; i < 200000; ++i) boxes += "0,0,0,9,9,9\n";
+    write("boxes.csv", boxes);
+    return Program({"query", "tiny.csv", "-q", "--boxes", "boxes.csv"}, folder, pipe);
+  }
   static inline const Words k_ray = {"--ray", "-1,0,0,1,0,0", "--ray", "2,0,0,0,1,0", "--radius", "0.5"};
 
   ProgramResult ask(Words words, const Words& more) {
@@ -214,13 +223,8 @@ TEST_F(QueryOutputTest, stdout_without_space_is_an_error) {
 }
 
 TEST_F(QueryOutputTest, reader_that_goes_away_ends_the_program) {
-  write_tiny();
   const std::filesystem::path pipe = folder / "pipe";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  std::string boxes = "min_x,min_y,min_z,max_x,max_y,max_z\n";
-  for (int i = 0; i < 200000; ++i) boxes += "0,0,0,9,9,9\n";
-  write("boxes.csv", boxes);
-  Program program({"query", "tiny.csv", "-q", "--boxes", "boxes.csv"}, folder, pipe);
+  Program program = answer_into(pipe);
   {
     std::ifstream reader(pipe);
     std::string line;
@@ -231,13 +235,8 @@ TEST_F(QueryOutputTest, reader_that_goes_away_ends_the_program) {
 }
 
 TEST_F(QueryOutputTest, interrupt_is_heard_while_a_reader_is_waited_for) {
-  write_tiny();
   const std::filesystem::path pipe = folder / "pipe";
-  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  std::string boxes = "min_x,min_y,min_z,max_x,max_y,max_z\n";
-  for (int i = 0; i < 200000; ++i) boxes += "0,0,0,9,9,9\n";
-  write("boxes.csv", boxes);
-  Program program({"query", "tiny.csv", "-q", "--boxes", "boxes.csv"}, folder, pipe);
+  Program program = answer_into(pipe);
   std::ifstream reader(pipe);
   std::string line;
   std::getline(reader, line);
