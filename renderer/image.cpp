@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/image.h"
 
-#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -14,48 +13,17 @@
 #include "renderer/image_exr.h"
 #include "renderer/image_geotiff.h"
 #include "renderer/image_metadata.h"
+#include "renderer/image_rows.h"
 
 namespace alidade {
 namespace {
 
-// Rows handed over at once: a whole number of OpenEXR's 16-row compression blocks; the copy of the image
-// stays small.
-constexpr int k_rows_at_once = 64;
-
 constexpr int k_longest_jpeg_side = 65500;
-
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& message) {
-  throw Error({.file = file.string(), .problem = "image cannot be written: " + message});
-}
-
-// Encodes the rows that `pack(y, bytes of row y)` fills in memory and then writes them: libpng and libjpeg,
-// as OpenImageIO calls them, overlook a full disk or end the program.
-template <typename PackRow>
-void write_rows(const std::string& format, const std::filesystem::path& final_name, OutputFile& file,
-                const OIIO::ImageSpec& spec, const PackRow& pack) {
-  OIIO::Filesystem::IOVecOutput encoded;
-  const auto image = OIIO::ImageOutput::create(format);
-  if (!image) fail(final_name, OIIO::geterror());
-  if (!image->set_ioproxy(&encoded)) fail(final_name, format + " cannot be encoded in memory");
-  if (!image->open(final_name.string(), spec)) fail(final_name, image->geterror());
-  const std::size_t row_bytes = spec.scanline_bytes(true);
-  std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(std::min(k_rows_at_once, spec.height)));
-  for (int begin = 0; begin < spec.height; begin += k_rows_at_once) {
-    const int end = std::min(begin + k_rows_at_once, spec.height);
-    for (int y = begin; y < end; ++y) {
-      pack(y, std::span(bytes).subspan(static_cast<std::size_t>(y - begin) * row_bytes, row_bytes));
-    }
-    if (!image->write_scanlines(begin, end, 0, OIIO::TypeUnknown, bytes.data()))
-      fail(final_name, image->geterror());
-  }
-  if (!image->close()) fail(final_name, image->geterror());
-  file.write(std::as_bytes(std::span(encoded.buffer())));
-}
 
 void write_exr(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                OutputFile& file) {
   const std::vector<Channel> channels = exr_channels(output);
-  if (channels.empty()) fail(output.file, "no layer is asked for");
+  if (channels.empty()) fail_image(output.file, "no layer is asked for");
   OIIO::ImageSpec spec(film.width, film.height, static_cast<int>(channels.size()), OIIO::TypeFloat);
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const Channel& channel = channels[i];
@@ -82,7 +50,7 @@ void write_display(const Film& film, const OutputSettings& output, const ImageMe
   if (format == ImageFormat::jpeg) {
     // Checked here because libjpeg says it on stderr.
     if (std::max(film.width, film.height) > k_longest_jpeg_side)
-      fail(output.file, "JPEG ends at 65500 pixels");
+      fail_image(output.file, "JPEG ends at 65500 pixels");
     spec.attribute("Compression", "jpeg:95");
     spec.attribute("jpeg:subsampling", "4:4:4");
   }

@@ -1,97 +1,20 @@
 // SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-#include <span>
 
 #include "octree/build.h"
 #include "octree/cloud/attribute_columns.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/index_file.h"
 #include "octree/spacing.h"
-#include "octree/tree_walk.h"
+#include "renderer/color/choose_color.h"
+#include "renderer/color/color_points.h"
 #include "renderer/render.h"
 
 namespace alidade {
 namespace {
-
-/// Where values of a column begin and end when a few outliers are left out.
-struct Stretch {
-  double low = 0.0, high = 0.0;
-
-  /// 0 at the low end, 1 at the high one; one half where all values are the same.
-  double place(double value) const {
-    return high > low ? std::clamp((value - low) / (high - low), 0.0, 1.0) : 0.5;
-  }
-};
-
-constexpr double k_outlier_share = 0.02;
-
-/// Ends between which all but 2 % of the counted values lie on either side; values are bin numbers.
-Stretch inner_bins(std::span<const std::uint64_t> histogram, std::uint64_t total) {
-  const auto outliers = static_cast<std::uint64_t>(k_outlier_share * static_cast<double>(total));
-  std::size_t low = 0, high = histogram.size() - 1;
-  for (std::uint64_t seen = histogram[low]; seen <= outliers && low < high; seen += histogram[low]) ++low;
-  for (std::uint64_t seen = histogram[high]; seen <= outliers && high > low; seen += histogram[high]) --high;
-  return {static_cast<double>(low), static_cast<double>(high)};
-}
-
-/// Calls visit(place, lattice steps of z) for every point.
-template <class Visit>
-void for_each_height(const TreeView& tree, const Visit& visit) {
-  for_each_leaf(tree, [&](const Leaf& leaf) {
-    for (std::uint32_t i = 0; i < leaf.count; ++i) visit(leaf.place + i, position_of(tree, leaf, i).z);
-  });
-}
-
-Stretch intensity_stretch(std::span<const std::uint16_t> intensities) {
-  std::vector<std::uint64_t> histogram(65536);
-  for (const std::uint16_t value : intensities) ++histogram[value];
-  return inner_bins(histogram, intensities.size());
-}
-
-/// In lattice steps of z.
-Stretch height_stretch(const TreeView& tree) {
-  std::int64_t lowest = std::numeric_limits<std::int32_t>::max(),
-               highest = std::numeric_limits<std::int32_t>::min();
-  for_each_height(tree, [&](std::uint32_t, std::int64_t height) {
-    lowest = std::min(lowest, height);
-    highest = std::max(highest, height);
-  });
-  if (lowest >= highest) return {static_cast<double>(lowest), static_cast<double>(highest)};
-  constexpr std::int64_t k_bins = 65536;
-  const std::int64_t extent = highest - lowest + 1;
-  std::vector<std::uint64_t> histogram(k_bins);
-  for_each_height(tree, [&](std::uint32_t, std::int64_t height) {
-    ++histogram[static_cast<std::size_t>((height - lowest) * k_bins / extent)];
-  });
-  const Stretch bins = inner_bins(histogram, tree.point_count);
-  const double step = static_cast<double>(extent) / k_bins;
-  return {static_cast<double>(lowest) + bins.low * step,
-          static_cast<double>(lowest) + (bins.high + 1.0) * step};
-}
-
-Color16 from_unit(const glm::dvec3& color) {
-  return Color16(color * 65535.0 + 0.5);
-}
-
-/// Grey of an intensity, display value: the darkest is no black, which would hide all shape in the shade.
-Color16 intensity_color(double place) {
-  constexpr double k_darkest = 0.2, k_brightest = 0.95;
-  return from_unit(glm::dvec3(k_darkest + (k_brightest - k_darkest) * place));
-}
-
-/// Meadow, straw, clay, rock, snow: display values at even steps of height.
-Color16 height_color(double place) {
-  constexpr std::array<glm::dvec3, 5> k_ramp = {glm::dvec3(0.30, 0.45, 0.34), glm::dvec3(0.60, 0.68, 0.42),
-                                                glm::dvec3(0.85, 0.77, 0.52), glm::dvec3(0.70, 0.52, 0.38),
-                                                glm::dvec3(0.95, 0.94, 0.92)};
-  const double step = place * (k_ramp.size() - 1);
-  const auto index = std::min(static_cast<std::size_t>(step), k_ramp.size() - 2);
-  const double share = step - static_cast<double>(index);
-  return from_unit(k_ramp[index] * (1.0 - share) + k_ramp[index + 1] * share);
-}
 
 /// Frees the column, which clear() alone would not.
 template <class Column>
@@ -99,71 +22,9 @@ void drop(Column& column) {
   Column().swap(column);
 }
 
-bool has_color(const AttributeColumns& columns) {
-  return std::any_of(columns.colors.begin(), columns.colors.end(),
-                     [](const Color16& color) { return color != Color16(0); });
-}
-
-bool has_varied_intensity(const AttributeColumns& columns) {
-  return std::any_of(columns.intensities.begin(), columns.intensities.end(),
-                     [&](std::uint16_t value) { return value != columns.intensities.front(); });
-}
-
-AttributeSet wanted_attributes(PointColor color) {
-  switch (color) {
-    case PointColor::rgb:
-      return Attribute::color;
-    case PointColor::intensity:
-      return Attribute::intensity;
-    case PointColor::height:
-      return {};
-    case PointColor::automatic:
-      break;
-  }
-  return Attribute::color | Attribute::intensity;
-}
-
 std::string names(const std::vector<std::filesystem::path>& files) {
   const std::string first = files.empty() ? "the cloud" : files.front().string();
   return files.size() > 1 ? first + " and " + std::to_string(files.size() - 1) + " more" : first;
-}
-
-/// What the colours will show. Errors: an attribute was asked for by name and is not there.
-PointColor choose_color(const CloudSettings& settings, const AttributeColumns& columns, std::uint64_t count,
-                        std::vector<std::string>& warnings) {
-  if (count == 0) return PointColor::rgb;
-  if (settings.color == PointColor::rgb && columns.colors.empty()) {
-    throw Error(
-        {.file = names(settings.files), .problem = "points have no colour; color \"rgb\" cannot be shown"});
-  }
-  if (settings.color == PointColor::intensity && columns.intensities.empty()) {
-    throw Error({.file = names(settings.files),
-                 .problem = "points have no intensity; color \"intensity\" cannot be shown"});
-  }
-  if (settings.color != PointColor::automatic) return settings.color;
-  if (has_color(columns)) return PointColor::rgb;
-  const bool varied = has_varied_intensity(columns);
-  warnings.push_back(names(settings.files) +
-                     (columns.colors.empty() ? " has no colour" : " has only black as colour") +
-                     (varied ? ": coloured by intensity" : " and no varied intensity: coloured by height"));
-  return varied ? PointColor::intensity : PointColor::height;
-}
-
-/// Colours that are worked out, by point id.
-std::vector<Color16> computed_colors(PointColor color, std::span<const std::uint16_t> intensities,
-                                     const TreeView& tree) {
-  std::vector<Color16> colors(tree.point_count);
-  if (color == PointColor::intensity) {
-    const Stretch stretch = intensity_stretch(intensities);
-    for (std::size_t id = 0; id < colors.size(); ++id)
-      colors[id] = intensity_color(stretch.place(intensities[id]));
-  } else {
-    const Stretch stretch = height_stretch(tree);
-    for_each_height(tree, [&](std::uint32_t place, std::int64_t height) {
-      colors[point_id(tree, place)] = height_color(stretch.place(static_cast<double>(height)));
-    });
-  }
-  return colors;
 }
 
 /// Takes over what a cloud says about itself.
@@ -174,33 +35,53 @@ void describe(LoadedCloud& loaded, const CloudSettings& settings, PointCloud&& c
   loaded.files = std::move(cloud.files);
 }
 
+/// Frees the columns that the colours do not need.
+void keep_columns(PointCloud& cloud, const PointColoring& coloring) {
+  if (coloring.by != PointColor::rgb) drop(cloud.colors);
+  if (coloring.by != PointColor::intensity) drop(cloud.intensities);
+  std::erase_if(cloud.extra_dimensions,
+                [&](const ExtraDimension& dimension) { return dimension.name != coloring.attribute; });
+}
+
+/// Takes over the colours, and says where there is none to show.
+void take(ColoredPoints&& points, LoadedCloud& loaded, const CloudSettings& settings) {
+  loaded.colors = std::move(points.colors);
+  loaded.color = std::move(points.key);
+  if (loaded.color.missing_count == 0) return;
+  loaded.warnings.push_back(fmt::format("{}: {} of {} points have no {}: they are grey",
+                                        names(settings.files), loaded.color.missing_count,
+                                        loaded.color.point_count, loaded.color.word));
+}
+
 LoadedCloud map_cloud(const CloudSettings& settings, const Progress& progress) {
   const IndexFile index = open_index(settings.files.front());
+  const std::uint64_t point_count = index.header().tree.point_count;
   LoadedCloud loaded;
-  describe(loaded, settings, PointCloud(index.description()), index.header().tree.point_count);
-  loaded.color = choose_color(settings, index.columns(), index.header().tree.point_count, loaded.warnings);
+  describe(loaded, settings, PointCloud(index.description()), point_count);
+  const PointColoring coloring =
+      choose_color(settings.color, {index.columns(), index.attributes(), point_count, names(settings.files)},
+                   loaded.warnings);
   loaded.octree = index.octree(progress);
-  if (loaded.color == PointColor::rgb) {
-    loaded.mapped_colors = index.columns().colors;
-  } else {
-    loaded.colors = computed_colors(loaded.color, index.columns().intensities, loaded.octree.view());
-  }
+  take(color_points(coloring, index.columns(), index.description(), loaded.octree.view()), loaded, settings);
+  if (coloring.by == PointColor::rgb) loaded.mapped_colors = index.columns().colors;
   return loaded;
 }
 
 LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, const Progress& afterwards) {
-  PointCloud cloud = read_cloud(settings.files, {.attributes = wanted_attributes(settings.color),
+  const std::string name = names(settings.files);
+  const AttributeSet seen = check_color_of_files(settings.color, settings.files, name);
+  PointCloud cloud = read_cloud(settings.files, {.attributes = attributes_for(settings.color),
                                                  .color_depth = settings.color_depth,
                                                  .progress = reading});
   LoadedCloud loaded;
-  describe(loaded, settings, std::move(cloud), cloud.size());
-  loaded.color = choose_color(settings, columns_of(cloud), cloud.size(), loaded.warnings);
-  if (loaded.color != PointColor::intensity) drop(cloud.intensities);
-  if (loaded.color != PointColor::rgb) drop(cloud.colors);
+  const PointColoring coloring =
+      choose_color(settings.color, {columns_of(cloud), seen, cloud.size(), name}, cloud.warnings);
+  keep_columns(cloud, coloring);
   loaded.octree = build(std::move(cloud), {.progress = afterwards});
-  loaded.colors = loaded.color == PointColor::rgb
-                      ? std::move(cloud.colors)
-                      : computed_colors(loaded.color, cloud.intensities, loaded.octree.view());
+  ColoredPoints points = color_points(coloring, columns_of(cloud), cloud, loaded.octree.view());
+  if (coloring.by == PointColor::rgb) points.colors = std::move(cloud.colors);
+  describe(loaded, settings, std::move(cloud), loaded.octree.size());
+  take(std::move(points), loaded, settings);
   return loaded;
 }
 

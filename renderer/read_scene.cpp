@@ -40,12 +40,7 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
     constexpr std::array<std::string_view, 2> words{"entry", "t"};
     cloud.hits = std::array{HitMode::entry, HitMode::t}[hits->choice(words)];
   }
-  if (const auto color = fields.find("color")) {
-    constexpr std::array<std::string_view, 4> words{"automatic", "rgb", "intensity", "height"};
-    constexpr std::array values{PointColor::automatic, PointColor::rgb, PointColor::intensity,
-                                PointColor::height};
-    cloud.color = values[color->choice(words)];
-  }
+  if (const auto color = fields.find("color")) cloud.color = read_coloring(*color);
   if (const auto max_level = fields.find("max_level"))
     cloud.max_level = static_cast<int>(max_level->whole_number(0, k_max_level));
   if (const auto depth = fields.find("color_depth")) {

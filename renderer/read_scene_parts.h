@@ -39,6 +39,9 @@ Lens read_distortion(const JsonNode& node, std::size_t model);
 /// A material. `of_cloud`: points have a colour of their own, so that the albedo may be left out.
 Material read_material(const JsonNode& node, bool of_cloud);
 
+/// "color" of a cloud.
+PointColoring read_coloring(const JsonNode& node);
+
 /// Three values, each in `range`.
 Rgb read_rgb(const JsonNode& node, const NumberRange& range);
 

@@ -8,6 +8,7 @@
 #include "octree/cloud/point_cloud.h"
 #include "octree/octree.h"
 #include "octree/progress.h"
+#include "renderer/color/color_key.h"
 #include "renderer/film.h"
 #include "renderer/scene.h"
 
@@ -16,10 +17,10 @@ namespace alidade {
 /// The cloud of a scene, ready to be traced.
 struct LoadedCloud {
   Octree octree;
-  std::vector<Color16> colors;               ///< display-referred, one per point id
+  std::vector<Color16> colors;               ///< display-referred, one per point id; none for normals
   std::span<const Color16> mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
   double radius = 0.0;                       ///< metres, the one used
-  PointColor color = PointColor::rgb;        ///< what the colours show: rgb, intensity or height
+  ColorKey color;                            ///< what the colours show
   Crs crs;
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;
@@ -33,7 +34,8 @@ struct LoadedCloud {
 /// numbers. Errors: as read_cloud. Peak memory: about 20 bytes per point, or 46 for clouds that span more
 /// than 2^21 lattice steps on an axis.
 /// A single index file is used where it lies: octree and rgb colours in its map, nothing is built, and the
-/// picture has the same bytes. It keeps the colour depth it was made with.
+/// picture has the same bytes. It keeps the colour depth it was made with. Other colours take 6 bytes per
+/// point (renderer/color/color_points.h).
 LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {});
 
 /// Box around the spheres of the cloud's points but for strays (the outermost half percent on either side of

@@ -14,6 +14,7 @@
 
 #include "octree/cloud/read_cloud.h"
 #include "renderer/camera/lens.h"
+#include "renderer/color/point_color.h"
 #include "renderer/material.h"
 
 // A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative
@@ -21,10 +22,6 @@
 // the file says otherwise).
 
 namespace alidade {
-
-/// Which of a point's values becomes its colour. `automatic`: rgb if the cloud has it, else intensity, else
-/// height.
-enum class PointColor { automatic, rgb, intensity, height };
 
 /// How a ray meets the sphere around a point.
 enum class HitMode {
@@ -48,7 +45,7 @@ struct CloudSettings {
   ColorDepth color_depth = ColorDepth::automatic;
   std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing
   HitMode hits = HitMode::entry;
-  PointColor color = PointColor::automatic;
+  PointColoring color;
   Material material = Lambertian{};
   NormalMode normals = NormalMode::sphere;  ///< glass points are always spheres
   /// Only the levels 0 to max_level of an index file of organisation layered: a thinned cloud, for previews.

@@ -60,6 +60,12 @@ Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double rad
   return surface;
 }
 
+/// Display value of each world axis: half of it, around middle grey, towards the viewer.
+Color16 normal_color(const Ray& ray, const glm::dvec3& normal) {
+  const glm::dvec3 facing = glm::dot(normal, ray.direction) > 0.0 ? -normal : normal;
+  return to_color16(0.5 + 0.5 * facing);
+}
+
 }  // namespace
 
 double smallest_entry(const Bounds& bounds, double radius) {
@@ -78,6 +84,7 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
   cloud_ = CloudGeometry{
       .octree = &cloud->octree,
       .colors = cloud->point_colors(),
+      .shows_normals = cloud->color.by == PointColor::normal,
       .query = {.radius = cloud->radius,
                 .measure = settings.hits == HitMode::entry ? Measure::entry : Measure::t,
                 .entry_min = smallest_entry(cloud->octree.bounds(), cloud->radius),
@@ -174,10 +181,11 @@ void World::smooth(const Ray& ray, const Intersection& intersection, Surface& su
 Surface World::surface_at(const Ray& ray, const Intersection& intersection) const {
   if (intersection.on_cloud) {
     Surface surface = on_sphere(ray, intersection.t, intersection.center, cloud_->query.radius);
-    const Color16& color = cloud_->colors[intersection.index];
-    surface.color = {linear_[color.r], linear_[color.g], linear_[color.b]};
     surface.material = &cloud_->material;
     if (smooth_normals_) smooth(ray, intersection, surface);
+    const Color16 color =
+        cloud_->shows_normals ? normal_color(ray, surface.normal) : cloud_->colors[intersection.index];
+    surface.color = {linear_[color.r], linear_[color.g], linear_[color.b]};
     return surface;
   }
   const Object& object = (*objects_)[intersection.index];

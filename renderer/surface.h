@@ -22,7 +22,8 @@ namespace alidade {
 struct CloudGeometry {
   const Octree* octree = nullptr;
   std::span<const Color16> colors;
-  RayQuery query;  ///< radius, measure, and an entry_min above the rounding of coordinates
+  bool shows_normals = false;  ///< the colour of a surface is the way it faces, not that of its point
+  RayQuery query;              ///< radius, measure, and an entry_min above the rounding of coordinates
   Material material;
 };
 

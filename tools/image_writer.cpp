@@ -23,15 +23,24 @@ std::filesystem::path module_file() {
                .found = reason != nullptr ? reason : "nothing"});
 }
 
-}  // namespace
-
-ImageWriter load_image_writer() {
+/// The function of that name in the module.
+void* load_function(const char* name) {
   const std::filesystem::path file = module_file();
   void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
   if (module == nullptr) fail(file);
-  void* const writer = ::dlsym(module, "alidade_write_image");
-  if (writer == nullptr) fail(file);
-  return reinterpret_cast<ImageWriter>(writer);
+  void* const function = ::dlsym(module, name);
+  if (function == nullptr) fail(file);
+  return function;
+}
+
+}  // namespace
+
+ImageWriter load_image_writer() {
+  return reinterpret_cast<ImageWriter>(load_function("alidade_write_image"));
+}
+
+LegendWriter load_legend_writer() {
+  return reinterpret_cast<LegendWriter>(load_function("alidade_write_legend"));
 }
 
 }  // namespace alidade

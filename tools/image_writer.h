@@ -2,6 +2,7 @@
 #pragma once
 
 #include "renderer/image.h"
+#include "renderer/legend/legend.h"
 
 // Image formats come through OpenImageIO, which brings some 250 libraries: loading them takes longer, and
 // more memory, than all the work of most commands. So they stand in a module beside the program, and only who
@@ -16,5 +17,12 @@ using ImageWriter = void (*)(const Film& film, const OutputSettings& output, con
 /// Loads the module, which stays loaded. Errors: it is not where the program was built or installed, or it
 /// lacks a library.
 ImageWriter load_image_writer();
+
+/// write_legend() of renderer/legend/legend.h.
+using LegendWriter = void (*)(const ColorKey& key, const std::filesystem::path& file,
+                              const std::optional<glm::ivec2>& size, bool overwrite);
+
+/// The same for legends.
+LegendWriter load_legend_writer();
 
 }  // namespace alidade

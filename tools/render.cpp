@@ -35,9 +35,11 @@ std::string picture_command(const CommandLine& words) {
   for (std::size_t i = 1; i < words.size(); ++i) {
     const std::string& word = words[i];
     const bool with_value = word.starts_with("--output=") || word.starts_with("--threads=") ||
+                            word.starts_with("--legend=") || word.starts_with("--legend-size=") ||
                             (word.starts_with("-o") && word.size() > 2);
     if (is_silent_flag(word) || with_value) continue;
-    if (word == "-o" || word == "--output" || word == "--threads") {
+    if (word == "-o" || word == "--output" || word == "--threads" || word == "--legend" ||
+        word == "--legend-size") {
       ++i;
     } else {
       text += " " + quoted(word);
@@ -62,11 +64,10 @@ LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
   line.finish();
   if (verbosity == Verbosity::quiet) return cloud;
   for (const std::string& warning : cloud.warnings) say_warning(warning);
-  const char* const color = cloud.color == PointColor::rgb         ? "their rgb values"
-                            : cloud.color == PointColor::intensity ? "intensity"
-                                                                   : "height";
+  const std::string color = cloud.color.by == PointColor::rgb ? "their rgb values" : cloud.color.word;
   say_note(fmt::format("{} points, coloured by {}, spheres of radius {:.4g}{}", cloud.octree.size(), color,
                        cloud.radius, settings.radius ? "" : " (from the spacing of the points)"));
+  if (cloud.color.scale) say_note(cloud.color.word + ": " + scale_text(cloud.color));
   return cloud;
 }
 
@@ -93,6 +94,21 @@ std::vector<Picture> requested_pictures(const RenderCommand& command, const Scen
   return pictures;
 }
 
+/// Whether a legend was asked for that is not there already and may stay.
+bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command) {
+  std::error_code error;
+  return !legend.empty() && !(command.skip_existing && std::filesystem::exists(legend, error));
+}
+
+/// Errors: as check_writable; the legend would be one of the pictures.
+void check_legend_file(const RenderCommand& command, const Scene& scene, std::span<const Picture> pictures) {
+  check_writable(command.color.legend, command.overwrite, input_files(command, scene));
+  for (const Picture& picture : pictures) {
+    if (picture.file.lexically_normal() == command.color.legend.lexically_normal())
+      throw Error({.file = picture.file.string(), .problem = "picture and legend have the same name"});
+  }
+}
+
 ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* cloud,
                        const CommandLine& words) {
   ImageMetadata metadata;
@@ -105,6 +121,7 @@ ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* 
   metadata.cloud_offset = cloud->octree.lattice().offset;
   metadata.crs = cloud->crs;
   metadata.radius = cloud->radius;
+  for (const auto& text : color_metadata(cloud->color)) metadata.further.push_back(text);
   return metadata;
 }
 
@@ -169,6 +186,8 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   }
   // Before the work, so that a program that cannot write pictures does not render for hours first.
   const ImageWriter write_picture = load_image_writer();
+  const bool wants_legend = is_wanted(command.color.legend, command);
+  if (wants_legend) check_legend_file(command, scene, pictures);
   if (verbosity == Verbosity::verbose) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   }
@@ -179,6 +198,8 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
   if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
   check_views(pictures, scene, cloud);
+  if (wants_legend)
+    load_legend_writer()(cloud->color, command.color.legend, command.color.legend_size, command.overwrite);
 
   const RenderStatistics statistics = render_all(pictures, scene, cloud, command, words, write_picture);
   if (verbosity != Verbosity::quiet) {

@@ -64,9 +64,6 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
   add_choice<ColorDepth>(render, "--color-depth",
                          "bits in use in LAS colour fields (default: told from the values)",
                          command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_choice<PointColor>(
-      render, "--color", "what colours the points (default: rgb, else intensity, else height)", command.color,
-      {{"rgb", PointColor::rgb}, {"intensity", PointColor::intensity}, {"height", PointColor::height}});
   add_choice<HitMode>(render, "--hits",
                       "nearest by sphere entry (default) or by projected point, the paper's naive way",
                       command.hits, {{"entry", HitMode::entry}, {"t", HitMode::t}});
@@ -97,18 +94,18 @@ Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
 }
 
 void apply_cloud_options(const RenderCommand& command, Scene& scene) {
-  const bool any = command.radius || command.color_depth || command.color || command.hits ||
+  const bool any = command.radius || command.color_depth || is_set(command.color) || command.hits ||
                    command.normals || command.max_level;
   if (!any) return;
   if (!scene.cloud) {
     throw Error({.file = command.scene_file.string(),
-                 .problem = "the scene has no cloud for --radius, --color-depth, --color, --hits, --normals "
-                            "or --max-level"});
+                 .problem = "the scene has no cloud for --radius, --hits, --normals, --max-level, or options "
+                            "of colours and the legend"});
   }
   CloudSettings& cloud = *scene.cloud;
   if (command.radius) cloud.radius = *command.radius;
   cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
-  cloud.color = command.color.value_or(cloud.color);
+  apply(command.color, cloud.color);
   cloud.hits = command.hits.value_or(cloud.hits);
   cloud.normals = command.normals.value_or(cloud.normals);
   cloud.max_level = command.max_level.value_or(cloud.max_level);
@@ -134,6 +131,7 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   add_camera_options(render, command->camera);
   add_picture_options(render, *command);
   add_cloud_options(render, *command);
+  add_color_options(render, command->color);
   add_threads(render, command->threads);
   add_verbosity(render, command->verbosity);
   return command;

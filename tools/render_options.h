@@ -9,6 +9,7 @@
 
 #include "renderer/scene.h"
 #include "tools/camera_options.h"
+#include "tools/color_options.h"
 #include "tools/options.h"
 
 namespace alidade {
@@ -23,7 +24,7 @@ struct RenderCommand {
   std::optional<std::uint64_t> seed;
   std::optional<std::optional<double>> radius;  ///< an empty radius in it is "auto"
   std::optional<ColorDepth> color_depth;
-  std::optional<PointColor> color;
+  ColorRequest color;
   std::optional<HitMode> hits;
   std::optional<NormalMode> normals;
   std::optional<int> max_level;

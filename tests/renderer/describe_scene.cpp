@@ -56,11 +56,22 @@ std::string text(const Sky& sky) {
   return std::visit(visitor, sky);
 }
 
+std::string text(const PointColoring& color) {
+  std::string result = fmt::format("color {} ", color_word(color));
+  if (color.map) result += fmt::format("{} ", name(*color.map));
+  if (color.range) result += text(color.range->low) + text(color.range->high);
+  if (color.percentiles != ValueRange{1, 99})
+    result += "percentiles " + text(color.percentiles.low) + text(color.percentiles.high);
+  for (const ClassColor& each : color.classes)
+    result += fmt::format("class {} {}'{}' ", each.number, text(glm::dvec3(each.color)), each.name);
+  return result;
+}
+
 std::string text(const CloudSettings& cloud) {
   std::string result = "cloud ";
   for (const auto& file : cloud.files) result += file.string() + " ";
-  result += fmt::format("depth {} hits {} color {} normals {} ", int(cloud.color_depth), int(cloud.hits),
-                        int(cloud.color), int(cloud.normals));
+  result += fmt::format("depth {} hits {} {}normals {} ", int(cloud.color_depth), int(cloud.hits),
+                        text(cloud.color), int(cloud.normals));
   if (cloud.max_level != k_max_level) result += fmt::format("levels {} ", cloud.max_level);
   return result + (cloud.radius ? text(*cloud.radius) : "auto ") + text(cloud.material);
 }

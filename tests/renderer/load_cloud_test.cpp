@@ -65,7 +65,7 @@ TEST_F(LoadCloud, automatic_takes_colours_first) {
     add_colors(points);
     add_intensities(points);
   }));
-  EXPECT_EQ(cloud.color, PointColor::rgb);
+  EXPECT_EQ(cloud.color.by, PointColor::rgb);
   ASSERT_EQ(cloud.colors.size(), 1000u);
   EXPECT_EQ(cloud.colors[7], Color16(420, 1000, 65535));
   EXPECT_EQ(cloud.octree.size(), 1000u);
@@ -76,56 +76,58 @@ TEST_F(LoadCloud, automatic_takes_colours_first) {
 
 TEST_F(LoadCloud, automatic_takes_intensity_where_colour_is_missing_or_black_and_says_so) {
   const LoadedCloud plain = load_cloud(settings_for(add_intensities));
-  EXPECT_EQ(plain.color, PointColor::intensity);
+  EXPECT_EQ(plain.color.by, PointColor::intensity);
   EXPECT_TRUE(warns_of(plain, "site.las has no colour: coloured by intensity"));
   fs::remove(folder_ / "site.las");
   const LoadedCloud black = load_cloud(settings_for([](PointCloud& points) {
     points.colors.assign(points.size(), Color16(0));
     add_intensities(points);
   }));
-  EXPECT_EQ(black.color, PointColor::intensity);
+  EXPECT_EQ(black.color.by, PointColor::intensity);
   EXPECT_TRUE(warns_of(black, "has only black as colour: coloured by intensity"));
 }
 
 TEST_F(LoadCloud, automatic_takes_height_where_nothing_else_varies_and_says_so) {
   const LoadedCloud cloud =
       load_cloud(settings_for([](PointCloud& points) { points.intensities.assign(points.size(), 7); }));
-  EXPECT_EQ(cloud.color, PointColor::height);
+  EXPECT_EQ(cloud.color.by, PointColor::height);
   EXPECT_TRUE(warns_of(cloud, "coloured by height"));
   EXPECT_NE(cloud.colors[0], cloud.colors[500]);
   EXPECT_NE(cloud.colors[500], cloud.colors[999]);
 }
 
-TEST_F(LoadCloud, intensity_is_stretched_over_all_but_two_percent_at_either_end) {
+TEST_F(LoadCloud, intensity_is_stretched_between_percentiles_1_and_99) {
   CloudSettings settings = settings_for([](PointCloud& points) {
     add_intensities(points);
     points.intensities[999] = 65535;  // glare
   });
-  settings.color = PointColor::intensity;
+  settings.color.by = PointColor::intensity;
   const LoadedCloud cloud = load_cloud(settings);
   EXPECT_TRUE(cloud.warnings.empty());
+  // Ranks 9.99 and 989.01, rounded away from the middle.
+  EXPECT_EQ(cloud.color.scale->range, (ValueRange{9, 990}));
   // Dark grey to nearly white.
-  EXPECT_EQ(cloud.colors[10], Color16(13107));
+  EXPECT_EQ(cloud.colors[9], Color16(13107));
   EXPECT_EQ(cloud.colors[990], Color16(62258));
   EXPECT_EQ(cloud.colors[999], Color16(62258));
-  EXPECT_NEAR(cloud.colors[500].r, 37683, 300);
+  EXPECT_NEAR(cloud.colors[500].r, 37720, 50);
   EXPECT_EQ(cloud.colors[500].r, cloud.colors[500].b);
 }
 
 TEST_F(LoadCloud, height_can_be_asked_for) {
   CloudSettings settings = settings_for(add_colors);
-  settings.color = PointColor::height;
+  settings.color.by = PointColor::height;
   const LoadedCloud cloud = load_cloud(settings);
-  EXPECT_EQ(cloud.color, PointColor::height);
-  EXPECT_EQ(cloud.colors[3], cloud.colors[12]);  // both in the lowest two percent
+  EXPECT_EQ(cloud.color.by, PointColor::height);
+  EXPECT_EQ(cloud.colors[3], cloud.colors[9]);  // both in the lowest hundredth
   EXPECT_NE(cloud.colors[100], cloud.colors[900]);
 }
 
 TEST_F(LoadCloud, what_is_asked_for_by_name_and_missing_is_an_error) {
   CloudSettings settings = settings_for(add_intensities);
-  settings.color = PointColor::rgb;
+  settings.color.by = PointColor::rgb;
   EXPECT_THROW(load_cloud(settings), Error);
-  settings.color = PointColor::intensity;
+  settings.color.by = PointColor::intensity;
   EXPECT_NO_THROW(load_cloud(settings));
 }
 

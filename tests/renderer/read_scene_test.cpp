@@ -45,20 +45,21 @@ TEST(ReadSceneTest, a_scene_says_what_its_file_says) {
     "render": { "samples": 7, "max_bounces": 0, "seed": 18446744073709551615 },
     "output": { "file": "out/yard.exr", "layers": ["id", "variance"], "exposure": -1.5, "precision": "float" } })",
                                   "scenes/yard.json");
-  EXPECT_EQ(describe(scene),
-            "cloud scenes/a.las b.ply depth 1 hits 1 color 2 normals 1 levels 4 0.050000000000000003 metal "
-            "own 0.25 \n"
-            "sphere 2 1.5 -1 0.5 metal 0.89999997615814209 0.80000001192092896 0.69999998807907104 "
-            "0.10000000000000001 \n"
-            "sphere 0 0 0 1 dielectric 1.3300000000000001 \n"
-            "sphere 0 0 0 2 emissive 5 6 7 \n"
-            "plane 3 lambertian 0 0.5 1 \n"
-            "plane 0 lambertian 0.5 0.5 0.5 \n"
-            "sky constant 0.25 0.5 0.75 \n"
-            "sun 90 45 1 2 3 0 \n"
-            "camera chosen\n"
-            "render 7 0 18446744073709551615\n"
-            "output 'scenes/out/yard.exr' half false -1.5 6 7 ");
+  EXPECT_EQ(
+      describe(scene),
+      "cloud scenes/a.las b.ply depth 1 hits 1 color intensity normals 1 levels 4 0.050000000000000003 metal "
+      "own 0.25 \n"
+      "sphere 2 1.5 -1 0.5 metal 0.89999997615814209 0.80000001192092896 0.69999998807907104 "
+      "0.10000000000000001 \n"
+      "sphere 0 0 0 1 dielectric 1.3300000000000001 \n"
+      "sphere 0 0 0 2 emissive 5 6 7 \n"
+      "plane 3 lambertian 0 0.5 1 \n"
+      "plane 0 lambertian 0.5 0.5 0.5 \n"
+      "sky constant 0.25 0.5 0.75 \n"
+      "sun 90 45 1 2 3 0 \n"
+      "camera chosen\n"
+      "render 7 0 18446744073709551615\n"
+      "output 'scenes/out/yard.exr' half false -1.5 6 7 ");
 }
 
 TEST(ReadSceneTest, what_a_scene_leaves_out_is_as_in_the_structs) {
@@ -68,6 +69,31 @@ TEST(ReadSceneTest, what_a_scene_leaves_out_is_as_in_the_structs) {
   scene.sun = Sun{};
   EXPECT_EQ(describe(parse_scene(R"({"version": 1, "cloud": {"file": "a.las"}, "sun": {}})", "x.json")),
             describe(scene));
+}
+
+TEST(ReadSceneTest, colours_are_a_word_or_an_object_with_map_range_and_classes) {
+  const auto color = [](const std::string& text) {
+    return parse_scene(R"({"version": 1, "cloud": {"file": "a.las", "color": )" + text + "}}", "x.json")
+        .cloud->color;
+  };
+  EXPECT_EQ(color("\"return_number\"").by, PointColor::return_number);
+  EXPECT_EQ(color("\"Reflectance\"").attribute, "Reflectance");
+  const PointColoring height =
+      color(R"({"by": "height", "map": "turbo", "range": [-1.5, 20], "percentiles": [2, 98.5]})");
+  EXPECT_EQ(height.by, PointColor::height);
+  EXPECT_EQ(height.map, ColorMap::turbo);
+  EXPECT_EQ(height.range, (ValueRange{-1.5, 20.0}));
+  EXPECT_EQ(height.percentiles, (ValueRange{2.0, 98.5}));
+  const PointColoring usual = color(R"({"by": "gps_time", "map": "auto", "range": "auto"})");
+  EXPECT_FALSE(usual.map);
+  EXPECT_FALSE(usual.range);
+  const PointColoring classes = color(
+      R"({"by": "classification", "classes": [{"class": 6, "color": "#ff0080"}, {"class": 70, "color": "#000001", "name": "Mast"}]})");
+  ASSERT_EQ(classes.classes.size(), 2u);
+  EXPECT_EQ(classes.classes[0].number, 6);
+  EXPECT_EQ(classes.classes[0].color, Color16(65535, 0, 128 * 257));
+  EXPECT_EQ(classes.classes[1].name, "Mast");
+  EXPECT_EQ(color("{}").by, PointColor::automatic);
 }
 
 TEST(ReadSceneTest, absolute_paths_stay) {
@@ -117,6 +143,20 @@ TEST(ReadSceneTest, every_mistake_is_named_at_its_place) {
       {with(R"("cloud": { "file": "a", "radius": [1] })"), "2:37",
        "wrong type (at /cloud/radius); expected a number"},
       {with(R"("cloud": { "file": "a", "color_depth": 12 })"), "2:42", "unknown color depth"},
+      {with(R"("cloud": { "file": "a", "color": { "map": "virids" } })"), "2:45",
+       "unknown word, did you mean \"viridis\"? (at /cloud/color/map)"},
+      {with(R"("cloud": { "file": "a", "color": { "range": [2, 2] } })"), "2:47",
+       "range is empty (at /cloud/color/range); expected the smaller number first"},
+      {with(R"("cloud": { "file": "a", "color": { "percentiles": [1, 100.5] } })"), "2:57",
+       "number out of range (at /cloud/color/percentiles/1); expected a number from 0 to 100"},
+      {with(R"("cloud": { "file": "a", "color": { "classes": [{ "class": 256, "color": "#000000" }] } })"),
+       "2:61", "expected a whole number from 0 to 255"},
+      {with(R"("cloud": { "file": "a", "color": { "classes": [{ "class": 2, "color": "#00000" }] } })"),
+       "2:73", "not a colour (at /cloud/color/classes/0/color); expected \"#rrggbb\" in hexadecimal"},
+      {with(
+           R"("cloud": { "file": "a", "color": { "classes": [{ "class": 2, "color": "#000000" }, { "class": 2, "color": "#000000" }] } })"),
+       "2:86", "class stands twice (at /cloud/color/classes/1)"},
+      {with(R"("cloud": { "file": "a", "color": 5 })"), "2:36", "wrong type (at /cloud/color)"},
       {with(
            R"("objects": [ { "type": "sphere", "center": [0, 0, 0], "radius": 1, "material": { "type": "metal" } } ])"),
        "2:82", "missing key \"albedo\" (at /objects/0/material)"},

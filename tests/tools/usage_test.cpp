@@ -84,7 +84,12 @@ TEST_F(UsageTest, values_that_are_not_wholly_a_number_in_range_are_errors) {
       {"--radius", "-1"},       {"--seed", "18446744073709551616"},
       {"--threads", "0"},       {"--threads", "2 "},
       {"--exposure", "bright"}, {"--color-depth", "12"},
-      {"--color", "greenish"},  {"--hits", "first"},
+      {"--color-map", "green"}, {"--color-range", "5,5"},
+      {"--color-range", "5"},   {"--color-range", "1,2,3"},
+      {"--color-range", "a,b"}, {"--color-percentiles", "1,101"},
+      {"--class-color", "6"},   {"--class-color", "256=#000000"},
+      {"--legend", "a.jpg"},    {"--class-color", "6=red"},
+      {"--color-by", ""},       {"--hits", "first"},
       {"--layers", "color,"},   {"--layers", "colour"},
       {"--max-bounces", "-1"},  {"--samples", "1e400"}};
   for (const auto& [option, value] : wrong) {

@@ -1,0 +1,463 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/color/color_points.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "octree/build.h"
+#include "octree/cloud/write_las.h"
+#include "octree/error.h"
+#include "octree/index_file.h"
+#include "renderer/color/choose_color.h"
+#include "renderer/color/gps_date.h"
+#include "renderer/color/height_unit.h"
+#include "renderer/deterministic_math.h"
+#include "renderer/surface.h"
+#include "tests/renderer/tracer_scenes.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+
+template <class Value>
+ExtraDimension extra(const std::string& name, ScalarType type, const std::vector<Value>& values) {
+  ExtraDimension dimension{
+      .name = name, .description = "", .type = type, .byte_count = scalar_size(type), .values = {}};
+  dimension.values.resize(values.size() * sizeof(Value));
+  std::memcpy(dimension.values.data(), values.data(), dimension.values.size());
+  return dimension;
+}
+
+/// Points over one another, 1 m apart, the lowest first.
+PointCloud column(std::size_t count) {
+  std::vector<glm::dvec3> positions;
+  for (std::size_t i = 0; i < count; ++i) positions.emplace_back(0.0, 0.0, static_cast<double>(i));
+  return test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)});
+}
+
+/// The colours of a cloud and their meaning, as load_cloud has them made.
+ColoredPoints colored(const PointCloud& cloud, const PointColoring& coloring) {
+  std::vector<std::string> warnings;
+  const AttributeColumns columns = columns_of(cloud);
+  const PointColoring chosen =
+      choose_color(coloring, {columns, cloud.attributes(), cloud.size(), "site.las"}, warnings);
+  const Octree octree = build(cloud);
+  return color_points(chosen, columns, cloud, octree.view());
+}
+
+std::string error_of(const PointCloud& cloud, const PointColoring& coloring) {
+  try {
+    colored(cloud, coloring);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+Color16 shade(ColorMap map, double place) {
+  return to_color16(map_color(map, place));
+}
+
+TEST(ColorPoints, heights_go_from_the_first_to_the_last_colour_of_the_range) {
+  PointColoring coloring{.by = PointColor::height, .map = ColorMap::viridis, .range = ValueRange{1.0, 3.0}};
+  const ColoredPoints points = colored(column(5), coloring);
+  ASSERT_EQ(points.colors.size(), 5u);
+  EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0));
+  EXPECT_EQ(points.colors[1], shade(ColorMap::viridis, 0.0));
+  EXPECT_EQ(points.colors[2], shade(ColorMap::viridis, 0.5));
+  EXPECT_EQ(points.colors[3], shade(ColorMap::viridis, 1.0));
+  EXPECT_EQ(points.colors[4], shade(ColorMap::viridis, 1.0));
+  EXPECT_EQ(points.key.scale->extent, (ValueRange{0.0, 4.0}));
+  EXPECT_FALSE(points.key.scale->percentiles);
+}
+
+TEST(ColorPoints, range_is_that_of_the_percentiles_unless_it_is_given) {
+  const ColoredPoints points = colored(column(1001), {.by = PointColor::height});
+  EXPECT_EQ(points.key.scale->range, (ValueRange{10.0, 990.0}));
+  EXPECT_EQ(points.key.scale->map, ColorMap::terrain);
+  EXPECT_EQ(points.colors[10], points.colors[0]);
+  EXPECT_EQ(points.colors[500], shade(ColorMap::terrain, 0.5));
+  const ColoredPoints all = colored(column(1001), {.by = PointColor::height, .percentiles = {0, 100}});
+  EXPECT_EQ(all.key.scale->range, (ValueRange{0.0, 1000.0}));
+}
+
+TEST(ColorPoints, one_stray_point_does_not_flatten_the_heights) {
+  PointCloud cloud = column(1000);
+  cloud.positions.push_back({0, 0, 2'000'000'000});
+  EXPECT_LT(colored(cloud, {.by = PointColor::height}).key.scale->range.high, 1000.0);
+}
+
+TEST(ColorPoints, equal_values_have_the_middle_colour) {
+  PointCloud cloud = column(7);
+  cloud.intensities.assign(7, 1234);
+  const ColoredPoints points = colored(cloud, {.by = PointColor::intensity});
+  for (const Color16& color : points.colors) EXPECT_EQ(color, shade(ColorMap::grey, 0.5));
+  EXPECT_EQ(points.key.scale->range, (ValueRange{1234, 1234}));
+}
+
+TEST(ColorPoints, intensities_up_to_65535_are_shown_in_grey) {
+  PointCloud cloud = column(3);
+  cloud.intensities = {0, 32768, 65535};
+  const ColoredPoints points = colored(cloud, {.by = PointColor::intensity});
+  EXPECT_EQ(points.colors[0], Color16(13107));
+  EXPECT_EQ(points.colors[1], shade(ColorMap::grey, 32768.0 / 65535.0));
+  EXPECT_EQ(points.colors[2], Color16(62258));
+}
+
+TEST(ColorPoints, points_without_a_value_are_grey_and_counted) {
+  PointCloud cloud = column(5);
+  const double infinity = std::numeric_limits<double>::infinity();
+  cloud.gps_times = {10.0, NAN, 20.0, infinity, 30.0};
+  const ColoredPoints points = colored(cloud, {.by = PointColor::gps_time});
+  EXPECT_EQ(points.key.missing_count, 2u);
+  EXPECT_EQ(points.key.point_count, 5u);
+  EXPECT_EQ(points.colors[1], k_no_value_color);
+  EXPECT_EQ(points.colors[3], k_no_value_color);
+  EXPECT_EQ(points.colors[2], shade(ColorMap::viridis, 0.5));
+  EXPECT_EQ(points.key.scale->range, (ValueRange{10.0, 30.0}));
+}
+
+TEST(ColorPoints, nothing_but_nan_is_no_crash) {
+  PointCloud cloud = column(3);
+  cloud.gps_times.assign(3, NAN);
+  const ColoredPoints points = colored(cloud, {.by = PointColor::gps_time});
+  EXPECT_EQ(points.key.missing_count, 3u);
+  for (const Color16& color : points.colors) EXPECT_EQ(color, k_no_value_color);
+}
+
+TEST(ColorPoints, classes_have_their_colours_and_are_counted) {
+  PointCloud cloud = column(6);
+  cloud.classifications = {2, 6, 2, 2, 70, 255};
+  PointColoring coloring{.by = PointColor::classification};
+  coloring.classes = {{6, Color16(257, 514, 771), "House"}};
+  const ColoredPoints points = colored(cloud, coloring);
+  EXPECT_EQ(points.colors[1], Color16(257, 514, 771));
+  EXPECT_EQ(points.colors[0], points.colors[3]);
+  ASSERT_EQ(points.key.swatches.size(), 4u);
+  const Swatch &ground = points.key.swatches[0], &house = points.key.swatches[1];
+  EXPECT_EQ(ground.number + ground.label, "2Ground");
+  EXPECT_EQ(ground.count, 3u);
+  EXPECT_EQ(ground.color, points.colors[0]);
+  EXPECT_EQ(house.number + house.label, "6House");
+  EXPECT_EQ(points.key.swatches[2].number, "70");
+  EXPECT_EQ(points.key.swatches[3].number, "255");
+  EXPECT_FALSE(points.key.scale);
+}
+
+TEST(ColorPoints, numbers_of_returns_are_shown_whole_and_none_given_is_no_value) {
+  PointCloud cloud = column(5);
+  cloud.returns = {{1, 3}, {2, 3}, {3, 3}, {1, 1}, {0, 0}};
+  const ColoredPoints number = colored(cloud, {.by = PointColor::return_number});
+  EXPECT_EQ(number.colors[0], shade(ColorMap::viridis, 0.0));
+  EXPECT_EQ(number.colors[1], shade(ColorMap::viridis, 0.5));
+  EXPECT_EQ(number.colors[2], shade(ColorMap::viridis, 1.0));
+  EXPECT_EQ(number.colors[4], k_no_value_color);
+  ASSERT_EQ(number.key.swatches.size(), 3u);
+  EXPECT_EQ(number.key.swatches[0].number, "1");
+  EXPECT_EQ(number.key.swatches[0].count, 2u);
+  EXPECT_EQ(number.key.missing_count, 1u);
+  const ColoredPoints count = colored(cloud, {.by = PointColor::number_of_returns, .map = ColorMap::turbo});
+  EXPECT_EQ(count.colors[0], shade(ColorMap::turbo, 1.0));
+  EXPECT_EQ(count.colors[3], shade(ColorMap::turbo, 0.0));
+}
+
+TEST(ColorPoints, any_numeric_attribute_can_be_asked_for_by_name) {
+  PointCloud cloud = column(3);
+  cloud.near_infrared = {5, 10, 15};
+  cloud.flags = {0, 1, 2};
+  cloud.scan_angles = {-30.0f, 0.0f, 30.0f};
+  cloud.user_data = {7, 8, 9};
+  cloud.point_source_ids = {100, 200, 300};
+  for (const std::string name : {"near_infrared", "flags", "scan_angle", "user_data", "point_source_id"}) {
+    const ColoredPoints points = colored(cloud, coloring_by(name));
+    EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0)) << name;
+    EXPECT_EQ(points.colors[1], shade(ColorMap::viridis, 0.5)) << name;
+    EXPECT_EQ(points.colors[2], shade(ColorMap::viridis, 1.0)) << name;
+    EXPECT_EQ(points.key.word, name);
+  }
+  EXPECT_EQ(title_text(colored(cloud, coloring_by("scan_angle")).key), "Scan angle (degrees)");
+  EXPECT_EQ(title_text(colored(cloud, coloring_by("point_source_id")).key), "Point source id");
+}
+
+TEST(ColorPoints, extra_dimensions_count_with_scale_offset_and_no_data_in_every_type) {
+  PointCloud cloud = column(3);
+  cloud.extra_dimensions = {extra<std::uint8_t>("a", ScalarType::uint8, {1, 2, 3}),
+                            extra<std::int8_t>("b", ScalarType::int8, {-1, 0, 1}),
+                            extra<std::uint16_t>("c", ScalarType::uint16, {1, 2, 3}),
+                            extra<std::int16_t>("d", ScalarType::int16, {-500, 0, 500}),
+                            extra<std::uint32_t>("e", ScalarType::uint32, {0, 1u << 30, 1u << 31}),
+                            extra<std::int32_t>("f", ScalarType::int32, {-7, 0, 7}),
+                            extra<std::uint64_t>("g", ScalarType::uint64, {0, 1ull << 62, 1ull << 63}),
+                            extra<std::int64_t>("h", ScalarType::int64, {-(1ll << 40), 0, 1ll << 40}),
+                            extra<float>("i", ScalarType::float32, {0.5f, 1.0f, 1.5f}),
+                            extra<double>("j", ScalarType::float64, {-1e200, 0.0, 1e200})};
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) {
+    const ColoredPoints points = colored(cloud, coloring_by(dimension.name));
+    EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0)) << dimension.name;
+    EXPECT_EQ(points.colors[1], shade(ColorMap::viridis, 0.5)) << dimension.name;
+    EXPECT_EQ(points.colors[2], shade(ColorMap::viridis, 1.0)) << dimension.name;
+  }
+  ExtraDimension& scaled = cloud.extra_dimensions[3];
+  scaled.scale = 0.25;
+  scaled.offset = 10.0;
+  EXPECT_EQ(colored(cloud, coloring_by("d")).key.scale->extent, (ValueRange{-115.0, 135.0}));
+  const std::int64_t none = -500;
+  std::memcpy(scaled.no_data.emplace().data(), &none, sizeof none);
+  const ColoredPoints points = colored(cloud, coloring_by("d"));
+  EXPECT_EQ(points.key.missing_count, 1u);
+  EXPECT_EQ(points.key.scale->extent, (ValueRange{10.0, 135.0}));
+}
+
+TEST(ColorPoints, values_beyond_1e300_are_none) {
+  PointCloud cloud = column(4);
+  cloud.extra_dimensions = {extra<double>("j", ScalarType::float64, {-1e300, 1e300, 1.5e300, -1.7e308})};
+  const ColoredPoints points = colored(cloud, coloring_by("j"));
+  EXPECT_EQ(points.key.missing_count, 2u);
+  EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0));
+  EXPECT_EQ(points.colors[1], shade(ColorMap::viridis, 1.0));
+}
+
+TEST(ColorPoints, empty_clouds_have_no_colours_and_no_errors) {
+  for (const NamedPointColor& each : k_point_colors) {
+    const ColoredPoints points = colored(PointCloud(), coloring_by(each.name));
+    EXPECT_TRUE(points.colors.empty());
+    EXPECT_EQ(points.key.point_count, 0u);
+  }
+  EXPECT_TRUE(colored(PointCloud(), coloring_by("anything")).colors.empty());
+}
+
+TEST(ColorPoints, a_missing_attribute_is_an_error_that_lists_what_there_is) {
+  PointCloud cloud = column(2);
+  cloud.intensities = {1, 2};
+  cloud.extra_dimensions = {extra<float>("Reflectance", ScalarType::float32, {1, 2})};
+  ExtraDimension bytes = extra<std::uint8_t>("blob", ScalarType::uint8, {1, 2});
+  bytes.type = ScalarType::bytes;
+  bytes.byte_count = 1;
+  cloud.extra_dimensions.push_back(bytes);
+  EXPECT_EQ(error_of(cloud, coloring_by("reflectance")),
+            "site.las: points have no \"reflectance\" to be coloured by; expected one of height, normal, "
+            "intensity, Reflectance");
+  EXPECT_EQ(error_of(cloud, coloring_by("blob")),
+            "site.las: points have no \"blob\" to be coloured by; expected one of height, normal, "
+            "intensity, Reflectance");
+  for (const char* const word : {"rgb", "classification", "gps_time", "return_number", "number_of_returns"})
+    EXPECT_TRUE(error_of(cloud, coloring_by(word)).starts_with("site.las: points have no")) << word;
+}
+
+TEST(ColorPoints, wishes_that_would_change_nothing_are_errors) {
+  PointCloud cloud = column(2);
+  cloud.classifications = {1, 2};
+  cloud.colors.assign(2, Color16(9));
+  EXPECT_EQ(error_of(cloud, {.by = PointColor::classification, .map = ColorMap::turbo}),
+            "site.las: a colour map or range is for points coloured by numbers; expected height, intensity, "
+            "gps_time or another attribute, found classification");
+  EXPECT_NE(error_of(cloud, {.map = ColorMap::turbo}), "no error");  // automatic: rgb
+  EXPECT_NE(error_of(cloud, {.by = PointColor::normal, .range = ValueRange{0, 1}}), "no error");
+  EXPECT_EQ(error_of(cloud, {.by = PointColor::height, .classes = {{2, Color16(0)}}}),
+            "site.las: colours of classes are for points coloured by class; expected classification, found "
+            "height");
+}
+
+TEST(ColorPoints, times_are_told_with_their_date) {
+  PointCloud cloud = column(2);
+  cloud.gps_times = {346413933.25, 346414033.25};
+  cloud.files.resize(1);
+  cloud.files[0].format = "LAS";
+  cloud.gps_time_is_standard = true;
+  const ColorKey standard = colored(cloud, {.by = PointColor::gps_time}).key;
+  EXPECT_EQ(title_text(standard), "GPS time (s)");
+  EXPECT_EQ(standard.scale->origin, 346413933.0);
+  EXPECT_EQ(standard.scale->origin_text, "0 s = 2022-09-05 11:52:13 GPS time");
+  cloud.gps_time_is_standard = false;
+  EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text,
+            "0 s = 346413933 s in the file");
+  cloud.gps_times = {180000.5, 180001.0};
+  EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text,
+            "0 s = Tuesday 02:00:00 of the GPS week");
+  cloud.files[0].format = "CSV";
+  EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text,
+            "0 s = 180000 s in the file");
+  cloud.gps_times = {-1e200, 1e200};
+  EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text, "");
+}
+
+TEST(GpsDateTest, adjusted_time_counts_from_a_billion_seconds_after_the_beginning_of_1980s_gps) {
+  EXPECT_EQ(gps_date(-1'000'000'000), "1980-01-06 00:00:00");
+  EXPECT_EQ(gps_date(0), "2011-09-14 01:46:40");
+  EXPECT_EQ(gps_date(-1'000'000'001), "1980-01-05 23:59:59");
+  EXPECT_EQ(gps_date(172'799 - 100'000'000), "2008-07-15 15:59:59");
+  EXPECT_EQ(gps_date(1'000'000'000'000), std::nullopt);
+  EXPECT_EQ(gps_date(INT64_MIN), std::nullopt);
+  EXPECT_EQ(gps_date(INT64_MAX), std::nullopt);
+}
+
+TEST(GpsDateTest, weeks_begin_on_sunday) {
+  EXPECT_EQ(gps_weekday(0), "Sunday 00:00:00");
+  EXPECT_EQ(gps_weekday(604799), "Saturday 23:59:59");
+  EXPECT_EQ(gps_weekday(86400 + 3661), "Monday 01:01:01");
+  EXPECT_EQ(gps_weekday(-1), std::nullopt);
+  EXPECT_EQ(gps_weekday(604800), std::nullopt);
+}
+
+TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
+  const auto of_wkt = [](const std::string& wkt) {
+    Crs crs;
+    crs.wkt = wkt;
+    return height_unit(crs);
+  };
+  EXPECT_EQ(height_unit(Crs()), "m");
+  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["metre",1]])"), "m");
+  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["US survey foot",0.3048]])"), "ft");
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["US survey foot",0.3]],VERT_CS["h",UNIT["metre",1]]])"),
+            "m");
+  EXPECT_EQ(
+      of_wkt(R"(COMPOUNDCRS["a",PROJCRS["x",LENGTHUNIT["metre",1]],VERTCRS["h",LENGTHUNIT["foot",0.3]]])"),
+      "ft");
+  EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
+  EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");
+  EXPECT_EQ(of_wkt("UNIT[\"met"), "");
+  Crs keys;
+  keys.geotiff_keys = {1, 1, 0, 1, 3076, 0, 1, 9003};
+  EXPECT_EQ(height_unit(keys), "ft");
+  keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9003, 4099, 0, 1, 9001};
+  EXPECT_EQ(height_unit(keys), "m");
+  keys.geotiff_keys = {1, 1, 0, 1, 3072, 0, 1, 2229};
+  EXPECT_EQ(height_unit(keys), "");
+}
+
+TEST(ColorKeyTest, notes_and_metadata_tell_range_and_map) {
+  ColorKey key{.by = PointColor::height, .word = "height", .title = "Height", .unit = "m"};
+  EXPECT_EQ(scale_text(key), "");
+  EXPECT_EQ(color_metadata(key).size(), 1u);
+  key.scale = ColorScale{.map = ColorMap::terrain,
+                         .range = {599.13, 611.2},
+                         .extent = {598.0, 623.5},
+                         .percentiles = ValueRange{1, 99}};
+  EXPECT_EQ(scale_text(key),
+            "599.13 to 611.2 m (percentiles 1 to 99; all 598 to 623.5 m), colour map terrain");
+  const std::vector<std::pair<std::string, std::string>> expected = {
+      {"alidade:color_by", "height"},
+      {"alidade:color_map", "terrain"},
+      {"alidade:color_range", "599.13 611.20000000000005"}};
+  EXPECT_EQ(color_metadata(key), expected);
+}
+
+TEST(ColorPoints, a_normal_is_a_colour_of_the_surface_towards_the_viewer) {
+  LoadedCloud cloud = test::loaded({{0, 0, 0}}, 0.5);
+  cloud.colors.clear();
+  cloud.color.by = PointColor::normal;
+  Scene scene;
+  scene.cloud.emplace();
+  const World world(scene, &cloud);
+  const auto color_along = [&](const glm::dvec3& eye, const glm::dvec3& direction) {
+    const Ray ray = make_ray(eye, direction);
+    return world.surface_at(ray, world.nearest(ray, {}).value()).color;
+  };
+  const auto expect_display = [](const Rgb& found, const glm::dvec3& display) {
+    for (int axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(found[axis], std::min(linear_from_srgb(display[axis]), 0.96), 0.02);
+  };
+  expect_display(color_along({0, 0, 5}, {0, 0, -1}), {0.5, 0.5, 1.0});
+  expect_display(color_along({5, 0, 0}, {-1, 0, 0}), {1.0, 0.5, 0.5});
+  expect_display(color_along({0, -5, 0}, {0, 1, 0}), {0.5, 0.0, 0.5});
+}
+
+/// A folder for files, gone with the test.
+class ColorFiles : public ::testing::Test {
+ protected:
+  ColorFiles() : folder_(fs::path(::testing::TempDir()) / ("color_files_" + std::to_string(::getpid()))) {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  ~ColorFiles() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+/// Every attribute, with other values at every point.
+PointCloud rich_cloud() {
+  test::Random random("rich cloud");
+  std::vector<glm::dvec3> positions;
+  for (int i = 0; i < 5000; ++i)
+    positions.emplace_back(random.between(0, 50), random.between(0, 50), random.between(90, 110));
+  PointCloud cloud = test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)});
+  std::vector<float> values;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    cloud.colors.emplace_back(random.below(65536), random.below(65536), random.below(65536));
+    cloud.near_infrared.push_back(static_cast<std::uint16_t>(random.below(65536)));
+    cloud.intensities.push_back(static_cast<std::uint16_t>(random.below(65536)));
+    cloud.classifications.push_back(static_cast<std::uint8_t>(random.below(256)));
+    const auto count = static_cast<std::uint8_t>(1 + random.below(5));
+    cloud.returns.push_back({static_cast<std::uint8_t>(1 + random.below(count)), count});
+    cloud.flags.push_back(static_cast<std::uint8_t>(random.below(256)));
+    cloud.scan_angles.push_back(static_cast<float>(0.006 * std::floor(random.between(-5000, 5000))));
+    cloud.user_data.push_back(static_cast<std::uint8_t>(random.below(256)));
+    cloud.point_source_ids.push_back(static_cast<std::uint16_t>(random.below(20)));
+    cloud.gps_times.push_back(i % 50 == 0 ? NAN : random.between(3e8, 3e8 + 100));
+    values.push_back(static_cast<float>(random.between(-40, 3)));
+  }
+  cloud.extra_dimensions = {extra<float>("Reflectance", ScalarType::float32, values)};
+  return cloud;
+}
+
+TEST_F(ColorFiles, an_index_file_gives_the_colours_of_the_las_it_was_made_of) {
+  write_las(folder_ / "site.las", rich_cloud());
+  const PointCloud read = read_cloud(folder_ / "site.las");
+  save_index(folder_ / "site.alidade", build(read), read);
+  for (const std::string word : {"automatic", "rgb", "intensity", "height", "classification", "normal",
+                                 "gps_time", "return_number", "number_of_returns", "near_infrared", "flags",
+                                 "scan_angle", "user_data", "point_source_id", "Reflectance"}) {
+    CloudSettings settings;
+    settings.color = coloring_by(word);
+    settings.files = {folder_ / "site.las"};
+    const LoadedCloud of_las = load_cloud(settings);
+    settings.files = {folder_ / "site.alidade"};
+    const LoadedCloud of_index = load_cloud(settings);
+    EXPECT_TRUE(std::ranges::equal(of_las.point_colors(), of_index.point_colors())) << word;
+    EXPECT_EQ(of_las.point_colors().size(), word == "normal" ? 0u : 5000u) << word;
+    EXPECT_EQ(scale_text(of_las.color), scale_text(of_index.color)) << word;
+    EXPECT_EQ(of_las.color.swatches.size(), of_index.color.swatches.size()) << word;
+    // Colours of the file are used where they lie.
+    const bool is_rgb = of_index.color.by == PointColor::rgb;
+    EXPECT_EQ(is_rgb, !of_index.mapped_colors.empty()) << word;
+    EXPECT_EQ(is_rgb || word == "normal", of_index.colors.empty()) << word;
+  }
+}
+
+TEST_F(ColorFiles, points_without_a_value_are_a_warning) {
+  write_las(folder_ / "site.las", rich_cloud());
+  CloudSettings settings;
+  settings.color = coloring_by("gps_time");
+  settings.files = {folder_ / "site.las"};
+  const LoadedCloud cloud = load_cloud(settings);
+  ASSERT_EQ(cloud.warnings.size(), 1u);
+  EXPECT_TRUE(cloud.warnings[0].ends_with("site.las: 100 of 5000 points have no gps_time: they are grey"));
+}
+
+TEST_F(ColorFiles, a_missing_attribute_is_told_before_points_are_read) {
+  write_las(folder_ / "site.las", column(3));
+  CloudSettings settings;
+  settings.color = coloring_by("rgb");
+  settings.files = {folder_ / "site.las"};
+  bool has_read = false;
+  try {
+    load_cloud(settings, [&](std::uint64_t, std::uint64_t) { return has_read = true; });
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.parts().problem, "points have no \"rgb\" to be coloured by");
+    EXPECT_EQ(error.parts().expected,
+              "one of height, normal, intensity, classification, gps_time, return_number, "
+              "number_of_returns, flags, scan_angle, user_data, point_source_id");
+  }
+  EXPECT_FALSE(has_read);
+  settings.color = coloring_by("Reflectance");
+  EXPECT_THROW(load_cloud(settings), Error);
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class RenderColorTest : public ProgramTest {
+ protected:
+  /// A small cloud with every attribute of LAS.
+  void SetUp() override {
+    ProgramTest::SetUp();
+    ASSERT_EQ(run({"generate", "courtyard", "--points", "5000", "-o", "yard.las", "-q"}).exit_code, 0);
+  }
+
+  ProgramResult render(Words more) {
+    Words words = {"render", "--cloud", "yard.las", "--size=16x12", "--samples=1"};
+    if (std::ranges::find(more, "-o") == more.end()) words.insert(words.end(), {"-o", "out.png"});
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+  bool is_there(const std::string& name) const { return std::filesystem::exists(folder / name); }
+};
+
+TEST_F(RenderColorTest, every_way_to_colour_makes_its_own_picture_and_a_legend) {
+  Words pictures;
+  for (const std::string by : {"intensity", "height", "classification", "normal", "gps_time", "scan_angle"}) {
+    const ProgramResult result =
+        render({"--color-by", by, "--legend", by + ".png", "-o", "out_" + by + ".png"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, "5000 points, coloured by " + by)) << result.err;
+    EXPECT_EQ(read(by + ".png").substr(1, 3), "PNG");
+    const std::string picture = read("out_" + by + ".png");
+    EXPECT_TRUE(contains(picture, "alidade:color_by")) << by;
+    pictures.push_back(picture.substr(picture.find("IDAT")));
+  }
+  std::ranges::sort(pictures);
+  EXPECT_EQ(std::ranges::adjacent_find(pictures), pictures.end());
+}
+
+TEST_F(RenderColorTest, range_and_map_are_told_and_stored) {
+  const ProgramResult result =
+      render({"--color", "height", "--color-map", "turbo", "--color-range", "600,610.5"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "height: 600 to 610.5 m (all 5")) << result.err;
+  EXPECT_TRUE(contains(result.err, "colour map turbo")) << result.err;
+  const std::string picture = read("out.png");
+  EXPECT_TRUE(contains(picture, "600 610.5"));
+  EXPECT_TRUE(contains(picture, "turbo"));
+}
+
+TEST_F(RenderColorTest, a_legend_changes_nothing_about_the_picture) {
+  ASSERT_EQ(render({"--color-by", "height", "-o", "plain.png"}).exit_code, 0);
+  ASSERT_EQ(
+      render({"--color-by", "height", "-o", "with.png", "--legend", "legend.png", "--legend-size", "400x300"})
+          .exit_code,
+      0);
+  EXPECT_EQ(read("plain.png"), read("with.png"));
+  ASSERT_EQ(
+      render({"--color-by", "height", "-o", "again.png", "--legend=second.png", "--legend-size=400x300"})
+          .exit_code,
+      0);
+  EXPECT_EQ(read("legend.png"), read("second.png"));
+}
+
+TEST_F(RenderColorTest, options_stand_above_what_the_scene_says) {
+  const auto write_scene = [&](const std::string& color) {
+    write("scene.json", R"({"version": 1, "cloud": {"file": "yard.las", "color": )" + color + "}}");
+  };
+  const auto said = [&](Words more) {
+    Words words = {"render", "scene.json", "--size=8x6", "--samples=1", "-o", "out.png", "--overwrite"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words).err;
+  };
+  write_scene(R"({"by": "height", "map": "turbo", "range": [600, 605]})");
+  EXPECT_TRUE(contains(said({}), "height: 600 to 605 m"));
+  EXPECT_TRUE(contains(said({"--color-range", "599,601"}), "height: 599 to 601 m"));
+  EXPECT_TRUE(contains(said({"--color-map", "viridis"}), "colour map viridis"));
+  EXPECT_TRUE(contains(said({"--color-percentiles", "5,95"}), "percentiles 5 to 95"));
+  // The map and range were meant for heights.
+  EXPECT_TRUE(contains(said({"--color-by", "intensity"}), "(percentiles 1 to 99; "));
+  EXPECT_TRUE(contains(said({"--color-by", "intensity"}), "colour map grey"));
+}
+
+TEST_F(RenderColorTest, single_classes_can_have_other_colours) {
+  ASSERT_EQ(render({"--color-by", "classification", "--legend", "usual.png", "-o", "a.png"}).exit_code, 0);
+  ASSERT_EQ(render({"--color-by", "classification", "--class-color", "6=#102030,2=#00ff00", "--legend",
+                    "changed.png", "-o", "b.png"})
+                .exit_code,
+            0);
+  EXPECT_NE(read("usual.png"), read("changed.png"));
+  const ProgramResult refused = render({"--color-by", "height", "--class-color", "6=#102030", "-o", "c.png"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "colours of classes are for points coloured by class")) << refused.err;
+}
+
+TEST_F(RenderColorTest, a_legend_of_the_points_own_colours_is_an_error_that_says_why) {
+  for (const Words& words : {Words{"--color-by", "rgb"}, Words{}}) {
+    Words more = words;
+    more.insert(more.end(), {"--legend", "legend.png"});
+    const ProgramResult result = render(more);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, "a legend has nothing to explain: the colours are the points' own"))
+        << result.err;
+    EXPECT_EQ(names(), Words{"yard.las"});
+  }
+}
+
+TEST_F(RenderColorTest, a_legend_that_cannot_be_written_is_told_before_the_work) {
+  write("old.png", "precious");
+  for (const Words& words : {Words{"--legend", "none/legend.png"},
+                             {"--legend", "old.png"},
+                             {"--legend", "out.png"},
+                             {"--legend", "./sub/../out.png"},
+                             {"--legend", "l.png", "--legend-size", "20x20"}}) {
+    Words more = words;
+    more.insert(more.end(), {"--color-by", "height"});
+    const ProgramResult result = render(more);
+    EXPECT_EQ(result.exit_code, 2) << words[1];
+    EXPECT_TRUE(contains(result.err, "alidade: error: ")) << result.err;
+    EXPECT_EQ(names(), (Words{"old.png", "yard.las"})) << words[1];
+  }
+  EXPECT_EQ(read("old.png"), "precious");
+  EXPECT_EQ(render({"--color-by", "height", "--legend", "old.png", "--overwrite"}).exit_code, 0);
+  EXPECT_NE(read("old.png"), "precious");
+}
+
+TEST_F(RenderColorTest, a_legend_that_is_there_already_may_stay) {
+  write("legend.png", "earlier");
+  const ProgramResult result = render({"--color-by", "height", "--legend", "legend.png", "--skip-existing"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(read("legend.png"), "earlier");
+  EXPECT_TRUE(is_there("out.png"));
+}
+
+TEST_F(RenderColorTest, a_size_without_a_legend_is_an_error) {
+  EXPECT_EQ(render({"--color-by", "height", "--legend-size", "300x300"}).exit_code, 2);
+}
+
+TEST_F(RenderColorTest, a_missing_attribute_is_an_error_that_lists_what_the_cloud_has) {
+  const ProgramResult result = render({"--color-by", "greenish"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err,
+                       "yard.las: points have no \"greenish\" to be coloured by; expected one of height, "
+                       "normal, rgb, intensity, classification"))
+      << result.err;
+  write_square("square.xyz");
+  const ProgramResult of_text =
+      run({"render", "--cloud", "square.xyz", "--color-by", "classification", "-o", "out.png"});
+  EXPECT_EQ(of_text.exit_code, 2);
+  EXPECT_TRUE(contains(of_text.err, "expected one of height, normal")) << of_text.err;
+}
+
+TEST_F(RenderColorTest, a_scene_without_a_cloud_has_no_legend) {
+  write("scene.json", R"({"version": 1, "objects": [{"type": "ground_plane"}]})");
+  const ProgramResult result = run({"render", "scene.json", "-o", "out.png", "--legend", "legend.png"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "the scene has no cloud")) << result.err;
+}
+
+}  // namespace
+}  // namespace alidade::test
