@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/color/choose_color.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -9,6 +11,7 @@
 #include "octree/cloud/cloud_reader.h"
 #include "octree/error.h"
 #include "renderer/color/point_values.h"
+#include "renderer/json_reader.h"
 
 namespace alidade {
 namespace {
@@ -45,16 +48,18 @@ bool has_column(const AttributeColumns& columns, const std::string& word) {
 
 [[noreturn]] void fail(const std::string& name, const std::string& word, AttributeSet present,
                        const std::vector<ExtraColumn>& extra_columns) {
-  std::string list = "height, normal";
+  std::vector<std::string_view> words = {"height", "normal"};
   for (const ColorAttribute& known : k_color_attributes) {
-    if (present.contains(known.attribute)) list += ", " + std::string(known.word);
+    if (present.contains(known.attribute)) words.push_back(known.word);
   }
   for (const ExtraColumn& column : extra_columns) {
-    if (has_numbers(column)) list += ", " + column.description.name;
+    if (has_numbers(column)) words.push_back(column.description.name);
   }
+  const std::string_view nearest = nearest_word(word, words);
   throw Error({.file = name,
-               .problem = "points have no \"" + word + "\" to be coloured by",
-               .expected = "one of " + list});
+               .problem = fmt::format("points have no \"{}\" to be coloured by{}", word,
+                                      nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest)),
+               .expected = fmt::format("one of {}", fmt::join(words, ", "))});
 }
 
 bool has_color(const AttributeColumns& columns) {

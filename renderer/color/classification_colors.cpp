@@ -26,7 +26,7 @@ constexpr std::array<StandardClass, 23> k_standard_classes = {{
     {"Water", 0x3b8fd6},
     {"Rail", 0x8e44ad},
     {"Road surface", 0x5b5f66},
-    {"Overlap", 0xf2a6c0},
+    {"Overlap", 0xc7b2d6},
     {"Wire, guard", 0xf7e463},
     {"Wire, conductor", 0xf2c230},
     {"Transmission tower", 0xe08e0b},

@@ -55,8 +55,11 @@ void describe(const PointColoring& coloring, const PointCloud& facts, ColorKey& 
   if (key.by != PointColor::gps_time) return;
   key.title = std::string("GPS time");
   key.unit = std::string("s");
-  key.scale->origin_text = time_origin(std::floor(key.scale->range.low), facts);
-  if (!key.scale->origin_text.empty()) key.scale->origin = std::floor(key.scale->range.low);
+  const ValueRange& range = key.scale->range;
+  // A whole second, within the range if there is one, so that the labels' 0 is on the scale.
+  const double origin = std::ceil(range.low) <= range.high ? std::ceil(range.low) : std::floor(range.low);
+  key.scale->origin_text = time_origin(origin, facts);
+  if (!key.scale->origin_text.empty()) key.scale->origin = origin;
 }
 
 /// color_of(value) for every point that has one.

@@ -241,7 +241,8 @@ TEST(ColorPoints, a_missing_attribute_is_an_error_that_lists_what_there_is) {
   bytes.byte_count = 1;
   cloud.extra_dimensions.push_back(bytes);
   EXPECT_EQ(error_of(cloud, coloring_by("reflectance")),
-            "site.las: points have no \"reflectance\" to be coloured by; expected one of height, normal, "
+            "site.las: points have no \"reflectance\" to be coloured by, did you mean \"Reflectance\"?; "
+            "expected one of height, normal, "
             "intensity, Reflectance");
   EXPECT_EQ(error_of(cloud, coloring_by("blob")),
             "site.las: points have no \"blob\" to be coloured by; expected one of height, normal, "
@@ -272,12 +273,12 @@ TEST(ColorPoints, times_are_told_with_their_date) {
   cloud.gps_time_is_standard = true;
   const ColorKey standard = colored(cloud, {.by = PointColor::gps_time}).key;
   EXPECT_EQ(title_text(standard), "GPS time (s)");
-  EXPECT_EQ(standard.scale->origin, 346413933.0);
-  EXPECT_EQ(standard.scale->origin_text, "0 s = 2022-09-05 11:52:13 GPS time");
+  EXPECT_EQ(standard.scale->origin, 346413934.0);
+  EXPECT_EQ(standard.scale->origin_text, "0 s = 2022-09-05 11:52:14 GPS time");
   cloud.gps_time_is_standard = false;
   EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text,
-            "0 s = 346413933 s in the file");
-  cloud.gps_times = {180000.5, 180001.0};
+            "0 s = 346413934 s in the file");
+  cloud.gps_times = {180000.5, 180000.75};  // no whole second between them
   EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text,
             "0 s = Tuesday 02:00:00 of the GPS week");
   cloud.files[0].format = "CSV";
