@@ -34,8 +34,8 @@ inline bool suits_traversal(const Ray& ray) {
 
 inline bool has_traversal(const Octree& octree, const RayQuery& query) {
   const TreeView& tree = octree.view();
-  return query.measure != Measure::distance && query.radius < k_longest && is_short(tree.lattice.offset) &&
-         is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
+  return query.measure != Measure::distance && query.radius < k_longest && query.spacing_factor < k_longest &&
+         is_short(tree.lattice.offset) && is_short(tree.bounds.min) && is_short(tree.bounds.max) &&
          is_short(tree.lattice.scale * std::ldexp(1.0, tree.root_level));
 }
 
@@ -54,30 +54,54 @@ constexpr bool k_has_search = requires(const Octree& octree, const Target& targe
   search_for(octree, target);
 };
 
+/// Points with radii of their own are known by their places.
+template <class Query>
+bool asks_own_radii(const Query& query) {
+  if constexpr (std::is_same_v<Query, RayQuery>) return query.spacing_factor > 0.0;
+  return false;
+}
+
 /// Appends the k first answers.
 template <class Target, class Query, class Answer>
 void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                std::size_t query_index, std::vector<Answer>& answers) {
-  if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(octree.view(), target, query))
-      return search_for(octree, target).find(octree.view(), target, query, k, query_index, answers);
+  const auto ask = [&](const auto& tree, const auto& asked) {
+    Nearest neighbors(asked, k);
+    tree_query(tree, asked, neighbors);
+    const std::vector<Answer> found = neighbors.in_order();
+    answers.insert(answers.end(), found.begin(), found.end());
+  };
+  const TreeView& view = octree.view();
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (asks_own_radii(query)) {
+      ask(OctreePlaces(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
+      return;
+    }
   }
-  const auto asked = make_target(target, query, query_index);
-  Nearest neighbors(asked, k);
-  tree_query(OctreeTree(octree.view(), query.max_level), asked, neighbors);
-  const std::vector<Answer> found = neighbors.in_order();
-  answers.insert(answers.end(), found.begin(), found.end());
+  if constexpr (k_has_search<Target>) {
+    if (simd::suits_lanes(view, target, query))
+      return search_for(octree, target).find(view, target, query, k, query_index, answers);
+  }
+  ask(OctreeTree(view, query.max_level), make_target(target, query, query_index));
 }
 
 template <class Target, class Query>
 std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                      std::size_t query_index) {
-  if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(octree.view(), target, query))
-      return search_for(octree, target).count(octree.view(), target, query, k, query_index);
-  }
+  const TreeView& view = octree.view();
   Counter counter(k);
-  tree_query(OctreeTree(octree.view(), query.max_level), make_target(target, query, query_index), counter);
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (asks_own_radii(query)) {
+      tree_query(OctreePlaces(view, query.max_level), OwnRadiusTarget(view, target, query, query_index),
+                 counter);
+      return counter.count();
+    }
+  }
+  if constexpr (k_has_search<Target>) {
+    if (simd::suits_lanes(view, target, query))
+      return search_for(octree, target).count(view, target, query, k, query_index);
+  }
+  tree_query(OctreeTree(view, query.max_level), make_target(target, query, query_index), counter);
   return counter.count();
 }
 

@@ -2,10 +2,12 @@
 #include "octree/brute_force.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "octree/candidate.h"
 #include "octree/check_query.h"
 #include "octree/error.h"
+#include "octree/point_spacing.h"
 
 namespace alidade::brute_force {
 namespace {
@@ -22,6 +24,19 @@ std::optional<PathHit> evaluate(const ReadyPath& ready, const PathQuery& query, 
                            position, point_id);
 }
 
+/// A ray, and the spacings of the points it may meet.
+struct ReadyRay {
+  const Ray& ray;
+  std::span<const double> spacings;
+};
+
+std::optional<Hit> evaluate(const ReadyRay& ready, const RayQuery& query, const glm::dvec3& position,
+                            std::uint64_t point_id) {
+  const bool own = query.spacing_factor > 0.0;
+  const double radius = own ? own_radius(query, ready.spacings[point_id]) : query.radius;
+  return alidade::evaluate(ready.ray, query, radius, position, point_id, 0);
+}
+
 template <class Target>
 const Target& ready(const Target& target) {
   return target;
@@ -34,6 +49,22 @@ template <class Query>
 Measure measure_of(const Query& query) {
   if constexpr (requires { query.measure; }) return query.measure;
   return Measure::distance;
+}
+
+void check_target(const ReadyRay& ready, const RayQuery& query) {
+  alidade::check_target(ready.ray, query);
+}
+
+/// The ray of a query, once there is a spacing for every point if the query asks for them.
+ReadyRay with_spacings(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+                       std::span<const double> spacings) {
+  check(query);
+  if (query.spacing_factor > 0.0 && spacings.size() != cloud.size()) {
+    throw Error({.problem = "spacing_factor needs the spacings of the points",
+                 .expected = std::to_string(cloud.size()),
+                 .found = std::to_string(spacings.size())});
+  }
+  return {ray, spacings};
 }
 
 template <class Target, class Query>
@@ -77,24 +108,43 @@ std::size_t count_to_k(const PointCloud& cloud, const Target& target, const Quer
 
 }  // namespace
 
-std::optional<Hit> closest(const PointCloud& cloud, const Ray& ray, const RayQuery& query) {
-  return first(cloud, ray, query);
+std::vector<double> spacings(const PointCloud& cloud, int neighbours) {
+  std::vector<double> answers;
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    std::vector<double> distances;
+    for (std::size_t other = 0; other < cloud.size(); ++other) {
+      const double d = distance(cloud.world(id), cloud.world(other));
+      if (d > 0.0) distances.push_back(d);
+    }
+    std::sort(distances.begin(), distances.end());
+    const auto n = static_cast<std::size_t>(neighbours);
+    answers.push_back(spacing_of(
+        spacing_bits(distances.size() < n ? std::numeric_limits<double>::infinity() : distances[n - 1])));
+  }
+  return answers;
+}
+
+std::optional<Hit> closest(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+                           std::span<const double> spacings) {
+  return first(cloud, with_spacings(cloud, ray, query, spacings), query);
 }
 
 std::optional<Hit> closest(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {
   return first(cloud, cone, query);
 }
 
-bool occluded(const PointCloud& cloud, const Ray& ray, const RayQuery& query) {
-  return !all(cloud, ray, query).empty();
+bool occluded(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+              std::span<const double> spacings) {
+  return !all(cloud, with_spacings(cloud, ray, query, spacings), query).empty();
 }
 
 bool occluded(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {
   return !all(cloud, cone, query).empty();
 }
 
-std::vector<Hit> find(const PointCloud& cloud, const Ray& ray, const RayQuery& query) {
-  return find_first(cloud, ray, query, query.k);
+std::vector<Hit> find(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+                      std::span<const double> spacings) {
+  return find_first(cloud, with_spacings(cloud, ray, query, spacings), query, query.k);
 }
 
 std::vector<Hit> find(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {
@@ -117,8 +167,9 @@ std::vector<PointHit> find(const PointCloud& cloud, const glm::dvec3& point, con
   return find_first(cloud, point, query, query.k);
 }
 
-std::size_t count(const PointCloud& cloud, const Ray& ray, const RayQuery& query) {
-  return count_to_k(cloud, ray, query);
+std::size_t count(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+                  std::span<const double> spacings) {
+  return count_to_k(cloud, with_spacings(cloud, ray, query, spacings), query);
 }
 
 std::size_t count(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {

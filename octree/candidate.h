@@ -28,17 +28,30 @@ bool admits(const CandidateFilter& filter, const Answer& answer, std::size_t que
   return filter(candidate);
 }
 
-inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, const glm::dvec3& position,
-                                   std::uint64_t point_id, std::size_t query_index = 0) {
+/// Radius of a point with this spacing: see RayQuery::spacing_factor.
+inline double own_radius(const RayQuery& query, double spacing) {
+  return std::min(query.radius, query.spacing_factor * spacing);
+}
+
+/// radius: of this point.
+inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double radius,
+                                   const glm::dvec3& position, std::uint64_t point_id,
+                                   std::size_t query_index) {
   const RayProjection projection = project(ray, position);
-  if (!(projection.distance <= query.radius && projection.t >= ray.t_min && projection.t <= ray.t_max)) {
+  if (!(projection.distance <= radius && projection.t >= ray.t_min && projection.t <= ray.t_max)) {
     return std::nullopt;
   }
-  const double entry_place = entry(projection, query.radius);
+  const double entry_place = entry(projection, radius);
   if (!(entry_place >= query.entry_min)) return std::nullopt;
   const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
   if (!admits(query.filter, hit, query_index)) return std::nullopt;
   return hit;
+}
+
+/// For points that share the query's radius.
+inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, const glm::dvec3& position,
+                                   std::uint64_t point_id, std::size_t query_index = 0) {
+  return evaluate(ray, query, query.radius, position, point_id, query_index);
 }
 
 inline std::optional<Hit> evaluate(const Cone& cone, const ConeQuery& query, const glm::dvec3& position,

@@ -69,6 +69,11 @@ void check_width(double width, const char* what) {
 void check(const RayQuery& query) {
   check_k(query.k, query.max_level);
   check_radius(query.radius);
+  if (!(query.spacing_factor >= 0.0 && std::isfinite(query.spacing_factor))) {
+    throw Error({.problem = "spacing_factor of a query is out of range",
+                 .expected = "a finite number, at least 0",
+                 .found = fmt::format("{}", query.spacing_factor)});
+  }
   if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min of a query is not a number"});
   if (query.measure == Measure::entry && std::isinf(query.radius)) {
     throw Error({.problem = "measure entry needs a radius",
@@ -157,6 +162,11 @@ void check_level(const Octree& octree, int max_level) {
   if (max_level == k_all_levels || octree.size() == 0) return;
   if (octree.view().organisation == Organisation::layered) return;
   throw Error({.problem = "max_level needs a layered octree", .expected = "an octree built as layered"});
+}
+
+void check_spacings(const Octree& octree, const RayQuery& query) {
+  if (query.spacing_factor == 0.0 || octree.size() == 0 || octree.view().spacings) return;
+  throw Error({.problem = "spacing_factor needs an octree with spacings", .expected = "with_spacings()"});
 }
 
 void check_room(std::size_t targets, std::size_t room) {

@@ -10,8 +10,8 @@
 
 namespace alidade {
 
-/// Errors: k = 0; radius negative or NaN; entry_min NaN; Measure::entry with an infinite radius; max_level
-/// negative.
+/// Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite; entry_min NaN;
+/// Measure::entry with an infinite radius; max_level negative.
 void check(const RayQuery& query);
 void check(const ConeQuery& query);
 /// Errors beside those: Measure::entry.
@@ -50,6 +50,9 @@ void check_target(const Target& target, const Query& query) {
 
 /// Errors: max_level for an octree that has points and is not layered.
 void check_level(const Octree& octree, int max_level);
+
+/// Errors: spacing_factor for an octree that has points and no spacings.
+void check_spacings(const Octree& octree, const RayQuery& query);
 
 /// Errors: room for answers that is not as long as the targets.
 void check_room(std::size_t targets, std::size_t room);

@@ -13,8 +13,8 @@ namespace alidade {
 
 /// The first thing found that is wrong.
 struct TreeFault {
-  enum class Array { nodes, ids, coordinates, positions } array = Array::nodes;
-  std::uint64_t index = 0;  ///< of the node or position, otherwise the point's place
+  enum class Array { nodes, ids, coordinates, positions, slot_spacings } array = Array::nodes;
+  std::uint64_t index = 0;  ///< of the node, position or slot spacing, otherwise the point's place
   std::string problem;      ///< one clause: what was expected and what was found
 };
 
@@ -36,5 +36,9 @@ std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, 
 /// and find_bad_id() find nothing. Cost: one pass over all arrays, one more over points of one place for each
 /// level they take; in parallel; 12 B per node and 1/4 B per point.
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree);
+
+/// Whether every slot spacing is the greatest of the spacings below. Requires spacings, and that
+/// find_broken_link() finds nothing. Cost: one pass over nodes and spacings.
+std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree);
 
 }  // namespace alidade

@@ -11,6 +11,7 @@
 
 #include "octree/check_tree.h"
 #include "octree/lattice_extent.h"
+#include "octree/slot_spacings.h"
 #include "octree/tree_walk.h"
 
 namespace alidade {
@@ -235,6 +236,21 @@ class PointCheck {
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree) {
   if (tree.node_count == 0) return std::nullopt;
   return PointCheck(tree).run();
+}
+
+std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree) {
+  for (std::uint32_t index = 0; index < tree.node_count; ++index) {
+    const auto greatest = greatest_spacings(tree, tree.slot_spacings, index);
+    for (int slot = 0; slot < k_node_width; ++slot) {
+      const std::uint64_t at = std::uint64_t{k_node_width} * index + static_cast<unsigned>(slot);
+      if (tree.slot_spacings[at] == greatest[slot]) continue;
+      return TreeFault{
+          Array::slot_spacings, at,
+          fmt::format("the greatest spacing below slot {} of node {} should be {:.9g} but is {:.9g}", slot,
+                      index, spacing_of(greatest[slot]), spacing_of(tree.slot_spacings[at]))};
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace alidade

@@ -68,6 +68,10 @@ TreeView tree_in(const IndexSections& sections) {
     tree.ids = sections.values<std::uint32_t>(IndexSection::ids).data();
   if (sections.header().find(IndexSection::positions))
     tree.positions = sections.values<LatticePosition>(IndexSection::positions).data();
+  if (sections.header().find(IndexSection::spacings)) {
+    tree.spacings = sections.values<std::uint16_t>(IndexSection::spacings).data();
+    tree.slot_spacings = sections.values<std::uint16_t>(IndexSection::slot_spacings).data();
+  }
   return tree;
 }
 
@@ -81,6 +85,8 @@ TreeView tree_in(const IndexSections& sections) {
       sections.fail(IndexSection::ids, fault.index * sizeof(std::uint32_t), fault.problem);
     case Array::coordinates:
       sections.fail(IndexSection::coordinates, fault.index * 3 * sizeof(std::uint16_t), fault.problem);
+    case Array::slot_spacings:
+      sections.fail(IndexSection::slot_spacings, fault.index * sizeof(std::uint16_t), fault.problem);
     case Array::positions:
       break;
   }
@@ -212,6 +218,9 @@ void IndexFile::verify(const Progress& progress) const {
     sections.check(section.kind, part_of(progress, section.place, header().file_bytes));
   sections.check_gaps();
   if (const auto fault = find_misplaced_point(tree())) fail(sections, *fault);
+  if (tree().spacings) {
+    if (const auto fault = find_bad_slot_spacing(tree())) fail(sections, *fault);
+  }
   report(progress, header().file_bytes, header().file_bytes);
 }
 

@@ -11,6 +11,7 @@
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/point_cloud.h"
 #include "octree/error.h"
+#include "octree/point_spacing.h"
 
 // Byte positions below are those of docs/index_file.md.
 
@@ -141,6 +142,10 @@ TreeView read_tree(const Page& page) {
   tree.first_exact = page.get<std::uint32_t>(132);
   page.require(tree.first_exact <= points, 132, "bad place of the first exact position",
                fmt::format("at most {}", points), tree.first_exact);
+  const auto neighbours = page.get<std::uint32_t>(204);
+  page.require(neighbours <= k_most_spacing_neighbours, 204, "bad number of neighbours of spacings",
+               fmt::format("at most {}", k_most_spacing_neighbours), neighbours);
+  tree.spacing_neighbours = static_cast<int>(neighbours);
   read_lattice(page, tree);
   read_bounds(page, tree);
   return tree;
@@ -156,6 +161,10 @@ std::optional<std::uint64_t> expected_bytes(const IndexHeader& header, IndexSect
       return (3 * points + k_coordinate_padding) * sizeof(std::uint16_t);
     case IndexSection::positions:
       return (points - header.tree.first_exact) * sizeof(LatticePosition);
+    case IndexSection::spacings:
+      return (points + k_coordinate_padding) * sizeof(std::uint16_t);
+    case IndexSection::slot_spacings:
+      return std::uint64_t{header.tree.node_count} * k_node_width * sizeof(std::uint16_t);
     case IndexSection::checksums: {
       std::uint64_t blocks = 0;
       for (const SectionEntry& entry : header.sections) blocks += checksum_blocks(entry.bytes);
@@ -202,6 +211,13 @@ void check_sections(const Page& page, const IndexHeader& header) {
                                     IndexSection::record_data, IndexSection::checksums}) {
     page.require(header.find(needed) != nullptr, k_section_table,
                  fmt::format("there is no section {}", name(needed)), "one", "none");
+  }
+  const bool has_spacings = header.tree.spacing_neighbours > 0;
+  for (const IndexSection needed : {IndexSection::spacings, IndexSection::slot_spacings}) {
+    const bool is_there = header.find(needed) != nullptr;
+    page.require(is_there == has_spacings, k_section_table,
+                 fmt::format("sections and header disagree about {}", name(needed)),
+                 has_spacings ? "the section" : "none", is_there ? "the section" : "none");
   }
   page.require(header.sections.back().end() == header.file_bytes, 24, "bytes behind the last section",
                fmt::format("{} bytes in all", header.sections.back().end()), header.file_bytes);
@@ -263,6 +279,7 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
   }
   store(at + 184, header.project_id);
   store(at + 200, header.file_source_id);
+  store(at + 204, static_cast<std::uint32_t>(tree.spacing_neighbours));
   for (std::size_t i = 0; i < header.sections.size(); ++i) {
     const SectionEntry& entry = header.sections[i];
     std::byte* const row = at + k_section_table + i * k_section_entry;

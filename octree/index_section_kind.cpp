@@ -20,6 +20,8 @@ std::uint32_t element_bytes(IndexSection kind) {
     case IndexSection::nodes:
       return sizeof(Node);
     case IndexSection::coordinates:
+    case IndexSection::spacings:
+    case IndexSection::slot_spacings:
       return sizeof(std::uint16_t);
     case IndexSection::ids:
       return sizeof(std::uint32_t);
@@ -48,6 +50,10 @@ std::string name(IndexSection section) {
       return "ids";
     case IndexSection::positions:
       return "positions";
+    case IndexSection::spacings:
+      return "spacings";
+    case IndexSection::slot_spacings:
+      return "slot spacings";
     case IndexSection::metadata:
       return "metadata";
     case IndexSection::record_data:

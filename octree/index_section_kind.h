@@ -16,6 +16,8 @@ enum class IndexSection : std::uint32_t {
   coordinates = 2,
   ids = 3,
   positions = 4,
+  spacings = 5,
+  slot_spacings = 6,
   first_column = 16,
   extra_dimensions = 27,
   metadata = 32,

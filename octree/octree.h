@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -44,6 +45,12 @@ struct TreeView {
   /// first_exact].
   const LatticePosition* positions = nullptr;
   std::uint32_t first_exact = 0;  ///< meaningless without positions
+  /// Spacing of the point at each place (octree/point_spacing.h), and the greatest below each slot of each
+  /// node, 0 in empty ones: slot s of node n at 8 n + s. The upper halves of floats, metres. Both null if
+  /// nobody measured them. `spacings` is readable for k_coordinate_padding values past the end.
+  const std::uint16_t* spacings = nullptr;
+  const std::uint16_t* slot_spacings = nullptr;
+  int spacing_neighbours = 0;  ///< a spacing is the distance to this neighbour; 0 without spacings
 
   /// Length of `positions`.
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }
@@ -54,6 +61,21 @@ constexpr int k_coordinate_padding = 32;
 /// The id of the point at a place.
 inline std::uint64_t point_id(const TreeView& tree, std::uint32_t place) {
   return tree.ids ? tree.ids[place] : place;
+}
+
+/// What 16 bits of a spacing stand for, metres; infinity is possible.
+inline float spacing_of(std::uint16_t bits) {
+  return std::bit_cast<float>(std::uint32_t{bits} << 16);
+}
+
+/// Those of a node's slots; null without spacings.
+inline const std::uint16_t* slot_spacings(const TreeView& tree, std::uint32_t node) {
+  return tree.slot_spacings ? tree.slot_spacings + std::size_t{k_node_width} * node : nullptr;
+}
+
+/// Spacing of the point at a place. Requires spacings.
+inline double spacing_at(const TreeView& tree, std::uint32_t place) {
+  return spacing_of(tree.spacings[place]);
 }
 
 /// Up to frames of this level, 16 bits hold the steps from a frame's corner.
@@ -78,10 +100,12 @@ class Octree {
   const Lattice& lattice() const { return view_.lattice; }
   /// Smallest box around the points, world coordinates; empty for an empty octree.
   const Bounds& bounds() const { return view_.bounds; }
-  /// Bytes of nodes, coordinates, ids and positions.
+  /// Bytes of nodes, coordinates, ids, positions and spacings.
   std::size_t memory() const;
 
   const TreeView& view() const { return view_; }
+  /// What keeps the view's arrays alive.
+  const std::shared_ptr<const void>& storage() const { return storage_; }
   InstructionSet instruction_set() const { return instruction_set_; }
   /// The same index (shared arrays), traversed with another instruction set. Errors: not available on this
   /// machine.

@@ -6,8 +6,12 @@
 
 namespace alidade {
 
+/// By what a tree tells its points apart.
+enum class PointNaming { id, place };
+
 /// An octree as tree_query.h walks it: inner nodes by their frames, leaves as nodes of their own.
-class OctreeTree {
+template <PointNaming naming>
+class OctreeAsTree {
  public:
   struct Node {
     Bounds bounds;
@@ -17,7 +21,7 @@ class OctreeTree {
   };
 
   /// Of a layered octree only the levels 0 to max_level.
-  explicit OctreeTree(const TreeView& view, int max_level = k_all_levels)
+  explicit OctreeAsTree(const TreeView& view, int max_level = k_all_levels)
       : view_(view), max_level_(max_level) {}
 
   bool empty() const { return view_.node_count == 0; }
@@ -28,7 +32,8 @@ class OctreeTree {
   void for_each_point(const Node& node, const Visit& visit) const {
     if (node.inner) return;
     for (std::uint32_t i = 0; i < node.leaf.count; ++i) {
-      if (!visit(point_id(view_, node.leaf.place + i),
+      const std::uint32_t place = node.leaf.place + i;
+      if (!visit(naming == PointNaming::place ? place : point_id(view_, place),
                  to_world(view_.lattice, position_of(view_, node.leaf, i))))
         return;
     }
@@ -56,5 +61,9 @@ class OctreeTree {
   const TreeView& view_;
   int max_level_;
 };
+
+using OctreeTree = OctreeAsTree<PointNaming::id>;
+/// For targets that ask what is stored by place.
+using OctreePlaces = OctreeAsTree<PointNaming::place>;
 
 }  // namespace alidade

@@ -28,12 +28,14 @@ template <class Target, class Query>
 void check_one(const Octree& octree, const Target& target, const Query& query) {
   check_target(target, query);
   check_level(octree, query.max_level);
+  if constexpr (std::is_same_v<Query, RayQuery>) check_spacings(octree, query);
 }
 
 template <class Target, class Query>
 void check_many(const Octree& octree, std::span<const Target>, const Query& query) {
   check_conditions<Target>(query);
   check_level(octree, query.max_level);
+  if constexpr (std::is_same_v<Query, RayQuery>) check_spacings(octree, query);
 }
 
 template <class Answer, class Target, class Query>

@@ -36,7 +36,8 @@
 //   Error. Boxes may be infinite; an inverted box holds nothing.
 // - Batches run in parallel (oneTBB, as many threads as the caller's arena allows) and answer in the order of
 //   the targets. Errors name the number of the target ("ray 17").
-// - Common Errors: k = 0; radius negative or NaN; Measure::entry with an infinite radius (of rays) or at all
+// - Common Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite, or above 0 for an
+//   octree without spacings; Measure::entry with an infinite radius (of rays) or at all
 //   (of paths); max_level negative, or given for an octree that is not layered; room for answers not as long
 //   as the targets. A batch with Errors leaves its answers half done.
 
@@ -74,6 +75,10 @@ struct RayQuery {
   /// Points with distance <= radius count. Metres.
   double radius = k_unlimited_radius;
   Measure measure = Measure::entry;
+  /// Above 0: every point has a radius of its own, this factor times its spacing, and `radius` only limits
+  /// it. So spheres close a surface where points are sparse and stay small where they are dense. Needs an
+  /// octree with spacings (octree/point_spacing.h). Order, limits and Hit::entry go by the point's radius.
+  double spacing_factor = 0.0;
   /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever stands here.
   std::size_t k = k_all;
   /// Only spheres that the ray enters at or after this place (entry >= entry_min). The default admits spheres

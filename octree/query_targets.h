@@ -49,6 +49,36 @@ class RayTarget {
   std::size_t query_index_;
 };
 
+/// A ray that meets points with radii of their own (RayQuery::spacing_factor), told by their places.
+class OwnRadiusTarget {
+ public:
+  using Answer = Hit;
+
+  OwnRadiusTarget(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index = 0)
+      : tree_(tree), ray_(ray), query_(query), query_index_(query_index), widest_(ray, query, query_index) {}
+
+  std::optional<Hit> evaluate(const glm::dvec3& position, std::uint64_t place) const {
+    const auto tree_place = static_cast<std::uint32_t>(place);
+    return alidade::evaluate(ray_, query_, own_radius(query_, spacing_at(tree_, tree_place)), position,
+                             point_id(tree_, tree_place), query_index_);
+  }
+  double measured(const Hit& hit) const { return widest_.measured(hit); }
+  bool precedes(const Hit& a, const Hit& b) const { return widest_.precedes(a, b); }
+
+  // No point's radius is above the query's.
+  Reach reach(const Bounds& box, DistanceBound bound) const { return widest_.reach(box, bound); }
+  bool too_far(const Reach& reach) const { return widest_.too_far(reach); }
+  bool outside_interval(const Reach& reach) const { return widest_.outside_interval(reach); }
+  double least_measure(const Reach& reach) const { return widest_.least_measure(reach); }
+
+ private:
+  const TreeView& tree_;
+  const Ray& ray_;
+  const RayQuery& query_;
+  std::size_t query_index_;
+  RayTarget widest_;
+};
+
 class ConeTarget {
  public:
   using Answer = Hit;

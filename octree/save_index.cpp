@@ -142,6 +142,11 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
   writer.end();
   if (tree.ids) writer.write(IndexSection::ids, std::span(tree.ids, points));
   if (tree.positions) writer.write(IndexSection::positions, std::span(tree.positions, tree.exact_count()));
+  if (tree.spacings) {
+    writer.write(IndexSection::spacings, std::span(tree.spacings, points + k_coordinate_padding));
+    writer.write(IndexSection::slot_spacings,
+                 std::span(tree.slot_spacings, std::size_t{k_node_width} * tree.node_count));
+  }
 }
 
 void write_cloud(IndexWriter& writer, const PointCloud& cloud) {

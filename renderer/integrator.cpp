@@ -48,6 +48,7 @@ struct Vertex {
     departure.from = intersection.on_cloud ? Departure::From::point : Departure::From::object;
     departure.index = intersection.index;
     departure.center = intersection.center;
+    departure.radius = intersection.radius;
   }
 
   Departure leaving(const glm::dvec3& incoming) const {

@@ -11,6 +11,7 @@
 #include "octree/spacing.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/color/color_points.h"
+#include "renderer/point_radius.h"
 #include "renderer/render.h"
 
 namespace alidade {
@@ -87,12 +88,7 @@ LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, 
 
 }  // namespace
 
-LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) {
-  if (settings.radius && !(*settings.radius > 0.0 && std::isfinite(*settings.radius))) {
-    throw Error({.problem = "bad radius of points",
-                 .expected = "a positive number",
-                 .found = std::to_string(*settings.radius)});
-  }
+LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress, const Progress& measuring) {
   // Reading counts the work; what follows is asked whether to go on, at the place where reading ended.
   std::uint64_t done = 0, total = 0;
   const Progress reading = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
@@ -111,8 +107,8 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress) 
                  .problem = "max_level needs points in levels",
                  .expected = "an index file made with --organisation layered"});
   }
-  loaded.radius = settings.radius ? *settings.radius : automatic_radius(loaded.octree, settings.max_level);
   report(afterwards, done, total);
+  choose_radius(settings, loaded, measuring);
   return loaded;
 }
 

@@ -7,6 +7,7 @@
 #include <system_error>
 
 #include "octree/error.h"
+#include "octree/point_spacing.h"
 #include "renderer/image.h"
 #include "renderer/read_scene_parts.h"
 
@@ -15,6 +16,16 @@ namespace {
 
 std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
   return (scene_file.parent_path() / node.text()).lexically_normal();
+}
+
+AdaptedRadius read_adapted_radius(const JsonNode& node) {
+  const JsonFields fields(node, {"neighbours", "factor", "max"});
+  AdaptedRadius radius;
+  if (const auto neighbours = fields.find("neighbours"))
+    radius.neighbours = static_cast<int>(neighbours->whole_number(1, k_most_spacing_neighbours));
+  if (const auto factor = fields.find("factor")) radius.factor = factor->number(k_length);
+  if (const auto max = fields.find("max")) radius.max = max->number(k_length);
+  return radius;
 }
 
 CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
@@ -31,7 +42,9 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
   }
   if (const auto radius = fields.find("radius")) {
     constexpr std::array<std::string_view, 1> words{"auto"};
-    if (radius->is_string())
+    if (radius->is_object())
+      cloud.adapted_radius = read_adapted_radius(*radius);
+    else if (radius->is_string())
       radius->choice(words);
     else
       cloud.radius = radius->number(k_length);

@@ -12,9 +12,9 @@
 #include <glm/geometric.hpp>
 #include <mutex>
 
-#include "octree/query.h"
 #include "renderer/camera/projection.h"
 #include "renderer/integrator.h"
+#include "renderer/point_radius.h"
 
 namespace alidade {
 namespace {
@@ -189,13 +189,11 @@ void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCl
   if (std::holds_alternative<OrthographicLens>(camera.lens)) return;
   const bool all_levels = !scene.cloud || scene.cloud->max_level >= k_max_level;
   const int max_level = all_levels ? k_all_levels : scene.cloud->max_level;
-  const std::vector<PointHit> around =
-      find(cloud.octree, camera.pose.position, {.radius = cloud.radius, .k = 1, .max_level = max_level});
-  if (around.empty()) return;
-  throw Error(
-      {.problem = fmt::format("the camera stands inside the sphere of point {}", around.front().point_id),
-       .expected = fmt::format("a place more than {:.6g} from every point", cloud.radius),
-       .found = fmt::format("{:.6g} away", around.front().distance)});
+  const std::optional<SphereAround> sphere = sphere_around(cloud, camera.pose.position, max_level);
+  if (!sphere) return;
+  throw Error({.problem = fmt::format("the camera stands inside the sphere of point {}", sphere->point_id),
+               .expected = fmt::format("a place more than {:.6g} from it", sphere->radius),
+               .found = fmt::format("{:.6g} away", sphere->distance)});
 }
 
 Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,

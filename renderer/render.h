@@ -19,8 +19,9 @@ struct LoadedCloud {
   Octree octree;
   std::vector<Color16> colors;               ///< display-referred, one per point id; none for normals
   std::span<const Color16> mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
-  double radius = 0.0;                       ///< metres, the one used
-  ColorKey color;                            ///< what the colours show
+  double radius = 0.0;          ///< metres, the one used; the greatest one where each point has its own
+  double spacing_factor = 0.0;  ///< above 0: each point has its own, see RayQuery::spacing_factor
+  ColorKey color;               ///< what the colours show
   Crs crs;
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;
@@ -36,7 +37,9 @@ struct LoadedCloud {
 /// A single index file is used where it lies: octree and rgb colours in its map, nothing is built, and the
 /// picture has the same bytes. It keeps the colour depth it was made with. Other colours take 6 bytes per
 /// point (renderer/color/color_points.h).
-LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {});
+/// `measuring` is in points whose spacing was measured, if radii adapt to it and no index file has them.
+LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {},
+                       const Progress& measuring = {});
 
 /// Box around the spheres of the cloud's points but for strays (the outermost half percent on either side of
 /// an axis, where they lie far out): what overview_camera should show. Empty for a cloud without points.

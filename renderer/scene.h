@@ -36,6 +36,15 @@ enum class NormalMode {
            ///< surface
 };
 
+/// Radii that follow the density of the points: of each point, factor times the distance to its n-th nearest
+/// neighbour (octree/point_spacing.h), at most max. On a surface with so many points per square metre the
+/// eighth neighbour is 1.6 / sqrt(density) away, and spheres of that radius close it.
+struct AdaptedRadius {
+  int neighbours = 8;         ///< 1 to 64
+  double factor = 1.0;        ///< above 0
+  std::optional<double> max;  ///< metres; empty: four times the radius that "auto" would be
+};
+
 /// More levels than any octree has: all of them.
 inline constexpr int k_max_level = 255;
 
@@ -44,6 +53,7 @@ struct CloudSettings {
   std::vector<std::filesystem::path> files;
   ColorDepth color_depth = ColorDepth::automatic;
   std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing
+  std::optional<AdaptedRadius> adapted_radius;  ///< takes the place of radius
   HitMode hits = HitMode::entry;
   PointColoring color;
   Material material = Lambertian{};

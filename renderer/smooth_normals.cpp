@@ -164,15 +164,14 @@ SmoothNormal unpack(std::uint32_t packed) {
 
 }  // namespace
 
-SmoothNormals::SmoothNormals(const Octree& octree, double reach)
-    : octree_(&octree), reach_(reach), kept_(octree.size()) {}
+SmoothNormals::SmoothNormals(const Octree& octree) : octree_(&octree), kept_(octree.size()) {}
 
-SmoothNormal SmoothNormals::at(std::uint64_t point_id, const glm::dvec3& position) const {
+SmoothNormal SmoothNormals::at(std::uint64_t point_id, const glm::dvec3& position, double reach) const {
   std::atomic<std::uint32_t>& kept = kept_[point_id];
   std::uint32_t packed = kept.load(std::memory_order_relaxed);
   if (packed == 0) {
     // Two threads may both do this; they get the same.
-    packed = pack(fit_plane(neighbourhood(octree_->view(), position, reach_)));
+    packed = pack(fit_plane(neighbourhood(octree_->view(), position, reach)));
     kept.store(packed, std::memory_order_relaxed);
   }
   return unpack(packed);

@@ -16,21 +16,20 @@ struct SmoothNormal {
   double trust = 0.0;                ///< 0: no surface here (foliage, lone points) .. 1: a plane
 };
 
-/// Normals for `"normals": "smooth"`: of a plane through all points within `reach`, nearer ones weighing
+/// Normals for `"normals": "smooth"`: of a plane through all points within a reach, nearer ones weighing
 /// more. Each is worked out when it is first asked for and kept (4 bytes per point), so a picture pays for
 /// what it shows. The answer is a function of the cloud alone: safe and equal from any number of threads.
 /// Source of the fit: Hoppe et al., Surface Reconstruction from Unorganized Points, 1992.
 class SmoothNormals {
  public:
   /// The octree must outlive this.
-  SmoothNormals(const Octree& octree, double reach);
+  explicit SmoothNormals(const Octree& octree);
 
-  /// For the point with this id, which lies at `position`.
-  SmoothNormal at(std::uint64_t point_id, const glm::dvec3& position) const;
+  /// For the point with this id, which lies at `position`. reach: always the same for the same point.
+  SmoothNormal at(std::uint64_t point_id, const glm::dvec3& position, double reach) const;
 
  private:
   const Octree* octree_;
-  double reach_;
   mutable std::vector<std::atomic<std::uint32_t>> kept_;  ///< packed; 0 = not asked for yet
 };
 

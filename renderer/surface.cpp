@@ -87,12 +87,13 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
       .shows_normals = cloud->color.by == PointColor::normal,
       .query = {.radius = cloud->radius,
                 .measure = settings.hits == HitMode::entry ? Measure::entry : Measure::t,
+                .spacing_factor = cloud->spacing_factor,
                 .entry_min = smallest_entry(cloud->octree.bounds(), cloud->radius),
                 .max_level = settings.max_level < k_max_level ? settings.max_level : k_all_levels},
       .material = settings.material,
   };
   if (settings.normals == NormalMode::smooth && !std::holds_alternative<Dielectric>(settings.material)) {
-    smooth_normals_.emplace(cloud->octree, k_normal_reach * cloud->radius);
+    smooth_normals_.emplace(cloud->octree);
   }
   linear_.resize(65536);
   for (int value = 0; value < 65536; ++value) {
@@ -125,9 +126,15 @@ void World::nearest(std::span<const Ray> rays, std::span<const Departure> depart
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Intersection best = nearest_object(rays[i], departures[i]);
     if (cloud_ && departures[i].from == Departure::From::point && departures[i].inward) {
-      const double t = intersect_sphere(rays[i], departures[i].center, cloud_->query.radius, Roots::far_one);
-      if (t < best.t)
-        best = {.t = t, .on_cloud = true, .index = departures[i].index, .center = departures[i].center};
+      const Departure& departure = departures[i];
+      const double t = intersect_sphere(rays[i], departure.center, departure.radius, Roots::far_one);
+      if (t < best.t) {
+        best = {.t = t,
+                .on_cloud = true,
+                .index = departure.index,
+                .center = departure.center,
+                .radius = departure.radius};
+      }
     } else if (cloud_) {
       // The interval limits projections, which lie up to a radius behind the place of entry.
       asked.push_back({rays[i].origin, rays[i].direction, 0.0, best.t + cloud_->query.radius});
@@ -141,8 +148,13 @@ void World::nearest(std::span<const Ray> rays, std::span<const Departure> depart
   for (std::size_t a = 0; a < asked.size(); ++a) {
     const std::optional<Hit>& hit = hits[a];
     std::optional<Intersection>& best = met[numbers[a]];
-    if (hit && (!best || hit->entry < best->t))
-      best = {.t = hit->entry, .on_cloud = true, .index = hit->point_id, .center = hit->position};
+    if (hit && (!best || hit->entry < best->t)) {
+      best = {.t = hit->entry,
+              .on_cloud = true,
+              .index = hit->point_id,
+              .center = hit->position,
+              .radius = cloud_->query.spacing_factor > 0.0 ? sphere_radius(*hit) : cloud_->query.radius};
+    }
   }
 }
 
@@ -169,10 +181,11 @@ void World::blocked(std::span<const Ray> rays, std::span<const Departure> depart
 }
 
 void World::smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const {
-  const SmoothNormal found = smooth_normals_->at(intersection.index, intersection.center);
+  const SmoothNormal found =
+      smooth_normals_->at(intersection.index, intersection.center, k_normal_reach * intersection.radius);
   const glm::dvec3 facing = glm::dot(found.normal, ray.direction) > 0.0 ? -found.normal : found.normal;
   const double height = glm::dot(surface.position - intersection.center, facing);
-  const double lift = k_departure_height * cloud_->query.radius - height;
+  const double lift = k_departure_height * intersection.radius - height;
   surface.departure += found.trust * lift * facing;
   // Both face the ray, and so does their mean.
   surface.normal = glm::normalize(glm::mix(surface.normal, facing, found.trust));
@@ -180,7 +193,7 @@ void World::smooth(const Ray& ray, const Intersection& intersection, Surface& su
 
 Surface World::surface_at(const Ray& ray, const Intersection& intersection) const {
   if (intersection.on_cloud) {
-    Surface surface = on_sphere(ray, intersection.t, intersection.center, cloud_->query.radius);
+    Surface surface = on_sphere(ray, intersection.t, intersection.center, intersection.radius);
     surface.material = &cloud_->material;
     if (smooth_normals_) smooth(ray, intersection, surface);
     const Color16 color =

@@ -18,12 +18,12 @@
 
 namespace alidade {
 
-/// The cloud as rays see it: a sphere of one radius around each point.
+/// The cloud as rays see it: a sphere around each point.
 struct CloudGeometry {
   const Octree* octree = nullptr;
   std::span<const Color16> colors;
   bool shows_normals = false;  ///< the colour of a surface is the way it faces, not that of its point
-  RayQuery query;              ///< radius, measure, and an entry_min above the rounding of coordinates
+  RayQuery query;  ///< radius or radii, measure, and an entry_min above the rounding of coordinates
   Material material;
 };
 
@@ -32,6 +32,7 @@ struct Departure {
   enum class From { air, object, point } from = From::air;
   std::uint64_t index = 0;  ///< of the object, or point id
   glm::dvec3 center{0.0};   ///< of the point
+  double radius = 0.0;      ///< of its sphere
   bool inward = false;      ///< the ray goes on inside
 };
 
@@ -41,6 +42,7 @@ struct Intersection {
   bool on_cloud = false;
   std::uint64_t index = 0;  ///< of the object, or point id
   glm::dvec3 center{0.0};   ///< of the point
+  double radius = 0.0;      ///< of its sphere
 };
 
 /// The hit place, ready for shading.

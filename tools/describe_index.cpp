@@ -27,13 +27,18 @@ double bytes_per_point(const IndexFile& index, std::uint64_t bytes) {
 std::uint64_t octree_bytes(const IndexFile& index) {
   std::uint64_t bytes = 0;
   for (const SectionEntry& section : index.header().sections) {
-    if (section.kind <= IndexSection::positions) bytes += section.bytes;
+    if (section.kind <= IndexSection::slot_spacings) bytes += section.bytes;
   }
   return bytes;
 }
 
 bool is_in_stored_order(const IndexHeader& header) {
   return header.tree.point_count > 0 && header.find(IndexSection::ids) == nullptr;
+}
+
+std::string spacing_text(const IndexHeader& header) {
+  const int neighbours = header.tree.spacing_neighbours;
+  return neighbours > 0 ? fmt::format(", spacings to neighbour {}", neighbours) : "";
 }
 
 }  // namespace
@@ -49,6 +54,7 @@ Json index_json(const IndexFile& index, bool verified) {
           {"levels", header.tree.level_count},
           {"nodes", header.tree.node_count},
           {"stored_order", is_in_stored_order(header)},
+          {"spacing_neighbours", header.tree.spacing_neighbours},
           {"verified", verified}};
 }
 
@@ -56,7 +62,8 @@ std::vector<std::string> index_lines(const IndexFile& index, bool verified) {
   const IndexHeader& header = index.header();
   return {fmt::format("version {}, {} octree of {} nodes on {} levels{}", k_index_version,
                       organisation_name(header.tree.organisation), header.tree.node_count,
-                      header.tree.level_count, is_in_stored_order(header) ? ", points in its order" : ""),
+                      header.tree.level_count,
+                      (is_in_stored_order(header) ? ", points in its order" : "") + spacing_text(header),
           fmt::format("{} bytes, {:.2f} per point, {:.2f} of them octree{}", header.file_bytes,
                       bytes_per_point(index, header.file_bytes), bytes_per_point(index, octree_bytes(index)),
                       verified ? "; verified: undamaged" : "")};

@@ -4,6 +4,7 @@
 #include "octree/build.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/index_file.h"
+#include "octree/point_spacing.h"
 #include "tools/command.h"
 #include "tools/message.h"
 #include "tools/options.h"
@@ -19,6 +20,7 @@ struct IndexCommand {
   double cell_size = 0.0;
   std::optional<ColorDepth> color_depth;
   bool stored_order = false;
+  std::optional<int> spacing_neighbours;
   bool overwrite = false;
   std::optional<int> threads;
   VerbosityOptions verbosity;
@@ -47,6 +49,14 @@ Octree build_from(const IndexCommand& command, PointCloud& cloud) {
   return octree;
 }
 
+Octree measured(const IndexCommand& command, const Octree& octree) {
+  if (!command.spacing_neighbours) return octree;
+  ProgressLine line("measuring spacings", "points", command.verbosity.verbosity());
+  Octree with = with_spacings(octree, *command.spacing_neighbours, line.callback());
+  line.finish();
+  return with;
+}
+
 ExitCode run(const IndexCommand& command) {
   if (command.cell_size > 0.0 && command.organisation != Organisation::fixed)
     throw Error({.problem = "--cell-size is for --organisation fixed"});
@@ -57,7 +67,7 @@ ExitCode run(const IndexCommand& command) {
   }
   check_writable(command.output, command.overwrite, command.files);
   PointCloud cloud = read(command);
-  const Octree octree = build_from(command, cloud);
+  const Octree octree = measured(command, build_from(command, cloud));
   ProgressLine line("writing", "B", command.verbosity.verbosity());
   save_index(command.output, octree, cloud, {.overwrite = command.overwrite, .progress = line.callback()});
   line.finish();
@@ -108,6 +118,13 @@ Command add_index(CLI::App& program) {
   add_choice<ColorDepth>(*index, "--color-depth",
                          "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps 16",
                          command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_value(*index, "--spacings", "N",
+            "store the distance of every point to its N-th nearest neighbour, 1 to 64 (the usual one is 8): "
+            "'alidade "
+            "render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
+            [command](const std::string& text) {
+              command->spacing_neighbours = static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
+            });
   index->add_flag("--overwrite", command->overwrite, "replace an existing output");
   add_threads(*index, command->threads);
   add_verbosity(*index, command->verbosity);
@@ -127,7 +144,8 @@ Command add_index(CLI::App& program) {
       "\n"
       "Examples:\n"
       "  alidade index site.las -o site.alidade\n"
-      "  alidade index tile_1.las tile_2.las -o site.alidade --organisation layered\n");
+      "  alidade index tile_1.las tile_2.las -o site.alidade --organisation layered\n"
+      "  alidade index site.las -o site.alidade --spacings 8\n");
   return {index, [command] {
             ExitCode code = ExitCode::failed;
             with_threads(command->threads, [&] { code = run(*command); });

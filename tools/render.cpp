@@ -58,15 +58,32 @@ std::vector<std::filesystem::path> input_files(const RenderCommand& command, con
   return files;
 }
 
+std::string radius_text(const CloudSettings& settings, const LoadedCloud& cloud) {
+  if (settings.adapted_radius) {
+    return fmt::format("spheres of radius {:.4g} times the distance to neighbour {}, at most {:.4g}",
+                       cloud.spacing_factor, settings.adapted_radius->neighbours, cloud.radius);
+  }
+  return fmt::format("spheres of radius {:.4g}{}", cloud.radius,
+                     settings.radius ? "" : " (from the spacing of the points)");
+}
+
 LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
   ProgressLine line("loading cloud", "B", verbosity);
-  LoadedCloud cloud = load_cloud(settings, line.callback());
-  line.finish();
+  std::optional<ProgressLine> measuring;
+  const Progress measure = [&](std::uint64_t done, std::uint64_t total) {
+    if (!measuring) {
+      line.finish();
+      measuring.emplace("measuring spacings", "points", verbosity);
+    }
+    return measuring->callback()(done, total);
+  };
+  LoadedCloud cloud = load_cloud(settings, line.callback(), measure);
+  (measuring ? *measuring : line).finish();
   if (verbosity == Verbosity::quiet) return cloud;
   for (const std::string& warning : cloud.warnings) say_warning(warning);
   const std::string color = cloud.color.by == PointColor::rgb ? "their rgb values" : cloud.color.word;
-  say_note(fmt::format("{} points, coloured by {}, spheres of radius {:.4g}{}", cloud.octree.size(), color,
-                       cloud.radius, settings.radius ? "" : " (from the spacing of the points)"));
+  say_note(
+      fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color, radius_text(settings, cloud)));
   if (cloud.color.scale) say_note(cloud.color.word + ": " + scale_text(cloud.color));
   return cloud;
 }
@@ -121,7 +138,10 @@ ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* 
   metadata.cloud_offset = cloud->octree.lattice().offset;
   metadata.crs = cloud->crs;
   metadata.radius = cloud->radius;
-  for (const auto& text : color_metadata(cloud->color)) metadata.further.push_back(text);
+  const std::string color = cloud.color.by == PointColor::rgb ? "their rgb values" : cloud.color.word;
+  say_note(
+      fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color, radius_text(settings, cloud)));
+  if (cloud.color.scale) say_note(cloud.color.word + ": " + scale_text(cloud.color));
   return metadata;
 }
 

@@ -2,9 +2,11 @@
 #include "tools/render_options.h"
 
 #include <algorithm>
+#include <functional>
 #include <sstream>
 
 #include "octree/error.h"
+#include "octree/point_spacing.h"
 #include "renderer/image.h"
 #include "renderer/read_scene.h"
 
@@ -30,11 +32,28 @@ std::vector<Layer> parse_layers(const std::string& text) {
   return layers;
 }
 
-std::optional<double> parse_radius(const std::string& text) {
-  if (text == "auto") return std::nullopt;
-  const double radius = parse_number(text);
-  if (!(radius > 0.0)) throw CLI::ValidationError("expected auto or a length above 0, found '" + text + "'");
-  return radius;
+double parse_positive(const std::string& text, const std::string& expected) {
+  const double value = parse_number(text);
+  if (!(value > 0.0)) throw CLI::ValidationError("expected " + expected + ", found '" + text + "'");
+  return value;
+}
+
+RadiusRequest parse_radius(const std::string& text) {
+  if (text == "auto") return {};
+  if (text == "adapted") return {.adapted = AdaptedRadius()};
+  return {.radius = parse_positive(text, "auto, adapted or a length above 0")};
+}
+
+/// One of the options that say how radii adapt, any of which asks for that.
+void add_adapted_radius_option(CLI::App& render, RenderCommand& command, const std::string& name,
+                               const std::string& kind, const std::string& help,
+                               const std::function<void(AdaptedRadius&, const std::string&)>& take) {
+  add_value(render, name, kind, help, [&command, name, take](const std::string& text) {
+    if (!command.radius) command.radius.emplace();
+    if (command.radius->radius) throw CLI::ValidationError(name + " is for --radius adapted");
+    if (!command.radius->adapted) command.radius->adapted.emplace();
+    take(*command.radius->adapted, text);
+  });
 }
 
 void add_picture_options(CLI::App& render, RenderCommand& command) {
@@ -58,9 +77,27 @@ void add_picture_options(CLI::App& render, RenderCommand& command) {
 }
 
 void add_cloud_options(CLI::App& render, RenderCommand& command) {
-  add_value(render, "--radius", "R|auto",
-            "radius of the sphere around each point, metres (default auto: from the spacing)",
-            [&command](const std::string& text) { command.radius.emplace(parse_radius(text)); });
+  add_value(render, "--radius", "R|auto|adapted",
+            "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; "
+            "adapted: each point its own, from the distance to its neighbours, small where the scan is dense "
+            "(default auto)",
+            [&command](const std::string& text) { command.radius = parse_radius(text); });
+  add_adapted_radius_option(render, command, "--radius-factor", "F",
+                            "adapted radii are F times the distance to the neighbour (default 1)",
+                            [](AdaptedRadius& radius, const std::string& text) {
+                              radius.factor = parse_positive(text, "a number above 0");
+                            });
+  add_adapted_radius_option(render, command, "--radius-neighbours", "N",
+                            "adapted radii go by the N-th nearest neighbour, 1 to 64 (default 8)",
+                            [](AdaptedRadius& radius, const std::string& text) {
+                              radius.neighbours =
+                                  static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
+                            });
+  add_adapted_radius_option(render, command, "--radius-max", "R",
+                            "adapted radii are at most R metres (default: four times what auto would be)",
+                            [](AdaptedRadius& radius, const std::string& text) {
+                              radius.max = parse_positive(text, "a length above 0");
+                            });
   add_choice<ColorDepth>(render, "--color-depth",
                          "bits in use in LAS colour fields (default: told from the values)",
                          command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
@@ -103,7 +140,10 @@ void apply_cloud_options(const RenderCommand& command, Scene& scene) {
                             "of colours and the legend"});
   }
   CloudSettings& cloud = *scene.cloud;
-  if (command.radius) cloud.radius = *command.radius;
+  if (command.radius) {
+    cloud.radius = command.radius->radius;
+    cloud.adapted_radius = command.radius->adapted;
+  }
   cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
   apply(command.color, cloud.color);
   cloud.hits = command.hits.value_or(cloud.hits);

@@ -14,6 +14,12 @@
 
 namespace alidade {
 
+/// How large the spheres of points are to be: a length, "auto" where both are empty, or adapted.
+struct RadiusRequest {
+  std::optional<double> radius;
+  std::optional<AdaptedRadius> adapted;
+};
+
 /// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
 struct RenderCommand {
   std::filesystem::path scene_file;
@@ -22,7 +28,7 @@ struct RenderCommand {
   CameraRequest camera;
   std::optional<int> samples, max_bounces;
   std::optional<std::uint64_t> seed;
-  std::optional<std::optional<double>> radius;  ///< an empty radius in it is "auto"
+  std::optional<RadiusRequest> radius;
   std::optional<ColorDepth> color_depth;
   ColorRequest color;
   std::optional<HitMode> hits;

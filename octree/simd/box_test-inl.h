@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "octree/simd/lanes-inl.h"
+#include "octree/simd/own_radii-inl.h"
 #include "octree/simd/ray_state.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -117,7 +118,8 @@ HWY_INLINE hn::Vec<FaceLanes> near_and_far(std::size_t lane, float near, float f
 /// A single ray as it meets boxes. t of the faces at grid step q of a frame, those of far faces negated, is
 /// q * step * 2^(level - 8) + extra * 2^(level - 8) + corner * step + offset, with the frame's corner in
 /// lattice steps from the root's: so the greatest of three axes is where the ray enters, and minus where it
-/// leaves.
+/// leaves. Radii of the points' own are taken off later.
+template <Radii radii>
 struct alignas(64) RayOnGrid {
   float step[3][2 * k_node_width];
   float offset[3][2 * k_node_width];
@@ -125,14 +127,16 @@ struct alignas(64) RayOnGrid {
   /// goes down.
   float extra[3][2 * k_node_width];
   int near_row[3], far_row[3];  ///< bytes from the node's start
+  float way[3];                 ///< along the ray for a metre along the axis
 
   RayOnGrid(const QuerySetup& setup, const RayBoxes& boxes) {
     const FaceLanes d;
-    const auto widening = static_cast<float>(setup.box_radius);
+    const auto widening = static_cast<float>(radii == Radii::own ? setup.box_margin : setup.box_radius);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = boxes.inverse[axis] < 0.0f;
       const float steps = setup.float_scale[axis] * boxes.inverse[axis];
-      const float reach = widening * std::fabs(boxes.inverse[axis]), origin_t = boxes.origin_t[axis];
+      way[axis] = std::fabs(boxes.inverse[axis]);
+      const float reach = widening * way[axis], origin_t = boxes.origin_t[axis];
       for (std::size_t lane = 0; lane < 2 * k_node_width; lane += hn::Lanes(d)) {
         hn::Store(near_and_far(lane, steps, -steps), d, step[axis] + lane);
         hn::Store(near_and_far(lane, -origin_t - reach, origin_t - reach), d, offset[axis] + lane);
@@ -169,25 +173,42 @@ HWY_INLINE hn::Vec<FaceLanes> rows_as_floats(const std::uint8_t* near, const std
 #endif
 }
 
+/// Radii of a node's slots for near and far faces.
+HWY_INLINE hn::Vec<FaceLanes> slot_radii(const OwnRadii& own_radii, const std::uint16_t* spacings,
+                                         std::size_t lane) {
+  const FaceLanes d;
+#if HWY_TARGET == HWY_AVX3
+  (void)lane;
+  const hn::Half<FaceLanes> half;
+  const auto radii = own_radii.above(half, spacings);
+  return hn::Combine(d, radii, radii);
+#else
+  return own_radii.above(d, spacings + lane % k_node_width);
+#endif
+}
+
 /// Slots whose widened box the ray meets between t_low and t_cut, empty ones included, and where it enters
 /// each; rounding below 0, where it enters the root's box, is left out. corner: of the node's frame, lattice
-/// steps.
-HWY_INLINE unsigned meet_boxes(const RayBoxes& boxes, const RayOnGrid& ray, const Node& node,
-                               const float* corner, int level, float* t_near) {
+/// steps. spacings: of the node's slots; only for Radii::own.
+template <Radii radii>
+HWY_INLINE unsigned meet_boxes(const RayBoxes& boxes, const RayOnGrid<radii>& ray, const Node& node,
+                               const float* corner, int level, const OwnRadii& own_radii,
+                               const std::uint16_t* spacings, float* t_near) {
   const FaceLanes d;
   const auto* rows = &node.low[0][0];
   const auto grid_step =
       hn::Set(d, std::bit_cast<float>(static_cast<std::uint32_t>(127 + level - k_min_frame_level) << 23));
   const auto faces = [&](std::size_t lane) {
-    auto t = hn::Zero(d);
+    auto t = hn::Zero(d), radius = hn::Zero(d);
+    if constexpr (radii == Radii::own) radius = slot_radii(own_radii, spacings, lane);
     for (int axis = 0; axis < 3; ++axis) {
       const auto step = hn::Load(d, ray.step[axis] + lane);
       const auto base =
           hn::MulAdd(hn::Load(d, ray.extra[axis] + lane), grid_step,
                      hn::MulAdd(hn::Set(d, corner[axis]), step, hn::Load(d, ray.offset[axis] + lane)));
-      const auto on_axis =
-          hn::MulAdd(rows_as_floats(rows + ray.near_row[axis], rows + ray.far_row[axis], lane),
-                     hn::Mul(step, grid_step), base);
+      auto on_axis = hn::MulAdd(rows_as_floats(rows + ray.near_row[axis], rows + ray.far_row[axis], lane),
+                                hn::Mul(step, grid_step), base);
+      if constexpr (radii == Radii::own) on_axis = hn::NegMulAdd(radius, hn::Set(d, ray.way[axis]), on_axis);
       t = axis == 0 ? on_axis : hn::Max(t, on_axis);
     }
     return t;

@@ -16,10 +16,10 @@ namespace HWY_NAMESPACE {
 
 /// Tests the points of one leaf against a list of rays, one lane per ray. Lanes decide as those of LeafTest
 /// do; where one point does not stand out, the ray goes to LeafTest.
-template <Measure measure, bool any>
+template <Measure measure, bool any, Radii radii>
 class LeafGroupTest {
  public:
-  using Single = LeafTest<measure, any>;
+  using Single = LeafTest<measure, any, radii>;
 
   /// The first `count` points of a leaf.
   LeafGroupTest(const QuerySetup& setup, const Single& single, const Leaf& leaf, std::uint32_t count,
@@ -32,6 +32,14 @@ class LeafGroupTest {
         hn::Store(
             hn::Mul(load_as_float(d, coordinates + axis * leaf.count + i), hn::Set(d, place.scale[axis])), d,
             points_[axis] + i);
+    if constexpr (radii == Radii::own) {
+      const auto error = hn::Set(d, float_above(place.error));
+      for (std::uint32_t i = 0; i < count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
+        const auto radius = single.own_radii().above(d, setup.tree.spacings + leaf.place + i);
+        hn::Store(OwnRadii::outer_sq(d, radius, error), d, outer_sq_ + i);
+        hn::Store(OwnRadii::inner_sq(d, radius, error), d, inner_sq_ + i);
+      }
+    }
   }
 
   void visit(const RayBatch& batch, const RayList& list, std::uint64_t& answers) const {
@@ -72,7 +80,6 @@ class LeafGroupTest {
       high = hn::Min(hn::Add(high, hn::Add(error, hn::Set(d, single_.radius_above()))),
                      hn::Add(group.t_max, error));
     const auto in_list = lanes_in_list(0, left);
-    const auto outer_sq = hn::Set(d, place_.outer_sq);
 
     alignas(64) float ts[k_max_leaf_size][k_most_lanes], distances_sq[k_max_leaf_size][k_most_lanes];
     std::uint32_t possible = 0;
@@ -89,13 +96,12 @@ class LeafGroupTest {
           hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)));
       hn::Store(t, d, ts[i]);
       hn::Store(distance_sq, d, distances_sq[i]);
-      const auto near = hn::And(hn::Le(distance_sq, outer_sq), hn::And(hn::Ge(t, low), hn::Le(t, high)));
+      const auto near = hn::And(hn::Le(distance_sq, outer_sq(i)), hn::And(hn::Ge(t, low), hn::Le(t, high)));
       possible |= (hn::AllFalse(d, near) ? 0u : 1u) << i;
     }
     if (possible == 0) return;
     ++answers;
 
-    const auto inner_sq = hn::Set(d, single_.inner_sq(place_));
     const auto surely_low = hn::Add(group.t_min, error), surely_high = hn::Sub(group.t_max, error),
                surely_after = hn::Add(group.entry_min, error);
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
@@ -106,8 +112,9 @@ class LeafGroupTest {
     const hn::RebindToUnsigned<RayLanes> n;
     auto leader = hn::Zero(n);
     for (; possible != 0; possible &= possible - 1) {
-      const int i = std::countr_zero(possible);
+      const auto i = static_cast<std::uint32_t>(std::countr_zero(possible));
       const auto t = hn::Load(d, ts[i]), distance_sq = hn::Load(d, distances_sq[i]);
+      const auto outer_sq = this->outer_sq(i), inner_sq = this->inner_sq(i);
       const auto near = hn::And(hn::Le(distance_sq, outer_sq), hn::And(hn::Ge(t, low), hn::Le(t, high)));
       const auto entry_low =
           hn::Sub(hn::Sub(t, error), hn::Sqrt(hn::Max(hn::Sub(outer_sq, distance_sq), zero)));
@@ -126,7 +133,7 @@ class LeafGroupTest {
       const auto leads = hn::And(sure, hn::Lt(measure_high, leader_high));
       leader_high = hn::IfThenElse(leads, measure_high, leader_high);
       leader_low = hn::IfThenElse(leads, measure_low, leader_low);
-      leader = hn::IfThenElse(hn::RebindMask(n, leads), hn::Set(n, static_cast<std::uint32_t>(i)), leader);
+      leader = hn::IfThenElse(hn::RebindMask(n, leads), hn::Set(n, i), leader);
     }
     const auto has_leader = hn::And(in_list, hn::Lt(leader_high, none));
     if constexpr (any) {
@@ -157,6 +164,14 @@ class LeafGroupTest {
              [&](std::size_t lane) { alone(batch[rays[lane]], t_near[lane]); });
   }
 
+  /// Squares of point i's radius: LeafTest::Place::outer_sq and LeafTest::inner_sq.
+  HWY_INLINE RayVector outer_sq(std::uint32_t i) const {
+    return hn::Set(RayLanes(), radii == Radii::own ? outer_sq_[i] : place_.outer_sq);
+  }
+  HWY_INLINE RayVector inner_sq(std::uint32_t i) const {
+    return hn::Set(RayLanes(), radii == Radii::own ? inner_sq_[i] : single_.inner_sq(place_));
+  }
+
   template <class Visit>
   static void for_each(const hn::Mask<RayLanes>& mask, const Visit& visit) {
     for (unsigned bits = mask_bits(RayLanes(), mask); bits != 0; bits &= bits - 1)
@@ -172,6 +187,7 @@ class LeafGroupTest {
   const std::uint32_t count_;
   const typename Single::Place& place_;
   alignas(64) float points_[3][k_max_leaf_size];
+  alignas(64) float outer_sq_[k_max_leaf_size], inner_sq_[k_max_leaf_size];  ///< only of Radii::own
 };
 
 }  // namespace HWY_NAMESPACE

@@ -14,6 +14,7 @@
 #include <span>
 
 #include "octree/simd/lanes-inl.h"
+#include "octree/simd/own_radii-inl.h"
 #include "octree/simd/ray_state.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -44,12 +45,13 @@ HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* 
 /// whether they can count (most cannot) or certainly do, and bounds of their measure. Only where bounds
 /// overlap, or the edge of a condition is nearer than `error`, is a point decided in double
 /// (octree/candidate.h). So the answer is the same bits on every machine, at the price of floats.
-template <Measure measure, bool any>
+template <Measure measure, bool any, Radii radii>
 class LeafTest {
  public:
   explicit LeafTest(const QuerySetup& setup)
       : setup_(setup),
         radius_above_(float_above(setup.query.radius)),
+        own_radii_(setup.query),
         all_in_double_(static_cast<bool>(setup.query.filter)) {}
 
   /// Leaves below one frame.
@@ -112,6 +114,7 @@ class LeafTest {
     ray.boxes.t_cut = -std::numeric_limits<float>::infinity();
   }
 
+  const OwnRadii& own_radii() const { return own_radii_; }
   bool all_in_double() const { return all_in_double_; }
   float radius_above() const { return radius_above_; }
 
@@ -127,7 +130,24 @@ class LeafTest {
     const PointLanes d;
     constexpr int lanes = hn::MaxLanes(PointLanes());
     const auto error = hn::Set(d, float_above(place.error));
-    const auto outer_sq = hn::Set(d, place.outer_sq);
+    hn::Vec<PointLanes> radius[vectors];
+    if constexpr (radii == Radii::own) {
+      for (int i = 0; i < vectors; ++i)
+        radius[i] = own_radii_.above(d, setup_.tree.spacings + leaf.place + i * lanes);
+    }
+    const auto outer_sq_of = [&](int i) {
+      if constexpr (radii == Radii::own) return OwnRadii::outer_sq(d, radius[i], error);
+      (void)i;
+      return hn::Set(d, place.outer_sq);
+    };
+    const auto inner_sq_of = [&](int i) {
+      if constexpr (radii == Radii::own) {
+        if (!all_in_double_) return OwnRadii::inner_sq(d, radius[i], error);
+        return hn::Set(d, -1.0f);
+      }
+      (void)i;
+      return hn::Set(d, this->inner_sq(place));
+    };
     const auto t_min = hn::Set(d, limits[0]), t_max = hn::Set(d, limits[1]);
     const auto low = hn::Sub(t_min, error);
     // What begins after the cut does not count; a sphere begins at most its radius before its t.
@@ -152,13 +172,12 @@ class LeafTest {
       distances_sq[i] =
           hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)));
       const auto near =
-          hn::And(hn::Le(distances_sq[i], outer_sq), hn::And(hn::Ge(ts[i], low), hn::Le(ts[i], high)));
+          hn::And(hn::Le(distances_sq[i], outer_sq_of(i)), hn::And(hn::Ge(ts[i], low), hn::Le(ts[i], high)));
       possible |= mask_bits(d, near) << (i * lanes);
     }
     possible &= 0xffffffffu >> (k_max_leaf_size - count);
     if (possible == 0) return;
 
-    const auto inner_sq = hn::Set(d, this->inner_sq(place));
     const auto surely_low = hn::Add(t_min, error), surely_high = hn::Sub(t_max, error),
                surely_after = hn::Add(hn::Set(d, limits[2]), error);
     const auto none = hn::Set(d, std::numeric_limits<float>::infinity());
@@ -166,6 +185,7 @@ class LeafTest {
     hn::Vec<PointLanes> lows[vectors], highs[vectors];
     auto first_high = none;
     for (int i = 0; i < vectors; ++i) {
+      const auto outer_sq = outer_sq_of(i), inner_sq = inner_sq_of(i);
       const auto entry_low =
           hn::Sub(hn::Sub(ts[i], error), hn::Sqrt(hn::Max(hn::Sub(outer_sq, distances_sq[i]), zero)));
       const auto sure = hn::And(hn::And(hn::Le(distances_sq[i], inner_sq), hn::Ge(entry_low, surely_after)),
@@ -259,7 +279,9 @@ class LeafTest {
 
   std::optional<Hit> in_double(const RayUnderWay& ray, const LatticePosition& position,
                                std::uint32_t place) const {
-    return evaluate(ray.asked, setup_.query, to_world(setup_.tree.lattice, position),
+    const double radius =
+        radii == Radii::own ? own_radius(setup_.query, spacing_at(setup_.tree, place)) : setup_.query.radius;
+    return evaluate(ray.asked, setup_.query, radius, to_world(setup_.tree.lattice, position),
                     point_id(setup_.tree, place), ray.query_index);
   }
 
@@ -272,6 +294,7 @@ class LeafTest {
 
   const QuerySetup& setup_;
   const float radius_above_;
+  const OwnRadii own_radii_;
   const bool all_in_double_;
 };
 

@@ -20,10 +20,10 @@ namespace HWY_NAMESPACE {
 /// Many rays, a few of them under way at a time by turns: while one does its step, the memory that the others
 /// need next is on its way to the processor. For rays that have little of the tree in common.
 /// rays: numbers in the batch.
-template <Measure measure, bool any>
-void trace_interleaved(const Traversed<measure, any>& traversed, const RayBatch& batch,
+template <Measure measure, bool any, Radii radii>
+void trace_interleaved(const Traversed<measure, any, radii>& traversed, const RayBatch& batch,
                        std::span<const std::uint32_t> rays) {
-  using Walk = RayWalk<measure, any>;
+  using Walk = RayWalk<measure, any, radii>;
   constexpr std::size_t k_under_way = 12;
   struct Turn {
     alignas(Walk) std::byte walk[sizeof(Walk)];

@@ -32,6 +32,12 @@ inline float float_below(double value) {
   return -float_above(-value);
 }
 
+/// Whose radius the spheres around the points have.
+enum class Radii {
+  shared,  ///< the query's
+  own,     ///< each point its own: RayQuery::spacing_factor
+};
+
 /// What a traversal needs of tree and query, the same for all rays of a batch.
 ///
 /// Boxes are tested in float against the ray's line widened by `box_radius`, which exceeds the radius by more
@@ -39,7 +45,9 @@ inline float float_below(double value) {
 /// root's frame and r the radius, all places relative to the root's corner, in units of 2^-24: rounding of
 /// the lattice's scale, of 1/d and of their products with corner and grid step at most 4 F (corner and grid
 /// steps together stay below F), of the ray's local origin F + r, of the four sums in t at most 8 F + 7 r,
-/// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). What goes wrong in double
+/// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). Where points have radii of
+/// their own, theirs take the place of r in the widening; that is a sum and two products more, and the budget
+/// is 32 (F + r). What goes wrong in double
 /// comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way, W the largest coordinate with the
 /// lattice's offset and `way` that from a ray's origin to the far end of the points: cancellation in point -
 /// origin and in t, and direction components that are kept 1e-12 away from zero.
@@ -58,7 +66,9 @@ struct QuerySetup {
     const glm::dvec3& lattice_scale = tree.lattice.scale;
     widest_scale = std::max({lattice_scale.x, lattice_scale.y, lattice_scale.z});
     const double frame_width = widest_scale * power_of_two(tree.root_level);
-    box_radius = query.radius + 0x1p-20 * (frame_width + query.radius) + double_error;
+    const double budget = query.spacing_factor > 0.0 ? 0x1p-19 : 0x1p-20;
+    box_margin = budget * (frame_width + query.radius) + double_error;
+    box_radius = query.radius + box_margin;
     for (int axis = 0; axis < 3; ++axis) {
       corner[axis] = root_corner[axis];
       scale[axis] = lattice_scale[axis];
@@ -100,6 +110,7 @@ struct QuerySetup {
   const double double_error;
   double widest_scale = 0.0;
   double box_radius = 0.0;
+  double box_margin = 0.0;                     ///< of it, what is not radius
   double corner[3] = {}, scale[3] = {};        ///< world position of the root's corner; lattice scale
   double low_face[3] = {}, high_face[3] = {};  ///< of the points' bounds, widened, world
   float float_scale[3] = {};

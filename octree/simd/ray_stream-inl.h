@@ -24,10 +24,10 @@ namespace HWY_NAMESPACE {
 /// Many rays of one octant through the tree together, one lane per ray: every node is read once for all rays
 /// that meet it, its boxes are turned into floats once, and so are the points of leaves. Where few are left,
 /// each goes on alone.
-template <Measure measure, bool any>
+template <Measure measure, bool any, Radii radii>
 class RayStream {
  public:
-  explicit RayStream(const Traversed<measure, any>& traversed)
+  explicit RayStream(const Traversed<measure, any, radii>& traversed)
       : traversed_(traversed), setup_(traversed.setup) {}
 
   /// rays: numbers in the batch, all of this octant; k_list_padding more may be written over.
@@ -115,10 +115,10 @@ class RayStream {
     }
   }
 
-  void test_leaf(const Leaf& leaf, std::uint32_t count, const typename LeafTest<measure, any>::Place& place,
-                 const RayList& list) {
+  void test_leaf(const Leaf& leaf, std::uint32_t count,
+                 const typename LeafTest<measure, any, radii>::Place& place, const RayList& list) {
     if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
-      LeafGroupTest<measure, any>(setup_, traversed_.leaf_test, leaf, count, place)
+      LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, place)
           .visit(batch_, list, answers_);
       return;
     }
@@ -131,18 +131,25 @@ class RayStream {
     const ChildLanes d;
     Faces faces;
     const auto grid_step = static_cast<float>(power_of_two(visit.level - k_min_frame_level));
-    const auto reach = static_cast<float>(setup_.box_radius);
+    const auto margin = static_cast<float>(radii == Radii::own ? setup_.box_margin : setup_.box_radius);
+    const OwnRadii& own_radii = traversed_.leaf_test.own_radii();
+    const std::uint16_t* spacings = slot_spacings(setup_.tree, visit.node);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = (octant_ >> axis & 1) != 0;
       const float corner = static_cast<float>(static_cast<std::int32_t>(visit.corner[axis] >> 8)) * 256.0f *
                            setup_.float_scale[axis];
       const float step = grid_step * setup_.float_scale[axis];
-      const float low_base = corner - reach, high_base = corner + (step + reach);
+      const float low_base = corner - margin, high_base = corner + (step + margin);
       for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
-        const auto low =
+        auto low =
             hn::MulAdd(load_as_float(d, node.low[axis] + lane), hn::Set(d, step), hn::Set(d, low_base));
-        const auto high =
+        auto high =
             hn::MulAdd(load_as_float(d, node.high[axis] + lane), hn::Set(d, step), hn::Set(d, high_base));
+        if constexpr (radii == Radii::own) {
+          const auto radius = own_radii.above(d, spacings + lane);
+          low = hn::Sub(low, radius);
+          high = hn::Add(high, radius);
+        }
         hn::StoreU(negative ? high : low, d, faces.near[axis] + lane);
         hn::StoreU(negative ? low : high, d, faces.far[axis] + lane);
       }
@@ -176,7 +183,7 @@ class RayStream {
     for (int place = 0; place < order.count; ++place) met[place].pad();
   }
 
-  const Traversed<measure, any>& traversed_;
+  const Traversed<measure, any, radii>& traversed_;
   const QuerySetup& setup_;
   RayBatch batch_{};
   unsigned octant_ = 0;

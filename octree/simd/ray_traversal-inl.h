@@ -17,14 +17,14 @@ namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
 /// What stays the same for all rays of a query.
-template <Measure measure, bool any>
+template <Measure measure, bool any, Radii radii>
 struct Traversed {
   const QuerySetup& setup;
-  const LeafTest<measure, any>& leaf_test;
+  const LeafTest<measure, any, radii>& leaf_test;
   int max_depth;     ///< nodes below are not visited
   bool skips_twins;  ///< of points at one place only the first is looked at
 
-  Traversed(const QuerySetup& query_setup, const LeafTest<measure, any>& test)
+  Traversed(const QuerySetup& query_setup, const LeafTest<measure, any, radii>& test)
       : setup(query_setup),
         leaf_test(test),
         max_depth(setup.query.max_level),
@@ -33,10 +33,10 @@ struct Traversed {
 
 /// One ray on its way through the tree, nearest nodes first, in steps: look at a node's boxes, test the
 /// leaves among them, go on to the next node.
-template <Measure measure, bool any>
+template <Measure measure, bool any, Radii radii>
 class RayWalk {
  public:
-  RayWalk(const Traversed<measure, any>& traversed, const RayUnderWay& ray, const Visit& from)
+  RayWalk(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Visit& from)
       : ray_(ray),
         on_grid_(traversed.setup, ray.boxes),
         at_{{static_cast<float>(from.corner[0]), static_cast<float>(from.corner[1]),
@@ -46,10 +46,12 @@ class RayWalk {
             from.depth} {}
 
   /// Whether the ray meets leaves of the node.
-  HWY_INLINE bool look(const Traversed<measure, any>& traversed) {
-    const Node& node = traversed.setup.tree.nodes[at_.node];
+  HWY_INLINE bool look(const Traversed<measure, any, radii>& traversed) {
+    const TreeView& tree = traversed.setup.tree;
+    const Node& node = tree.nodes[at_.node];
     const Slots slots(node);
-    unsigned met = meet_boxes(ray_.boxes, on_grid_, node, at_.corner, at_.level, t_near_);
+    unsigned met = meet_boxes(ray_.boxes, on_grid_, node, at_.corner, at_.level,
+                              traversed.leaf_test.own_radii(), slot_spacings(tree, at_.node), t_near_);
     single_ = 0;
     if (at_.level == k_min_frame_level && traversed.skips_twins) {
       const Places places(node);
@@ -63,7 +65,7 @@ class RayWalk {
   }
 
   /// Fetches the points of the leaves that the ray meets.
-  HWY_INLINE void prefetch_leaves(const Traversed<measure, any>& traversed) const {
+  HWY_INLINE void prefetch_leaves(const Traversed<measure, any, radii>& traversed) const {
     const Node& node = traversed.setup.tree.nodes[at_.node];
     const Slots slots(node);
     for (unsigned leaves = leaves_; leaves != 0; leaves &= leaves - 1) {
@@ -75,12 +77,12 @@ class RayWalk {
     }
   }
 
-  HWY_INLINE void prefetch_node(const Traversed<measure, any>& traversed) const {
+  HWY_INLINE void prefetch_node(const Traversed<measure, any, radii>& traversed) const {
     hwy::Prefetch(traversed.setup.tree.nodes + at_.node);
   }
 
   /// Requires: look() was true.
-  HWY_INLINE void test_leaves(const Traversed<measure, any>& traversed) {
+  HWY_INLINE void test_leaves(const Traversed<measure, any, radii>& traversed) {
     const Node& node = traversed.setup.tree.nodes[at_.node];
     const Slots slots(node);
     const float cut_before = ray_.boxes.t_cut;
@@ -100,7 +102,7 @@ class RayWalk {
   }
 
   /// To the next node; false at the end of the way.
-  HWY_INLINE bool go_on(const Traversed<measure, any>& traversed) {
+  HWY_INLINE bool go_on(const Traversed<measure, any, radii>& traversed) {
     if (any && ray_.state.found()) return false;
     const Node* nodes = traversed.setup.tree.nodes;
     if (children_ != 0) {
@@ -173,7 +175,7 @@ class RayWalk {
   }
 
   RayUnderWay ray_;
-  RayOnGrid on_grid_;
+  RayOnGrid<radii> on_grid_;
   Place at_;
   unsigned leaves_, children_, inner_, single_;
   int waiting_count_ = 0;
@@ -183,9 +185,9 @@ class RayWalk {
 };
 
 /// One ray from one node on.
-template <Measure measure, bool any>
-void trace(const Traversed<measure, any>& traversed, const RayUnderWay& ray, const Visit& from) {
-  RayWalk<measure, any> walk(traversed, ray, from);
+template <Measure measure, bool any, Radii radii>
+void trace(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Visit& from) {
+  RayWalk<measure, any, radii> walk(traversed, ray, from);
   do {
     if (walk.look(traversed)) walk.test_leaves(traversed);
   } while (walk.go_on(traversed));

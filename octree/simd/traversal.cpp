@@ -3,6 +3,7 @@
 
 #include <array>
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #undef HWY_TARGET_INCLUDE
@@ -18,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-template <Measure measure, bool any>
+template <Measure measure, bool any, Radii radii>
 class Tracer {
  public:
   /// first_index: query_index of rays[0].
@@ -43,7 +44,7 @@ class Tracer {
     if (share_nodes()) {
       std::array<std::vector<std::uint32_t>, 8> octants;
       start_all(batch, [&](std::uint32_t number) { octants[boxes[number].octant()].push_back(number); });
-      RayStream<measure, any> stream(traversed_);
+      RayStream<measure, any, radii> stream(traversed_);
       for (unsigned octant = 0; octant < 8; ++octant) {
         if (const std::size_t count = octants[octant].size(); count != 0) {
           octants[octant].resize(count + k_list_padding);
@@ -113,64 +114,77 @@ class Tracer {
     }
     // Twice and more, since the way is measured to the widened bounds.
     const QuerySetup setup(setup_.tree, setup_.query, 2.0 * (way + 3.0 * setup_.box_radius));
-    const LeafTest<measure, any> leaf_test(setup);
+    const LeafTest<measure, any, radii> leaf_test(setup);
     if (set_up(setup, ray) == Course::usual)
-      simd::HWY_NAMESPACE::trace(Traversed<measure, any>(setup, leaf_test), ray, root_visit(setup.tree));
+      simd::HWY_NAMESPACE::trace(Traversed<measure, any, radii>(setup, leaf_test), ray,
+                                 root_visit(setup.tree));
   }
 
   const QuerySetup setup_;
   const std::span<const Ray> rays_;
   const std::size_t first_index_;
-  const LeafTest<measure, any> leaf_test_;
-  const Traversed<measure, any> traversed_;
+  const LeafTest<measure, any, radii> leaf_test_;
+  const Traversed<measure, any, radii> traversed_;
 };
 
-template <Measure measure>
-std::optional<Hit> closest_measured(const TreeView& tree, const Ray& ray, const RayQuery& query,
-                                    std::size_t query_index) {
-  const Tracer<measure, false> tracer(tree, query, {&ray, 1}, query_index);
-  RayState state;
-  RayBoxes boxes;
-  const RayUnderWay under_way{ray, boxes, state, query_index};
-  tracer.trace(under_way);
-  return tracer.answer(under_way);
+template <Measure measure, bool any, Radii radii>
+using TracerTag = std::type_identity<Tracer<measure, any, radii>>;
+
+/// Calls use(TracerTag) for the tracer that suits a query for any point.
+template <class Use>
+auto with_tracer_of_any(const RayQuery& query, const Use& use) {
+  return query.spacing_factor > 0.0 ? use(TracerTag<Measure::t, true, Radii::own>())
+                                    : use(TracerTag<Measure::t, true, Radii::shared>());
+}
+
+/// The same for the closest point.
+template <class Use>
+auto with_tracer_of_closest(const RayQuery& query, const Use& use) {
+  if (query.spacing_factor > 0.0) {
+    return query.measure == Measure::t ? use(TracerTag<Measure::t, false, Radii::own>())
+                                       : use(TracerTag<Measure::entry, false, Radii::own>());
+  }
+  return query.measure == Measure::t ? use(TracerTag<Measure::t, false, Radii::shared>())
+                                     : use(TracerTag<Measure::entry, false, Radii::shared>());
 }
 
 std::optional<Hit> closest(const TreeView& tree, const Ray& ray, const RayQuery& query,
                            std::size_t query_index) {
-  return query.measure == Measure::t ? closest_measured<Measure::t>(tree, ray, query, query_index)
-                                     : closest_measured<Measure::entry>(tree, ray, query, query_index);
+  return with_tracer_of_closest(query, [&](auto tag) {
+    const typename decltype(tag)::type tracer(tree, query, {&ray, 1}, query_index);
+    RayState state;
+    RayBoxes boxes;
+    const RayUnderWay under_way{ray, boxes, state, query_index};
+    tracer.trace(under_way);
+    return tracer.answer(under_way);
+  });
 }
 
 bool occluded(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index) {
-  RayState state;
-  RayBoxes boxes;
-  Tracer<Measure::t, true>(tree, query, {&ray, 1}, query_index).trace({ray, boxes, state, query_index});
-  return state.found();
-}
-
-template <Measure measure>
-void stream_measured(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
-                     std::size_t first_index, std::span<std::optional<Hit>> hits) {
-  const Tracer<measure, false> tracer(tree, query, rays, first_index);
-  tracer.trace_together(
-      [&](std::size_t number, const RayUnderWay& ray) { hits[number] = tracer.answer(ray); });
+  return with_tracer_of_any(query, [&](auto tag) {
+    RayState state;
+    RayBoxes boxes;
+    typename decltype(tag)::type(tree, query, {&ray, 1}, query_index).trace({ray, boxes, state, query_index});
+    return state.found();
+  });
 }
 
 void closest_stream(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
                     std::size_t first_index, std::span<std::optional<Hit>> hits) {
-  if (query.measure == Measure::t) {
-    stream_measured<Measure::t>(tree, rays, query, first_index, hits);
-  } else {
-    stream_measured<Measure::entry>(tree, rays, query, first_index, hits);
-  }
+  with_tracer_of_closest(query, [&](auto tag) {
+    const typename decltype(tag)::type tracer(tree, query, rays, first_index);
+    tracer.trace_together(
+        [&](std::size_t number, const RayUnderWay& ray) { hits[number] = tracer.answer(ray); });
+  });
 }
 
 void occluded_stream(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
                      std::size_t first_index, std::span<std::uint8_t> answers) {
-  const Tracer<Measure::t, true> tracer(tree, query, rays, first_index);
-  tracer.trace_together(
-      [&](std::size_t number, const RayUnderWay& ray) { answers[number] = ray.state.found() ? 1 : 0; });
+  with_tracer_of_any(query, [&](auto tag) {
+    const typename decltype(tag)::type tracer(tree, query, rays, first_index);
+    tracer.trace_together(
+        [&](std::size_t number, const RayUnderWay& ray) { answers[number] = ray.state.found() ? 1 : 0; });
+  });
 }
 
 constexpr Traversal k_traversal{closest, occluded, closest_stream, occluded_stream};

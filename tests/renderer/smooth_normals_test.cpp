@@ -17,7 +17,7 @@ SmoothNormal normal_of_first(const std::vector<glm::dvec3>& offsets, double reac
   std::vector<glm::dvec3> positions;
   for (const glm::dvec3& offset : offsets) positions.push_back(k_lattice.offset + offset);
   const Octree octree = build(test::make_cloud(positions, k_lattice));
-  return SmoothNormals(octree, reach).at(0, positions[0]);
+  return SmoothNormals(octree).at(0, positions[0], reach);
 }
 
 TEST(SmoothNormals, points_on_a_plane_have_its_normal_and_full_trust) {

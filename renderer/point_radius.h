@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "octree/progress.h"
+#include "renderer/render.h"
+
+namespace alidade {
+
+/// Chooses the radii of a cloud's points as its settings say: fills radius and spacing_factor, and measures
+/// the spacings if radii adapt to the density and the octree has none for so many neighbours. `progress` is
+/// in points measured. Errors: a radius, factor or number of neighbours out of range.
+void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress = {});
+
+/// A point in whose sphere a place lies.
+struct SphereAround {
+  std::uint64_t point_id = 0;
+  double radius = 0.0;    ///< of its sphere, metres
+  double distance = 0.0;  ///< of the place from its centre
+};
+
+/// The nearest such point; max_level as in RayQuery.
+std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& place, int max_level);
+
+}  // namespace alidade
