@@ -116,10 +116,13 @@ std::vector<double> spacings(const PointCloud& cloud, int neighbours) {
       const double d = distance(cloud.world(id), cloud.world(other));
       if (d > 0.0) distances.push_back(d);
     }
-    std::sort(distances.begin(), distances.end());
-    const auto n = static_cast<std::size_t>(neighbours);
-    answers.push_back(spacing_of(
-        spacing_bits(distances.size() < n ? std::numeric_limits<double>::infinity() : distances[n - 1])));
+    double spacing = std::numeric_limits<double>::infinity();
+    if (distances.size() >= static_cast<std::size_t>(neighbours)) {
+      const auto nth = distances.begin() + (neighbours - 1);
+      std::nth_element(distances.begin(), nth, distances.end());
+      spacing = *nth;
+    }
+    answers.push_back(spacing_of(spacing_bits(spacing)));
   }
   return answers;
 }

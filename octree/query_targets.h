@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "octree/candidate.h"
+#include "octree/octree.h"
 #include "octree/path_index.h"
 #include "octree/tree_query.h"
 

@@ -24,7 +24,13 @@ AdaptedRadius read_adapted_radius(const JsonNode& node) {
   if (const auto neighbours = fields.find("neighbours"))
     radius.neighbours = static_cast<int>(neighbours->whole_number(1, k_most_spacing_neighbours));
   if (const auto factor = fields.find("factor")) radius.factor = factor->number(k_length);
-  if (const auto max = fields.find("max")) radius.max = max->number(k_length);
+  if (const auto max = fields.find("max")) {
+    constexpr std::array<std::string_view, 1> words{"auto"};
+    if (max->is_string())
+      max->choice(words);
+    else
+      radius.max = max->number(k_length);
+  }
   return radius;
 }
 

@@ -38,11 +38,11 @@ enum class NormalMode {
 
 /// Radii that follow the density of the points: of each point, factor times the distance to its n-th nearest
 /// neighbour (octree/point_spacing.h), at most max. On a surface with so many points per square metre the
-/// eighth neighbour is 1.6 / sqrt(density) away, and spheres of that radius close it.
+/// eighth neighbour is 1.6 / sqrt(density) away; spheres of three quarters of that leave 1 % of it open.
 struct AdaptedRadius {
-  int neighbours = 8;         ///< 1 to 64
-  double factor = 1.0;        ///< above 0
-  std::optional<double> max;  ///< metres; empty: four times the radius that "auto" would be
+  int neighbours = 8;           ///< 1 to 64
+  double factor = 0.75;         ///< above 0
+  std::optional<double> max{};  ///< metres; empty: four times the radius that "auto" would be
 };
 
 /// More levels than any octree has: all of them.

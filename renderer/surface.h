@@ -32,8 +32,8 @@ struct Departure {
   enum class From { air, object, point } from = From::air;
   std::uint64_t index = 0;  ///< of the object, or point id
   glm::dvec3 center{0.0};   ///< of the point
-  double radius = 0.0;      ///< of its sphere
   bool inward = false;      ///< the ray goes on inside
+  double radius = 0.0;      ///< of the point's sphere; needed by rays that go on inside
 };
 
 /// Where a ray meets something first.

@@ -63,7 +63,7 @@ std::vector<std::string> index_lines(const IndexFile& index, bool verified) {
   return {fmt::format("version {}, {} octree of {} nodes on {} levels{}", k_index_version,
                       organisation_name(header.tree.organisation), header.tree.node_count,
                       header.tree.level_count,
-                      (is_in_stored_order(header) ? ", points in its order" : "") + spacing_text(header),
+                      (is_in_stored_order(header) ? ", points in its order" : "") + spacing_text(header)),
           fmt::format("{} bytes, {:.2f} per point, {:.2f} of them octree{}", header.file_bytes,
                       bytes_per_point(index, header.file_bytes), bytes_per_point(index, octree_bytes(index)),
                       verified ? "; verified: undamaged" : "")};

@@ -16,8 +16,8 @@ namespace alidade {
 
 /// How large the spheres of points are to be: a length, "auto" where both are empty, or adapted.
 struct RadiusRequest {
-  std::optional<double> radius;
-  std::optional<AdaptedRadius> adapted;
+  std::optional<double> radius{};
+  std::optional<AdaptedRadius> adapted{};
 };
 
 /// What was asked of `alidade render`. Everything that is empty is left as the scene has it.

@@ -33,11 +33,17 @@ void ask(const IndexFile& index) {
       if (!columns.colors.empty() && columns.colors[hit->point_id].x == 1) check_id(octree, 0);
     }
     occluded(octree, ray, {.radius = 0.1});
+    if (octree.view().spacings) {
+      const RayQuery own_radii{.radius = 2.0, .spacing_factor = 0.5};
+      if (const auto hit = closest(octree, ray, own_radii)) check_id(octree, hit->point_id);
+      count(octree, ray, own_radii);
+    }
     for (const Hit& hit : find(octree, ray, {.measure = Measure::distance, .k = 3}))
       check_id(octree, hit.point_id);
   }
   std::vector<std::optional<Hit>> hits(rays.size());
   closest(octree, rays, {.radius = 1.0}, hits);
+  if (octree.view().spacings) closest(octree, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
   count(octree, bounds, {});
   if (octree.size() > 0) {
     for (const PointHit& hit : find(octree, bounds.center(), {.k = 5})) check_id(octree, hit.point_id);

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 // index_seeds FOLDER: small index files of every organisation, with and without attributes, ids and exact
-// positions, as a start for fuzz_index.
+// positions and spacings, as a start for fuzz_index.
 #include <filesystem>
 #include <string>
 
 #include "octree/build.h"
 #include "octree/index_file.h"
+#include "octree/point_spacing.h"
 
 namespace {
 
@@ -51,6 +52,7 @@ int main(int count, char** arguments) {
       for (const std::int32_t step : {3, 2000}) {
         const PointCloud cloud = cloud_of(points, step);
         save(build(cloud, options), cloud);
+        save(with_spacings(build(cloud, options), 3), cloud);
       }
     }
   }

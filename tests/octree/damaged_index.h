@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "octree/index_file.h"
+#include "octree/point_spacing.h"
 #include "octree/query.h"
 #include "octree/tree_walk.h"
 #include "tests/octree/index_test_support.h"
@@ -32,7 +33,7 @@ inline const Bytes& sound_file() {
   static const Bytes bytes = [] {
     const auto path = test_folder() / "sound.alidade";
     const PointCloud cloud = cloud_with_everything();
-    save_index(path, build(cloud), cloud);
+    save_index(path, with_spacings(build(cloud), 3), cloud);
     return read_bytes(path);
   }();
   return bytes;
@@ -57,11 +58,16 @@ inline void use(const IndexFile& index) {
     if (!columns.colors.empty()) sum += columns.colors[hit->point_id].x;
     if (!columns.normals.empty()) sum += columns.normals[hit->point_id].x > 0;
   };
+  const bool has_spacings = octree.view().spacings != nullptr;
   std::vector<Ray> rays;
   for (int i = 0; i < 6; ++i) rays.push_back(make_ray(30.0 * random.in_cube(), random.direction()));
   for (const Ray& ray : rays) {
     for (const Measure measure : {Measure::t, Measure::entry})
       look_up(closest(octree, ray, {.radius = 0.3, .measure = measure}));
+    if (has_spacings) {
+      look_up(closest(octree, ray, {.radius = 0.3, .spacing_factor = 0.5}));
+      sum += count(octree, ray, {.radius = 3.0, .spacing_factor = 2.0});
+    }
     for (const Hit& hit : find(octree, ray, {.radius = 5.0, .measure = Measure::distance, .k = 4}))
       look_up(hit);
     sum += occluded(octree, ray, {.radius = 0.05});
@@ -71,6 +77,10 @@ inline void use(const IndexFile& index) {
   std::vector<std::optional<Hit>> hits(rays.size());
   closest(octree, rays, {.radius = 1.0}, hits);
   for (const std::optional<Hit>& hit : hits) look_up(hit);
+  if (has_spacings) {
+    closest(octree, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
+    for (const std::optional<Hit>& hit : hits) look_up(hit);
+  }
   Bounds box, everywhere;
   box.grow(glm::dvec3(-5.0));
   box.grow(glm::dvec3(5.0));

@@ -6,6 +6,7 @@
 
 #include "octree/cloud/read_cloud.h"
 #include "octree/indexed_cloud.h"
+#include "octree/point_spacing.h"
 #include "octree/query.h"
 #include "octree/tree_walk.h"
 #include "tests/cloud/las_builder.h"
@@ -72,6 +73,29 @@ TEST(IndexFile, gives_back_octree_answers_attributes_and_facts_of_every_family) 
     SCOPED_TRACE(family.name);
     test::fill_everything(family.cloud, random);
     expect_round_trip(path, build(family.cloud), family.cloud, family.cloud, random);
+  }
+}
+
+TEST(IndexFile, gives_back_the_spacings_of_every_family) {
+  test::Random random;
+  const auto path = test::test_folder() / "site.alidade";
+  for (const PointFamily& family : test::point_families()) {
+    SCOPED_TRACE(family.name);
+    const Octree octree = with_spacings(build(family.cloud), 8);
+    save_index(path, octree, family.cloud, {.overwrite = true});
+    const IndexFile index = open_index(path);
+    EXPECT_NO_THROW(index.verify());
+    const Octree opened = index.octree();
+    EXPECT_EQ(opened.view().spacing_neighbours, octree.view().spacing_neighbours);
+    if (octree.size() == 0) continue;
+    EXPECT_EQ(spacings_in_order(opened.view()), spacings_in_order(octree.view()));
+    EXPECT_EQ(with_spacings(opened, 8).view().spacings, opened.view().spacings)
+        << "nothing is measured again";
+    for (const test::RayCase& ray_case : test::ray_cases(family.cloud, 20, random)) {
+      RayQuery query = ray_case.query;
+      query.spacing_factor = 1.0;
+      EXPECT_EQ(closest(opened, ray_case.ray, query), closest(octree, ray_case.ray, query));
+    }
   }
 }
 

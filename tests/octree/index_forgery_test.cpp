@@ -204,6 +204,30 @@ TEST(IndexForgery, no_coordinates_do_harm) {
   }
 }
 
+TEST(IndexForgery, no_spacings_do_harm) {
+  test::Random random;
+  for (int i = 0; i < 200; ++i) {
+    Bytes file = sound_file();
+    for (const IndexSection kind : {IndexSection::spacings, IndexSection::slot_spacings}) {
+      const SectionRow row = section(file, kind);
+      for (std::uint64_t place = row.place; place + 8 <= row.place + row.bytes; place += 8)
+        if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, place, random.bits());
+    }
+    seal(file);
+    EXPECT_FALSE(is_refused(file));
+  }
+}
+
+TEST(IndexForgery, spacings_of_which_header_and_sections_disagree_are_errors) {
+  Bytes file = sound_file();
+  put<std::uint32_t>(file, 204, 0);
+  seal(file);
+  EXPECT_TRUE(test::is_refused_when_opened(file));
+  put<std::uint32_t>(file, 204, 65);
+  seal(file);
+  EXPECT_TRUE(test::is_refused_when_opened(file));
+}
+
 TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
   const auto expect = [](const std::string& part, const auto& change) {
     Bytes file = sound_file();
@@ -224,6 +248,14 @@ TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
   expect("section positions is damaged", [](Bytes& file) {
     const std::uint64_t place = section(file, IndexSection::positions).place;
     put<std::int32_t>(file, place, get<std::int32_t>(file, place) ^ 0x40000000);
+  });
+  expect("the greatest spacing below slot", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::slot_spacings).place;
+    put<std::uint16_t>(file, place, static_cast<std::uint16_t>(get<std::uint16_t>(file, place) + 1));
+  });
+  expect("the greatest spacing below slot", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::spacings).place;
+    put<std::uint16_t>(file, place + 100, 0x7f80);
   });
   expect("bounds are not those of the points",
          [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });

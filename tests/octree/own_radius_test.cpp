@@ -30,7 +30,7 @@ constexpr double k_factors[] = {0.01, 0.5, 1.0, 3.0, 1e6};
 
 TEST(PointSpacing, is_the_distance_to_the_nth_point_elsewhere_rounded_up_to_eight_bits) {
   for (const PointFamily& family : point_families()) {
-    for (const int neighbours : {1, 3, 8, 64}) {
+    for (const int neighbours : {1, 8}) {
       SCOPED_TRACE(family.name + " neighbour " + std::to_string(neighbours));
       const std::vector<double> expected = brute_force::spacings(family.cloud, neighbours);
       for (const test::NamedOctree& asked : test::octrees_of(family.cloud, InstructionSet::best)) {
@@ -87,7 +87,7 @@ TEST_P(OwnRadiusVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_
     for (const test::NamedOctree& asked : test::octrees_of(family.cloud, GetParam())) {
       const Octree octree = with_spacings(asked.octree, 3);
       Random random(family.name + "_own_radius");
-      for (RayCase& c : ray_cases(family.cloud, 150, random)) {
+      for (RayCase& c : ray_cases(family.cloud, 40, random)) {
         c.query.spacing_factor = k_factors[random.below(5)];
         SCOPED_TRACE(family.name + " " + asked.name + " factor " + std::to_string(c.query.spacing_factor));
         const std::vector<Hit> expected = brute_force::find(family.cloud, c.ray, c.query, spacings);
@@ -100,8 +100,8 @@ TEST_P(OwnRadiusVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_
       }
     }
   }
-  EXPECT_GT(hit_count, 1000u);
-  EXPECT_GT(miss_count, 1000u);
+  EXPECT_GT(hit_count, 500u);
+  EXPECT_GT(miss_count, 500u);
 }
 
 TEST_P(OwnRadiusVsBruteForce, batches_are_the_same_bits_on_every_family) {
@@ -111,7 +111,7 @@ TEST_P(OwnRadiusVsBruteForce, batches_are_the_same_bits_on_every_family) {
     const std::vector<double> spacings = brute_force::spacings(family.cloud, 3);
     const Octree octree = with_spacings(build(family.cloud, options), 3);
     Random random(family.name + "_own_radius_batches");
-    for (int turn = 0; turn < 12; ++turn) {
+    for (int turn = 0; turn < 8; ++turn) {
       std::vector<RayCase> cases = ray_cases(family.cloud, 60, random);
       RayQuery query = cases[0].query;
       query.spacing_factor = k_factors[random.below(5)];
@@ -153,7 +153,7 @@ TEST_P(OwnRadiusVsBruteForce, spheres_of_very_different_radii_are_met_at_their_r
   for (const Measure measure : {Measure::entry, Measure::t}) {
     const RayQuery query{.radius = 2.0, .measure = measure, .spacing_factor = 0.5};
     std::vector<Ray> rays;
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < 800; ++i) {
       const auto id = static_cast<std::size_t>(random.below(points.size()));
       const glm::dvec3 along = unit_direction(random.in_cube());
       const glm::dvec3 across = unit_direction(glm::cross(along, random.in_cube()));

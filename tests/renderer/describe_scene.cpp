@@ -73,6 +73,11 @@ std::string text(const CloudSettings& cloud) {
   result += fmt::format("depth {} hits {} {}normals {} ", int(cloud.color_depth), int(cloud.hits),
                         text(cloud.color), int(cloud.normals));
   if (cloud.max_level != k_max_level) result += fmt::format("levels {} ", cloud.max_level);
+  if (cloud.adapted_radius) {
+    const AdaptedRadius& radius = *cloud.adapted_radius;
+    result += fmt::format("neighbours {} factor {} max {} ", radius.neighbours, text(radius.factor),
+                          radius.max ? text(*radius.max) : "none ");
+  }
   return result + (cloud.radius ? text(*cloud.radius) : "auto ") + text(cloud.material);
 }
 

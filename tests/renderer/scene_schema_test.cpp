@@ -93,6 +93,7 @@ std::vector<Sample> samples() {
     "color": {"by": "gps_time", "map": "turbo", "range": [1, 2.5], "percentiles": [3, 95],
               "classes": [{"class": 6, "color": "#a0B1c2", "name": "House"}]}, "material": {"type": "metal",
     "albedo": [0.1, 0.2, 0.3], "roughness": 0.5}})");
+  scene["cloud"]["radius"] = Json::parse(R"({"neighbours": 12, "factor": 1.5, "max": 0.5})");
   scene["sky"] = Json::parse(R"({"type": "constant", "radiance": [1, 2, 3]})");
   scene["camera"] = cameras().back();
   all.push_back({"scene.schema.json", scene});

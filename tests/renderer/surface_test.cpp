@@ -73,7 +73,7 @@ TEST(Surface, a_ray_that_leaves_a_point_never_meets_it_again) {
       const auto met = world.nearest(ray, {});
       ASSERT_TRUE(met);
       const Surface surface = world.surface_at(ray, *met);
-      const Departure departure{Departure::From::point, met->index, met->center, false};
+      const Departure departure{Departure::From::point, met->index, met->center, false, met->radius};
       // From straight up to grazing within rounding.
       const double cosine = std::pow(10.0, random.between(-18.0, 0.0));
       const double sine = std::sqrt(1.0 - cosine * cosine), turns = random.unit();
@@ -145,7 +145,7 @@ TEST(Surface, inside_a_glass_point_only_its_own_far_wall_is_met) {
   scene.cloud.emplace();
   scene.cloud->material = Dielectric{};
   const World world(scene, &cloud);
-  const auto met = world.nearest({{0, 0, 1}, {0, 0, -1}}, {Departure::From::point, 0, {0, 0, 0}, true});
+  const auto met = world.nearest({{0, 0, 1}, {0, 0, -1}}, {Departure::From::point, 0, {0, 0, 0}, true, 1.0});
   ASSERT_TRUE(met);
   EXPECT_EQ(met->index, 0u);
   EXPECT_NEAR(met->t, 2.0, 1e-12);

@@ -150,7 +150,7 @@ TEST_F(RenderCameraTest, a_camera_inside_a_point_is_an_error) {
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err,
                        "the camera stands inside the sphere of point 21; expected a place more than 0.1 from "
-                       "every point, found 0.01 away"))
+                       "it, found 0.01 away"))
       << result.err;
   EXPECT_EQ(render({"--panorama", "100.1,200.1,5.2", "--radius", "0.1", "--size", "16x8", "-o", "out.png"})
                 .exit_code,

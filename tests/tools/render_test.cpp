@@ -153,6 +153,35 @@ TEST_F(RenderCommandTest, max_level_shows_a_thinned_cloud_of_a_layered_index) {
   EXPECT_EQ(whole, render("all.png", {"--max-level", "255"}));
 }
 
+TEST_F(RenderCommandTest, adapted_radii_are_measured_once_and_kept_in_an_index_file) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "site.las", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"index", "site.las", "--spacings", "8", "-o", "site.alidade", "-q"}).exit_code, 0);
+  const auto render = [&](const std::string& cloud, const std::string& picture) {
+    const ProgramResult result = run({"render", "--cloud", cloud, "-o", picture, "--radius", "adapted",
+                                      "--radius-max", "2", "--size", "32x24", "--samples", "2"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, "spheres of radius 0.75 times the distance to neighbour 8, at most 2"))
+        << result.err;
+    const std::string content = read(picture);
+    return std::pair(content.substr(content.find("IDAT")), contains(result.err, "measuring spacings"));
+  };
+  const auto [measured, did_measure] = render("site.las", "measured.png");
+  const auto [kept, did_measure_again] = render("site.alidade", "kept.png");
+  EXPECT_TRUE(did_measure);
+  EXPECT_FALSE(did_measure_again);
+  EXPECT_EQ(measured, kept);
+}
+
+TEST_F(RenderCommandTest, options_of_adapted_radii_beside_one_radius_are_an_error) {
+  write_square("square.xyz");
+  for (const std::string option : {"--radius-factor", "--radius-neighbours", "--radius-max"}) {
+    const ProgramResult result =
+        run({"render", "--cloud", "square.xyz", "-o", "out.png", "--radius", "0.1", option, "2"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, option + " is for --radius adapted")) << result.err;
+  }
+}
+
 TEST_F(RenderCommandTest, max_level_of_points_without_levels_is_an_error) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "site.las", "-q"}).exit_code, 0);
   const ProgramResult result = run({"render", "--cloud", "site.las", "-o", "out.png", "--max-level", "2"});
