@@ -181,7 +181,7 @@ void World::blocked(std::span<const Ray> rays, std::span<const Departure> depart
 }
 
 void World::smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const {
-  const SmoothNormal found =
+  const LocalPlane found =
       smooth_normals_->at(intersection.index, intersection.center, k_normal_reach * intersection.radius);
   const glm::dvec3 facing = glm::dot(found.normal, ray.direction) > 0.0 ? -found.normal : found.normal;
   const double height = glm::dot(surface.position - intersection.center, facing);

@@ -13,7 +13,7 @@ namespace {
 
 const Lattice k_lattice{glm::dvec3(0.0001), {690000.0, 5325000.0, 500.0}};
 
-SmoothNormal normal_of_first(const std::vector<glm::dvec3>& offsets, double reach) {
+LocalPlane normal_of_first(const std::vector<glm::dvec3>& offsets, double reach) {
   std::vector<glm::dvec3> positions;
   for (const glm::dvec3& offset : offsets) positions.push_back(k_lattice.offset + offset);
   const Octree octree = build(test::make_cloud(positions, k_lattice));
@@ -29,7 +29,7 @@ TEST(SmoothNormals, points_on_a_plane_have_its_normal_and_full_trust) {
       offsets.push_back(
           basis.to_world({random.between(-1, 1), random.between(-1, 1), random.between(-0.002, 0.002)}));
     }
-    const SmoothNormal found = normal_of_first(offsets, 0.5);
+    const LocalPlane found = normal_of_first(offsets, 0.5);
     ASSERT_GT(std::abs(glm::dot(found.normal, basis.normal)), 1.0 - 1e-5);
     ASSERT_NEAR(glm::length(found.normal), 1.0, 1e-12);
     ASSERT_EQ(found.trust, 1.0);

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: MIT
+#include "octree/local_plane.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "octree/simd/moments.h"
+
+namespace alidade {
+namespace {
+
+glm::dmat3 covariance(const simd::Moments& moments) {
+  const double weight = moments.weight;
+  const glm::dvec3 mean = glm::dvec3(moments.first[0], moments.first[1], moments.first[2]) / weight;
+  const auto& second = moments.second;
+  const double xx = second[0] / weight - mean.x * mean.x, xy = second[1] / weight - mean.x * mean.y;
+  const double xz = second[2] / weight - mean.x * mean.z, yy = second[3] / weight - mean.y * mean.y;
+  const double yz = second[4] / weight - mean.y * mean.z, zz = second[5] / weight - mean.z * mean.z;
+  return {xx, xy, xz, xy, yy, yz, xz, yz, zz};
+}
+
+/// Eigenvalues of a symmetric matrix, with their vectors as columns. Source: Jacobi's method, Golub and Van
+/// Loan, section 8.5.
+struct Eigen {
+  glm::dvec3 values;
+  glm::dmat3 vectors{1.0};
+};
+
+Eigen eigen(glm::dmat3 a) {
+  Eigen result;
+  for (int sweep = 0; sweep < 8; ++sweep) {
+    for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
+      if (a[p][q] == 0.0) continue;
+      const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+      if (!std::isfinite(theta)) continue;
+      const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1.0));
+      const double c = 1.0 / std::sqrt(t * t + 1.0), s = t * c;
+      for (int k = 0; k < 3; ++k) {
+        const double kp = a[k][p], kq = a[k][q];
+        a[k][p] = c * kp - s * kq;
+        a[k][q] = s * kp + c * kq;
+      }
+      for (int k = 0; k < 3; ++k) {
+        const double pk = a[p][k], qk = a[q][k];
+        a[p][k] = c * pk - s * qk;
+        a[q][k] = s * pk + c * qk;
+      }
+      const glm::dvec3 column = result.vectors[p];
+      result.vectors[p] = c * column - s * result.vectors[q];
+      result.vectors[q] = s * column + c * result.vectors[q];
+    }
+  }
+  result.values = {a[0][0], a[1][1], a[2][2]};
+  return result;
+}
+
+LocalPlane fit_plane(const simd::Moments& moments) {
+  constexpr double k_fewest_points = 4.0, k_enough_points = 9.0;
+  // A surface is much thinner than it is wide, both ways; beyond these ratios of variances there is none.
+  constexpr double k_flat = 0.06, k_thick = 0.35;
+  if (moments.count < k_fewest_points || !(moments.weight > 0.0f)) return {};
+  const Eigen found = eigen(covariance(moments));
+  int thin = 0, wide = 0;
+  for (int axis = 1; axis < 3; ++axis) {
+    if (found.values[axis] < found.values[thin]) thin = axis;
+    if (found.values[axis] >= found.values[wide]) wide = axis;
+  }
+  if (thin == wide) return {};
+  const double width = found.values[3 - thin - wide];
+  if (!(width > 0.0)) return {};
+  const double ratio = std::max(0.0, found.values[thin]) / width;
+  const double flatness = std::clamp((k_thick - ratio) / (k_thick - k_flat), 0.0, 1.0);
+  const double support =
+      std::min(1.0, (moments.count - k_fewest_points + 1.0) / (k_enough_points - k_fewest_points + 1.0));
+  // A row of points is flat in any direction across it.
+  const double breadth = std::min(1.0, width / (0.1 * found.values[wide]));
+  return {glm::normalize(found.vectors[thin]), flatness * support * breadth};
+}
+
+}  // namespace
+
+LocalPlane local_plane(const Octree& octree, const glm::dvec3& place, double reach) {
+  return fit_plane(simd::moment_sums(octree.instruction_set()).around(octree.view(), place, reach));
+}
+
+}  // namespace alidade

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: MIT
+#include "octree/simd/moments.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "octree/simd/moments.cpp"
+#include <hwy/foreach_target.h>
+
+#include "octree/cloud/lattice.h"
+#include "octree/simd/box_test-inl.h"
+#include "octree/simd/choose_table.h"
+#include "octree/tree_walk.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace alidade::simd {
+namespace HWY_NAMESPACE {
+
+/// Adds up the points of leaves around one place.
+class MomentAdder {
+ public:
+  MomentAdder(const TreeView& tree, const glm::dvec3& place, double reach) : tree_(tree), reach_(reach) {
+    const glm::dvec3 root_corner = to_world(tree.lattice, tree.base);
+    for (int axis = 0; axis < 3; ++axis) {
+      place_[axis] = place[axis] - root_corner[axis];
+      scale_[axis] = static_cast<float>(tree.lattice.scale[axis] / reach);
+    }
+    const PointLanes d;
+    for (auto& row : sums_)
+      for (auto& part : row) part = hn::Zero(d);
+  }
+
+  void run() {
+    Visit waiting[k_max_tree_depth * k_node_width];
+    std::size_t count = 0;
+    waiting[count++] = root_visit(tree_);
+    while (count > 0) {
+      const Visit visit = waiting[--count];
+      const Node& node = tree_.nodes[visit.node];
+      const Slots slots(node);
+      float place[3];
+      local_place(visit.corner, place);
+      for (unsigned near = near_slots(node, visit.level, place) & (slots.inner | slots.leaf); near != 0;
+           near &= near - 1) {
+        const int slot = std::countr_zero(near);
+        if ((slots.inner >> slot & 1u) != 0) {
+          waiting[count++] = child_visit(visit, node, slots.child(node, slot), slot);
+        } else {
+          const std::uint32_t first = slots.first_point(node, slot);
+          add_leaf({first, node.kind[slot], {visit.corner[0], visit.corner[1], visit.corner[2]}}, place);
+        }
+      }
+    }
+  }
+
+  Moments moments() const {
+    const PointLanes d;
+    std::array<float, k_rows> totals{};
+    for (int row = 0; row < k_rows; ++row) {
+      alignas(64) float columns[k_columns];
+      for (int part = 0; part < k_parts; ++part) hn::Store(sums_[row][part], d, columns + part * k_lanes);
+      for (const float column : columns) totals[row] += column;
+    }
+    Moments moments{totals[0], totals[1], {}, {}};
+    std::copy_n(totals.begin() + 2, 3, moments.first.begin());
+    std::copy_n(totals.begin() + 5, 6, moments.second.begin());
+    return moments;
+  }
+
+ private:
+  static constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
+  static constexpr int k_rows = 11;
+
+  /// The place from the corner of a frame, in units of the reach.
+  void local_place(const std::uint32_t* corner, float* place) const {
+    for (int axis = 0; axis < 3; ++axis)
+      place[axis] = static_cast<float>((place_[axis] - tree_.lattice.scale[axis] * corner[axis]) / reach_);
+  }
+
+  /// Slots whose box is within reach.
+  unsigned near_slots(const Node& node, int level, const float* place) const {
+    const ChildLanes d;
+    const auto grid_step = static_cast<float>(power_of_two(level - k_min_frame_level));
+    const auto zero = hn::Zero(d);
+    unsigned near = 0;
+    for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
+      auto distance_sq = zero;
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto step = hn::Set(d, scale_[axis] * grid_step), from = hn::Set(d, place[axis]);
+        const auto low = hn::Sub(hn::Mul(load_as_float(d, node.low[axis] + lane), step), from);
+        const auto high =
+            hn::Sub(hn::Mul(hn::Add(load_as_float(d, node.high[axis] + lane), hn::Set(d, 1.0f)), step), from);
+        const auto outside = hn::Max(hn::Max(low, hn::Neg(high)), zero);
+        distance_sq = hn::Add(distance_sq, hn::Mul(outside, outside));
+      }
+      near |= mask_bits(d, hn::Lt(distance_sq, hn::Set(d, 1.0f))) << lane;
+    }
+    return near;
+  }
+
+  void add_leaf(const Leaf& leaf, const float* place) {
+    if (tree_.positions && leaf.place >= tree_.first_exact) {
+      add_exact(leaf, place);
+      return;
+    }
+    const std::uint16_t* coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
+    add_points(leaf.count, place, [&](int axis, std::uint32_t first) {
+      return load_as_float(PointLanes(), coordinates + axis * leaf.count + first);
+    });
+  }
+
+  /// Points whose 16-bit coordinates are not exact.
+  void add_exact(const Leaf& leaf, const float* place) {
+    alignas(64) float steps[3][k_max_leaf_size + k_columns] = {};
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const LatticePosition position = position_of(tree_, leaf, i);
+      for (int axis = 0; axis < 3; ++axis)
+        steps[axis][i] = static_cast<float>(static_cast<std::uint32_t>(position[axis]) -
+                                            static_cast<std::uint32_t>(tree_.base[axis]) - leaf.corner[axis]);
+    }
+    add_points(leaf.count, place,
+               [&](int axis, std::uint32_t first) { return hn::Load(PointLanes(), steps[axis] + first); });
+  }
+
+  /// steps(axis, first): lattice steps from the frame's corner of a vector of points.
+  template <class Steps>
+  HWY_INLINE void add_points(std::uint32_t count, const float* place, const Steps& steps) {
+    const PointLanes d;
+    const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    for (std::uint32_t first = 0; first < count; first += k_lanes) {
+      const auto offset = [&](int axis) {
+        return hn::Sub(hn::Mul(steps(axis, first), hn::Set(d, scale_[axis])), hn::Set(d, place[axis]));
+      };
+      const auto x = offset(0), y = offset(1), z = offset(2);
+      const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+      const auto closeness =
+          hn::IfThenElseZero(hn::FirstN(d, count - first), hn::Max(hn::Sub(one, square), zero));
+      const auto weight = hn::Mul(closeness, closeness);
+      const auto wx = hn::Mul(weight, x), wy = hn::Mul(weight, y), wz = hn::Mul(weight, z);
+      const int part = static_cast<int>(first / k_lanes) % k_parts;
+      const auto add = [&](int row, hn::Vec<PointLanes> value) {
+        sums_[row][part] = hn::Add(sums_[row][part], value);
+      };
+      add(0, weight);
+      add(1, hn::IfThenElseZero(hn::Gt(closeness, zero), one));
+      add(2, wx);
+      add(3, wy);
+      add(4, wz);
+      add(5, hn::Mul(wx, x));
+      add(6, hn::Mul(wx, y));
+      add(7, hn::Mul(wx, z));
+      add(8, hn::Mul(wy, y));
+      add(9, hn::Mul(wy, z));
+      add(10, hn::Mul(wz, z));
+    }
+  }
+
+  const TreeView& tree_;
+  const double reach_;
+  double place_[3];  ///< from the root's corner, metres
+  float scale_[3];   ///< of the lattice, in units of the reach
+  hn::Vec<PointLanes> sums_[k_rows][k_parts];
+};
+
+Moments around(const TreeView& tree, const glm::dvec3& place, double reach) {
+  if (tree.node_count == 0) return {};
+  MomentAdder adder(tree, place, reach);
+  adder.run();
+  return adder.moments();
+}
+
+constexpr MomentSums k_moment_sums{around};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace alidade::simd
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace alidade::simd {
+
+const MomentSums& moment_sums(InstructionSet instruction_set) {
+  ALIDADE_CHOOSE_TABLE(instruction_set, k_moment_sums)
+}
+
+}  // namespace alidade::simd
+#endif  // HWY_ONCE

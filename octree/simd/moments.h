@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+
+#include "octree/octree.h"
+#include "octree/simd/instruction_set.h"
+
+namespace alidade::simd {
+
+/// Sums over the points around a place. Offsets p from it are in units of the reach; the weight of a point is
+/// (1 - |p|^2)^2, and 0 beyond the reach.
+struct Moments {
+  float weight = 0.0f;
+  float count = 0.0f;  ///< of points within reach
+  std::array<float, 3> first{};
+  std::array<float, 6> second{};  ///< xx xy xz yy yz zz
+};
+
+/// The sums, compiled for one instruction set. Unlike in queries, floats are the answer; so all sets add the
+/// same numbers in the same order, in sixteen columns however many lanes there are, and no product is fused
+/// with a sum.
+struct MomentSums {
+  Moments (*around)(const TreeView& tree, const glm::dvec3& place, double reach);
+};
+
+/// For an available instruction set (not `best`).
+const MomentSums& moment_sums(InstructionSet instruction_set);
+
+}  // namespace alidade::simd

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+#include "octree/local_plane.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+
+#include "octree/build.h"
+#include "octree/simd/moments.h"
+#include "tests/support/octrees.h"
+#include "tests/support/point_families.h"
+#include "tests/support/random.h"
+
+namespace alidade {
+namespace {
+
+using test::PointFamily;
+using test::Random;
+
+/// A place among the points, and a reach that holds some of them.
+struct Asked {
+  glm::dvec3 place;
+  double reach;
+};
+
+std::vector<Asked> places_in(const PointCloud& cloud, std::size_t count, Random& random) {
+  std::vector<Asked> asked;
+  if (cloud.size() == 0) return asked;
+  Bounds bounds;
+  for (std::size_t id = 0; id < cloud.size(); ++id) bounds.grow(cloud.world(id));
+  const double size = glm::length(bounds.size()) + glm::length(cloud.lattice.scale);
+  for (std::size_t i = 0; i < count; ++i)
+    asked.push_back(
+        {cloud.world(random.below(cloud.size())), size * std::pow(10.0, random.between(-3.0, 0.3))});
+  return asked;
+}
+
+/// The sums in double, point by point.
+std::array<double, 11> sums_in_double(const PointCloud& cloud, const Asked& asked) {
+  std::array<double, 11> sums{};
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    const glm::dvec3 p = (cloud.world(id) - asked.place) / asked.reach;
+    const double closeness = 1.0 - glm::dot(p, p);
+    if (!(closeness > 0.0)) continue;
+    const double w = closeness * closeness;
+    const double values[11] = {w,
+                               1.0,
+                               w * p.x,
+                               w * p.y,
+                               w * p.z,
+                               w * p.x * p.x,
+                               w * p.x * p.y,
+                               w * p.x * p.z,
+                               w * p.y * p.y,
+                               w * p.y * p.z,
+                               w * p.z * p.z};
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += values[i];
+  }
+  return sums;
+}
+
+TEST(Moments, are_those_of_the_points_within_reach) {
+  for (const PointFamily& family : test::point_families()) {
+    Random random(family.name + "_moments");
+    for (const test::NamedOctree& asked_octree : test::octrees_of(family.cloud)) {
+      for (const Asked& asked : places_in(family.cloud, 20, random)) {
+        SCOPED_TRACE(family.name + " " + asked_octree.name);
+        const auto expected = sums_in_double(family.cloud, asked);
+        const simd::Moments found = simd::moment_sums(asked_octree.octree.instruction_set())
+                                        .around(asked_octree.octree.view(), asked.place, asked.reach);
+        // Floats tell places within a frame to 2^-24 of its width; in units of the reach that may be more.
+        const TreeView& tree = asked_octree.octree.view();
+        const double frame = std::ldexp(glm::length(tree.lattice.scale), tree.root_level);
+        const double error = expected[1] * (1e-5 + 1e-6 * frame / asked.reach);
+        ASSERT_NEAR(found.weight, expected[0], error);
+        for (std::size_t i = 0; i < 3; ++i) ASSERT_NEAR(found.first[i], expected[2 + i], error);
+        for (std::size_t i = 0; i < 6; ++i) ASSERT_NEAR(found.second[i], expected[5 + i], error);
+      }
+    }
+  }
+}
+
+TEST(Moments, are_the_same_bits_on_every_instruction_set) {
+  for (const PointFamily& family : test::point_families()) {
+    if (family.cloud.size() == 0) continue;
+    const Octree octree = build(family.cloud);
+    Random random(family.name + "_bits");
+    for (const Asked& asked : places_in(family.cloud, 100, random)) {
+      const auto with = [&](InstructionSet set) {
+        return simd::moment_sums(set).around(octree.view(), asked.place, asked.reach);
+      };
+      const simd::Moments scalar = with(InstructionSet::scalar);
+      for (const InstructionSet set : available_instruction_sets()) {
+        const simd::Moments found = with(set);
+        ASSERT_EQ(std::memcmp(&found, &scalar, sizeof scalar), 0) << family.name << " " << name(set);
+      }
+    }
+  }
+}
+
+TEST(LocalPlane, of_points_on_an_inclined_plane_is_that_plane_at_utm_coordinates) {
+  const glm::dvec3 site(690000.0, 5325000.0, 500.0), normal = glm::normalize(glm::dvec3(0.3, -0.5, 0.8));
+  const glm::dvec3 u = glm::normalize(glm::cross(normal, glm::dvec3(1, 0, 0))), v = glm::cross(normal, u);
+  Random random;
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 4000; ++i)
+    points.push_back(site + random.between(-1, 1) * u + random.between(-1, 1) * v);
+  // A stray a hundred kilometres away: frames become so large that coordinates of 16 bits are not exact.
+  points.push_back(site + glm::dvec3(1e5, 1e5, 0.0));
+  const Octree octree = build(test::make_cloud(points, {glm::dvec3(0.0001), site}));
+  const LocalPlane found = local_plane(octree, site, 0.2);
+  EXPECT_NEAR(std::fabs(glm::dot(found.normal, normal)), 1.0, 1e-5);
+  EXPECT_NEAR(found.trust, 1.0, 1e-3);
+  EXPECT_EQ(local_plane(octree, site + glm::dvec3(0.0, 0.0, 50.0), 0.2).trust, 0.0);
+  EXPECT_EQ(local_plane(build(PointCloud()), site, 0.2).trust, 0.0);
+}
+
+}  // namespace
+}  // namespace alidade
