@@ -138,10 +138,12 @@ ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* 
   metadata.cloud_offset = cloud->octree.lattice().offset;
   metadata.crs = cloud->crs;
   metadata.radius = cloud->radius;
-  const std::string color = cloud.color.by == PointColor::rgb ? "their rgb values" : cloud.color.word;
-  say_note(
-      fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color, radius_text(settings, cloud)));
-  if (cloud.color.scale) say_note(cloud.color.word + ": " + scale_text(cloud.color));
+  if (cloud->spacing_factor > 0.0) {
+    metadata.further.emplace_back("alidade:radius_factor", fmt::format("{:.17g}", cloud->spacing_factor));
+    metadata.further.emplace_back("alidade:radius_neighbours",
+                                  std::to_string(cloud->octree.view().spacing_neighbours));
+  }
+  for (const auto& text : color_metadata(cloud->color)) metadata.further.push_back(text);
   return metadata;
 }
 
