@@ -51,6 +51,10 @@ std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetad
   add("alidade:samples", std::to_string(metadata.render.samples));
   add("alidade:max_bounces", std::to_string(metadata.render.max_bounces));
   add("alidade:seed", std::to_string(metadata.render.seed));
+  if (metadata.render.mode != RenderMode::path)
+    add("alidade:mode", std::string(k_modes[static_cast<std::size_t>(metadata.render.mode)].name));
+  if (metadata.render.mode == RenderMode::ambient_occlusion && metadata.render.ao_distance)
+    add("alidade:ao_distance", fmt::format("{:.17g}", *metadata.render.ao_distance));
   add("alidade:cloud_files", files);
   if (!files.empty()) add("alidade:cloud_offset", vector_text(metadata.cloud_offset));
   add("alidade:crs", metadata.crs.wkt);

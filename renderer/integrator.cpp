@@ -61,9 +61,9 @@ struct Vertex {
   }
 };
 
-/// Weight of the sun found by a ray against the sun sampled, for its chance over that of the sample: power
-/// heuristic, so that what a diffuse surface hardly ever finds is left to the samples. 1 minus it is the
-/// other weight.
+/// Weight of sun or sky found by a ray against the same sampled, for its chance over that of the sample:
+/// power heuristic, so that what a diffuse surface hardly ever finds is left to the samples. 1 minus it is
+/// the other weight.
 float found_weight(double chance) {
   const double chance_sq = chance * chance;
   return static_cast<float>(chance_sq / (1.0 + chance_sq));
@@ -103,6 +103,18 @@ void ask_sun(const SunDisc& sun, std::size_t path, const Vertex& vertex, const R
   if (light != Rgb(0.0f)) asked.add(path, vertex, direction, incoming, throughput * light);
 }
 
+void ask_sky(const SkyImage& sky, std::size_t path, const Vertex& vertex, const Rgb& throughput,
+             Sampler& sampler, LightRays& asked) {
+  const SkySample chosen = sky.sample(sampler.next_2d());
+  if (chosen.pdf == 0.0) return;
+  const glm::dvec3 incoming = vertex.basis.to_local(chosen.direction);
+  const double found_chance = pdf(vertex.material, vertex.outgoing, incoming) / chosen.pdf;
+  // In double: the parts may be too large or small for float, their ratio is not.
+  const Rgb weight(glm::dvec3(chosen.radiance) / chosen.pdf);
+  const Rgb light = weight * vertex.eval(incoming) * (1.0f - found_weight(found_chance));
+  if (light != Rgb(0.0f)) asked.add(path, vertex, chosen.direction, incoming, throughput * light);
+}
+
 void ask_lamp(const Lights& lights, std::size_t path, const Vertex& vertex, const Rgb& throughput,
               Sampler& sampler, LightRays& asked) {
   const double u_choice = sampler.next_1d();
@@ -137,6 +149,15 @@ float sun_share(const SunDisc& sun, const Trail& trail) {
   return found_weight(sun.solid_angle() * trail.pdf);
 }
 
+/// The same for the sky of a picture.
+float sky_share(const SkyImage& sky, const glm::dvec3& direction, const Trail& trail) {
+  if (!trail.scattered) return 1.0f;
+  const double sampled = sky.pdf(direction);
+  if (sampled == 0.0) return 1.0f;
+  if (trail.pdf == 0.0) return bundled_share(k_spot_density / (2.0 * k_pi * sampled), trail);
+  return found_weight(trail.pdf / sampled);
+}
+
 /// All that trace_paths has under way.
 class PathTracer {
  public:
@@ -155,7 +176,8 @@ class PathTracer {
       met_.assign(now_.paths.size(), std::nullopt);
       world_.nearest(now_.rays, now_.departures, met_);
       for (std::size_t i = 0; i < now_.paths.size(); ++i) advance(i, bounce);
-      gather_sunlight();
+      gather_from_afar(to_sun_);
+      gather_from_afar(to_sky_);
       gather_lamplight();
     }
   }
@@ -199,6 +221,7 @@ class PathTracer {
     ++result.ray_count;
     if (!met) {
       Rgb light = sky_radiance(lights_.sky(), ray.direction);
+      if (lights_.sky_image() != nullptr) light *= sky_share(*lights_.sky_image(), ray.direction, way.trail);
       if (lights_.sun())
         light += lights_.sun()->radiance(ray.direction) * sun_share(*lights_.sun(), way.trail);
       result.radiance += way.throughput * light;
@@ -219,6 +242,8 @@ class PathTracer {
     if (!is_specular(vertex.material)) {
       if (lights_.sun()) ask_sun(*lights_.sun(), path, vertex, way.throughput, sampler, to_sun_);
       if (lights_.has_spheres()) ask_lamp(lights_, path, vertex, way.throughput, sampler, to_lamps_);
+      if (lights_.sky_image() != nullptr)
+        ask_sky(*lights_.sky_image(), path, vertex, way.throughput, sampler, to_sky_);
     }
 
     const auto next = sample(vertex.material, vertex.surface.color, vertex.outgoing, u, u_choice);
@@ -248,11 +273,11 @@ class PathTracer {
     }
   }
 
-  void gather_sunlight() {
-    blocked_.assign(to_sun_.rays.size(), 0);
-    world_.blocked(to_sun_.rays, to_sun_.departures, blocked_);
-    for (std::size_t i = 0; i < to_sun_.rays.size(); ++i) gather(to_sun_, i, blocked_[i] == 0);
-    to_sun_.clear();
+  void gather_from_afar(LightRays& asked) {
+    blocked_.assign(asked.rays.size(), 0);
+    world_.blocked(asked.rays, asked.departures, blocked_);
+    for (std::size_t i = 0; i < asked.rays.size(); ++i) gather(asked, i, blocked_[i] == 0);
+    asked.clear();
   }
 
   void gather_lamplight() {
@@ -276,7 +301,7 @@ class PathTracer {
   std::vector<Way> ways_;
   Front now_, next_;
   std::vector<std::optional<Intersection>> met_;
-  LightRays to_sun_, to_lamps_;
+  LightRays to_sun_, to_sky_, to_lamps_;
   std::vector<std::uint8_t> blocked_;
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "octree/error.h"
 #include "renderer/sampling.h"
 
 namespace alidade {
@@ -21,6 +22,12 @@ double cap_height(const Sphere& sphere, const glm::dvec3& position) {
 }  // namespace
 
 Lights::Lights(const Scene& scene) : sky_(&scene.sky) {
+  if (scene.sun_by_time) throw Error({.problem = "the scene's sun has a date but has not been placed"});
+  if (const auto* picture = std::get_if<ImageSky>(&scene.sky)) {
+    if (!picture->image)
+      throw Error({.file = picture->file.string(), .problem = "the sky's picture has not been read"});
+    if (!picture->image->is_black()) sky_image_ = picture->image.get();
+  }
   if (scene.sun) sun_.emplace(*scene.sun);
   double total = 0.0;
   for (std::size_t index = 0; index < scene.objects.size(); ++index) {

@@ -14,8 +14,12 @@
 namespace alidade {
 namespace {
 
-std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
-  return (scene_file.parent_path() / node.text()).lexically_normal();
+/// A length, or nothing for "auto".
+std::optional<double> length_or_auto(const JsonNode& node) {
+  constexpr std::array<std::string_view, 1> words{"auto"};
+  if (!node.is_string()) return node.number(k_length);
+  node.choice(words);
+  return {};
 }
 
 AdaptedRadius read_adapted_radius(const JsonNode& node) {
@@ -47,13 +51,10 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
       cloud.files.push_back(path_beside(scene_file, each));
   }
   if (const auto radius = fields.find("radius")) {
-    constexpr std::array<std::string_view, 1> words{"auto"};
     if (radius->is_object())
       cloud.adapted_radius = read_adapted_radius(*radius);
-    else if (radius->is_string())
-      radius->choice(words);
     else
-      cloud.radius = radius->number(k_length);
+      cloud.radius = length_or_auto(*radius);
   }
   if (const auto hits = fields.find("hits")) {
     constexpr std::array<std::string_view, 2> words{"entry", "t"};
@@ -98,35 +99,8 @@ Object read_object(const JsonNode& node) {
   return sphere;
 }
 
-Sky read_sky(const JsonNode& node) {
-  constexpr std::array<std::string_view, 2> types{"constant", "gradient"};
-  const JsonNode type = type_of(node, {"type", "radiance", "horizon", "zenith"});
-  if (type.choice(types) == 0) {
-    const JsonFields fields(node, {"type", "radiance"});
-    ConstantSky sky;
-    if (const auto radiance = fields.find("radiance")) sky.radiance = read_rgb(*radiance, k_light);
-    return sky;
-  }
-  const JsonFields fields(node, {"type", "horizon", "zenith"});
-  GradientSky sky;
-  if (const auto horizon = fields.find("horizon")) sky.horizon = read_rgb(*horizon, k_light);
-  if (const auto zenith = fields.find("zenith")) sky.zenith = read_rgb(*zenith, k_light);
-  return sky;
-}
-
-Sun read_sun(const JsonNode& node) {
-  const JsonFields fields(node, {"azimuth", "elevation", "irradiance", "angular_diameter"});
-  Sun sun;
-  if (const auto azimuth = fields.find("azimuth")) sun.azimuth = azimuth->number({-360, 360});
-  if (const auto elevation = fields.find("elevation")) sun.elevation = elevation->number({-90, 90, true});
-  if (const auto irradiance = fields.find("irradiance")) sun.irradiance = read_rgb(*irradiance, k_light);
-  if (const auto diameter = fields.find("angular_diameter"))
-    sun.angular_diameter = diameter->number({0, 180, false, true});
-  return sun;
-}
-
 RenderSettings read_render_settings(const JsonNode& node) {
-  const JsonFields fields(node, {"samples", "max_bounces", "seed"});
+  const JsonFields fields(node, {"samples", "max_bounces", "seed", "mode", "ao_distance"});
   RenderSettings render;
   if (const auto samples = fields.find("samples")) {
     render.samples = static_cast<int>(samples->whole_number(1, k_max_samples));
@@ -135,6 +109,12 @@ RenderSettings read_render_settings(const JsonNode& node) {
     render.max_bounces = static_cast<int>(bounces->whole_number(0, k_max_bounces));
   }
   if (const auto seed = fields.find("seed")) render.seed = seed->whole_number(0, UINT64_MAX);
+  if (const auto mode = fields.find("mode")) {
+    std::array<std::string_view, k_modes.size()> words;
+    std::ranges::transform(k_modes, words.begin(), &NamedMode::name);
+    render.mode = k_modes[mode->choice(words)].mode;
+  }
+  if (const auto distance = fields.find("ao_distance")) render.ao_distance = length_or_auto(*distance);
   return render;
 }
 
@@ -175,6 +155,10 @@ void read_version(const JsonNode& version) {
   if (version.number({-1e9, 1e9}) != 1) version.fail("unknown version", "1");
 }
 
+std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
+  return (scene_file.parent_path() / node.text()).lexically_normal();
+}
+
 Rgb read_rgb(const JsonNode& node, const NumberRange& range) {
   return Rgb(node.vector(range));
 }
@@ -211,8 +195,8 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& name) {
     for (const JsonNode& object : objects->elements(0, std::size_t(-1)))
       scene.objects.push_back(read_object(object));
   }
-  if (const auto sky = fields.find("sky")) scene.sky = read_sky(*sky);
-  if (const auto sun = fields.find("sun")) scene.sun = read_sun(*sun);
+  if (const auto sky = fields.find("sky")) scene.sky = read_sky(*sky, name);
+  if (const auto sun = fields.find("sun")) read_sun(*sun, scene);
   if (const auto camera = fields.find("camera")) {
     scene.camera = camera->is_string() ? read_camera(path_beside(name, *camera)) : read_camera_node(*camera);
   }

@@ -42,6 +42,15 @@ Material read_material(const JsonNode& node, bool of_cloud);
 /// "color" of a cloud.
 PointColoring read_coloring(const JsonNode& node);
 
+/// A sky.
+Sky read_sky(const JsonNode& node, const std::filesystem::path& scene_file);
+
+/// Sets `sun` or `sun_by_time`.
+void read_sun(const JsonNode& node, Scene& scene);
+
+/// The name in the node, taken relative to the scene file.
+std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node);
+
 /// Three values, each in `range`.
 Rgb read_rgb(const JsonNode& node, const NumberRange& range);
 

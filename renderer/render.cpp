@@ -13,8 +13,9 @@
 #include <mutex>
 
 #include "renderer/camera/projection.h"
-#include "renderer/integrator.h"
 #include "renderer/point_radius.h"
+#include "renderer/quick_modes.h"
+#include "renderer/trace_samples.h"
 
 namespace alidade {
 namespace {
@@ -73,6 +74,7 @@ struct Task {
   const RenderSettings& settings;
   const World& world;
   const Lights& lights;
+  double ao_distance;
 };
 
 /// Depth along the camera's axis over distance along the ray. A panorama has no axis: its depth is the
@@ -136,7 +138,7 @@ class TileRenderer {
       }
     }
     std::vector<PathResult> results(paths.size());
-    trace_paths(task_.world, task_.lights, paths, task_.settings.max_bounces, results);
+    trace_samples(task_.world, task_.lights, task_.settings, task_.ao_distance, paths, results);
     std::size_t sample = 0, traced = 0;
     for (Pixel& pixel : pixels_) {
       for (int i = first; i < last; ++i) {
@@ -212,7 +214,7 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
   const Projection projection(camera);
   const World world(scene, cloud);
   const Lights lights(scene);
-  const Task task{projection, scene.render, world, lights};
+  const Task task{projection, scene.render, world, lights, ambient_occlusion_distance(scene.render, cloud)};
   Film film(camera.width, camera.height);
   SharedProgress progress(options.progress, std::uint64_t{film.color.size()} * scene.render.samples);
   std::atomic<std::uint64_t> ray_count{0};

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "octree/cloud/read_cloud.h"
 #include "renderer/camera/lens.h"
 #include "renderer/color/point_color.h"
+#include "renderer/date_time.h"
 #include "renderer/material.h"
 
 // A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative
@@ -88,7 +90,18 @@ struct GradientSky {
   Rgb zenith{0.5f, 0.7f, 1.0f};
 };
 
-using Sky = std::variant<ConstantSky, GradientSky>;
+class SkyImage;
+
+/// Sky from a picture of everything around, laid out like a panorama: its middle column looks north if it is
+/// not turned (renderer/sky_image.h).
+struct ImageSky {
+  std::filesystem::path file;
+  double scale = 1.0;     ///< radiance is the picture's values times this, [0, 1e9]
+  double rotation = 0.0;  ///< degrees clockwise from north: where the middle column looks, [-360, 360]
+  std::shared_ptr<const SkyImage> image;  ///< what was read from the file; nothing is rendered without it
+};
+
+using Sky = std::variant<ConstantSky, GradientSky, ImageSky>;
 
 /// The sun: a disc of even radiance, infinitely far away.
 struct Sun {
@@ -96,6 +109,18 @@ struct Sun {
   double elevation = 40.0;           ///< degrees above the horizon, (-90, 90]
   Rgb irradiance{3.0f, 2.9f, 2.7f};  ///< on a surface that faces it
   double angular_diameter = 0.53;    ///< degrees, [0, 180); 0 = parallel light
+};
+
+/// A sun that stands where date and place say. place_sun() (renderer/place_sun.h) makes a Sun of it, once the
+/// cloud is known.
+struct SunByTime {
+  Moment moment;
+  std::optional<double> latitude{}, longitude{};  ///< degrees; both or none: those of the cloud
+  double height = 0.0;                            ///< metres above the sea, [-1000, 100000]
+  double pressure = 1013.25;                      ///< of the air there, hPa = mbar, [0, 2000]
+  double temperature = 10.0;                      ///< of the air there, degrees Celsius, [-150, 100]
+  std::optional<Rgb> irradiance{};                ///< empty = that of a clear sky, by elevation
+  double angular_diameter = 0.53;                 ///< as Sun's
 };
 
 /// Where the optical axis of a camera points and which axes its own frame has.
@@ -131,10 +156,32 @@ inline constexpr int k_max_bounces = 1000;               ///< path vertices afte
 inline constexpr int k_max_image_side = 1 << 16;         ///< pixels
 inline constexpr std::uint64_t k_max_pixels = 1u << 28;  ///< width times height
 
+/// What a picture shows.
+enum class RenderMode {
+  path,               ///< light of sun, sky and lamps, scattered from surface to surface
+  ambient_occlusion,  ///< colours, darkened where other surfaces are near; no light is needed
+  headlight,          ///< colours lit from the camera, without shadows
+  flat,               ///< the colours themselves
+};
+
+/// A mode and the word for it in scene files and on command lines.
+struct NamedMode {
+  std::string_view name;
+  RenderMode mode;
+};
+
+/// Every mode, in the order of the enum.
+inline constexpr std::array<NamedMode, 4> k_modes = {{{"path", RenderMode::path},
+                                                      {"ambient_occlusion", RenderMode::ambient_occlusion},
+                                                      {"headlight", RenderMode::headlight},
+                                                      {"flat", RenderMode::flat}}};
+
 struct RenderSettings {
   int samples = 50;     ///< paths per pixel, 1 .. k_max_samples
   int max_bounces = 8;  ///< path vertices after the first, 0 .. k_max_bounces
   std::uint64_t seed = 1;
+  RenderMode mode = RenderMode::path;
+  std::optional<double> ao_distance{};  ///< metres that count as near; empty = ambient_occlusion_distance()
 };
 
 /// One group of image channels.
@@ -168,7 +215,9 @@ struct Scene {
   std::vector<Object> objects;
   Sky sky = GradientSky{};
   std::optional<Sun> sun;
-  std::optional<Camera> camera;  ///< empty = a view is chosen that shows the whole cloud
+  std::optional<SunByTime> sun_by_time;  ///< stands in for `sun`, which is made of it before rendering
+  std::string sun_origin;                ///< how `sun` was made, for the metadata of pictures
+  std::optional<Camera> camera;          ///< empty = a view is chosen that shows the whole cloud
   RenderSettings render;
   OutputSettings output;
 };

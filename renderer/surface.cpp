@@ -165,13 +165,13 @@ bool World::blocked(const Ray& ray, const Departure& departure) const {
 }
 
 void World::blocked(std::span<const Ray> rays, std::span<const Departure> departures,
-                    std::span<std::uint8_t> answers) const {
+                    std::span<std::uint8_t> answers, double reach) const {
   std::vector<Ray> asked;
   std::vector<std::size_t> numbers;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    answers[i] = nearest_object(rays[i], departures[i]).t < k_none ? 1 : 0;
+    answers[i] = nearest_object(rays[i], departures[i]).t < reach ? 1 : 0;
     if (answers[i] != 0 || !cloud_) continue;
-    asked.push_back({rays[i].origin, rays[i].direction, 0.0, k_none});
+    asked.push_back({rays[i].origin, rays[i].direction, 0.0, reach});
     numbers.push_back(i);
   }
   if (asked.empty()) return;

@@ -70,11 +70,13 @@ class World {
   /// Whether anything stands between the ray's origin and infinity.
   bool blocked(const Ray& ray, const Departure& departure) const;
 
-  /// The same for many rays, which go through the cloud together: much faster. All three of one length.
+  /// The same for many rays, which go through the cloud together: much faster. All of one length. `reach`:
+  /// only what stands within so many metres of the origin blocks, of points those whose middle is passed
+  /// there.
   void nearest(std::span<const Ray> rays, std::span<const Departure> departures,
                std::span<std::optional<Intersection>> met) const;
   void blocked(std::span<const Ray> rays, std::span<const Departure> departures,
-               std::span<std::uint8_t> answers) const;
+               std::span<std::uint8_t> answers, double reach = std::numeric_limits<double>::infinity()) const;
 
   Surface surface_at(const Ray& ray, const Intersection& intersection) const;
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
+#include "renderer/place_sun.h"
+#include "renderer/read_sky_image.h"
 #include "tools/image_writer.h"
 
-// The module that load_image_writer() and load_legend_writer() load.
+// The module that load_image_writer() and its neighbours load.
 
 extern "C" void alidade_write_image(const alidade::Film& film, const alidade::OutputSettings& output,
                                     const alidade::ImageMetadata& metadata, bool overwrite) {
@@ -11,4 +13,15 @@ extern "C" void alidade_write_image(const alidade::Film& film, const alidade::Ou
 extern "C" void alidade_write_legend(const alidade::ColorKey& key, const std::filesystem::path& file,
                                      const std::optional<glm::ivec2>& size, bool overwrite) {
   alidade::write_legend(key, file, size, overwrite);
+}
+
+extern "C" void alidade_read_sky_image(const std::filesystem::path& file, alidade::SkyPixels& pixels) {
+  pixels = alidade::read_sky_image(file);
+}
+
+extern "C" void alidade_place_sun(const alidade::SunByTime& by_time,
+                                  const std::optional<alidade::SceneMap>& map, alidade::PlacedSun& placed,
+                                  std::string& description) {
+  placed = alidade::place_sun(by_time, map);
+  description = alidade::describe(by_time, placed);
 }

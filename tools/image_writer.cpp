@@ -43,4 +43,12 @@ LegendWriter load_legend_writer() {
   return reinterpret_cast<LegendWriter>(load_function("alidade_write_legend"));
 }
 
+SkyImageReader load_sky_image_reader() {
+  return reinterpret_cast<SkyImageReader>(load_function("alidade_read_sky_image"));
+}
+
+SunPlacer load_sun_placer() {
+  return reinterpret_cast<SunPlacer>(load_function("alidade_place_sun"));
+}
+
 }  // namespace alidade

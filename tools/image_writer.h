@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "renderer/image.h"
 #include "renderer/legend/legend.h"
+#include "renderer/place_sun.h"
+#include "renderer/sky_image.h"
 
 // Image formats come through OpenImageIO, which brings some 250 libraries: loading them takes longer, and
 // more memory, than all the work of most commands. So they stand in a module beside the program, and only who
-// writes a picture loads it.
+// writes a picture loads it. What else needs such libraries stands there, too: reading the picture of a sky,
+// and the reference systems (GDAL) that a sun by date and place is turned with.
 
 namespace alidade {
 
@@ -24,5 +30,14 @@ using LegendWriter = void (*)(const ColorKey& key, const std::filesystem::path& 
 
 /// The same for legends.
 LegendWriter load_legend_writer();
+
+/// read_sky_image() of renderer/read_sky_image.h, into `pixels`. Errors: as load_image_writer.
+using SkyImageReader = void (*)(const std::filesystem::path& file, SkyPixels& pixels);
+SkyImageReader load_sky_image_reader();
+
+/// place_sun() and describe() of renderer/place_sun.h. Errors: as load_image_writer.
+using SunPlacer = void (*)(const SunByTime& by_time, const std::optional<SceneMap>& map, PlacedSun& placed,
+                           std::string& description);
+SunPlacer load_sun_placer();
 
 }  // namespace alidade

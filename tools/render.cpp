@@ -51,6 +51,7 @@ std::string picture_command(const CommandLine& words) {
 std::vector<std::filesystem::path> input_files(const RenderCommand& command, const Scene& scene) {
   std::vector<std::filesystem::path> files;
   if (scene.cloud) files = scene.cloud->files;
+  if (const auto* sky = std::get_if<ImageSky>(&scene.sky)) files.push_back(sky->file);
   for (const std::filesystem::path& file :
        {command.scene_file, command.camera.file, command.camera.lens_file}) {
     if (!file.empty()) files.push_back(file);
@@ -132,6 +133,7 @@ ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* 
   metadata.camera = view.camera;
   metadata.render = scene.render;
   metadata.command = picture_command(words);
+  if (!scene.sun_origin.empty()) metadata.further.emplace_back("alidade:sun", scene.sun_origin);
   if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
   if (cloud == nullptr) return metadata;
   for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(file.path.string());
@@ -214,12 +216,14 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   }
   if (!views.empty()) check_views(pictures, scene, nullptr);
+  prepare_sky(scene, verbosity);
 
   std::optional<LoadedCloud> loaded;
   if (scene.cloud) loaded = load(*scene.cloud, verbosity);
   const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
   if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
   check_views(pictures, scene, cloud);
+  prepare_light(scene, cloud, verbosity);
   if (wants_legend)
     load_legend_writer()(cloud->color, command.color.legend, command.color.legend_size, command.overwrite);
 
@@ -248,13 +252,14 @@ Command add_render(CLI::App& program, const CommandLine& command_line) {
       "  ... --camera FOLDER -o 'out_%04d.png'   one picture for every camera\n"
       "  ... --panorama X,Y,Z                    everything around a place\n"
       "  ... --orthographic top --resolution M   from straight above; -o FILE.tif is a GeoTIFF\n"
+      "  ... --sun-time DATE-TIME                by the sun of that moment\n"
       "\n"
       "With --cloud and no scene, the whole cloud is shown three-quarter from above, under a sun and a blue "
       "sky.\n"
       "Options stand above what the scene file says. Lengths are in metres (the unit of the cloud's CRS), "
       "angles in degrees.\n"
       "The bytes of the picture do not depend on the number of threads nor on the machine.\n"
-      "Scene files: docs/scene_format.md; cameras: docs/cameras.md.\n"
+      "Scene files: docs/scene_format.md; cameras: docs/cameras.md; light: docs/light.md.\n"
       "\n"
       "Examples:\n"
       "  alidade render scenes/courtyard.json -o courtyard.png\n"

@@ -169,6 +169,7 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   render.add_flag("--skip-existing", command->skip_existing,
                   "leave out pictures that are there already: goes on with an interrupted set");
   add_camera_options(render, command->camera);
+  add_light_options(render, command->light);
   add_picture_options(render, *command);
   add_cloud_options(render, *command);
   add_color_options(render, command->color);
@@ -184,6 +185,7 @@ Scene requested_scene(const RenderCommand& command) {
   Scene scene =
       command.scene_file.empty() ? daylight_scene(command.cloud_files) : read_scene(command.scene_file);
   apply_cloud_options(command, scene);
+  apply_light_options(command.light, scene);
   scene.render.samples = command.samples.value_or(scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);

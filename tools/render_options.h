@@ -10,6 +10,7 @@
 #include "renderer/scene.h"
 #include "tools/camera_options.h"
 #include "tools/color_options.h"
+#include "tools/light_options.h"
 #include "tools/options.h"
 
 namespace alidade {
@@ -26,6 +27,7 @@ struct RenderCommand {
   std::vector<std::filesystem::path> cloud_files;
   std::filesystem::path output;
   CameraRequest camera;
+  LightRequest light;
   std::optional<int> samples, max_bounces;
   std::optional<std::uint64_t> seed;
   std::optional<RadiusRequest> radius;

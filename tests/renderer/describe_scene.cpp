@@ -52,6 +52,9 @@ std::string text(const Sky& sky) {
     std::string operator()(const GradientSky& s) const {
       return fmt::format("gradient {}{}", text(glm::dvec3(s.horizon)), text(glm::dvec3(s.zenith)));
     }
+    std::string operator()(const ImageSky& s) const {
+      return fmt::format("image {} {}{}", s.file.string(), text(s.scale), text(s.rotation));
+    }
   } visitor;
   return std::visit(visitor, sky);
 }
@@ -120,9 +123,18 @@ std::string describe(const Scene& scene) {
     result += fmt::format("\nsun {}{}{}{}", text(sun->azimuth), text(sun->elevation),
                           text(glm::dvec3(sun->irradiance)), text(sun->angular_diameter));
   }
+  if (const auto& sun = scene.sun_by_time) {
+    result += fmt::format(
+        "\nsun on {} at {}{}{}{}{}{}{}", date_time_text(sun->moment),
+        sun->latitude ? text(*sun->latitude) : "auto ", sun->longitude ? text(*sun->longitude) : "auto ",
+        text(sun->height), text(sun->pressure), text(sun->temperature),
+        sun->irradiance ? text(glm::dvec3(*sun->irradiance)) : "auto ", text(sun->angular_diameter));
+  }
   result += fmt::format("\ncamera {}", scene.camera ? describe(*scene.camera) : "chosen");
   const RenderSettings& render = scene.render;
   result += fmt::format("\nrender {} {} {}", render.samples, render.max_bounces, render.seed);
+  if (render.mode != RenderMode::path) result += fmt::format(" mode {}", int(render.mode));
+  if (render.ao_distance) result += fmt::format(" near {}", text(*render.ao_distance));
   const OutputSettings& output = scene.output;
   result += fmt::format("\noutput '{}' half {} {}", output.file.string(), output.half, text(output.exposure));
   for (const Layer layer : output.layers) result += fmt::format("{} ", int(layer));

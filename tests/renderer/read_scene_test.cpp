@@ -96,6 +96,30 @@ TEST(ReadSceneTest, colours_are_a_word_or_an_object_with_map_range_and_classes) 
   EXPECT_EQ(color("{}").by, PointColor::automatic);
 }
 
+TEST(ReadSceneTest, light_says_what_its_file_says) {
+  const Scene scene = parse_scene(R"({ "version": 1,
+    "sky": { "type": "image", "file": "../skies/noon.exr", "scale": 2.5, "rotation": -90 },
+    "sun": { "date_time": "2003-10-17T12:30:30-07:00", "latitude": 39.5, "longitude": -105.25, "height": 1830.5,
+             "pressure": 820, "temperature": 11, "irradiance": [1, 2, 3], "angular_diameter": 0 },
+    "render": { "mode": "ambient_occlusion", "ao_distance": 2.5 } })",
+                                  "scenes/yard.json");
+  const std::string said = describe(scene);
+  EXPECT_NE(said.find("\nsky image skies/noon.exr 2.5 -90 \n"), std::string::npos) << said;
+  EXPECT_NE(said.find("\nsun on 2003-10-17T19:30:30Z at 39.5 -105.25 1830.5 820 11 1 2 3 0 \n"),
+            std::string::npos)
+      << said;
+  EXPECT_NE(said.find(" mode 1 near 2.5 \n"), std::string::npos) << said;
+  EXPECT_FALSE(scene.sun);
+  const Scene sparse = parse_scene(R"({ "version": 1, "sky": { "type": "image", "file": "a.hdr" },
+    "sun": { "date_time": "2003-10-17T12:30Z" }, "render": { "mode": "flat", "ao_distance": "auto" } })",
+                                   "yard.json");
+  Scene same;
+  same.sky = ImageSky{.file = "a.hdr", .image = {}};
+  same.sun_by_time = SunByTime{.moment = parse_date_time("2003-10-17T12:30:00Z")};
+  same.render.mode = RenderMode::flat;
+  EXPECT_EQ(describe(sparse), describe(same));
+}
+
 TEST(ReadSceneTest, absolute_paths_stay) {
   const Scene scene = parse_scene(R"({"version": 1, "cloud": {"file": "/data/a.las"}})", "scenes/yard.json");
   EXPECT_EQ(scene.cloud->files.at(0), "/data/a.las");
@@ -131,8 +155,27 @@ TEST(ReadSceneTest, every_mistake_is_named_at_its_place) {
        "values"},
       {with(R"("sky": { "type": "constnat" })"), "2:20",
        "unknown word, did you mean \"constant\"? (at /sky/type); expected one of \"constant\", \"gradient\", "
-       "found "
-       "\"constnat\""},
+       "\"image\", found \"constnat\""},
+      {with(R"("sky": { "type": "image" })"), "2:10", "missing key \"file\" (at /sky)"},
+      {with(R"("sky": { "type": "image", "file": "a.exr", "scale": -1 })"), "2:55",
+       "number out of range (at /sky/scale)"},
+      {with(R"("sun": { "date_time": "2026-06-21T12:00:00" })"), "2:25",
+       "date and time without a time zone (at /sun/date_time); expected Z for UTC or an offset"},
+      {with(R"("sun": { "date_time": "2026-02-30T12:00Z" })"), "2:25",
+       "no such day (at /sun/date_time); expected a day of the calendar, found \"2026-02-30T12:00Z\""},
+      {with(R"("sun": { "date_time": "noon" })"), "2:25", "not a date and time (at /sun/date_time)"},
+      {with(R"("sun": { "date_time": 12 })"), "2:25",
+       "wrong type (at /sun/date_time); expected a text in quotes, found 12"},
+      {with(R"("sun": { "date_time": "2026-06-21T12:00Z", "elevation": 3 })"), "2:59",
+       "a sun both by angles and by time (at /sun/elevation)"},
+      {with(R"("sun": { "date_time": "2026-06-21T12:00Z", "latitude": 48 })"), "2:58",
+       "half a place (at /sun/latitude)"},
+      {with(R"("sun": { "latitude": 48, "longitude": 11 })"), "2:24",
+       "a sun by place but without a time (at /sun/latitude); expected \"date_time\" beside it"},
+      {with(R"("sun": { "date_time": "2026-06-21T12:00Z", "irradiance": "much" })"), "2:60",
+       "unknown word (at /sun/irradiance)"},
+      {with(R"("render": { "mode": "ao" })"), "2:23", "unknown word (at /render/mode)"},
+      {with(R"("render": { "ao_distance": 0 })"), "2:30", "number out of range (at /render/ao_distance)"},
       {with(R"("sky": {})"), "2:10", "missing key \"type\" (at /sky)"},
       {with(R"("cloud": {})"), "2:12", "missing key \"files\" (at /cloud); expected \"files\" or \"file\""},
       {with(R"("cloud": { "file": "a", "files": ["a"] })"), "2:22", "both \"file\" and \"files\""},

@@ -97,6 +97,12 @@ std::vector<Sample> samples() {
   scene["sky"] = Json::parse(R"({"type": "constant", "radiance": [1, 2, 3]})");
   scene["camera"] = cameras().back();
   all.push_back({"scene.schema.json", scene});
+  scene["sky"] = Json::parse(R"({"type": "image", "file": "sky.exr", "scale": 2, "rotation": 90})");
+  scene["sun"] =
+      Json::parse(R"({"date_time": "2003-10-17T12:30:30.5-07:00", "latitude": 39.7, "longitude": -105.2,
+    "height": 1830, "pressure": 820, "temperature": 11, "irradiance": [1, 2, 3], "angular_diameter": 1})");
+  scene["render"] = Json::parse(R"({"mode": "ambient_occlusion", "ao_distance": 2.5})");
+  all.push_back({"scene.schema.json", scene});
   return all;
 }
 
@@ -275,7 +281,10 @@ TEST_F(SceneSchemaTest, reader_and_schema_agree_at_the_limits_of_every_number) {
 TEST_F(SceneSchemaTest, reader_and_schema_agree_on_small_changes_everywhere) {
   const Json replacements = Json::parse(
       R"([null, true, false, -1, 0, 0.5, 1, 1.0, 2, 16.0, 1e300, -1e300, "", "x", "x.png", "x.PNG", "x.Jpeg", "x.jpegg", "x.tif", "x.TIFF", "x.tifff", ".exr",
-    "auto", "entry", "sphere", "metal", "constant", [], {}, [1], ["id"], ["id", "id"], [1, 1, 1], [0.5, 0.5, 0.5],
+    "auto", "entry", "sphere", "metal", "constant", "flat", "2024-02-29T12:00Z", "2024-02-28T12:00:00+01:00",
+    "2024-02-28T12:00", "2024-02-28T12:00:00.Z", "1599-12-31T12:00Z", "2024-02-28T24:00Z",
+    {"date_time": "2024-02-28T12:00Z"}, {"date_time": "2024-02-28T12:00Z", "azimuth": 1}, {"latitude": 1},
+    {"date_time": "2024-02-28T12:00Z", "latitude": 1}, {"type": "image"}, {"type": "image", "file": "a.exr"}, [], {}, [1], ["id"], ["id", "id"], [1, 1, 1], [0.5, 0.5, 0.5],
     [0.5, 0.5, 0.5, 0.5], [1, 1, "1"], [[1, 1, 1]], {"type": "emissive"}, {"type": "sphere"}, {"type": "metal"},
     {"file": "a"}, {"file": "a", "files": ["a"]}, {"vertical_fov": 1}, {"vertical_fov": 1, "fx": 1}])");
   int count = 0;

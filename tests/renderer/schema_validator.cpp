@@ -141,6 +141,12 @@ bool SchemaValidator::holds(const Json& schema, const Json& value, const Json::j
       for (const Json& key : rule) {
         if (value.is_object() && !value.contains(key.get<std::string>())) return false;
       }
+    } else if (keyword == "dependentRequired") {
+      for (const auto& [key, companions] : rule.items()) {
+        if (!value.is_object() || !value.contains(key)) continue;
+        for (const Json& companion : companions)
+          if (!value.contains(companion.get<std::string>())) return false;
+      }
     } else if (keyword == "oneOf") {
       int count = 0;
       for (const Json& alternative : rule) {

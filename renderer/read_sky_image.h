@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "renderer/sky_image.h"
+
+namespace alidade {
+
+/// Reads a sky from a picture in any format that OpenImageIO knows (EXR, HDR, TIFF, PNG, JPEG, ...): the
+/// channels R, G, B, else the first three, or one as grey; alpha is not looked at. Values are taken as
+/// linear, but those of whole-number formats as sRGB. Values that light cannot have are put right and told in
+/// the warning: negative ones and NaN count as 0, infinite ones as 65504 (the largest half), those above 1e9
+/// as 1e9. Errors: no such file, not a picture, deep or 3D, a cut-out (its data window is not the whole), no
+/// pixels or more than k_most_sky_pixels, more than 4096 pixels per byte of the file (no format packs so
+/// many), pixels missing. Memory: 12 bytes per pixel.
+SkyPixels read_sky_image(const std::filesystem::path& file);
+
+}  // namespace alidade

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+class RenderLightTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_square("square.xyz");
+  }
+  ProgramResult render(std::vector<std::string> words) {
+    words.insert(words.begin(), {"render", "--size=24x16", "--samples=4", "--overwrite"});
+    return run(words);
+  }
+  /// Of the square, which has no reference system.
+  ProgramResult render_square(std::vector<std::string> words) {
+    words.insert(words.begin(), {"--cloud", "square.xyz", "-o", "out.png"});
+    return render(words);
+  }
+  /// What the picture shows, without what stands before it.
+  std::string pixels(const std::string& name) const {
+    const std::string content = read(name);
+    return content.substr(content.find("IDAT"));
+  }
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST_F(RenderLightTest, sun_by_time_and_place_is_told_and_stored) {
+  const ProgramResult result =
+      render_square({"--sun-time", "2003-10-17T12:30:30-07:00", "--sun-place", "39.742476,-105.1786"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  // Another air than the published example's changes the elevation by less than 0.01 degrees.
+  EXPECT_TRUE(contains(result.err, "alidade: sun at azimuth 194.34")) << result.err;
+  EXPECT_TRUE(contains(result.err, "(+y taken for true north), elevation 39.8")) << result.err;
+  EXPECT_TRUE(contains(read("out.png"), "alidade:sun")) << "not stored";
+  EXPECT_TRUE(contains(read("out.png"), "2003-10-17T19:30:30Z at latitude 39.742476"));
+}
+
+TEST_F(RenderLightTest, sun_of_a_cloud_with_a_map_needs_no_place_and_is_turned_to_grid_north) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "yard.las", "-q"}).exit_code, 0);
+  const ProgramResult result =
+      render({"--cloud", "yard.las", "-o", "out.png", "--sun-time", "2026-06-21T10:00:00Z"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "from +y: grid north is 1.89")) << result.err;
+  EXPECT_TRUE(contains(result.err, "at latitude 48.0")) << result.err;
+}
+
+TEST_F(RenderLightTest, sun_below_the_horizon_lights_nothing_and_says_so) {
+  const ProgramResult night =
+      render_square({"--sun-time", "2026-12-21T23:00:00+01:00", "--sun-place", "48,11.5"});
+  ASSERT_EQ(night.exit_code, 0) << night.err;
+  EXPECT_TRUE(contains(night.err, "warning: the sun is below the horizon, at elevation -6")) << night.err;
+  const std::string at_night = pixels("out.png");
+  ASSERT_EQ(render_square({"--no-sun"}).exit_code, 0);
+  EXPECT_EQ(pixels("out.png"), at_night);
+  ASSERT_EQ(render_square({}).exit_code, 0);
+  EXPECT_NE(pixels("out.png"), at_night);
+}
+
+TEST_F(RenderLightTest, sun_by_angles_is_the_one_a_scene_would_have) {
+  write("a.json",
+        R"({"version": 1, "cloud": {"file": "square.xyz"}, "sun": {"azimuth": 200, "elevation": 25}})");
+  write("b.json", R"({"version": 1, "cloud": {"file": "square.xyz"}, "sun": {}})");
+  ASSERT_EQ(render({"a.json", "-o", "a.png"}).exit_code, 0);
+  ASSERT_EQ(render({"b.json", "--sun", "200,25", "-o", "b.png"}).exit_code, 0);
+  EXPECT_EQ(pixels("a.png"), pixels("b.png"));
+}
+
+TEST_F(RenderLightTest, mistakes_about_the_sun_are_errors_that_explain) {
+  const auto expect = [&](const std::vector<std::string>& words, const std::string& part) {
+    const ProgramResult result = render_square(words);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, part)) << result.err;
+  };
+  expect({"--sun-time", "2026-06-21T12:00:00"}, "date and time without a time zone");
+  expect({"--sun-time", "noon"}, "not a date and time");
+  expect({"--sun-time", "2026-06-21T12:00:00Z"}, "needs a latitude and a longitude");
+  expect({"--sun-place", "48,11"}, "--sun-time DATE-TIME beside it");
+  expect({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", "48"}, "expected two numbers");
+  expect({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", "91,11"}, "--sun-place");
+  expect({"--sun", "100"}, "expected two numbers");
+  expect({"--sun", "100,-90"}, "above -90");
+  expect({"--sun", "100,20", "--no-sun"}, "--sun excludes --no-sun");
+  expect({"--sun", "100,20", "--sun-time", "2026-06-21T12:00:00Z"}, "--sun");
+  expect({"--ao-distance", "2"}, "--mode ambient_occlusion");
+  expect({"--mode", "ao"}, "expected path|ambient_occlusion|headlight|flat");
+}
+
+TEST_F(RenderLightTest, a_panorama_is_a_sky) {
+  ASSERT_EQ(render({"--cloud", "square.xyz", "--panorama", "101,201,6", "-o", "sky.exr"}).exit_code, 0);
+  write("scene.json", R"({"version": 1, "sky": {"type": "image", "file": "sky.exr"},
+    "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
+                 "material": {"type": "metal", "albedo": [0.9, 0.9, 0.9]}}],
+    "camera": {"model": "pinhole", "width": 24, "height": 16, "intrinsics": {"vertical_fov": 50},
+               "pose": {"look_at": {"eye": [0, -4, 1], "target": [0, 0, 0]}}}})");
+  const ProgramResult result = render({"scene.json", "-o", "ball.png"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "sky from sky.exr, 24 x 16 pixels")) << result.err;
+  // The sky itself is safe from being overwritten by its picture.
+  EXPECT_EQ(render({"scene.json", "-o", "sky.exr"}).exit_code, 2);
+  EXPECT_EQ(run({"render", "scene.json", "-o", "missing.png", "-q"}).exit_code, 0);
+  std::filesystem::remove(folder / "sky.exr");
+  const ProgramResult missing = render({"scene.json", "-o", "ball.png"});
+  EXPECT_EQ(missing.exit_code, 2);
+  EXPECT_TRUE(contains(missing.err, "sky.exr: no such file")) << missing.err;
+}
+
+TEST_F(RenderLightTest, quick_modes_need_no_light_and_say_what_they_are) {
+  write("dark.json", R"({"version": 1, "cloud": {"file": "square.xyz"}, "sky": {"type": "constant"},
+    "sun": {"date_time": "2026-06-21T12:00:00Z"}})");
+  std::string last;
+  for (const std::string mode : {"ambient_occlusion", "headlight", "flat"}) {
+    const ProgramResult result = render({"dark.json", "--mode", mode, "-o", "out.png"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(read("out.png"), "alidade:mode"));
+    EXPECT_EQ(contains(read("out.png"), "alidade:ao_distance"), mode == "ambient_occlusion");
+    EXPECT_EQ(contains(result.err, "ambient occlusion within"), mode == "ambient_occlusion") << result.err;
+    EXPECT_NE(pixels("out.png"), last);
+    last = pixels("out.png");
+  }
+  // The path mode does need a place for its sun.
+  EXPECT_EQ(render({"dark.json", "-o", "out.png"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace alidade::test

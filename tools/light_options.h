@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <glm/vec2.hpp>
+#include <optional>
+
+#include "renderer/render.h"
+#include "renderer/scene.h"
+#include "tools/options.h"
+
+namespace alidade {
+
+/// Which light `alidade render` was asked for. Everything that is empty is left as the scene has it.
+struct LightRequest {
+  std::optional<RenderMode> mode;
+  std::optional<std::optional<double>> ao_distance;  ///< an empty distance in it is "auto"
+  std::optional<glm::dvec2> sun;                     ///< azimuth and elevation, degrees
+  std::optional<Moment> sun_time;
+  std::optional<glm::dvec2> sun_place;  ///< latitude and longitude, degrees
+  bool no_sun = false;
+};
+
+/// Declares the options; they fill `request`.
+void add_light_options(CLI::App& render, LightRequest& request);
+
+/// Lays the options over the scene. A sun that gets another place in the sky keeps its brightness, one that
+/// gets another time keeps all else. Errors: a place for a sun that has no time.
+void apply_light_options(const LightRequest& request, Scene& scene);
+
+/// Reads the picture of the scene's sky, if it has one and its mode shows it, and says what is strange about
+/// it. Errors: as read_sky_image.
+void prepare_sky(Scene& scene, Verbosity verbosity);
+
+/// What else of the scene's light needs its cloud (may be null), as far as its mode needs it: places a sun by
+/// time, which is left out where it is below the horizon, and finds the distance of ambient occlusion. Says
+/// what was found. Errors: as place_sun.
+void prepare_light(Scene& scene, const LoadedCloud* cloud, Verbosity verbosity);
+
+}  // namespace alidade
