@@ -3,15 +3,24 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "renderer/material.h"
+#include "renderer/scene.h"
 
 namespace alidade {
 
 /// The finished image, pixel by pixel, row 0 on top. Colour and its variance are means over the pixel's
 /// samples; the other values come from the ray through the pixel's centre and are never filtered. A pixel
 /// whose centre sees no surface has infinite depth and distance, zero normal, position and albedo, and id 0.
+///
+/// Layers that were not asked for are empty. Memory per pixel: colour with alpha 16 bytes, variance 12, depth
+/// 4, distance 4, normal 12, position 24, albedo 12, id 4.
+///
+/// Variance: how far the pixel's colour would lie from that of endlessly many samples, squared, on average.
+/// The samples of a pixel lie more evenly than independent ones, so sample variance over their number
+/// says too much where light changes smoothly; renderer/noise.h says how that is put right, and how well.
 struct Film {
   int width = 0, height = 0;
   std::vector<Rgb> color;            ///< linear radiance
@@ -25,8 +34,20 @@ struct Film {
   std::vector<std::uint32_t> id;     ///< point id + 1; objects count down from 4294967295; 0 = nothing
 
   Film() = default;
+  /// Every layer, with the values of a pixel that sees nothing.
   Film(int width, int height);
+  /// Only these layers.
+  Film(int width, int height, std::span<const Layer> layers);
+
   std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+  /// Number of pixels.
+  std::size_t count() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+  /// Whether the film has this layer.
+  bool holds(Layer layer) const;
+  bool holds_any() const;
 };
+
+/// Every layer there is.
+std::vector<Layer> all_layers();
 
 }  // namespace alidade

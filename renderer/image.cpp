@@ -24,6 +24,10 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageMetada
                OutputFile& file) {
   const std::vector<Channel> channels = exr_channels(output);
   if (channels.empty()) fail_image(output.file, "no layer is asked for");
+  for (const NamedLayer& known : k_layers) {
+    if (std::ranges::find(output.layers, known.layer) != output.layers.end() && !film.holds(known.layer))
+      fail_image(output.file, "its layer " + std::string(known.name) + " was not rendered");
+  }
   OIIO::ImageSpec spec(film.width, film.height, static_cast<int>(channels.size()), OIIO::TypeFloat);
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const Channel& channel = channels[i];

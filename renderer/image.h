@@ -36,9 +36,10 @@ void check_image_name(const std::filesystem::path& file);
 
 /// Writes the film by the extension of `output.file`: .exr with the layers asked for, .png (8 bit) or .jpg
 /// with exposure and the sRGB curve, .tif as GeoTIFF, like PNG with alpha and with its place on the ground
-/// (cameras with parallel rays from straight above only). The file appears whole or not at all. Channel names
-/// and metadata keys: docs/scene_format.md. Errors: unknown extension, existing file without `overwrite`, a
-/// full disk and other write failures, anything OpenImageIO reports. Memory: the encoded picture.
+/// (cameras with parallel rays from straight above only). The film must hold colour and alpha, for EXR the
+/// layers. The file appears whole or not at all. Channel names and metadata keys: docs/scene_format.md.
+/// Errors: unknown extension, a layer that the film lacks, existing file without `overwrite`, a full disk and
+/// other write failures, anything OpenImageIO reports. Memory: the encoded picture.
 void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                  bool overwrite);
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "octree/build.h"
+#include "octree/checksum.h"
 #include "octree/cloud/attribute_columns.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/index_file.h"
@@ -63,6 +64,7 @@ LoadedCloud map_cloud(const CloudSettings& settings, const Progress& progress) {
       choose_color(settings.color, {index.columns(), index.attributes(), point_count, names(settings.files)},
                    loaded.warnings);
   loaded.octree = index.octree(progress);
+  loaded.index_checksum = checksum(encode_index_header(index.header()));
   take(color_points(coloring, index.columns(), index.description(), loaded.octree.view()), loaded, settings);
   if (coloring.by == PointColor::rgb) loaded.mapped_colors = index.columns().colors;
   return loaded;

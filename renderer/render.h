@@ -2,7 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "octree/cloud/point_cloud.h"
@@ -25,6 +29,8 @@ struct LoadedCloud {
   Crs crs;
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;
+  /// Of all in the index file that octree and mapped colours lie in; empty for a cloud that was built.
+  std::optional<std::uint64_t> index_checksum;
 
   /// The colours by point id, wherever they lie.
   std::span<const Color16> point_colors() const { return colors.empty() ? mapped_colors : colors; }
@@ -45,13 +51,63 @@ LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress =
 /// an axis, where they lie far out): what overview_camera should show. Empty for a cloud without points.
 Bounds visible_bounds(const LoadedCloud& cloud);
 
+/// Changes whenever the same scene gives other bytes, so that no checkpoint goes on with samples of another
+/// kind.
+inline constexpr int k_picture_version = 1;
+
+/// A small picture of what there is so far, every now and then.
+struct PreviewOptions {
+  /// Gets colour and alpha, each pixel the mean of a square of the picture's. Called by one thread at a time,
+  /// while others go on; first when every pixel has a sample, last when the picture is finished. What it
+  /// throws ends the render.
+  std::function<void(const Film& preview)> show;
+  double interval = 3.0;    ///< seconds from the end of one to the next, >= 0
+  int longest_side = 1024;  ///< pixels, >= 1
+};
+
+/// A file from which a render goes on that was interrupted or killed, and gives the same bytes.
+struct CheckpointOptions {
+  std::filesystem::path file;  ///< replaced whole or not at all; never removed by render()
+  double interval =
+      60.0;  ///< seconds from the end of one to the next, > 0; at least ten times what writing takes
+  bool resume = false;    ///< go on from the file; where there is none, start
+  std::string picture{};  ///< what the picture is called; a checkpoint of another one is refused
+  /// Told when a checkpoint cannot be written (a full disk); the render goes on. Without it, that ends the
+  /// render.
+  std::function<void(const Error&)> failed{};
+};
+
 struct RenderOptions {
-  Progress progress;  ///< in camera samples (pixels * samples per pixel); called from one thread at a time
+  /// In camera samples (pixels * samples per pixel); called from one thread at a time. With a time limit or a
+  /// target the total is what may be expected.
+  Progress progress{};
+  std::optional<std::vector<Layer>> layers{};  ///< to be had in the film; empty = all
+  /// Seconds for one picture, time before a resumption included, >= 0. Every pixel gets one sample in any
+  /// case; then samples are spread evenly, one tile at most having twice as many as another. The bytes depend
+  /// on the time.
+  std::optional<double> time_limit{};
+  /// A tile gets no more samples once it has 32 and its estimated relative error is at most this (> 0), alone
+  /// and together with its up to eight neighbours; RenderSettings::samples is the most it gets. See
+  /// renderer/stop_rule.h.
+  std::optional<double> target_noise{};
+  std::optional<PreviewOptions> preview{};
+  std::optional<CheckpointOptions> checkpoint{};
+};
+
+/// Whether noise is added up along with the picture: for the variance layer or a target.
+bool keeps_noise(const RenderOptions& options);
+
+/// Noise that is left, as relative error of a tile (renderer/noise.h).
+struct ReachedNoise {
+  double median = 0.0, worst = 0.0;  ///< over tiles
 };
 
 struct RenderStatistics {
-  std::uint64_t ray_count = 0;  ///< rays traced, shadow rays included
-  double seconds = 0.0;
+  std::uint64_t ray_count = 0;              ///< rays traced, shadow rays included
+  double seconds = 0.0;                     ///< time before a resumption included
+  int least_samples = 0, most_samples = 0;  ///< of any pixel
+  double mean_samples = 0.0;
+  std::optional<ReachedNoise> noise{};  ///< if it was added up
 };
 
 /// Errors: the camera stands inside the sphere of a point (its number is told). Parallel rays have no such
@@ -61,6 +117,13 @@ void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCl
 /// Path-traces the scene (its camera must be set, and pass check_camera() and check_camera_place()). `cloud`
 /// may be null for scenes of objects alone. Runs on as many threads as the caller's oneTBB arena allows; the
 /// film's bytes do not depend on their number, nor on the instruction set.
+///
+/// Memory beside scene and cloud: 28 bytes per pixel, 52 with the sums for noise, then 16 for colour and
+/// alpha and 12 for the variance, which take the place of the sums; what film.h says for each further layer;
+/// and a few megabytes per thread.
+///
+/// Errors: no camera; a number outside its range; of checkpoints: damage, another picture, a failed write.
+/// Cancelled, if `progress` says so; the checkpoint then holds all samples taken.
 Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
             RenderStatistics* statistics = nullptr);
 

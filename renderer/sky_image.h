@@ -43,6 +43,9 @@ class SkyImage {
   /// as width times height, at least one. Memory: takes the pixels over and adds 8 bytes for each.
   SkyImage(SkyPixels pixels, double scale, double rotation);
 
+  /// Its pixels, scaled: what tells it from other skies.
+  const SkyPixels& pixels() const { return pixels_; }
+
   /// Radiance that comes along a unit direction towards the sky.
   Rgb radiance(const glm::dvec3& direction) const { return interpolated(place_of(direction)); }
 

@@ -168,6 +168,19 @@ TEST_F(ImageTest, exr_holds_only_the_layers_asked_for) {
   EXPECT_EQ(names, (std::vector<std::string>{"Z", "id"}));
 }
 
+TEST_F(ImageTest, layer_that_the_film_lacks_is_an_error) {
+  OutputSettings settings = output("lacking.exr");
+  settings.layers = {Layer::color, Layer::depth};
+  constexpr Layer k_color[] = {Layer::color};
+  try {
+    write_image(Film(4, 4, k_color), settings, metadata(), false);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("its layer depth was not rendered"), std::string::npos);
+  }
+  EXPECT_FALSE(std::filesystem::exists(settings.file));
+}
+
 TEST_F(ImageTest, half_never_becomes_infinite) {
   Film film(1, 1);
   film.color[0] = {1e6f, 65504.0f, 1e-30f};

@@ -6,41 +6,14 @@
 
 #include <glm/geometric.hpp>
 
-#include "tests/renderer/tracer_scenes.h"
+#include "tests/renderer/mixed_scene.h"
 
 namespace alidade {
 namespace {
 
-/// A little of everything.
-Scene mixed_scene() {
-  Scene scene;
-  scene.camera = pinhole_from_fov(70, 50, 50.0, look_at({0, -6, 3}, {0, 0, 0.5}));
-  scene.render = {.samples = 5, .max_bounces = 6, .seed = 42};
-  scene.sun.emplace();
-  scene.cloud.emplace();
-  scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.4f)}}, Sphere{{2, 0, 1}, 0.7, Dielectric{1.5}},
-                   Sphere{{-2, 0, 1}, 0.7, Metal{Rgb(0.9f), 0.3}},
-                   Sphere{{0, 1, 3}, 0.3, Emissive{Rgb(5.0f)}}};
-  return scene;
-}
-
-LoadedCloud mixed_cloud() {
-  test::Random random("mixed cloud");
-  std::vector<glm::dvec3> positions;
-  for (int i = 0; i < 3000; ++i) positions.push_back(random.in_cube() + glm::dvec3(0, 0, 1));
-  return test::loaded(positions, 0.06);
-}
-
-void expect_same(const Film& a, const Film& b) {
-  EXPECT_EQ(a.color, b.color);
-  EXPECT_EQ(a.alpha, b.alpha);
-  EXPECT_EQ(a.variance, b.variance);
-  EXPECT_EQ(a.depth, b.depth);
-  EXPECT_EQ(a.normal, b.normal);
-  EXPECT_EQ(a.position, b.position);
-  EXPECT_EQ(a.albedo, b.albedo);
-  EXPECT_EQ(a.id, b.id);
-}
+using test::expect_same;
+using test::mixed_cloud;
+using test::mixed_scene;
 
 TEST(Render, film_does_not_depend_on_the_number_of_threads) {
   const LoadedCloud cloud = mixed_cloud();
@@ -132,22 +105,33 @@ TEST(Render, normals_in_the_film_face_the_camera) {
   EXPECT_NEAR(render(scene, nullptr).normal[4].y, -1.0f, 1e-6f);
 }
 
-TEST(Render, variance_is_the_squared_standard_error_of_the_mean) {
-  // Two renders of one pixel per seed: the spread of the means is what each claims.
-  Scene scene = test::dark_scene(test::camera_at({0, 0, 0.5}, {0, 0, 0}, 10.0, 64), 1, 0);
-  scene.objects = {GroundPlane{0.0, Lambertian{Rgb(1.0f)}}};
-  scene.sky = GradientSky{Rgb(0.0f), Rgb(1.0f)};
+TEST(Render, variance_of_a_single_sample_is_0) {
+  Scene scene = mixed_scene();
   scene.render.samples = 1;
-  const Film single = render(scene, nullptr);
-  double mean = 0.0, squares = 0.0;
-  for (const Rgb& color : single.color) mean += color.r / single.color.size();
-  for (const Rgb& color : single.color) squares += (color.r - mean) * (color.r - mean) / single.color.size();
-  for (const Rgb& variance : single.variance) ASSERT_EQ(variance, Rgb(0.0f));
-  scene.render.samples = 16;
-  double claimed = 0.0;
-  for (const Rgb& variance : render(scene, nullptr).variance) claimed += variance.r / single.variance.size();
-  // Samples of a pixel lie more evenly than independent ones: the estimate is a little above, never below.
-  EXPECT_NEAR(claimed * 16.0, squares, 0.1 * squares);
+  for (const Rgb& variance : render(scene, nullptr).variance) ASSERT_EQ(variance, Rgb(0.0f));
+}
+
+TEST(Render, layers_that_are_not_asked_for_are_empty_and_the_others_the_same) {
+  const LoadedCloud cloud = mixed_cloud();
+  const Film all = render(mixed_scene(), &cloud);
+  for (const NamedLayer& known : k_layers) {
+    RenderOptions options;
+    options.layers = {{known.layer}};
+    Film film = render(mixed_scene(), &cloud, options);
+    EXPECT_EQ(film.color, all.color) << known.name;
+    EXPECT_EQ(film.alpha, all.alpha) << known.name;
+    Film expected(all.width, all.height, *options.layers);
+    expected.color = all.color;
+    expected.alpha = all.alpha;
+    if (known.layer == Layer::variance) expected.variance = all.variance;
+    if (known.layer == Layer::depth) expected.depth = all.depth;
+    if (known.layer == Layer::distance) expected.distance = all.distance;
+    if (known.layer == Layer::normal) expected.normal = all.normal;
+    if (known.layer == Layer::position) expected.position = all.position;
+    if (known.layer == Layer::albedo) expected.albedo = all.albedo;
+    if (known.layer == Layer::id) expected.id = all.id;
+    expect_same(film, expected);
+  }
 }
 
 TEST(Render, progress_grows_to_the_total_and_can_stop_the_work) {

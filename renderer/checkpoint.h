@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "octree/cloud/input_file.h"
+#include "renderer/picture_identity.h"
+#include "renderer/picture_state.h"
+
+// Checkpoints: a picture under way in a file, so that a render which was interrupted or killed goes on and
+// gives the same bytes. Little endian.
+//
+//   byte 0   8 B  "ALIDPART"             magic
+//        8   4 B  0x01020304             byte order
+//       12   4 B  1                      version of this format
+//       16   8 B                         bytes of the file
+//       24   8 B                         checksum of the head: of bytes 0 to `head`, this field taken as 0
+//       32   8 B                         checksum of the rest: of the checksums of its blocks of 1 MiB
+//       40   4 B, 4 B                    width, height, pixels
+//       48   4 B                         1 if the sums for noise are kept, else 0
+//       52   4 B                         samples that tiles are on their way to
+//       56   8 B                         camera samples taken
+//       64   8 B  double                 seconds spent
+//       72   4 B                         bytes of the identity, which follows; both together are the head
+//       76   4 B                         camera samples for the whole, per pixel
+//       80        identity               per entry: 4 B length of name, 4 B length of value, name, value
+//     head        tiles                  16 B each: samples, 1 if stopped, rays (8 B)
+//                 with noise: per tile   24 doubles, LevelSums
+//                 per row of tiles       means (3 doubles), counts of met surfaces (4 B) and with noise
+//                                        squares and earlier means (3 floats each), pixel by pixel
+
+namespace alidade {
+
+/// Writes the state; the file appears whole or not at all, an earlier one stays until then. Nobody may change
+/// the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
+void write_checkpoint(const std::filesystem::path& file, const PictureIdentity& identity, int samples,
+                      const PictureState& state, double seconds);
+
+/// Reads a state back. `state` must have been made for the picture that is asked for; it is only of use if
+/// nothing is thrown. `samples` is the number per pixel asked for. Errors: not a checkpoint; another byte
+/// order, version or picture, naming the first thing that differs; a file cut short, too long or damaged.
+/// Memory: the identity, at most the file's size, and 1 MiB.
+void read_checkpoint(InputFile file, const PictureIdentity& identity, int samples, PictureState& state);
+
+/// What a checkpoint says about itself.
+struct CheckpointSummary {
+  std::string picture;              ///< CheckpointOptions::picture
+  std::uint64_t samples_taken = 0;  ///< camera samples
+  double share = 0.0;               ///< the same of all, 0 to 1
+  double seconds = 0.0;             ///< spent
+};
+
+/// Reads the head alone. Errors: as read_checkpoint().
+CheckpointSummary read_checkpoint_summary(const std::filesystem::path& file);
+
+}  // namespace alidade

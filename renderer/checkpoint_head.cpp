@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/checkpoint_head.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstring>
+
+#include "octree/checksum.h"
+#include "octree/cloud/byte_order.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'};
+constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
+constexpr std::size_t k_fixed_bytes = 80, k_checksum_place = 24, k_lengths = 8;
+
+class Reader {
+ public:
+  Reader(std::span<const std::byte> bytes, const std::string& file) : bytes_(bytes), file_(file) {}
+
+  template <class T>
+  T get(std::size_t place) const {
+    return load<T>(bytes_.data() + place);
+  }
+  template <class Found>
+  void require(bool holds, std::size_t place, std::string problem, std::string expected,
+               const Found& found) const {
+    if (holds) return;
+    throw Error({.file = file_,
+                 .place = fmt::format("byte {}", place),
+                 .problem = std::move(problem),
+                 .expected = std::move(expected),
+                 .found = fmt::format("{}", found)});
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  const std::string& file_;
+};
+
+std::uint64_t head_checksum(std::vector<std::byte> head) {
+  store<std::uint64_t>(head.data() + k_checksum_place, 0);
+  return checksum(head);
+}
+
+PictureIdentity read_identity(const std::vector<std::byte>& head, const std::string& file) {
+  PictureIdentity identity;
+  const auto text = [&](std::size_t place, std::size_t length) {
+    return std::string(reinterpret_cast<const char*>(head.data()) + place, length);
+  };
+  std::size_t place = k_fixed_bytes;
+  while (place < head.size()) {
+    const std::size_t left = head.size() - place;
+    std::uint64_t name = 0, value = 0;
+    if (left >= k_lengths) {
+      name = load<std::uint32_t>(head.data() + place);
+      value = load<std::uint32_t>(head.data() + place + 4);
+    }
+    if (left < k_lengths || name + value > left - k_lengths) {
+      throw Error({.file = file,
+                   .place = fmt::format("byte {}", place),
+                   .problem = "is damaged: its description of the picture does not end where it should"});
+    }
+    place += k_lengths;
+    identity.push_back({text(place, name), text(place + name, value)});
+    place += name + value;
+  }
+  return identity;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_checkpoint_head(CheckpointHead& head) {
+  std::vector<std::byte> bytes(k_fixed_bytes);
+  for (const IdentityEntry& entry : head.identity) {
+    std::size_t place = bytes.size();
+    bytes.resize(place + k_lengths + entry.name.size() + entry.value.size());
+    store(bytes.data() + place, static_cast<std::uint32_t>(entry.name.size()));
+    store(bytes.data() + place + 4, static_cast<std::uint32_t>(entry.value.size()));
+    place += k_lengths;
+    std::memcpy(bytes.data() + place, entry.name.data(), entry.name.size());
+    std::memcpy(bytes.data() + place + entry.name.size(), entry.value.data(), entry.value.size());
+  }
+  head.head_bytes = bytes.size();
+  std::byte* const at = bytes.data();
+  store(at, k_magic);
+  store(at + 8, k_byte_order);
+  store(at + 12, k_version);
+  store(at + 16, head.file_bytes);
+  store(at + 32, head.rest_checksum);
+  store(at + 40, head.width);
+  store(at + 44, head.height);
+  store<std::uint32_t>(at + 48, head.with_noise ? 1 : 0);
+  store(at + 52, head.pass_end);
+  store(at + 56, head.samples_taken);
+  store(at + 64, head.seconds);
+  store(at + 72, static_cast<std::uint32_t>(bytes.size() - k_fixed_bytes));
+  store(at + 76, head.samples);
+  store(at + k_checksum_place, head_checksum(bytes));
+  return bytes;
+}
+
+CheckpointHead read_checkpoint_head(InputFile& file) {
+  std::vector<std::byte> bytes(k_fixed_bytes);
+  const auto start = file.view_up_to(0, k_fixed_bytes);
+  if (start.size() < k_magic.size() || std::memcmp(start.data(), k_magic.data(), k_magic.size()) != 0)
+    throw Error({.file = file.name(), .place = "byte 0", .problem = "is not a checkpoint of Alidade"});
+  file.read_at(0, bytes);
+  {
+    const Reader fixed(bytes, file.name());
+    const auto order = fixed.get<std::uint32_t>(8);
+    fixed.require(order != k_other_byte_order, 8, "comes from a machine of another byte order",
+                  "little endian", "big endian");
+    fixed.require(order == k_byte_order, 8, "bad byte order mark", "01020304", fmt::format("{:08x}", order));
+    const auto version = fixed.get<std::uint32_t>(12);
+    fixed.require(version == k_version, 12, "another version of checkpoints", std::to_string(k_version),
+                  version);
+    const auto size = fixed.get<std::uint64_t>(16);
+    fixed.require(size == file.size(), 16, "is cut short or too long", fmt::format("{} bytes", size),
+                  file.size());
+    const std::uint64_t identity_bytes = fixed.get<std::uint32_t>(72);
+    fixed.require(identity_bytes <= file.size() - k_fixed_bytes, 72, "is damaged",
+                  fmt::format("at most {} bytes of description", file.size() - k_fixed_bytes),
+                  identity_bytes);
+    bytes.resize(k_fixed_bytes + identity_bytes);
+  }
+  file.read_at(k_fixed_bytes, std::span(bytes).subspan(k_fixed_bytes));
+  const Reader reader(bytes, file.name());
+  const std::uint64_t sum = head_checksum(bytes);
+  reader.require(reader.get<std::uint64_t>(k_checksum_place) == sum, k_checksum_place,
+                 "is damaged: the head has another checksum",
+                 fmt::format("{:016x}", reader.get<std::uint64_t>(k_checksum_place)),
+                 fmt::format("{:016x}", sum));
+  CheckpointHead head;
+  head.file_bytes = reader.get<std::uint64_t>(16);
+  head.rest_checksum = reader.get<std::uint64_t>(32);
+  head.width = reader.get<std::uint32_t>(40);
+  head.height = reader.get<std::uint32_t>(44);
+  const auto with_noise = reader.get<std::uint32_t>(48);
+  reader.require(with_noise <= 1, 48, "is damaged", "0 or 1", with_noise);
+  head.with_noise = with_noise == 1;
+  head.pass_end = reader.get<std::uint32_t>(52);
+  head.samples_taken = reader.get<std::uint64_t>(56);
+  head.seconds = reader.get<double>(64);
+  reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "is damaged", "seconds", head.seconds);
+  head.samples = reader.get<std::uint32_t>(76);
+  head.identity = read_identity(bytes, file.name());
+  head.head_bytes = bytes.size();
+  return head;
+}
+
+}  // namespace alidade

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/noise.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace alidade {
+namespace {
+
+const glm::dvec3 k_luminance{0.2126, 0.7152, 0.0722};
+
+/// Variance of the mean of the first 2^j samples, summed over a tile, for j from 0 to one level beyond the
+/// samples there are.
+class LevelVariances {
+ public:
+  /// samples >= 2.
+  LevelVariances(const LevelSums& levels, std::uint32_t samples) {
+    const auto top = static_cast<std::size_t>(std::bit_width(samples) - 1);
+    const double last = levels[top - 1], before = top >= 2 ? levels[top - 2] : 2.0 * last;
+    // At the top level the slow part s and the fast part f: last = s + 7 f, before = 2 s + 56 f.
+    const double fast = std::min((before - 2.0 * last) / 42.0, last / 7.0), slow = last - 7.0 * fast;
+    variances_[top + 1] = slow / 2.0 + fast / 8.0;
+    variances_[top] = slow + fast;
+    for (std::size_t j = top; j-- > 0;) variances_[j] = variances_[j + 1] + levels[j];
+  }
+
+  double of_one() const { return variances_[0]; }
+
+  /// Of the first n samples, n below twice the samples there are.
+  double of(std::uint32_t n) const {
+    if (n == 0) return 0.0;
+    const auto level = static_cast<std::size_t>(std::bit_width(n) - 1);
+    const std::uint32_t block = std::uint32_t{1} << level, rest = n - block;
+    if (rest == 0) return variances_[level];
+    // The rest are the first samples of the block's twin. Their covariance with the block is that of the two
+    // blocks: 2 V(level + 1) - V(level).
+    const double b = block, r = rest, covariance = 2.0 * variances_[level + 1] - variances_[level];
+    const double sum = b * b * variances_[level] + r * r * of(rest) + 2.0 * b * r * covariance;
+    // Twice the block is better still.
+    return std::max(sum / (static_cast<double>(n) * n), variances_[level + 1]);
+  }
+
+ private:
+  std::array<double, LevelSums().size() + 2> variances_{};
+};
+
+}  // namespace
+
+double mean_variance_scale(const LevelSums& levels, std::uint32_t samples) {
+  constexpr double k_largest_share = 2.0;
+  if (samples < 2) return 0.0;
+  const LevelVariances variances(levels, samples);
+  const double n = samples;
+  // Without any difference there is nothing to scale.
+  if (!(variances.of_one() > 0.0)) return 1.0 / (n * (n - 1.0));
+  // Of what independent samples would leave. With two samples they are that.
+  const double share =
+      samples == 2 ? 1.0 : std::clamp(n * variances.of(samples) / variances.of_one(), 0.0, k_largest_share);
+  // squares / n is on average V(one) - V(n), the sample variance less what the mean has taken along.
+  return share / (n * (n - share));
+}
+
+Noise& Noise::operator+=(const Noise& other) {
+  variance += other.variance;
+  luminance += other.luminance;
+  pixels += other.pixels;
+  return *this;
+}
+
+double Noise::error(double floor) const {
+  if (pixels == 0) return 0.0;
+  const auto count = static_cast<double>(pixels);
+  return std::sqrt(variance / count) / (luminance / count + floor);
+}
+
+Noise tile_noise(const PictureState& state, std::size_t tile) {
+  const TileBox box = state.grid.box(tile);
+  const SumBand& band = state.bands[static_cast<std::size_t>(state.grid.row_of(tile))];
+  const double scale = mean_variance_scale(state.levels[tile], state.tiles[tile].samples);
+  Noise noise;
+  noise.pixels = box.count();
+  for (int y = 0; y < box.height(); ++y) {
+    std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(state.grid.width()) +
+                        static_cast<std::size_t>(box.x_begin);
+    for (int x = 0; x < box.width(); ++x, ++pixel) {
+      double deviation = 0.0;
+      for (int channel = 0; channel < 3; ++channel)
+        deviation += k_luminance[channel] * std::sqrt(scale * band.squares[pixel][channel]);
+      noise.variance += deviation * deviation;
+      for (int channel = 0; channel < 3; ++channel)
+        noise.luminance += k_luminance[channel] * band.mean[pixel][channel];
+    }
+  }
+  return noise;
+}
+
+}  // namespace alidade

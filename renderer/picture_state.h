@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "renderer/film.h"
+#include "renderer/integrator.h"
+#include "renderer/tile_grid.h"
+
+namespace alidade {
+
+/// What the samples of a row of tiles have added up to, by pixel, rows one after another. Memory per pixel:
+/// 28 bytes, 52 with the sums for noise.
+struct SumBand {
+  std::vector<glm::dvec3> mean;
+  std::vector<std::uint32_t> met_count;  ///< samples whose first ray met a surface
+  // Only where noise is to be known:
+  std::vector<glm::vec3> squares;  ///< sum of squared differences from the mean (Welford 1962)
+  std::vector<glm::vec3> earlier;  ///< the mean when the number of samples was last a power of two
+};
+
+/// Squared differences between the mean of the first 2^(j+1) samples and that of the first 2^j, summed over
+/// the channels and pixels of a tile; j is the place in the array. k_max_samples is 2^24.
+using LevelSums = std::array<double, 24>;
+
+/// How far a tile has come.
+struct TileState {
+  std::uint32_t samples = 0;    ///< of each of its pixels
+  bool stopped = false;         ///< its noise is low enough
+  std::uint64_t ray_count = 0;  ///< rays its samples took
+};
+
+/// A picture under way: all one must keep to go on with it. Beside the bands about 1 byte per pixel.
+/// Different tiles may be worked on by different threads.
+struct PictureState {
+  TileGrid grid;
+  bool with_noise = false;
+  std::vector<SumBand> bands;  ///< by row of tiles
+  std::vector<TileState> tiles;
+  std::vector<LevelSums> levels;  ///< by tile; empty without noise
+  int pass_end = 0;      ///< every tile is to reach this many samples, or stopped before, or more are asked
+  double seconds = 0.0;  ///< spent on it before the last resumption
+
+  PictureState(int width, int height, bool with_noise);
+
+  /// Camera samples taken.
+  std::uint64_t sample_count() const;
+  std::uint64_t ray_count() const;
+};
+
+/// Adds the next samples of a tile: the same number for each pixel, pixel by pixel in rows. The result does
+/// not depend on how the samples are dealt out over calls.
+void add_samples(PictureState& state, std::size_t tile, std::span<const PathResult> results);
+
+/// The picture as it stands, colour and alpha only: each pixel the mean of a square of pixels, as small as
+/// keeps width and height at or below `longest_side`. Pixels without samples are black.
+Film reduced(const PictureState& state, int longest_side);
+
+/// Turns the sums into the film's colour and alpha, which must be empty, and its variance if that is asked
+/// for (the sums for noise must be there). Each band is freed as soon as it has been read, so that the film
+/// takes the place of the sums in memory.
+void move_into_film(PictureState& state, bool with_variance, Film& film);
+
+}  // namespace alidade

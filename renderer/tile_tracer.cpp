@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/tile_tracer.h"
+
+#include <glm/geometric.hpp>
+
+#include "renderer/trace_samples.h"
+
+namespace alidade {
+namespace {
+
+/// Depth along the camera's axis over distance along the ray. A panorama has no axis: its depth is the
+/// distance.
+double depth_share(const Camera& camera, const Ray& ray) {
+  if (std::holds_alternative<EquirectangularLens>(camera.lens)) return 1.0;
+  return glm::dot(ray.direction, camera.pose.forward);
+}
+
+void fill_pixel(const RenderTask& task, const Ray& ray, const Intersection& met, std::size_t pixel,
+                Film& film) {
+  const Surface surface = task.world.surface_at(ray, met);
+  if (film.holds(Layer::depth))
+    film.depth[pixel] = static_cast<float>(met.t * depth_share(task.projection.camera(), ray));
+  if (film.holds(Layer::distance)) film.distance[pixel] = static_cast<float>(met.t);
+  if (film.holds(Layer::normal)) {
+    const bool away = glm::dot(surface.normal, ray.direction) > 0.0;
+    film.normal[pixel] = glm::vec3(away ? -surface.normal : surface.normal);
+  }
+  if (film.holds(Layer::position)) film.position[pixel] = surface.position;
+  if (film.holds(Layer::albedo)) film.albedo[pixel] = albedo(*surface.material, surface.color);
+  if (film.holds(Layer::id)) {
+    film.id[pixel] =
+        met.on_cloud ? static_cast<std::uint32_t>(met.index + 1) : static_cast<std::uint32_t>(~met.index);
+  }
+}
+
+}  // namespace
+
+std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const TileSamples> work) {
+  std::size_t count = 0;
+  for (const TileSamples& tile : work) count += tile.count();
+  std::vector<CameraPath> paths;
+  std::vector<std::size_t> places;
+  paths.reserve(count);
+  places.reserve(count);
+  std::size_t place = 0;
+  for (const TileSamples& tile : work) {
+    for (int y = tile.box.y_begin; y < tile.box.y_end; ++y) {
+      for (int x = tile.box.x_begin; x < tile.box.x_end; ++x) {
+        for (std::uint32_t sample = tile.first; sample < tile.last; ++sample, ++place) {
+          Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                          sample);
+          const glm::dvec2 in_pixel = sampler.next_2d();
+          const std::optional<Ray> ray = task.projection.ray({x + in_pixel.x, y + in_pixel.y});
+          if (!ray) continue;
+          paths.push_back({*ray, sampler});
+          places.push_back(place);
+        }
+      }
+    }
+  }
+  std::vector<PathResult> traced(paths.size());
+  trace_samples(task.world, task.lights, task.settings, task.ao_distance, paths, traced);
+  if (traced.size() == count) return traced;
+  std::vector<PathResult> results(count);
+  for (std::size_t i = 0; i < traced.size(); ++i) results[places[i]] = traced[i];
+  return results;
+}
+
+void fill_center_layers(const RenderTask& task, const TileBox& box, Film& film) {
+  std::vector<Ray> rays;
+  std::vector<std::size_t> pixels;
+  for (int y = box.y_begin; y < box.y_end; ++y) {
+    for (int x = box.x_begin; x < box.x_end; ++x) {
+      const std::optional<Ray> ray = task.projection.ray({x + 0.5, y + 0.5});
+      if (!ray) continue;
+      rays.push_back(*ray);
+      pixels.push_back(film.index(x, y));
+    }
+  }
+  std::vector<std::optional<Intersection>> met(rays.size());
+  task.world.nearest(rays, std::vector<Departure>(rays.size()), met);
+  for (std::size_t i = 0; i < rays.size(); ++i)
+    if (met[i]) fill_pixel(task, rays[i], *met[i], pixels[i], film);
+}
+
+}  // namespace alidade

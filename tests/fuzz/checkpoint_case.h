@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "renderer/checkpoint.h"
+#include "renderer/stop_rule.h"
+
+// The picture whose checkpoints are fuzzed.
+
+namespace alidade::test {
+
+inline constexpr int k_checkpoint_width = 30, k_checkpoint_height = 13, k_checkpoint_samples = 40;
+
+inline PictureIdentity checkpoint_identity() {
+  return {{"picture", "a.png"}, {"seed", "1"}};
+}
+
+}  // namespace alidade::test

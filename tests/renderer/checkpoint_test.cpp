@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/checkpoint.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "renderer/scene_text.h"
+#include "tests/renderer/mixed_scene.h"
+#include "tests/support/seal_checkpoint.h"
+
+namespace alidade {
+namespace {
+
+using test::expect_same;
+using test::mixed_cloud;
+using test::mixed_scene;
+
+class CheckpointTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ =
+        std::filesystem::path(::testing::TempDir()) / (std::string("alidade_checkpoint_") + test->name());
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    file_ = folder_ / "picture.state";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::vector<std::byte> bytes() const {
+    std::ifstream stream(file_, std::ios::binary);
+    std::ostringstream content;
+    content << stream.rdbuf();
+    const std::string text = content.str();
+    const auto* const begin = reinterpret_cast<const std::byte*>(text.data());
+    return {begin, begin + text.size()};
+  }
+
+  RenderOptions options(bool resume) const {
+    RenderOptions options;
+    options.checkpoint = {.file = file_, .interval = 1e6, .resume = resume, .picture = "a.exr"};
+    return options;
+  }
+
+  /// Renders until so many reports have come, and leaves a checkpoint.
+  void render_in_part(const Scene& scene, const LoadedCloud* cloud, RenderOptions options, int reports) {
+    options.progress = [&](std::uint64_t, std::uint64_t) { return reports-- > 0; };
+    EXPECT_THROW(render(scene, cloud, options), Cancelled);
+    ASSERT_TRUE(std::filesystem::exists(file_));
+  }
+
+  /// The message of the error that going on ends in.
+  std::string refusal(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {
+    try {
+      render(scene, cloud, options);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.parts().file, file_.string());
+      return error.what();
+    }
+    return "goes on";
+  }
+
+  std::filesystem::path folder_, file_;
+};
+
+TEST_F(CheckpointTest, interrupted_render_goes_on_to_the_same_film) {
+  const LoadedCloud cloud = mixed_cloud();
+  Scene scene = mixed_scene();
+  scene.render.samples = 70;
+  RenderStatistics whole_statistics;
+  const Film whole = render(scene, &cloud, {}, &whole_statistics);
+  for (const int reports : {0, 1, 3}) {
+    std::filesystem::remove(file_);
+    render_in_part(scene, &cloud, options(false), reports);
+    if (reports == 0) {
+      EXPECT_LT(read_checkpoint_summary(file_).share, 1.0);
+    }
+    RenderStatistics statistics;
+    expect_same(render(scene, &cloud, options(true), &statistics), whole);
+    EXPECT_EQ(statistics.ray_count, whole_statistics.ray_count);
+  }
+}
+
+TEST_F(CheckpointTest, interrupted_again_and_again_with_a_target_and_previews_ends_the_same) {
+  const LoadedCloud cloud = mixed_cloud();
+  Scene scene = mixed_scene();
+  scene.render.samples = 96;
+  RenderStatistics whole_statistics;
+  const Film whole = render(scene, &cloud, {.target_noise = 0.08}, &whole_statistics);
+  ASSERT_GT(whole_statistics.most_samples, whole_statistics.least_samples);
+  int interruptions = 0;
+  for (bool done = false; !done;) {
+    RenderOptions again = options(true);
+    again.target_noise = 0.08;
+    if (interruptions % 2 == 0) again.preview = {.show = [](const Film&) {}, .interval = 0.0};
+    int reports = 2;
+    again.progress = [&](std::uint64_t, std::uint64_t) { return reports-- > 0; };
+    try {
+      RenderStatistics statistics;
+      expect_same(render(scene, &cloud, again, &statistics), whole);
+      EXPECT_EQ(statistics.ray_count, whole_statistics.ray_count);
+      EXPECT_EQ(statistics.mean_samples, whole_statistics.mean_samples);
+      done = true;
+    } catch (const Cancelled&) {
+      ASSERT_LT(++interruptions, 10000);
+    }
+  }
+  EXPECT_GT(interruptions, 0);
+}
+
+TEST_F(CheckpointTest, is_written_while_the_render_goes_on) {
+  Scene scene = mixed_scene();
+  scene.render.samples = 20;
+  RenderOptions often = options(false);
+  often.checkpoint->interval = 1e-9;
+  bool seen = false;
+  often.progress = [&](std::uint64_t, std::uint64_t) {
+    seen = seen || (std::filesystem::exists(file_) && read_checkpoint_summary(file_).share > 0.0);
+    return true;
+  };
+  const Film film = render(scene, nullptr, often);
+  EXPECT_TRUE(seen);
+  // What is left goes on, too.
+  expect_same(render(scene, nullptr, options(true)), film);
+}
+
+TEST_F(CheckpointTest, that_does_not_exist_is_a_fresh_start) {
+  expect_same(render(mixed_scene(), nullptr, options(true)), render(mixed_scene(), nullptr));
+}
+
+TEST_F(CheckpointTest, says_what_it_is_of) {
+  Scene scene = mixed_scene();
+  render_in_part(scene, nullptr, options(false), 0);
+  const CheckpointSummary summary = read_checkpoint_summary(file_);
+  EXPECT_EQ(summary.picture, "a.exr");
+  EXPECT_GT(summary.samples_taken, 0u);
+  EXPECT_DOUBLE_EQ(summary.share, static_cast<double>(summary.samples_taken) / (70.0 * 50 * 5));
+  EXPECT_GE(summary.seconds, 0.0);
+}
+
+TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference) {
+  const LoadedCloud cloud = mixed_cloud();
+  const Scene scene = mixed_scene();
+  render_in_part(scene, &cloud, options(false), 0);
+  const auto expect_refusal = [&](const std::string& difference, const auto& change) {
+    Scene other = scene;
+    LoadedCloud other_cloud = cloud;
+    RenderOptions other_options = options(true);
+    change(other, other_cloud, other_options);
+    const std::string message = refusal(other, &other_cloud, other_options);
+    EXPECT_NE(message.find(difference), std::string::npos) << difference << ": " << message;
+  };
+  expect_refusal("made with seed 42, asked for 2",
+                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.seed = 2; });
+  expect_refusal("made with number of samples 5, asked for 6",
+                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.samples = 6; });
+  expect_refusal("made with number of bounces 6, asked for 7",
+                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.max_bounces = 7; });
+  expect_refusal("made with picture a.exr, asked for b.exr",
+                 [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->picture = "b.exr"; });
+  expect_refusal("made with target noise none, asked for 0.01",
+                 [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.target_noise = 0.01; });
+  expect_refusal("made with noise sums kept, asked for not kept",
+                 [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.layers = {{Layer::color}}; });
+  expect_refusal("camera", [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->width = 71; });
+  expect_refusal("camera",
+                 [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->pose.position.x += 1e-12; });
+  expect_refusal("made with objects", [](Scene& other, LoadedCloud&, RenderOptions&) {
+    std::get<Sphere>(other.objects[2]).material = Metal{Rgb(0.9f), 0.31};
+  });
+  expect_refusal("made with sky", [](Scene& other, LoadedCloud&, RenderOptions&) {
+    std::get<GradientSky>(other.sky).zenith.b = 0.9999999f;
+  });
+  expect_refusal("made with sun", [](Scene& other, LoadedCloud&, RenderOptions&) { other.sun.reset(); });
+  expect_refusal("made with cloud settings", [](Scene& other, LoadedCloud&, RenderOptions&) {
+    other.cloud->normals = NormalMode::smooth;
+  });
+  expect_refusal("made with radius 0.0",
+                 [](Scene&, LoadedCloud& other, RenderOptions&) { other.radius = 0.05; });
+  expect_refusal("made with points and colours",
+                 [](Scene&, LoadedCloud& other, RenderOptions&) { other.colors.back().x ^= 1; });
+  expect_refusal("made with number of points 3000, asked for 1",
+                 [](Scene&, LoadedCloud& other, RenderOptions&) {
+                   other = test::loaded({{0, 0, 1}}, 0.06);
+                 });
+  EXPECT_NE(refusal(scene, nullptr, options(true)).find("number of points"), std::string::npos);
+}
+
+TEST_F(CheckpointTest, cut_short_anywhere_or_too_long_is_an_error) {
+  Scene scene = mixed_scene();
+  scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
+  render_in_part(scene, nullptr, options(false), 0);
+  std::vector<std::byte> whole = bytes();
+  const PictureIdentity identity = picture_identity(scene, nullptr, options(false));
+  const auto read = [&](std::span<const std::byte> content) {
+    PictureState state(14, 14, true);
+    read_checkpoint(InputFile(content, "cut"), identity, 5, state);
+  };
+  EXPECT_NO_THROW(read(whole));
+  for (std::size_t size = 0; size < whole.size(); size += size < 2000 ? 1 : 97)
+    EXPECT_THROW(read(std::span(whole).first(size)), Error) << size;
+  whole.push_back(std::byte{0});
+  EXPECT_THROW(read(whole), Error);
+}
+
+TEST_F(CheckpointTest, with_any_bit_flipped_is_an_error) {
+  Scene scene = mixed_scene();
+  scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
+  render_in_part(scene, nullptr, options(false), 0);
+  std::vector<std::byte> content = bytes();
+  const PictureIdentity identity = picture_identity(scene, nullptr, options(false));
+  test::Random random;
+  for (std::size_t place = 0; place < content.size(); place += place < 200 ? 1 : 1 + random.below(50)) {
+    const auto flip = static_cast<std::byte>(1u << random.below(8));
+    content[place] ^= flip;
+    PictureState state(14, 14, true);
+    EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), identity, 5, state), Error) << place;
+    content[place] ^= flip;
+  }
+}
+
+TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
+  const Scene scene = mixed_scene();
+  render_in_part(scene, nullptr, options(false), 0);
+  const std::vector<std::byte> whole = bytes();
+  const auto message_of = [&](std::size_t place, std::uint32_t value) {
+    std::vector<std::byte> content = whole;
+    test::put(content, place, value);
+    test::seal_checkpoint(content);
+    std::ofstream(file_, std::ios::binary)
+        .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
+    return refusal(scene, nullptr, options(true));
+  };
+  EXPECT_NE(message_of(0, 0x12345678).find("byte 0: is not a checkpoint of Alidade"), std::string::npos);
+  EXPECT_NE(message_of(8, 0x04030201).find("another byte order"), std::string::npos);
+  EXPECT_NE(message_of(12, 2).find("another version of checkpoints; expected 1, found 2"), std::string::npos);
+  EXPECT_NE(message_of(16, 99).find("is cut short or too long; expected"), std::string::npos);
+  // Forged numbers under right checksums.
+  EXPECT_NE(message_of(40, 71).find("its numbers are not those of its description"), std::string::npos);
+  EXPECT_NE(message_of(48, 0).find("its numbers are not those of its description"), std::string::npos);
+  EXPECT_NE(message_of(48, 2).find("is damaged; expected 0 or 1, found 2"), std::string::npos);
+  EXPECT_NE(message_of(52, 0).find("samples under way"), std::string::npos);
+  EXPECT_NE(message_of(52, 6).find("samples under way"), std::string::npos);
+  EXPECT_NE(message_of(68, 0xffffffff).find("seconds"), std::string::npos);
+  EXPECT_NE(message_of(72, 0xffffffff).find("bytes of description"), std::string::npos);
+  EXPECT_NE(message_of(80, 0xfffffff0).find("does not end where it should"), std::string::npos);
+  const std::uint32_t tiles = 80 + test::get<std::uint32_t>(whole, 72);
+  EXPECT_NE(message_of(tiles, 6).find("tile 0; expected at most 5 samples, found 6 samples"),
+            std::string::npos);
+  EXPECT_NE(message_of(tiles + 4, 2).find("stopped 2"), std::string::npos);
+}
+
+TEST_F(CheckpointTest, that_cannot_be_written_is_told_and_the_render_goes_on) {
+  RenderOptions often = options(false);
+  often.checkpoint->file = folder_ / "absent" / "picture.state";
+  often.checkpoint->interval = 1e-9;
+  EXPECT_THROW(render(mixed_scene(), nullptr, often), Error);
+  int failures = 0;
+  often.checkpoint->failed = [&](const Error& error) {
+    ++failures;
+    EXPECT_NE(std::string(error.what()).find("picture.state"), std::string::npos);
+  };
+  expect_same(render(mixed_scene(), nullptr, often), render(mixed_scene(), nullptr));
+  EXPECT_GT(failures, 0);
+}
+
+TEST_F(CheckpointTest, of_an_index_file_knows_it_by_its_checksums) {
+  LoadedCloud one = mixed_cloud(), other = mixed_cloud();
+  one.index_checksum = 1;
+  other.index_checksum = 2;
+  const Scene scene = mixed_scene();
+  EXPECT_EQ(picture_identity(scene, &one, {}), picture_identity(scene, &one, {}));
+  EXPECT_NE(picture_identity(scene, &one, {}), picture_identity(scene, &other, {}));
+}
+
+TEST(SceneText, differs_where_the_scene_does) {
+  CloudSettings settings;
+  settings.files = {"a.las", "b.las"};
+  const std::string text = text_of(settings);
+  const auto changed = [&](const auto& change) {
+    CloudSettings other = settings;
+    change(other);
+    return text_of(other) != text;
+  };
+  EXPECT_EQ(text_of(CloudSettings(settings)), text);
+  EXPECT_TRUE(changed([](CloudSettings& other) { other.files = {"a.las b.las"}; }));
+  EXPECT_TRUE(changed([](CloudSettings& other) { other.radius = 0.1; }));
+  EXPECT_TRUE(changed([](CloudSettings& other) { other.hits = HitMode::t; }));
+  EXPECT_TRUE(changed([](CloudSettings& other) { other.material = Lambertian{Rgb(0.5f)}; }));
+  EXPECT_TRUE(changed([](CloudSettings& other) { other.material = Dielectric{1.33}; }));
+  EXPECT_TRUE(changed([](CloudSettings& other) { other.max_level = 3; }));
+  EXPECT_NE(text_of(Sky(ConstantSky{})), text_of(Sky(GradientSky{})));
+  EXPECT_NE(text_of(std::vector<Object>{Sphere{}}), text_of(std::vector<Object>{GroundPlane{}}));
+  EXPECT_NE(text_of(std::optional<Sun>(Sun{})), text_of(std::optional<Sun>(Sun{.azimuth = 136})));
+}
+
+}  // namespace
+}  // namespace alidade
