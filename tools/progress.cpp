@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tools/interrupt.h"
@@ -67,9 +68,11 @@ bool ProgressLine::report(std::uint64_t done, std::uint64_t total) {
 void ProgressLine::show(double seconds) {
   const double share = static_cast<double>(done_) / static_cast<double>(total_);
   std::string text = fmt::format("{}: {:3.0f} %", task_, 100.0 * share);
-  if (done_ > 0 && seconds > 0.0) {
-    text += fmt::format(", {} {}/s", short_count(static_cast<double>(done_) / seconds), unit_);
-    text += fmt::format(", {} left", clock_time(seconds / share - seconds));
+  if (done_ > skipped_ && seconds > 0.0) {
+    const double rate = static_cast<double>(done_ - skipped_) / seconds;
+    text += fmt::format(", {} {}/s", short_count(rate), unit_);
+    text +=
+        fmt::format(", {} left", clock_time(static_cast<double>(total_ - std::min(done_, total_)) / rate));
   }
   if (on_terminal_) {
     write_to_stderr(k_line_start + text);
@@ -79,10 +82,16 @@ void ProgressLine::show(double seconds) {
   }
 }
 
+void ProgressLine::interject(const std::string& text) {
+  if (line_open_) write_to_stderr(k_line_start);
+  line_open_ = false;
+  say_note(text);
+}
+
 void ProgressLine::finish() {
   if (verbosity_ == Verbosity::quiet) return;
   const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  const auto count = static_cast<double>(total_);
+  const auto count = static_cast<double>(total_ - std::min(skipped_, total_));
   std::string text = fmt::format("{}: {} {} in {:.1f} s", task_, short_count(count), unit_, seconds);
   if (seconds > 0.5) text += fmt::format(" ({} {}/s)", short_count(count / seconds), unit_);
   write_to_stderr((on_terminal_ ? k_line_start : "") + text + "\n");

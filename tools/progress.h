@@ -31,6 +31,12 @@ class ProgressLine {
   /// To be handed to the task; valid as long as this object.
   Progress callback();
 
+  /// So much was done before: it counts as done, but not for rate and time left.
+  void skip(std::uint64_t done) { skipped_ = done; }
+
+  /// Says something on a line of its own in the midst of the task, "alidade: TEXT".
+  void interject(const std::string& text);
+
   /// Says that the task is done, and how fast it was.
   void finish();
 
@@ -43,7 +49,7 @@ class ProgressLine {
   std::string task_, unit_;
   Verbosity verbosity_;
   bool on_terminal_, line_open_ = false;
-  std::uint64_t done_ = 0, total_ = 0;
+  std::uint64_t done_ = 0, total_ = 0, skipped_ = 0;
   int last_tenth_ = 0;
   Clock::time_point start_, last_shown_;
 };

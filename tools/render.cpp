@@ -3,50 +3,19 @@
 
 #include <fmt/format.h>
 
-#include <string_view>
-
 #include "octree/simd/instruction_set.h"
 #include "renderer/camera/ground_transform.h"
 #include "renderer/image.h"
 #include "tools/command.h"
 #include "tools/image_writer.h"
+#include "tools/long_render.h"
 #include "tools/message.h"
+#include "tools/picture_command.h"
 #include "tools/picture_names.h"
 #include "tools/render_options.h"
 
 namespace alidade {
 namespace {
-
-/// Flags that cannot change the picture: --overwrite, and -q and -v alone or together.
-bool is_silent_flag(std::string_view word) {
-  if (word == "--overwrite" || word == "--skip-existing" || word == "--quiet" || word == "--verbose")
-    return true;
-  return word.size() > 1 && word[0] == '-' && word.find_first_not_of("qv", 1) == std::string_view::npos;
-}
-
-std::string quoted(const std::string& word) {
-  return word.find_first_of(" \t'\"") == std::string::npos ? word : fmt::format("\"{}\"", word);
-}
-
-/// The command line as metadata keep it: without the words that only say where the picture goes or how it is
-/// computed, so that the same picture is the same file.
-std::string picture_command(const CommandLine& words) {
-  std::string text = "alidade";
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    const std::string& word = words[i];
-    const bool with_value = word.starts_with("--output=") || word.starts_with("--threads=") ||
-                            word.starts_with("--legend=") || word.starts_with("--legend-size=") ||
-                            (word.starts_with("-o") && word.size() > 2);
-    if (is_silent_flag(word) || with_value) continue;
-    if (word == "-o" || word == "--output" || word == "--threads" || word == "--legend" ||
-        word == "--legend-size") {
-      ++i;
-    } else {
-      text += " " + quoted(word);
-    }
-  }
-  return text;
-}
 
 std::vector<std::filesystem::path> input_files(const RenderCommand& command, const Scene& scene) {
   std::vector<std::filesystem::path> files;
@@ -95,27 +64,44 @@ struct Picture {
   std::filesystem::path file;
 };
 
-/// The pictures to make, those left out that are there already and may stay.
-std::vector<Picture> requested_pictures(const RenderCommand& command, const Scene& scene,
-                                        std::span<const View> views) {
+/// The pictures to make, and those left out because they are there already and may stay.
+struct PictureList {
+  std::vector<Picture> pictures;
+  std::vector<std::filesystem::path> finished;
+
+  std::vector<std::filesystem::path> files() const {
+    std::vector<std::filesystem::path> names;
+    for (const Picture& picture : pictures) names.push_back(picture.file);
+    return names;
+  }
+};
+
+PictureList requested_pictures(const RenderCommand& command, const Scene& scene,
+                               std::span<const View> views) {
   std::vector<std::filesystem::path> names{scene.output.file};
   if (is_set(command.camera)) names = picture_names(scene.output.file, views);
   const std::vector<std::filesystem::path> inputs = input_files(command, scene);
-  std::vector<Picture> pictures;
+  PictureList list;
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::error_code error;
-    if (command.skip_existing && std::filesystem::exists(names[i], error)) continue;
+    if (command.skip_existing && std::filesystem::exists(names[i], error)) {
+      list.finished.push_back(names[i]);
+      continue;
+    }
     check_writable(names[i], command.overwrite, inputs);
     // Without a view yet it is chosen once the cloud is known.
-    pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
+    list.pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
   }
-  return pictures;
+  if (!command.color.legend.empty()) names.push_back(command.color.legend);
+  check_long_render(command.long_render, command.overwrite || command.skip_existing, names, inputs);
+  return list;
 }
 
 /// Whether a legend was asked for that is not there already and may stay.
 bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command) {
   std::error_code error;
-  return !legend.empty() && !(command.skip_existing && std::filesystem::exists(legend, error));
+  const bool may_stay = command.skip_existing || command.long_render.resume;
+  return !legend.empty() && !(may_stay && std::filesystem::exists(legend, error));
 }
 
 /// Errors: as check_writable; the legend would be one of the pictures.
@@ -168,25 +154,42 @@ void check_views(std::span<const Picture> pictures, const Scene& scene, const Lo
   }
 }
 
-/// Renders and writes one picture after the other under one progress line.
+/// Renders and writes one picture after the other under one progress line. `resumed`: camera samples that the
+/// first one has already.
 RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, const LoadedCloud* cloud,
                             const RenderCommand& command, const CommandLine& words,
-                            ImageWriter write_picture) {
+                            std::optional<std::uint64_t> resumed, ImageWriter write_picture) {
   std::uint64_t total = 0, done = 0;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
+  const Verbosity verbosity = command.verbosity.verbosity();
   ProgressLine line(
       pictures.size() == 1 ? "rendering" : fmt::format("rendering {} pictures", pictures.size()),
-      "camera rays", command.verbosity.verbosity());
+      "camera rays", verbosity);
+  line.skip(resumed.value_or(0));
   const Progress progress = line.callback();
   RenderStatistics statistics;
   for (const Picture& picture : pictures) {
     scene.camera = picture.view.camera;
     scene.output.file = picture.file;
-    const auto report = [&](std::uint64_t rays, std::uint64_t) { return progress(done + rays, total); };
+    total -= camera_rays(scene, picture.view.camera);
+    std::uint64_t rays_of_picture = 0;
+    ImageMetadata texts = metadata(scene, picture.view, cloud, words);
+    RenderOptions options = render_options(command.long_render, scene.output,
+                                           resumed && &picture == &pictures.front(), texts, write_picture);
+    options.progress = [&](std::uint64_t rays, std::uint64_t all_rays) {
+      rays_of_picture = rays;
+      return progress(done + rays, done + all_rays + total);
+    };
     RenderStatistics of_picture;
-    const Film film = render(scene, cloud, {.progress = report}, &of_picture);
-    write_picture(film, scene.output, metadata(scene, picture.view, cloud, words), command.overwrite);
-    done += camera_rays(scene, picture.view.camera);
+    const Film film = render(scene, cloud, options, &of_picture);
+    for (auto& text : reached_texts(command.long_render, of_picture))
+      texts.further.push_back(std::move(text));
+    write_picture(film, scene.output, texts, command.overwrite);
+    remove_checkpoint(command.long_render);
+    const std::string reached = describe_reached(command.long_render, of_picture);
+    if (!reached.empty() && verbosity != Verbosity::quiet)
+      line.interject(fmt::format("{}: {}", picture.file.string(), reached));
+    done += rays_of_picture;
     statistics.ray_count += of_picture.ray_count;
     statistics.seconds += of_picture.seconds;
   }
@@ -203,11 +206,15 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   if (verbosity != Verbosity::quiet) {
     for (const std::string& warning : warnings) say_warning(warning);
   }
-  std::vector<Picture> pictures = requested_pictures(command, scene, views);
+  PictureList list = requested_pictures(command, scene, views);
+  std::vector<Picture>& pictures = list.pictures;
   if (pictures.empty()) {
+    remove_finished_checkpoint(command.long_render, list.finished);
     if (verbosity != Verbosity::quiet) say_note("every picture is there already");
     return ExitCode::done;
   }
+  const std::optional<std::uint64_t> resumed =
+      resumed_samples(command.long_render, list.files(), list.finished, verbosity);
   // Before the work, so that a program that cannot write pictures does not render for hours first.
   const ImageWriter write_picture = load_image_writer();
   const bool wants_legend = is_wanted(command.color.legend, command);
@@ -227,7 +234,13 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   if (wants_legend)
     load_legend_writer()(cloud->color, command.color.legend, command.color.legend_size, command.overwrite);
 
-  const RenderStatistics statistics = render_all(pictures, scene, cloud, command, words, write_picture);
+  RenderStatistics statistics;
+  try {
+    statistics = render_all(pictures, scene, cloud, command, words, resumed, write_picture);
+  } catch (const Cancelled&) {
+    say_how_to_resume(command.long_render, verbosity);
+    throw;
+  }
   if (verbosity != Verbosity::quiet) {
     const std::string written = pictures.size() == 1 ? pictures.front().file.string()
                                                      : fmt::format("{} to {}", pictures.front().file.string(),
@@ -258,14 +271,19 @@ Command add_render(CLI::App& program, const CommandLine& command_line) {
       "sky.\n"
       "Options stand above what the scene file says. Lengths are in metres (the unit of the cloud's CRS), "
       "angles in degrees.\n"
-      "The bytes of the picture do not depend on the number of threads nor on the machine.\n"
-      "Scene files: docs/scene_format.md; cameras: docs/cameras.md; light: docs/light.md.\n"
+      "The bytes of the picture do not depend on the number of threads nor on the machine, nor on previews "
+      "and checkpoints; with --time-limit they depend on the time.\n"
+      "Scene files: docs/scene_format.md; cameras: docs/cameras.md; light: docs/light.md; pictures that take "
+      "long: "
+      "docs/rendering.md.\n"
       "\n"
       "Examples:\n"
       "  alidade render scenes/courtyard.json -o courtyard.png\n"
       "  alidade render --cloud site.las -o site.png\n"
       "  alidade render --cloud site.las --orthographic top --resolution 0.1 -o site.tif\n"
       "  alidade render --cloud site.las --camera sparse/0 -o 'render/%s.png'\n"
+      "  alidade render scenes/courtyard.json --samples 4096 --preview now.png --checkpoint yard.state "
+      "--resume -o courtyard.exr\n"
       "  alidade render --cloud a.las b.las --size 1200x800 --samples 200 --radius 0.03 -o both.exr --layers "
       "color,depth,id\n");
   return {render, [command, command_line] {

@@ -173,6 +173,7 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   add_picture_options(render, *command);
   add_cloud_options(render, *command);
   add_color_options(render, command->color);
+  add_long_render_options(render, command->long_render);
   add_threads(render, command->threads);
   add_verbosity(render, command->verbosity);
   return command;

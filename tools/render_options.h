@@ -11,6 +11,7 @@
 #include "tools/camera_options.h"
 #include "tools/color_options.h"
 #include "tools/light_options.h"
+#include "tools/long_render.h"
 #include "tools/options.h"
 
 namespace alidade {
@@ -38,6 +39,7 @@ struct RenderCommand {
   std::optional<int> max_level;
   std::optional<double> exposure;
   std::vector<Layer> layers;
+  LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
   std::optional<int> threads;
   VerbosityOptions verbosity;

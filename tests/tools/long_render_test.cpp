@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT
+// Pictures that take long: ends by time and noise, previews, checkpoints.
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+
+#include "tests/support/random.h"
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class LongRenderTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    write_square("square.xyz");
+  }
+
+  static Words with(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  /// Waits until a file is there.
+  void wait_for(const Program& program, const std::string& name) const {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(2);
+    while (program.running() && !std::filesystem::exists(folder / name) &&
+           std::chrono::steady_clock::now() < limit)
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    ASSERT_TRUE(std::filesystem::exists(folder / name)) << "ended too early, or hangs";
+  }
+
+  /// Runs the program in a shell that limits the size of files, in KiB; what it says goes to the file "said".
+  int run_with_small_files(int limit, const std::string& words) const {
+    const std::string command = fmt::format("cd '{}' && ulimit -f {} && '{}' {} 2> said", folder.string(),
+                                            limit, program_file().string(), words);
+    const int status = std::system(fmt::format("bash -c \"{}\"", command).c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  /// Starts the words and kills the program at a random moment: any, or one of the rendering. False if it had
+  /// ended before; that must have been well.
+  bool killed(const Words& words, Random& random) {
+    Program program(words, folder);
+    if (random.unit() < 0.7) {
+      while (program.running() && !contains(program.errors_so_far(), "spheres of radius"))
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(random.below(500'000)));
+    program.send(SIGKILL);
+    const ProgramResult result = program.wait();
+    resumed_ += contains(result.err, "going on from") ? 1 : 0;
+    if (result.signal == SIGKILL) return true;
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return false;
+  }
+
+  /// Starts the words again and again until the program has been killed so often; then lets it end. Whenever
+  /// it ends before, its picture must be the expected one, too.
+  void kill_and_resume(const Words& words, const std::string& picture, const std::string& expected,
+                       int kills) {
+    Random random(picture);
+    for (int kill = 0; kill < kills;) {
+      if (killed(words, random)) {
+        ++kill;
+      } else {
+        ASSERT_TRUE(!HasFailure() && read(picture) == expected);
+      }
+    }
+    EXPECT_GT(resumed_, 0) << "no render lived long enough for a checkpoint";
+    ASSERT_EQ(run(words).exit_code, 0);
+    EXPECT_TRUE(read(picture) == expected) << "another picture after " << kills << " kills";
+    EXPECT_FALSE(std::filesystem::exists(folder / "state"));
+  }
+
+  int resumed_ = 0;  ///< runs that went on from a checkpoint
+};
+
+const Words k_render = {"render", "--cloud", "square.xyz", "--size=80x60"};
+const Words k_keep = {"--checkpoint", "state", "--checkpoint-interval", "0.01", "--resume"};
+
+TEST_F(LongRenderTest, killed_at_20_random_moments_gives_the_bytes_of_an_uninterrupted_run) {
+  const Words words = with(
+      k_render, {"--samples=500", "--layers", "color,depth,distance,normal,position,albedo,id,variance"});
+  ASSERT_EQ(run(with(words, {"-o", "whole.exr"})).exit_code, 0);
+  kill_and_resume(with(with(words, k_keep), {"-o", "out.exr", "--overwrite"}), "out.exr", read("whole.exr"),
+                  20);
+}
+
+TEST_F(LongRenderTest, killed_with_a_target_of_noise_it_ends_with_the_same_bytes) {
+  const Words words = with(k_render, {"--samples=4000", "--target-noise=0.006"});
+  ASSERT_EQ(run(with(words, {"-o", "whole.png"})).exit_code, 0);
+  kill_and_resume(with(with(words, k_keep),
+                       {"-o", "out.png", "--overwrite", "--preview", "now.jpg", "--preview-interval=0.1"}),
+                  "out.png", read("whole.png"), 8);
+}
+
+TEST_F(LongRenderTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
+  const Words words = with(k_render, {"--samples=300", "-o", "out.png", "--checkpoint=state"});
+  Program program(with(words, {"--preview=now.png", "--samples=100000"}), folder);
+  wait_for(program, "now.png");
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_TRUE(contains(result.err, "state keeps what has been computed")) << result.err;
+  EXPECT_EQ(names(), (Words{"now.png", "square.xyz", "state"}));
+  const ProgramResult other = run(with(words, {"--resume"}));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_TRUE(contains(other.err,
+                       "state: is the checkpoint of another picture: made with number of samples "
+                       "100000, asked for 300"))
+      << other.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.png"));
+}
+
+TEST_F(LongRenderTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
+  const Words words = with(k_render, {"--samples=2"});
+  ASSERT_EQ(run(with(words, {"-o", "whole.exr"})).exit_code, 0);
+  const ProgramResult result = run(with(with(words, k_keep), {"-o", "out.exr"}));
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "there is no checkpoint state yet: starting afresh")) << result.err;
+  EXPECT_TRUE(read("out.exr") == read("whole.exr"));
+  EXPECT_EQ(names(), (Words{"out.exr", "square.xyz", "whole.exr"}));
+}
+
+TEST_F(LongRenderTest, existing_checkpoint_is_kept_without_resume_or_overwrite) {
+  write("state", "precious");
+  const Words words = with(k_render, {"--samples=2", "-o", "out.png", "--checkpoint=state"});
+  const ProgramResult refused = run(words);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "state: exists already; expected --resume")) << refused.err;
+  const ProgramResult foreign = run(with(words, {"--resume"}));
+  EXPECT_EQ(foreign.exit_code, 2);
+  EXPECT_TRUE(contains(foreign.err, "state:byte 0: is not a checkpoint of Alidade")) << foreign.err;
+  EXPECT_EQ(read("state"), "precious");
+  EXPECT_EQ(run(with(words, {"--overwrite"})).exit_code, 0);
+}
+
+TEST_F(LongRenderTest, set_of_pictures_goes_on_with_the_one_under_way) {
+  write("lens.json", R"({"version": 1, "model": "pinhole", "width": 60, "height": 40,
+    "intrinsics": {"vertical_fov": 50}, "pose": {"look_at": {"eye": [0, 0, 0], "target": [0, 1, 0]}}})");
+  write("way.csv",
+        "# opencv "
+        "camera_to_world\ntime,x,y,z,qx,qy,qz,qw\n0,101,201,9,1,0,0,0\n1,100.5,201,9,1,0,0,0\n2,100,200,9,1,"
+        "0,0,0\n");
+  const Words words = {"render",  "--cloud", "square.xyz", "--camera",
+                       "way.csv", "--lens",  "lens.json",  "--samples=400"};
+  ASSERT_EQ(run(with(words, {"-o", "whole%d.exr"})).exit_code, 0) << run(with(words, {"-o", "w%d.exr"})).err;
+  const Words keep = with(with(words, k_keep), {"-o", "out%d.exr", "--skip-existing"});
+  Random random;
+  for (int kill = 0; kill < 12;) {
+    if (killed(keep, random)) {
+      ++kill;
+    } else {
+      ASSERT_FALSE(HasFailure());
+      // Done before the last kill: once more from the second picture on.
+      std::filesystem::remove(folder / "out1.exr");
+      std::filesystem::remove(folder / "out2.exr");
+    }
+  }
+  EXPECT_GT(resumed_, 0);
+  ASSERT_EQ(run(keep).exit_code, 0);
+  for (const std::string number : {"0", "1", "2"})
+    EXPECT_TRUE(read("out" + number + ".exr") == read("whole" + number + ".exr")) << number;
+  EXPECT_FALSE(std::filesystem::exists(folder / "state"));
+}
+
+TEST_F(LongRenderTest, full_disk_loses_neither_the_old_picture_nor_the_old_checkpoint) {
+  const Words words = with(k_render, {"--samples=200", "-o", "out.exr", "--checkpoint", "state"});
+  Program program(with(words, {"--checkpoint-interval=0.01"}), folder);
+  wait_for(program, "state");
+  program.send(SIGKILL);
+  if (program.wait().signal != SIGKILL) GTEST_SKIP() << "this machine was too fast to kill the render";
+  const std::string checkpoint = read("state");
+  write("out.exr", "precious");
+  const int code = run_with_small_files(
+      4,
+      "render --cloud square.xyz --size=80x60 --samples=200 -o out.exr --checkpoint state "
+      "--checkpoint-interval=0.01 --resume --overwrite");
+  EXPECT_EQ(code, 2);
+  EXPECT_TRUE(contains(read("said"), "alidade: warning: no checkpoint: state: writing failed"))
+      << read("said");
+  EXPECT_TRUE(contains(read("said"), "alidade: error: out.exr: writing failed")) << read("said");
+  EXPECT_EQ(read("out.exr"), "precious");
+  EXPECT_TRUE(read("state") == checkpoint);
+  ASSERT_EQ(run(with(words, {"--resume", "--overwrite"})).exit_code, 0);
+  const std::string resumed = read("out.exr");
+  ASSERT_EQ(run(with(k_render, {"--samples=200", "-o", "whole.exr"})).exit_code, 0);
+  EXPECT_TRUE(resumed == read("whole.exr"));
+}
+
+TEST_F(LongRenderTest, damaged_checkpoint_is_an_error_and_no_picture) {
+  Program program(with(k_render, {"--samples=100000", "-o", "out.png", "--checkpoint=state",
+                                  "--checkpoint-interval=0.01"}),
+                  folder);
+  wait_for(program, "state");
+  program.send(SIGKILL);
+  program.wait();
+  std::string content = read("state");
+  content[content.size() / 2] = static_cast<char>(content[content.size() / 2] ^ 4);
+  write("state", content);
+  const ProgramResult result =
+      run(with(k_render, {"--samples=100000", "-o", "out.png", "--checkpoint=state", "--resume"}));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "state: is damaged: the samples have another checksum")) << result.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "out.png"));
+  EXPECT_TRUE(read("state") == content);
+}
+
+TEST_F(LongRenderTest, preview_changes_nothing_and_ends_as_the_picture) {
+  const Words words = with(k_render, {"--samples=20"});
+  ASSERT_EQ(run(with(words, {"-o", "whole.png"})).exit_code, 0);
+  ASSERT_EQ(run(with(words, {"-o", "out.png", "--preview", "now.png"})).exit_code, 0);
+  EXPECT_TRUE(read("out.png") == read("whole.png"));
+  const std::string picture = read("out.png"), preview = read("now.png");
+  EXPECT_EQ(picture.substr(picture.find("IDAT")), preview.substr(preview.find("IDAT")));
+  const ProgramResult refused = run(with(words, {"-o", "other.png", "--preview", "now.png"}));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "now.png: exists already")) << refused.err;
+}
+
+TEST_F(LongRenderTest, preview_that_cannot_be_written_is_a_warning) {
+  std::filesystem::create_directory(folder / "previews");
+  Program program(with(k_render, {"--samples=400", "-o", "out.png", "--preview", "previews/now.png",
+                                  "--preview-interval=0.001"}),
+                  folder);
+  wait_for(program, "previews/now.png");
+  std::filesystem::rename(folder / "previews", folder / "elsewhere");
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "alidade: warning: no preview: previews/now.png")) << result.err;
+  EXPECT_EQ(result.err.find("warning: no preview"), result.err.rfind("warning: no preview"));
+  EXPECT_EQ(read("out.png").substr(1, 3), "PNG");
+}
+
+TEST_F(LongRenderTest, time_limit_says_how_many_samples_were_taken) {
+  const ProgramResult result =
+      run(with(k_render, {"--samples=1000000", "--time-limit", "0", "-o", "out.exr"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "out.exr: samples per pixel: 1 to 1, mean 1.0")) << result.err;
+  EXPECT_TRUE(contains(read("out.exr"), "alidade:samples_reached"));
+  EXPECT_TRUE(contains(read("out.exr"), "--time-limit 0"));
+}
+
+TEST_F(LongRenderTest, target_noise_says_what_was_reached_and_gives_the_same_bytes_on_any_number_of_threads) {
+  const Words words = with(k_render, {"--samples=1000", "--target-noise", "0.05"});
+  const ProgramResult result = run(with(words, {"--threads=1", "-o", "1.exr"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "estimated error of a tile: median ")) << result.err;
+  EXPECT_TRUE(contains(read("1.exr"), "alidade:noise_reached"));
+  ASSERT_EQ(run(with(words, {"--threads=3", "-o", "3.exr"})).exit_code, 0);
+  EXPECT_TRUE(read("1.exr") == read("3.exr"));
+}
+
+TEST_F(LongRenderTest, mistakes_are_told_before_the_work) {
+  const auto expect = [&](const Words& words, const std::string& part) {
+    const ProgramResult result = run(with(k_render, words));
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_TRUE(contains(result.err, part)) << result.err;
+    EXPECT_FALSE(contains(result.err, "loading cloud")) << result.err;
+    EXPECT_EQ(names(), Words{"square.xyz"});
+  };
+  expect({"-o", "out.png", "--resume"}, "--resume requires --checkpoint");
+  expect({"-o", "out.png", "--checkpoint-interval", "3"}, "--checkpoint-interval requires --checkpoint");
+  expect({"-o", "out.png", "--checkpoint", "s", "--checkpoint-interval", "0"}, "--checkpoint-interval");
+  expect({"-o", "out.png", "--preview-interval", "3"}, "--preview-interval requires --preview");
+  expect({"-o", "out.png", "--preview", "now.exr"}, "now.exr: unknown kind of preview");
+  expect({"-o", "out.png", "--preview", "./out.png"}, "./out.png: is a picture to write");
+  expect({"-o", "out.png", "--checkpoint", "out.png"}, "out.png: is a picture to write");
+  expect({"-o", "out.png", "--checkpoint", "a.png", "--preview", "a.png"},
+         "a.png: is both preview and checkpoint");
+  expect({"-o", "out.png", "--checkpoint", "square.xyz", "--overwrite"}, "square.xyz: is read from as well");
+  expect({"-o", "out.png", "--checkpoint", "absent/state"}, "absent/state");
+  expect({"-o", "out.png", "--time-limit", "-1"}, "--time-limit");
+  expect({"-o", "out.png", "--target-noise", "0"}, "--target-noise");
+}
+
+}  // namespace
+}  // namespace alidade::test

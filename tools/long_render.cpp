@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: MIT
+#include "tools/long_render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "octree/error.h"
+#include "renderer/checkpoint.h"
+#include "tools/message.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_most_seconds = 1e9;
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const auto canonical = [](const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+  };
+  return canonical(a) == canonical(b);
+}
+
+bool is_of_one_of(const CheckpointSummary& summary, std::span<const std::filesystem::path> pictures) {
+  return std::ranges::find(pictures, std::filesystem::path(summary.picture)) != pictures.end();
+}
+
+/// Shows the picture under way; a preview that cannot be written is told once and no reason to end.
+class PreviewFile {
+ public:
+  PreviewFile(const std::filesystem::path& file, const OutputSettings& output, const ImageMetadata& metadata,
+              ImageWriter write_picture)
+      : metadata_(metadata), write_picture_(write_picture) {
+    settings_.file = file;
+    settings_.exposure = output.exposure;
+    metadata_.further.emplace_back("alidade:preview", "of a picture under way, maybe reduced");
+  }
+
+  void show(const Film& film) {
+    try {
+      write_picture_(film, settings_, metadata_, true);
+    } catch (const Error& error) {
+      if (!warned_) say_warning(std::string("no preview: ") + error.what());
+      warned_ = true;
+    }
+  }
+
+ private:
+  OutputSettings settings_;
+  ImageMetadata metadata_;
+  ImageWriter write_picture_;
+  bool warned_ = false;
+};
+
+}  // namespace
+
+void add_long_render_options(CLI::App& render, LongRenderRequest& request) {
+  add_value(
+      render, "--time-limit", "S",
+      "seconds for each picture: it ends with what there is by then, and says how many samples that "
+      "were. One sample per pixel is always taken, --samples is the most. The bytes depend on the time",
+      [&request](const std::string& text) { request.time_limit = parse_number(text, 0.0, k_most_seconds); });
+  add_value(render, "--target-noise", "E",
+            "stop where the estimated relative error of a tile of about 16x16 pixels is at most E, such as "
+            "0.02; a tile gets 32 samples at least and --samples at most",
+            [&request](const std::string& text) { request.target_noise = parse_number(text, 1e-6, 1e6); });
+  CLI::Option* const preview =
+      add_value(render, "--preview", "FILE",
+                "a small picture of what there is so far, .png or .jpg, written anew every few seconds",
+                [&request](const std::string& text) { request.preview = text; });
+  add_value(render, "--preview-interval", "S", "seconds between previews (default 3)",
+            [&request](const std::string& text) {
+              request.preview_interval = parse_number(text, 0.0, k_most_seconds);
+            })
+      ->needs(preview);
+  CLI::Option* const checkpoint = add_value(
+      render, "--checkpoint", "FILE",
+      "keep what has been computed in FILE, written anew every minute and on Ctrl-C; removed once the "
+      "picture is written",
+      [&request](const std::string& text) { request.checkpoint = text; });
+  add_value(render, "--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
+            [&request](const std::string& text) {
+              request.checkpoint_interval = parse_number(text, 1e-3, k_most_seconds);
+            })
+      ->needs(checkpoint);
+  render
+      .add_flag(
+          "--resume", request.resume,
+          "go on from the checkpoint, if it is there; the picture has the bytes of an uninterrupted run")
+      ->needs(checkpoint);
+}
+
+void check_long_render(const LongRenderRequest& request, bool overwrite,
+                       std::span<const std::filesystem::path> outputs,
+                       std::span<const std::filesystem::path> inputs) {
+  const auto check = [&](const std::filesystem::path& file, bool may_exist) {
+    if (file.empty()) return;
+    for (const std::filesystem::path& output : outputs) {
+      if (same_file(file, output))
+        throw Error({.file = file.string(), .problem = "is a picture to write", .expected = "another name"});
+    }
+    check_writable(file, may_exist, inputs);
+  };
+  if (!request.preview.empty()) {
+    const std::optional<ImageFormat> format = image_format(request.preview);
+    if (format != ImageFormat::png && format != ImageFormat::jpeg) {
+      throw Error({.file = request.preview.string(),
+                   .problem = "unknown kind of preview",
+                   .expected = "a name that ends in .png, .jpg or .jpeg"});
+    }
+    if (!request.checkpoint.empty() && same_file(request.preview, request.checkpoint))
+      throw Error({.file = request.preview.string(), .problem = "is both preview and checkpoint"});
+  }
+  std::error_code error;
+  if (!request.resume && !overwrite && std::filesystem::exists(request.checkpoint, error)) {
+    throw Error({.file = request.checkpoint.string(),
+                 .problem = "exists already",
+                 .expected = "--resume to go on from it, or --overwrite"});
+  }
+  check(request.preview, overwrite || request.resume);
+  check(request.checkpoint, true);
+}
+
+std::optional<std::uint64_t> resumed_samples(const LongRenderRequest& request,
+                                             std::span<const std::filesystem::path> pictures,
+                                             std::span<const std::filesystem::path> finished,
+                                             Verbosity verbosity) {
+  if (!request.resume) return std::nullopt;
+  const auto note = [&](const std::string& text) {
+    if (verbosity != Verbosity::quiet) say_note(text);
+  };
+  const std::string file = request.checkpoint.string();
+  std::error_code error;
+  if (!std::filesystem::exists(request.checkpoint, error)) {
+    note(fmt::format("there is no checkpoint {} yet: starting afresh", file));
+    return std::nullopt;
+  }
+  const CheckpointSummary summary = read_checkpoint_summary(request.checkpoint);
+  if (summary.picture == pictures.front().string()) {
+    note(fmt::format("going on from {}: {} has {:.0f} % of its samples after {}", file, summary.picture,
+                     100.0 * summary.share, clock_time(summary.seconds)));
+    return summary.samples_taken;
+  }
+  if (!is_of_one_of(summary, finished)) {
+    throw Error({.file = file,
+                 .problem = "is the checkpoint of another picture",
+                 .expected = fmt::format("one of {}", pictures.front().string()),
+                 .found = summary.picture});
+  }
+  note(fmt::format("{} is of {}, which is finished: starting afresh", file, summary.picture));
+  return std::nullopt;
+}
+
+RenderOptions render_options(const LongRenderRequest& request, const OutputSettings& output, bool resume,
+                             const ImageMetadata& metadata, ImageWriter write_picture) {
+  RenderOptions options;
+  options.layers = image_format(output.file) == ImageFormat::exr ? output.layers : std::vector{Layer::color};
+  options.time_limit = request.time_limit;
+  options.target_noise = request.target_noise;
+  if (!request.preview.empty()) {
+    const auto file = std::make_shared<PreviewFile>(request.preview, output, metadata, write_picture);
+    options.preview = {.show = [file](const Film& film) { file->show(film); },
+                       .interval = request.preview_interval};
+  }
+  if (!request.checkpoint.empty()) {
+    options.checkpoint = {
+        .file = request.checkpoint,
+        .interval = request.checkpoint_interval,
+        .resume = resume,
+        .picture = output.file.string(),
+        .failed = [](const Error& error) { say_warning(std::string("no checkpoint: ") + error.what()); }};
+  }
+  return options;
+}
+
+std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
+                                                               const RenderStatistics& statistics) {
+  std::vector<std::pair<std::string, std::string>> texts;
+  if (!request.time_limit && !request.target_noise) return texts;
+  texts.emplace_back("alidade:samples_reached",
+                     fmt::format("{} {:.17g} {}", statistics.least_samples, statistics.mean_samples,
+                                 statistics.most_samples));
+  if (statistics.noise) {
+    texts.emplace_back("alidade:noise_reached",
+                       fmt::format("{:.17g} {:.17g}", statistics.noise->median, statistics.noise->worst));
+  }
+  return texts;
+}
+
+std::string describe_reached(const LongRenderRequest& request, const RenderStatistics& statistics) {
+  if (!request.time_limit && !request.target_noise) return {};
+  std::string text = fmt::format("samples per pixel: {} to {}, mean {:.1f}", statistics.least_samples,
+                                 statistics.most_samples, statistics.mean_samples);
+  if (statistics.noise) {
+    text += fmt::format("; estimated error of a tile: median {:.2g}, worst {:.2g}", statistics.noise->median,
+                        statistics.noise->worst);
+  }
+  return text;
+}
+
+void remove_checkpoint(const LongRenderRequest& request) {
+  std::error_code error;
+  if (!request.checkpoint.empty()) std::filesystem::remove(request.checkpoint, error);
+}
+
+void remove_finished_checkpoint(const LongRenderRequest& request,
+                                std::span<const std::filesystem::path> finished) {
+  std::error_code error;
+  if (!request.resume || !std::filesystem::exists(request.checkpoint, error)) return;
+  if (is_of_one_of(read_checkpoint_summary(request.checkpoint), finished)) remove_checkpoint(request);
+}
+
+void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity) {
+  if (request.checkpoint.empty() || verbosity == Verbosity::quiet) return;
+  say_note(fmt::format("{} keeps what has been computed; the same command with --resume goes on",
+                       request.checkpoint.string()));
+}
+
+}  // namespace alidade

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "renderer/render.h"
+#include "tools/image_writer.h"
+#include "tools/options.h"
+
+// What pictures need that take long: an end by time or by noise, a look at what is there, and a way to go on.
+
+namespace alidade {
+
+struct LongRenderRequest {
+  std::optional<double> time_limit, target_noise;
+  std::filesystem::path preview, checkpoint;  ///< empty = none
+  double preview_interval = 3.0, checkpoint_interval = 60.0;
+  bool resume = false;
+};
+
+/// Declares the options; they fill `request`.
+void add_long_render_options(CLI::App& render, LongRenderRequest& request);
+
+/// Lets a render fail before it starts. `outputs` and `inputs`: the pictures and all that is read. Errors: a
+/// preview or checkpoint that is one of them, exists and may not be replaced, or cannot be written; a preview
+/// that is neither PNG nor JPEG.
+void check_long_render(const LongRenderRequest& request, bool overwrite,
+                       std::span<const std::filesystem::path> outputs,
+                       std::span<const std::filesystem::path> inputs);
+
+/// Where to go on. `pictures` are those to make, `finished` those of the set that are there already. Returns
+/// the camera samples that the first picture has in the checkpoint; none if it is begun afresh, which is
+/// said. Errors: those of the checkpoint's head; it belongs to a picture that is neither finished nor the
+/// first.
+std::optional<std::uint64_t> resumed_samples(const LongRenderRequest& request,
+                                             std::span<const std::filesystem::path> pictures,
+                                             std::span<const std::filesystem::path> finished,
+                                             Verbosity verbosity);
+
+/// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
+RenderOptions render_options(const LongRenderRequest& request, const OutputSettings& output, bool resume,
+                             const ImageMetadata& metadata, ImageWriter write_picture);
+
+/// What was reached, as metadata and for people, if the end was not settled beforehand; else nothing.
+std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
+                                                               const RenderStatistics& statistics);
+std::string describe_reached(const LongRenderRequest& request, const RenderStatistics& statistics);
+
+/// Removes the checkpoint of a picture that has been written.
+void remove_checkpoint(const LongRenderRequest& request);
+
+/// The same if it is still that of a finished picture: a program was killed in between.
+void remove_finished_checkpoint(const LongRenderRequest& request,
+                                std::span<const std::filesystem::path> finished);
+
+/// Says how to go on after an interruption, if there is a way.
+void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity);
+
+}  // namespace alidade
