@@ -14,9 +14,11 @@
 #include "octree/error.h"
 #include "octree/index_file.h"
 #include "renderer/color/choose_color.h"
+#include "renderer/color/classification_colors.h"
 #include "renderer/color/gps_date.h"
 #include "renderer/color/height_unit.h"
 #include "renderer/deterministic_math.h"
+#include "renderer/image_display.h"
 #include "renderer/surface.h"
 #include "tests/renderer/tracer_scenes.h"
 
@@ -367,6 +369,21 @@ TEST(ColorPoints, a_normal_is_a_colour_of_the_surface_towards_the_viewer) {
   expect_display(color_along({0, 0, 5}, {0, 0, -1}), {0.5, 0.5, 1.0});
   expect_display(color_along({5, 0, 0}, {-1, 0, 0}), {1.0, 0.5, 0.5});
   expect_display(color_along({0, -5, 0}, {0, 1, 0}), {0.5, 0.0, 0.5});
+}
+
+TEST(ColorPoints, a_flat_picture_shows_the_colours_of_the_legend) {
+  for (const std::size_t number : {2u, 5u, 11u, 13u, 21u}) {
+    LoadedCloud cloud = test::loaded({{0, 0, 0}}, 5.0);
+    cloud.colors = {class_styles()[number].color};
+    Scene scene = test::dark_scene(test::camera_at({0, -20, 0}, {0, 0, 0}, 10.0, 4), 4, 0);
+    scene.cloud.emplace();
+    scene.render.mode = RenderMode::flat;
+    for (const Rgb& color : render(scene, &cloud).color) {
+      // An albedo ends at 0.95, which is 249.
+      for (int channel = 0; channel < 3; ++channel)
+        EXPECT_EQ(srgb_code(color[channel]), std::min(cloud.colors[0][channel] / 257, 249)) << number;
+    }
+  }
 }
 
 /// A folder for files, gone with the test.
