@@ -4,6 +4,9 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
 
 #include <cmath>
 #include <filesystem>
@@ -116,6 +119,10 @@ TEST_F(ReadSkyImageTest, values_that_are_no_light_are_put_right_and_told) {
 }
 
 TEST_F(ReadSkyImageTest, a_file_that_ends_early_is_an_error) {
+#ifdef __SANITIZE_ADDRESS__
+  // libpng leaves OpenImageIO by a long jump, over the end of a string, which is then not freed.
+  const __lsan::ScopedDisabler leaks_of_libpng;
+#endif
   const std::vector<float> values = noise(64 * 32 * 3, 1.0);
   for (const char* const name : {"a.exr", "a.hdr", "a.png", "a.tif"}) {
     const auto type = std::string(name) == "a.png" ? OIIO::TypeUInt8 : OIIO::TypeFloat;
