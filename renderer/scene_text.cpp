@@ -41,7 +41,7 @@ class Text {
   template <class... Alternatives>
   void add(const std::variant<Alternatives...>& value) {
     add(static_cast<int>(value.index()));
-    std::visit([this](const auto& alternative) { add(alternative); }, value);
+    std::visit([this](const auto& alternative) { this->add(alternative); }, value);
   }
 
   void add(const Lambertian& material) {

@@ -92,7 +92,7 @@ void add_long_render_options(CLI::App& render, LongRenderRequest& request) {
       ->needs(checkpoint);
 }
 
-void check_long_render(const LongRenderRequest& request, bool overwrite,
+void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
                        std::span<const std::filesystem::path> outputs,
                        std::span<const std::filesystem::path> inputs) {
   const auto check = [&](const std::filesystem::path& file, bool may_exist) {
@@ -114,12 +114,12 @@ void check_long_render(const LongRenderRequest& request, bool overwrite,
       throw Error({.file = request.preview.string(), .problem = "is both preview and checkpoint"});
   }
   std::error_code error;
-  if (!request.resume && !overwrite && std::filesystem::exists(request.checkpoint, error)) {
+  if (!request.resume && !replaceable.checkpoint && std::filesystem::exists(request.checkpoint, error)) {
     throw Error({.file = request.checkpoint.string(),
                  .problem = "exists already",
                  .expected = "--resume to go on from it, or --overwrite"});
   }
-  check(request.preview, overwrite || request.resume);
+  check(request.preview, replaceable.preview || request.resume);
   check(request.checkpoint, true);
 }
 

@@ -93,7 +93,9 @@ PictureList requested_pictures(const RenderCommand& command, const Scene& scene,
     list.pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
   }
   if (!command.color.legend.empty()) names.push_back(command.color.legend);
-  check_long_render(command.long_render, command.overwrite || command.skip_existing, names, inputs);
+  check_long_render(command.long_render,
+                    {.checkpoint = command.overwrite, .preview = command.overwrite || command.skip_existing},
+                    names, inputs);
   return list;
 }
 

@@ -130,6 +130,24 @@ TEST_F(CheckpointTest, that_does_not_exist_is_a_fresh_start) {
   expect_same(render(mixed_scene(), nullptr, options(true)), render(mixed_scene(), nullptr));
 }
 
+TEST_F(CheckpointTest, keeps_the_time_that_counts_for_a_limit) {
+  Scene scene = mixed_scene();
+  scene.render.samples = 100'000;
+  RenderOptions in_time = options(false);
+  in_time.time_limit = 1e6;
+  render_in_part(scene, nullptr, in_time, 3);
+  const CheckpointSummary summary = read_checkpoint_summary(file_);
+  EXPECT_GT(summary.seconds, 0.1);  // reports come 50 ms apart
+  in_time = options(true);
+  in_time.time_limit = 0.1;
+  RenderStatistics statistics;
+  const Film film = render(scene, nullptr, in_time, &statistics);
+  EXPECT_GE(statistics.seconds, summary.seconds);
+  // Nothing was left to do but to fill tiles that had no sample yet.
+  EXPECT_NEAR(statistics.mean_samples * static_cast<double>(film.count()),
+              static_cast<double>(summary.samples_taken), static_cast<double>(film.count()));
+}
+
 TEST_F(CheckpointTest, says_what_it_is_of) {
   Scene scene = mixed_scene();
   render_in_part(scene, nullptr, options(false), 0);

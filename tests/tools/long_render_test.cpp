@@ -137,9 +137,11 @@ TEST_F(LongRenderTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
 TEST_F(LongRenderTest, existing_checkpoint_is_kept_without_resume_or_overwrite) {
   write("state", "precious");
   const Words words = with(k_render, {"--samples=2", "-o", "out.png", "--checkpoint=state"});
-  const ProgramResult refused = run(words);
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "state: exists already; expected --resume")) << refused.err;
+  for (const std::string flag : {"-v", "--skip-existing"}) {
+    const ProgramResult refused = run(with(words, {flag}));
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_TRUE(contains(refused.err, "state: exists already; expected --resume")) << refused.err;
+  }
   const ProgramResult foreign = run(with(words, {"--resume"}));
   EXPECT_EQ(foreign.exit_code, 2);
   EXPECT_TRUE(contains(foreign.err, "state:byte 0: is not a checkpoint of Alidade")) << foreign.err;

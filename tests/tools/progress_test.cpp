@@ -31,6 +31,31 @@ TEST(progress_line, quiet_says_nothing) {
   EXPECT_EQ(log_of_a_task(Verbosity::quiet), "");
 }
 
+TEST(progress_line, what_was_done_before_is_not_counted_as_the_work_of_now) {
+  ::testing::internal::CaptureStderr();
+  {
+    ProgressLine line("counting", "sheep", Verbosity::normal);
+    line.skip(60);
+    const Progress progress = line.callback();
+    for (std::uint64_t done = 60; done <= 100; ++done) EXPECT_TRUE(progress(done, 100));
+    line.finish();
+  }
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(log.rfind("counting: 40 sheep in ", 0), 0u) << log;
+}
+
+TEST(progress_line, a_remark_stands_on_a_line_of_its_own) {
+  ::testing::internal::CaptureStderr();
+  {
+    ProgressLine line("counting", "sheep", Verbosity::normal);
+    EXPECT_TRUE(line.callback()(50, 100));
+    line.interject("one is black");
+    line.finish();
+  }
+  const std::string log = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(log.rfind("alidade: one is black\ncounting: ", 0), 0u) << log;
+}
+
 TEST(progress_line, counts_are_short) {
   EXPECT_EQ(short_count(0), "0");
   EXPECT_EQ(short_count(9999), "9999");
