@@ -87,7 +87,7 @@ TEST_P(OwnRadiusVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_
     for (const test::NamedOctree& asked : test::octrees_of(family.cloud, GetParam())) {
       const Octree octree = with_spacings(asked.octree, 3);
       Random random(family.name + "_own_radius");
-      for (RayCase& c : ray_cases(family.cloud, 40, random)) {
+      for (RayCase& c : ray_cases(family.cloud, 25, random)) {
         c.query.spacing_factor = k_factors[random.below(5)];
         SCOPED_TRACE(family.name + " " + asked.name + " factor " + std::to_string(c.query.spacing_factor));
         const std::vector<Hit> expected = brute_force::find(family.cloud, c.ray, c.query, spacings);
@@ -100,8 +100,8 @@ TEST_P(OwnRadiusVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_
       }
     }
   }
-  EXPECT_GT(hit_count, 500u);
-  EXPECT_GT(miss_count, 500u);
+  EXPECT_GT(hit_count, 300u);
+  EXPECT_GT(miss_count, 300u);
 }
 
 TEST_P(OwnRadiusVsBruteForce, batches_are_the_same_bits_on_every_family) {
