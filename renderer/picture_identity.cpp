@@ -78,6 +78,7 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
   identity.push_back({"bounds of the points", bounds_text(cloud->octree.bounds())});
   identity.push_back({"radius", fmt::format("{:.17g}", cloud->radius)});
   identity.push_back({"radius over spacing", fmt::format("{:.17g}", cloud->spacing_factor)});
+  identity.push_back({"neighbour of spacings", std::to_string(cloud->octree.view().spacing_neighbours)});
   identity.push_back({"points and colours", cloud_checksum(*cloud)});
   return identity;
 }

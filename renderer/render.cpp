@@ -81,7 +81,8 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
   check_camera(camera);
   if (cloud != nullptr) check_camera_place(camera, scene, *cloud);
   const Projection projection(camera);
-  const World world(scene, cloud);
+  World world(scene, cloud);
+  world.watch_rays(options.watch_rays);
   const Lights lights(scene);
   const RenderTask task{projection, scene.render, world, lights,
                         ambient_occlusion_distance(scene.render, cloud)};
@@ -107,6 +108,7 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
   if (statistics != nullptr) {
     *statistics = statistics_of(state, floor);
     statistics->seconds = watch.seconds();
+    statistics->query_seconds = world.query_seconds();
     if (film.holds_any()) statistics->ray_count += film.count();
   }
   move_into_film(state, wants(options, Layer::variance), film);

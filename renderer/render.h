@@ -12,6 +12,7 @@
 #include "octree/cloud/point_cloud.h"
 #include "octree/octree.h"
 #include "octree/progress.h"
+#include "octree/ray.h"
 #include "renderer/color/color_key.h"
 #include "renderer/film.h"
 #include "renderer/scene.h"
@@ -77,6 +78,10 @@ struct CheckpointOptions {
   std::function<void(const Error&)> failed{};
 };
 
+/// Sees the rays that a render asks the octree about, in the batches in which it asks: for the closest hit,
+/// or whether there is any. Called from many threads at once.
+using RayWatch = std::function<void(std::span<const Ray> rays, bool occlusion)>;
+
 struct RenderOptions {
   /// In camera samples (pixels * samples per pixel); called from one thread at a time. With a time limit or a
   /// target the total is what may be expected.
@@ -92,6 +97,7 @@ struct RenderOptions {
   std::optional<double> target_noise{};
   std::optional<PreviewOptions> preview{};
   std::optional<CheckpointOptions> checkpoint{};
+  RayWatch watch_rays{};  ///< for measurements
 };
 
 /// Whether noise is added up along with the picture: for the variance layer or a target.
@@ -105,6 +111,7 @@ struct ReachedNoise {
 struct RenderStatistics {
   std::uint64_t ray_count = 0;              ///< rays traced, shadow rays included
   double seconds = 0.0;                     ///< time before a resumption included
+  double query_seconds = 0.0;               ///< of all threads, in queries of the octree; since a resumption
   int least_samples = 0, most_samples = 0;  ///< of any pixel
   double mean_samples = 0.0;
   std::optional<ReachedNoise> noise{};  ///< if it was added up

@@ -2,6 +2,7 @@
 #include "renderer/surface.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -23,6 +24,22 @@ constexpr double k_normal_reach = 2.5;
 constexpr double k_departure_height = 1.25;
 
 constexpr double k_none = std::numeric_limits<double>::infinity();
+
+/// Adds the time it exists to a total.
+class AddedTime {
+ public:
+  explicit AddedTime(std::atomic<std::int64_t>& nanoseconds) : nanoseconds_(nanoseconds) {}
+  ~AddedTime() {
+    const auto taken = std::chrono::steady_clock::now() - start_;
+    nanoseconds_ += std::chrono::duration_cast<std::chrono::nanoseconds>(taken).count();
+  }
+  AddedTime(const AddedTime&) = delete;
+  AddedTime& operator=(const AddedTime&) = delete;
+
+ private:
+  std::atomic<std::int64_t>& nanoseconds_;
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
 
 enum class Roots { first_ahead, far_one };
 
@@ -144,7 +161,11 @@ void World::nearest(std::span<const Ray> rays, std::span<const Departure> depart
   }
   if (asked.empty()) return;
   std::vector<std::optional<Hit>> hits(asked.size());
-  closest(*cloud_->octree, asked, cloud_->query, hits);
+  if (watch_) watch_(asked, false);
+  {
+    const AddedTime time(query_nanoseconds_);
+    closest(*cloud_->octree, asked, cloud_->query, hits);
+  }
   for (std::size_t a = 0; a < asked.size(); ++a) {
     const std::optional<Hit>& hit = hits[a];
     std::optional<Intersection>& best = met[numbers[a]];
@@ -176,7 +197,11 @@ void World::blocked(std::span<const Ray> rays, std::span<const Departure> depart
   }
   if (asked.empty()) return;
   std::vector<std::uint8_t> occlusions(asked.size());
-  occluded(*cloud_->octree, asked, cloud_->query, occlusions);
+  if (watch_) watch_(asked, true);
+  {
+    const AddedTime time(query_nanoseconds_);
+    occluded(*cloud_->octree, asked, cloud_->query, occlusions);
+  }
   for (std::size_t a = 0; a < asked.size(); ++a) answers[numbers[a]] = occlusions[a];
 }
 

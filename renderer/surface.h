@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "octree/octree.h"
@@ -82,6 +84,12 @@ class World {
 
   const std::vector<Object>& objects() const { return *objects_; }
 
+  /// From now on `watch` is told all rays that the octree is asked about.
+  void watch_rays(RayWatch watch) { watch_ = std::move(watch); }
+
+  /// Seconds that all threads together have spent in queries of the octree.
+  double query_seconds() const { return 1e-9 * static_cast<double>(query_nanoseconds_.load()); }
+
  private:
   void smooth(const Ray& ray, const Intersection& intersection, Surface& surface) const;
   Intersection nearest_object(const Ray& ray, const Departure& departure) const;
@@ -89,6 +97,8 @@ class World {
   const std::vector<Object>* objects_;
   std::optional<CloudGeometry> cloud_;
   std::optional<SmoothNormals> smooth_normals_;
+  RayWatch watch_;
+  mutable std::atomic<std::int64_t> query_nanoseconds_{0};
   std::vector<float> linear_;  ///< linear value of each 16-bit display value
 };
 

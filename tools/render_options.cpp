@@ -72,7 +72,7 @@ void add_picture_options(CLI::App& render, RenderCommand& command) {
             [&command](const std::string& text) { command.exposure = parse_number(text, -64.0, 64.0); });
   add_value(render, "--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)",
             [&command](const std::string& text) { command.layers = parse_layers(text); });
-  add_value(render, "--seed", "N", "seed of the samples; the same seed gives the same bytes (default 0.75)",
+  add_value(render, "--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
             [&command](const std::string& text) { command.seed = parse_count(text, 0, UINT64_MAX); });
 }
 
