@@ -45,20 +45,25 @@ class LevelVariances {
   std::array<double, LevelSums().size() + 2> variances_{};
 };
 
+/// Variance of the mean over what independent samples would leave. samples >= 2.
+double variance_share(const LevelSums& levels, std::uint32_t samples) {
+  constexpr double k_largest_share = 2.0;
+  const LevelVariances variances(levels, samples);
+  // With two samples, or without any difference, there is nothing to tell them apart.
+  if (samples == 2 || !(variances.of_one() > 0.0)) return 1.0;
+  return std::clamp(samples * variances.of(samples) / variances.of_one(), 0.0, k_largest_share);
+}
+
+/// From the sum of squared differences to the variance of the mean. The sum over n is on average V(one) -
+/// V(n), the sample variance less what the mean has taken along.
+double scale_of(double share, double samples) {
+  return share / (samples * (samples - share));
+}
+
 }  // namespace
 
 double mean_variance_scale(const LevelSums& levels, std::uint32_t samples) {
-  constexpr double k_largest_share = 2.0;
-  if (samples < 2) return 0.0;
-  const LevelVariances variances(levels, samples);
-  const double n = samples;
-  // Without any difference there is nothing to scale.
-  if (!(variances.of_one() > 0.0)) return 1.0 / (n * (n - 1.0));
-  // Of what independent samples would leave. With two samples they are that.
-  const double share =
-      samples == 2 ? 1.0 : std::clamp(n * variances.of(samples) / variances.of_one(), 0.0, k_largest_share);
-  // squares / n is on average V(one) - V(n), the sample variance less what the mean has taken along.
-  return share / (n * (n - share));
+  return samples < 2 ? 0.0 : scale_of(variance_share(levels, samples), samples);
 }
 
 Noise& Noise::operator+=(const Noise& other) {
@@ -75,9 +80,10 @@ double Noise::error(double floor) const {
 }
 
 Noise tile_noise(const PictureState& state, std::size_t tile) {
+  constexpr double k_caution = 4.0;
   const TileBox box = state.grid.box(tile);
   const SumBand& band = state.bands[static_cast<std::size_t>(state.grid.row_of(tile))];
-  const double scale = mean_variance_scale(state.levels[tile], state.tiles[tile].samples);
+  double sum = 0.0, sum_of_squares = 0.0;
   Noise noise;
   noise.pixels = box.count();
   for (int y = 0; y < box.height(); ++y) {
@@ -85,13 +91,21 @@ Noise tile_noise(const PictureState& state, std::size_t tile) {
                         static_cast<std::size_t>(box.x_begin);
     for (int x = 0; x < box.width(); ++x, ++pixel) {
       double deviation = 0.0;
-      for (int channel = 0; channel < 3; ++channel)
-        deviation += k_luminance[channel] * std::sqrt(scale * band.squares[pixel][channel]);
-      noise.variance += deviation * deviation;
-      for (int channel = 0; channel < 3; ++channel)
+      for (int channel = 0; channel < 3; ++channel) {
+        deviation += k_luminance[channel] * std::sqrt(static_cast<double>(band.squares[pixel][channel]));
         noise.luminance += k_luminance[channel] * band.mean[pixel][channel];
+      }
+      const double square = deviation * deviation;
+      sum += square;
+      sum_of_squares += square * square;
     }
   }
+  const std::uint32_t samples = state.tiles[tile].samples;
+  if (samples < 2 || !(sum_of_squares > 0.0)) return noise;
+  const double weight = sum * sum / sum_of_squares;
+  const double share =
+      (weight * variance_share(state.levels[tile], samples) + k_caution) / (weight + k_caution);
+  noise.variance = sum * scale_of(share, samples);
   return noise;
 }
 

@@ -89,6 +89,7 @@ void add_long_render_options(CLI::App& render, LongRenderRequest& request) {
       .add_flag(
           "--resume", request.resume,
           "go on from the checkpoint, if it is there; the picture has the bytes of an uninterrupted run")
+      ->option_text(" ")
       ->needs(checkpoint);
 }
 

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "tests/renderer/tracer_scenes.h"
 #include "tests/support/random.h"
@@ -14,17 +15,20 @@ namespace {
 
 /// Sums over a picture and many seeds.
 struct Spread {
+  double mean = 0.0;      ///< of all colours
   double reported = 0.0;  ///< mean variance that the films tell
   double measured = 0.0;  ///< variance of a pixel's colour between seeds
 
   double ratio() const { return reported / measured; }
 };
 
-Spread spread_of(Scene scene, const LoadedCloud* cloud, int samples) {
-  constexpr int k_seeds = 200;
+constexpr int k_seeds = 200;
+
+Spread spread_of(Scene scene, const LoadedCloud* cloud, int samples, std::optional<double> target = {}) {
   scene.render.samples = samples;
   RenderOptions options;
   options.layers = {{Layer::color, Layer::variance}};
+  options.target_noise = target;
   std::vector<glm::dvec3> mean, squares;
   Spread spread;
   for (int seed = 1; seed <= k_seeds; ++seed) {
@@ -138,13 +142,34 @@ TEST(Variance, is_right_for_paths_over_a_cloud_in_sun_and_sky) {
   expect_right(scene, &cloud, {16, 32, 50});
 }
 
-TEST(Variance, is_right_for_lamps_metal_and_glass) {
+/// A lamp, rough metal and glass in a weak sky.
+Scene lamp_scene() {
   Scene scene = test::dark_scene(test::camera_at({0, -6, 3}, {0, 0, 0.5}, 40.0, 16), 1, 4);
   scene.objects = {GroundPlane{0.0, Lambertian{Rgb(0.4f)}}, Sphere{{1, 0, 1}, 0.7, Dielectric{1.5}},
                    Sphere{{-1, 0, 1}, 0.7, Metal{Rgb(0.9f), 0.3}},
                    Sphere{{0, 1, 3}, 0.3, Emissive{Rgb(5.0f)}}};
   scene.sky = ConstantSky{Rgb(0.2f)};
-  expect_right(scene, nullptr, {8, 16, 32, 50});
+  return scene;
+}
+
+TEST(Variance, is_right_for_lamps_metal_and_glass) {
+  expect_right(lamp_scene(), nullptr, {8, 16, 32, 50});
+}
+
+TEST(Variance, is_right_under_a_target_too_and_the_picture_is_hardly_darker) {
+  Scene scene = lamp_scene();
+  scene.camera = pinhole_from_fov(48, 16, 25.0, look_at({0, -6, 3}, {0, 0, 0.5}));
+  constexpr double k_target = 0.06;
+  RenderStatistics statistics;
+  scene.render.samples = 1000;
+  render(scene, nullptr, {.target_noise = k_target}, &statistics);
+  ASSERT_LT(statistics.most_samples, 1000);
+  ASSERT_GT(statistics.most_samples, 32);
+  const Spread stopped = spread_of(scene, nullptr, 1000, k_target);
+  EXPECT_GT(stopped.ratio(), k_most_below);
+  EXPECT_LT(stopped.ratio(), k_most_above);
+  const Spread fixed = spread_of(scene, nullptr, 64);
+  EXPECT_NEAR(stopped.mean, fixed.mean, 0.02 * k_target * fixed.mean);
 }
 
 }  // namespace

@@ -84,6 +84,21 @@ TEST(PictureState, sums_do_not_depend_on_how_samples_are_dealt_out) {
   }
 }
 
+TEST(PictureState, takes_28_bytes_per_pixel_and_52_with_noise) {
+  for (const bool with_noise : {false, true}) {
+    const PictureState state(1000, 500, with_noise);
+    std::size_t bytes = 0;
+    for (const SumBand& band : state.bands) {
+      bytes += band.mean.capacity() * sizeof(glm::dvec3) + band.met_count.capacity() * sizeof(std::uint32_t) +
+               (band.squares.capacity() + band.earlier.capacity()) * sizeof(glm::vec3);
+    }
+    EXPECT_EQ(bytes, 500'000u * (with_noise ? 52 : 28));
+    const std::size_t of_tiles =
+        state.tiles.capacity() * sizeof(TileState) + state.levels.capacity() * sizeof(LevelSums);
+    EXPECT_LE(of_tiles, 500'000u);
+  }
+}
+
 TEST(PictureState, becomes_a_film_with_the_mean_of_each_pixel) {
   test::Random random;
   PictureState state(40, 30, true);
