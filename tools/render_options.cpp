@@ -38,21 +38,22 @@ double parse_positive(const std::string& text, const std::string& expected) {
   return value;
 }
 
-RadiusRequest parse_radius(const std::string& text) {
-  if (text == "auto") return {};
-  if (text == "adapted") return {.adapted = AdaptedRadius()};
-  return {.radius = parse_positive(text, "auto, adapted or a length above 0")};
+void parse_radius(const std::string& text, RadiusRequest& request) {
+  using Kind = RadiusRequest::Kind;
+  request.kind = text == "auto" ? Kind::automatic : text == "adapted" ? Kind::adapted : Kind::length;
+  if (request.kind == Kind::length)
+    request.length = parse_positive(text, "auto, adapted or a length above 0");
 }
 
-/// One of the options that say how radii adapt, any of which asks for that.
-void add_adapted_radius_option(CLI::App& render, RenderCommand& command, const std::string& name,
+/// One of the options that say how radii adapt, any of which asks for that. They are read after --radius.
+void add_adapted_radius_option(CLI::App& render, RadiusRequest& request, const std::string& name,
                                const std::string& kind, const std::string& help,
-                               const std::function<void(AdaptedRadius&, const std::string&)>& take) {
-  add_value(render, name, kind, help, [&command, name, take](const std::string& text) {
-    if (!command.radius) command.radius.emplace();
-    if (command.radius->radius) throw CLI::ValidationError(name + " is for --radius adapted");
-    if (!command.radius->adapted) command.radius->adapted.emplace();
-    take(*command.radius->adapted, text);
+                               const std::function<void(const std::string&)>& take) {
+  add_value(render, name, kind, help, [&request, take](const std::string& text) {
+    if (request.kind.value_or(RadiusRequest::Kind::adapted) != RadiusRequest::Kind::adapted)
+      throw CLI::ValidationError("is for --radius adapted only");
+    request.kind = RadiusRequest::Kind::adapted;
+    take(text);
   });
 }
 
@@ -77,26 +78,31 @@ void add_picture_options(CLI::App& render, RenderCommand& command) {
 }
 
 void add_cloud_options(CLI::App& render, RenderCommand& command) {
+  RadiusRequest& radius = command.radius;
   add_value(render, "--radius", "R|auto|adapted",
             "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; "
             "adapted: each point its own, from the distance to its neighbours, small where the scan is dense "
             "(default auto)",
-            [&command](const std::string& text) { command.radius = parse_radius(text); });
-  add_adapted_radius_option(render, command, "--radius-factor", "F",
-                            "adapted radii are F times the distance to the neighbour (default 0.75)",
-                            [](AdaptedRadius& radius, const std::string& text) {
-                              radius.factor = parse_positive(text, "a number above 0");
-                            });
-  add_adapted_radius_option(render, command, "--radius-neighbours", "N",
-                            "adapted radii go by the N-th nearest neighbour, 1 to 64 (default 8)",
-                            [](AdaptedRadius& radius, const std::string& text) {
+            [&radius](const std::string& text) { parse_radius(text, radius); });
+  add_adapted_radius_option(
+      render, radius, "--radius-factor", "F",
+      "adapted radii are F times the distance to the neighbour (default 0.75); implies "
+      "--radius adapted",
+      [&radius](const std::string& text) { radius.factor = parse_positive(text, "a number above 0"); });
+  add_adapted_radius_option(render, radius, "--radius-neighbours", "N",
+                            "adapted radii go by the N-th nearest neighbour, 1 to 64 (default 8); implies "
+                            "--radius adapted",
+                            [&radius](const std::string& text) {
                               radius.neighbours =
                                   static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
                             });
-  add_adapted_radius_option(render, command, "--radius-max", "R",
-                            "adapted radii are at most R metres (default: four times what auto would be)",
-                            [](AdaptedRadius& radius, const std::string& text) {
-                              radius.max = parse_positive(text, "a length above 0");
+  add_adapted_radius_option(render, radius, "--radius-max", "R|auto",
+                            "adapted radii are at most R metres (default auto: four times what --radius auto "
+                            "would be); implies --radius adapted",
+                            [&radius](const std::string& text) {
+                              radius.max.emplace();
+                              if (text != "auto")
+                                *radius.max = parse_positive(text, "auto or a length above 0");
                             });
   add_choice<ColorDepth>(render, "--color-depth",
                          "bits in use in LAS colour fields (default: told from the values)",
@@ -130,8 +136,23 @@ Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
   return scene;
 }
 
+void apply(const RadiusRequest& request, CloudSettings& cloud) {
+  if (!request.kind) return;
+  cloud.radius.reset();
+  if (request.kind == RadiusRequest::Kind::length) cloud.radius = request.length;
+  if (request.kind != RadiusRequest::Kind::adapted) {
+    cloud.adapted_radius.reset();
+    return;
+  }
+  if (!cloud.adapted_radius) cloud.adapted_radius.emplace();
+  AdaptedRadius& adapted = *cloud.adapted_radius;
+  adapted.factor = request.factor.value_or(adapted.factor);
+  adapted.neighbours = request.neighbours.value_or(adapted.neighbours);
+  adapted.max = request.max.value_or(adapted.max);
+}
+
 void apply_cloud_options(const RenderCommand& command, Scene& scene) {
-  const bool any = command.radius || command.color_depth || is_set(command.color) || command.hits ||
+  const bool any = command.radius.kind || command.color_depth || is_set(command.color) || command.hits ||
                    command.normals || command.max_level;
   if (!any) return;
   if (!scene.cloud) {
@@ -140,10 +161,7 @@ void apply_cloud_options(const RenderCommand& command, Scene& scene) {
                             "of colours and the legend"});
   }
   CloudSettings& cloud = *scene.cloud;
-  if (command.radius) {
-    cloud.radius = command.radius->radius;
-    cloud.adapted_radius = command.radius->adapted;
-  }
+  apply(command.radius, cloud);
   cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
   apply(command.color, cloud.color);
   cloud.hits = command.hits.value_or(cloud.hits);

@@ -16,10 +16,15 @@
 
 namespace alidade {
 
-/// How large the spheres of points are to be: a length, "auto" where both are empty, or adapted.
+/// How large the spheres of points are to be. What is empty is left as the scene has it; any of the last
+/// three makes radii adapted.
 struct RadiusRequest {
-  std::optional<double> radius{};
-  std::optional<AdaptedRadius> adapted{};
+  enum class Kind { automatic, length, adapted };
+  std::optional<Kind> kind;
+  double length = 0.0;  ///< metres, of that kind
+  std::optional<double> factor;
+  std::optional<int> neighbours;
+  std::optional<std::optional<double>> max;  ///< metres; an empty length in it is "auto"
 };
 
 /// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
@@ -31,7 +36,7 @@ struct RenderCommand {
   LightRequest light;
   std::optional<int> samples, max_bounces;
   std::optional<std::uint64_t> seed;
-  std::optional<RadiusRequest> radius;
+  RadiusRequest radius;
   std::optional<ColorDepth> color_depth;
   ColorRequest color;
   std::optional<HitMode> hits;

@@ -33,8 +33,8 @@ std::string scale_text(const ColorKey& key) {
   const std::string chosen = scale.percentiles ? fmt::format("percentiles {:g} to {:g}; ",
                                                              scale.percentiles->low, scale.percentiles->high)
                                                : "";
-  std::string text = fmt::format("{} ({}all {})", with_unit(range_text(scale.range), key.unit), chosen,
-                                 with_unit(range_text(scale.extent), key.unit));
+  std::string text = fmt::format("{} ({}all {})", with_unit(range_text(scale.range, scale.origin), key.unit),
+                                 chosen, with_unit(range_text(scale.extent, scale.origin), key.unit));
   if (!scale.origin_text.empty()) text += "; " + scale.origin_text;
   return fmt::format("{}, colour map {}", text, name(scale.map));
 }

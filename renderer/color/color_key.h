@@ -56,7 +56,8 @@ std::string title_text(const ColorKey& key);
 std::string range_text(const ValueRange& range, double origin = 0.0);
 
 /// What a person wants to know about the scale: "599.13 to 611.2 m (percentiles 1 to 99; all 598 to 623 m),
-/// colour map terrain". Empty without a scale.
+/// colour map terrain". Values count from the scale's origin, which is then told as well, as in legends: "0
+/// to 2500 s (...); 0 s = 2024-06-09 20:27:06 GPS time, ...". Empty without a scale.
 std::string scale_text(const ColorKey& key);
 
 /// Keys and texts for the metadata of images: alidade:color_by, and with a scale alidade:color_map and

@@ -351,6 +351,17 @@ TEST(ColorKeyTest, notes_and_metadata_tell_range_and_map) {
   EXPECT_EQ(color_metadata(key), expected);
 }
 
+TEST(ColorKeyTest, a_note_counts_times_from_the_moment_it_names_and_metadata_from_that_of_the_file) {
+  ColorKey key{.by = PointColor::gps_time, .word = "gps_time", .title = "GPS time", .unit = "s"};
+  key.scale = ColorScale{.range = {402000025.75, 402002593.5},
+                         .extent = {402000000.0, 402002600.0},
+                         .origin = 402000026.0,
+                         .origin_text = "0 s = 2024-06-09 20:27:06 GPS time"};
+  EXPECT_EQ(scale_text(key),
+            "-0.25 to 2567.5 s (all -26 to 2574 s); 0 s = 2024-06-09 20:27:06 GPS time, colour map viridis");
+  EXPECT_EQ(color_metadata(key).back().second, "402000025.75 402002593.5");
+}
+
 TEST(ColorPoints, a_normal_is_a_colour_of_the_surface_towards_the_viewer) {
   LoadedCloud cloud = test::loaded({{0, 0, 0}}, 0.5);
   cloud.colors.clear();

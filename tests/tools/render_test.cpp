@@ -174,12 +174,36 @@ TEST_F(RenderCommandTest, adapted_radii_are_measured_once_and_kept_in_an_index_f
 
 TEST_F(RenderCommandTest, options_of_adapted_radii_beside_one_radius_are_an_error) {
   write_square("square.xyz");
-  for (const std::string option : {"--radius-factor", "--radius-neighbours", "--radius-max"}) {
-    const ProgramResult result =
-        run({"render", "--cloud", "square.xyz", "-o", "out.png", "--radius", "0.1", option, "2"});
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_TRUE(contains(result.err, option + " is for --radius adapted")) << result.err;
+  for (const std::string radius : {"0.1", "auto"}) {
+    for (const std::string option : {"--radius-factor", "--radius-neighbours", "--radius-max"}) {
+      const ProgramResult result =
+          run({"render", "--cloud", "square.xyz", "-o", "out.png", option, "2", "--radius", radius});
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_TRUE(contains(result.err, "error: " + option + ": is for --radius adapted only")) << result.err;
+    }
   }
+}
+
+TEST_F(RenderCommandTest, options_of_adapted_radii_leave_the_others_as_the_scene_has_them) {
+  write_square("square.xyz");
+  const auto said = [&](const std::string& radius, const std::vector<std::string>& more) {
+    write("scene.json", R"({"version": 1, "cloud": {"file": "square.xyz", "radius": )" + radius + "}}");
+    std::vector<std::string> words = small({"scene.json", "-o", "out.png", "--overwrite"});
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words).err;
+  };
+  const std::string own = R"({"neighbours": 3, "factor": 1.5, "max": 0.5})";
+  EXPECT_TRUE(contains(said(own, {"--radius-factor", "2"}),
+                       "radius 2 times the distance to neighbour 3, at most 0.5"));
+  EXPECT_TRUE(contains(said(own, {"--radius-neighbours", "5", "--radius-max", "0.25"}),
+                       "radius 1.5 times the distance to neighbour 5, at most 0.25"));
+  EXPECT_TRUE(contains(said(own, {"--radius", "adapted"}),
+                       "radius 1.5 times the distance to neighbour 3, at most 0.5"));
+  EXPECT_FALSE(contains(said(own, {"--radius-max", "auto"}), "at most 0.5"));
+  EXPECT_TRUE(contains(said(own, {"--radius", "0.125"}), "spheres of radius 0.125\n"));
+  EXPECT_TRUE(contains(said(own, {"--radius", "auto"}), "(from the spacing of the points)"));
+  EXPECT_TRUE(contains(said("0.125", {"--radius-max", "0.25"}),
+                       "radius 0.75 times the distance to neighbour 8, at most 0.25"));
 }
 
 TEST_F(RenderCommandTest, max_level_of_points_without_levels_is_an_error) {
