@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <system_error>
 
 #include "octree/error.h"
@@ -23,12 +24,21 @@ constexpr float k_infinite_light = 65504.0f, k_most_light = 1e9f;
   throw Error({.file = file.string(), .problem = problem, .expected = expected, .found = found});
 }
 
-/// What OpenImageIO has to say about a failure.
-std::string reason(std::string said) {
-  const auto end = said.find_last_not_of(" \n\r\t");
-  said.erase(end == std::string::npos ? 0 : end + 1);
-  std::ranges::replace(said, '\n', ' ');
-  return said.empty() ? "no reason told" : said;
+/// What OpenImageIO has to say about a failure: its lines, without those that another one repeats and says
+/// more of.
+std::string reason(const std::string& said) {
+  std::vector<std::string> lines;
+  std::istringstream stream(said);
+  for (std::string line; std::getline(stream, line);) {
+    line.erase(line.find_last_not_of(" \r\t") + 1);
+    const auto holds_line = [&](const std::string& other) { return other.find(line) != std::string::npos; };
+    if (std::ranges::any_of(lines, holds_line)) continue;
+    std::erase_if(lines, [&](const std::string& other) { return line.find(other) != std::string::npos; });
+    lines.push_back(line);
+  }
+  std::string text;
+  for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
+  return text.empty() ? "no reason told" : text;
 }
 
 std::uint64_t size_of(const std::filesystem::path& file) {

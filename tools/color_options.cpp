@@ -45,8 +45,19 @@ std::filesystem::path parse_legend(const std::string& text) {
   return file;
 }
 
-std::vector<std::pair<std::string, ColorMap>> map_words() {
-  std::vector<std::pair<std::string, ColorMap>> words;
+ImageSize parse_legend_size(const std::string& text) {
+  // Margins and a line of the smallest type take more than this, whatever the legend says.
+  constexpr int k_least_side = 24;
+  const ImageSize size = parse_image_size(text);
+  if (size.width < k_least_side || size.height < k_least_side) {
+    throw CLI::ValidationError("expected at least " + std::to_string(k_least_side) +
+                               " pixels each way, found '" + text + "'");
+  }
+  return size;
+}
+
+std::vector<std::pair<std::string, std::optional<ColorMap>>> map_words() {
+  std::vector<std::pair<std::string, std::optional<ColorMap>>> words{{"auto", std::nullopt}};
   for (const NamedColorMap& known : k_color_maps) words.emplace_back(known.name, known.map);
   return words;
 }
@@ -62,17 +73,19 @@ void add_color_options(CLI::App& command, ColorRequest& request) {
               if (text.empty()) throw CLI::ValidationError("expected a name, found ''");
               request.by = text;
             });
-  add_choice<ColorMap>(command, "--color-map",
-                       "colours of numbers (default: grey for intensity, terrain for height, else viridis)",
-                       request.map, map_words());
-  add_value(command, "--color-range", "MIN,MAX",
-            "values of the first and last colour (default: by percentiles)",
-            [&request](const std::string& text) {
-              request.range = parse_range(text, -k_largest_value, k_largest_value);
-            });
+  add_choice<std::optional<ColorMap>>(
+      command, "--color-map",
+      "colours of numbers (default auto: grey for intensity, terrain for height, else viridis)", request.map,
+      map_words());
+  CLI::Option* const range = add_value(command, "--color-range", "MIN,MAX",
+                                       "values of the first and last colour (default: by percentiles)",
+                                       [&request](const std::string& text) {
+                                         request.range = parse_range(text, -k_largest_value, k_largest_value);
+                                       });
   add_value(command, "--color-percentiles", "LOW,HIGH",
             "percentiles of the values that the colours span (default 1,99)",
-            [&request](const std::string& text) { request.percentiles = parse_range(text, 0.0, 100.0); });
+            [&request](const std::string& text) { request.percentiles = parse_range(text, 0.0, 100.0); })
+      ->excludes(range);
   add_value(command, "--class-color", "CLASS=#RRGGBB,...",
             "other colours for single classes of --color-by classification",
             [&request](const std::string& text) { request.classes = parse_classes(text); });
@@ -83,24 +96,28 @@ void add_color_options(CLI::App& command, ColorRequest& request) {
   add_value(command, "--legend-size", "WIDTHxHEIGHT",
             "size of the legend in pixels (default: as its texts need)",
             [&request](const std::string& text) {
-              const ImageSize size = parse_image_size(text);
+              const ImageSize size = parse_legend_size(text);
               request.legend_size = glm::ivec2(size.width, size.height);
             })
       ->needs(legend);
 }
 
-bool is_set(const ColorRequest& request) {
-  return request.by || request.map || request.range || request.percentiles || !request.classes.empty() ||
-         !request.legend.empty() || request.legend_size;
+std::string given_option(const ColorRequest& request) {
+  if (request.by) return "--color-by";
+  if (request.map) return "--color-map";
+  if (request.range) return "--color-range";
+  if (request.percentiles) return "--color-percentiles";
+  if (!request.classes.empty()) return "--class-color";
+  return request.legend.empty() ? "" : "--legend";
 }
 
 void apply(const ColorRequest& request, PointColoring& coloring) {
   if (request.by && *request.by != color_word(coloring)) coloring = coloring_by(*request.by);
-  if (request.map) coloring.map = request.map;
+  if (request.map) coloring.map = *request.map;
   if (request.range) coloring.range = request.range;
   if (request.percentiles) {
     coloring.percentiles = *request.percentiles;
-    if (!request.range) coloring.range.reset();
+    coloring.range.reset();
   }
   for (const ClassColor& change : request.classes) {
     const auto known = std::ranges::find(coloring.classes, change.number, &ClassColor::number);

@@ -15,7 +15,7 @@ namespace alidade {
 /// What was asked about colours on the command line. Everything that is empty is left as the scene has it.
 struct ColorRequest {
   std::optional<std::string> by;
-  std::optional<ColorMap> map;
+  std::optional<std::optional<ColorMap>> map;  ///< an empty map in it is "auto"
   std::optional<ValueRange> range, percentiles;
   std::vector<ClassColor> classes;
   std::filesystem::path legend;  ///< empty: none
@@ -25,8 +25,8 @@ struct ColorRequest {
 /// Declares the options; they fill `request`, which must live as long as the program's options.
 void add_color_options(CLI::App& command, ColorRequest& request);
 
-/// Whether any option asks for other colours than the scene's.
-bool is_set(const ColorRequest& request);
+/// The name of one of the options that were given; empty if there is none.
+std::string given_option(const ColorRequest& request);
 
 /// Lays the options over a scene's colouring. Another thing to colour by stands for all that the scene says
 /// of it, since its map and range were meant for the scene's own. Errors: a legend for the points'

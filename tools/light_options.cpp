@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "octree/error.h"
 #include "renderer/quick_modes.h"
 #include "tools/image_writer.h"
@@ -11,16 +14,24 @@
 namespace alidade {
 namespace {
 
-/// Two numbers with a comma between.
+std::string without_blanks_around(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(' ');
+  return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(' ') + 1 - begin);
+}
+
+/// Two numbers with a comma between, as maps show them: blanks around the comma are no matter.
 glm::dvec2 parse_pair(const std::string& text, double largest_first, double largest_second) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
     throw CLI::ValidationError("expected two numbers with a comma between, found '" + text + "'");
-  return {parse_number(text.substr(0, comma), -largest_first, largest_first),
-          parse_number(text.substr(comma + 1), -largest_second, largest_second)};
+  return {parse_number(without_blanks_around(text.substr(0, comma)), -largest_first, largest_first),
+          parse_number(without_blanks_around(text.substr(comma + 1)), -largest_second, largest_second)};
 }
 
-Moment parse_moment(const std::string& text) {
+/// Between date and time a person may write a blank instead of the T of scene files.
+Moment parse_moment(std::string text) {
+  constexpr std::size_t k_date_length = 10;
+  if (text.size() > k_date_length && text[k_date_length] == ' ') text[k_date_length] = 'T';
   try {
     return parse_date_time(text);
   } catch (const Error& error) {
@@ -67,7 +78,8 @@ void add_light_options(CLI::App& render, LightRequest& request) {
             });
   CLI::Option* const sun = add_value(
       render, "--sun", "AZIMUTH,ELEVATION",
-      "where the sun stands, degrees: azimuth clockwise from north (+y), elevation above the horizon",
+      "where the sun stands, degrees: azimuth clockwise from north (+y), elevation above the horizon; the "
+      "scene's brightness stays",
       [&request](const std::string& text) {
         request.sun = parse_pair(text, 360.0, 90.0);
         if (request.sun->y == -90.0)
@@ -75,7 +87,8 @@ void add_light_options(CLI::App& render, LightRequest& request) {
       });
   CLI::Option* const time =
       add_value(render, "--sun-time", "DATE-TIME",
-                "the sun as it stands then, such as 2026-06-21T12:00:00+02:00; brightness by elevation",
+                "the sun as it stands then, such as 2026-06-21T12:00:00+02:00; brightness by elevation, even "
+                "where the scene's sun by angles has its own",
                 [&request](const std::string& text) { request.sun_time = parse_moment(text); })
           ->excludes(sun);
   CLI::Option* const place =
@@ -97,6 +110,9 @@ void apply_light_options(const LightRequest& request, Scene& scene) {
     throw Error({.problem = "--ao-distance is for ambient occlusion only",
                  .expected = "--mode ambient_occlusion beside it"});
   }
+  if (request.sun) require_path_mode(scene, "--sun");
+  if (request.sun_time) require_path_mode(scene, "--sun-time");
+  if (request.sun_place) require_path_mode(scene, "--sun-place");
   if (request.no_sun || request.sun) {
     Sun sun = scene.sun.value_or(Sun{});
     if (scene.sun_by_time) {
@@ -128,12 +144,26 @@ void apply_light_options(const LightRequest& request, Scene& scene) {
   }
 }
 
-void prepare_sky(Scene& scene, Verbosity verbosity) {
+void require_path_mode(const Scene& scene, const std::string& option) {
+  if (scene.render.mode == RenderMode::path) return;
+  const auto mode = std::ranges::find(k_modes, scene.render.mode, &NamedMode::mode);
+  throw Error({.problem = option + " changes nothing in this mode",
+               .expected = "--mode path",
+               .found = std::string(mode->name)});
+}
+
+void prepare_sky(Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity) {
   if (scene.render.mode == RenderMode::flat) scene.sky = ConstantSky{};
   auto* const sky = std::get_if<ImageSky>(&scene.sky);
   if (sky == nullptr) return;
   SkyPixels pixels;
-  load_sky_image_reader()(sky->file, pixels);
+  try {
+    load_sky_image_reader()(sky->file, pixels);
+  } catch (const Error& error) {
+    Error::Parts parts = error.parts();
+    parts.problem += fmt::format(" (at /sky/file of {})", scene_file.string());
+    throw Error(parts);
+  }
   if (verbosity != Verbosity::quiet) {
     if (!pixels.warning.empty()) say_warning(pixels.warning);
     say_note(fmt::format("sky from {}, {} x {} pixels", sky->file.string(), pixels.width, pixels.height));
@@ -148,8 +178,10 @@ void prepare_light(Scene& scene, const LoadedCloud* cloud, Verbosity verbosity) 
     const bool is_given = scene.render.ao_distance.has_value();
     scene.render.ao_distance = ambient_occlusion_distance(scene.render, cloud);
     if (verbosity != Verbosity::quiet && !is_given) {
-      say_note(fmt::format("ambient occlusion within {:.4g} (from the size of the cloud)",
-                           *scene.render.ao_distance));
+      const double distance = *scene.render.ao_distance;
+      say_note(std::isinf(distance)
+                   ? "ambient occlusion at any distance (there is no cloud to tell what is near)"
+                   : fmt::format("ambient occlusion within {:.4g} (from the size of the cloud)", distance));
     }
   }
 }

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <glm/vec2.hpp>
 #include <optional>
+#include <string>
 
 #include "renderer/render.h"
 #include "renderer/scene.h"
@@ -25,12 +27,17 @@ struct LightRequest {
 void add_light_options(CLI::App& render, LightRequest& request);
 
 /// Lays the options over the scene. A sun that gets another place in the sky keeps its brightness, one that
-/// gets another time keeps all else. Errors: a place for a sun that has no time.
+/// gets another time keeps all else; one that had no time keeps its angular diameter only, since brightness
+/// goes by elevation. Errors: a place for a sun that has no time; a sun or a distance that the mode does not
+/// use.
 void apply_light_options(const LightRequest& request, Scene& scene);
 
+/// Error, naming the option, unless the scene's pictures show light of the sun and of surfaces.
+void require_path_mode(const Scene& scene, const std::string& option);
+
 /// Reads the picture of the scene's sky, if it has one and its mode shows it, and says what is strange about
-/// it. Errors: as read_sky_image.
-void prepare_sky(Scene& scene, Verbosity verbosity);
+/// it. Errors: as read_sky_image, naming the scene file.
+void prepare_sky(Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity);
 
 /// What else of the scene's light needs its cloud (may be null), as far as its mode needs it: places a sun by
 /// time, which is left out where it is below the horizon, and finds the distance of ambient occlusion. Says

@@ -225,7 +225,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));
   }
   if (!views.empty()) check_views(pictures, scene, nullptr);
-  prepare_sky(scene, verbosity);
+  prepare_sky(scene, command.scene_file, verbosity);
 
   std::optional<LoadedCloud> loaded;
   if (scene.cloud) loaded = load(*scene.cloud, verbosity);

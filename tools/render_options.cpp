@@ -151,14 +151,25 @@ void apply(const RadiusRequest& request, CloudSettings& cloud) {
   adapted.max = request.max.value_or(adapted.max);
 }
 
+/// One of the options about the cloud that were given; empty if there is none.
+std::string cloud_option(const RenderCommand& command) {
+  const RadiusRequest& radius = command.radius;
+  if (radius.factor) return "--radius-factor";
+  if (radius.neighbours) return "--radius-neighbours";
+  if (radius.max) return "--radius-max";
+  if (radius.kind) return "--radius";
+  if (command.color_depth) return "--color-depth";
+  if (command.hits) return "--hits";
+  if (command.normals) return "--normals";
+  if (command.max_level) return "--max-level";
+  return given_option(command.color);
+}
+
 void apply_cloud_options(const RenderCommand& command, Scene& scene) {
-  const bool any = command.radius.kind || command.color_depth || is_set(command.color) || command.hits ||
-                   command.normals || command.max_level;
-  if (!any) return;
+  const std::string option = cloud_option(command);
+  if (option.empty()) return;
   if (!scene.cloud) {
-    throw Error({.file = command.scene_file.string(),
-                 .problem = "the scene has no cloud for --radius, --hits, --normals, --max-level, or options "
-                            "of colours and the legend"});
+    throw Error({.file = command.scene_file.string(), .problem = "the scene has no cloud for " + option});
   }
   CloudSettings& cloud = *scene.cloud;
   apply(command.radius, cloud);
@@ -205,6 +216,7 @@ Scene requested_scene(const RenderCommand& command) {
       command.scene_file.empty() ? daylight_scene(command.cloud_files) : read_scene(command.scene_file);
   apply_cloud_options(command, scene);
   apply_light_options(command.light, scene);
+  if (command.max_bounces) require_path_mode(scene, "--max-bounces");
   scene.render.samples = command.samples.value_or(scene.render.samples);
   scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
   scene.render.seed = command.seed.value_or(scene.render.seed);

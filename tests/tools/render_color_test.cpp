@@ -162,7 +162,24 @@ TEST_F(RenderColorTest, a_scene_without_a_cloud_has_no_legend) {
   write("scene.json", R"({"version": 1, "objects": [{"type": "ground_plane"}]})");
   const ProgramResult result = run({"render", "scene.json", "-o", "out.png", "--legend", "legend.png"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "the scene has no cloud")) << result.err;
+  EXPECT_TRUE(contains(result.err, "scene.json: the scene has no cloud for --legend\n")) << result.err;
+}
+
+TEST_F(RenderColorTest, a_range_and_percentiles_of_one_picture_are_an_error) {
+  const ProgramResult result =
+      render({"--color-by", "height", "--color-range", "600,610", "--color-percentiles", "5,95"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "--color-range")) << result.err;
+  EXPECT_TRUE(contains(result.err, "--color-percentiles")) << result.err;
+}
+
+TEST_F(RenderColorTest, a_map_of_the_scene_can_be_put_aside) {
+  write("scene.json",
+        R"({"version": 1, "cloud": {"file": "yard.las", "color": {"by": "height", "map": "turbo"}}})");
+  const ProgramResult result =
+      run({"render", "scene.json", "--size=8x6", "--samples=1", "-o", "out.png", "--color-map", "auto"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "colour map terrain")) << result.err;
 }
 
 }  // namespace

@@ -91,6 +91,43 @@ TEST_F(RenderLightTest, mistakes_about_the_sun_are_errors_that_explain) {
   expect({"--mode", "ao"}, "expected path|ambient_occlusion|headlight|flat");
 }
 
+TEST_F(RenderLightTest, options_that_a_mode_does_not_use_are_errors) {
+  const std::string moment = "2026-06-21T12:00:00Z";
+  for (const std::string mode : {"ambient_occlusion", "headlight", "flat"}) {
+    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{
+             {"--sun", "10,20"}, {"--sun-time", moment}, {"--sun-place", "48,11"}, {"--max-bounces", "3"}}) {
+      const ProgramResult result = render_square({"--mode", mode, words[0], words[1]});
+      EXPECT_EQ(result.exit_code, 2);
+      const std::string said = " changes nothing in this mode; expected --mode path, found " + mode;
+      EXPECT_TRUE(contains(result.err, "error: " + words[0] + said)) << result.err;
+    }
+    // Nor does it light anything, which is what this asks for.
+    EXPECT_EQ(render_square({"--mode", mode, "--no-sun"}).exit_code, 0);
+  }
+}
+
+TEST_F(RenderLightTest, blanks_may_stand_where_people_write_them) {
+  const auto sun = [&](const std::string& time, const std::string& place) {
+    const ProgramResult result = render_square({"--sun-time", time, "--sun-place", place});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err.substr(0, result.err.find("elevation"));
+  };
+  EXPECT_EQ(sun("2026-06-21 12:00:00+02:00", " 48.1, 11.6 "), sun("2026-06-21T12:00:00+02:00", "48.1,11.6"));
+  EXPECT_EQ(render_square({"--sun", "100 , 20"}).exit_code, 0);
+  for (const std::string place : {"48 1,11", "48,", " , ", "48,11,3"})
+    EXPECT_EQ(render_square({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", place}).exit_code, 2)
+        << place;
+}
+
+TEST_F(RenderLightTest, ambient_occlusion_without_a_cloud_reaches_any_distance) {
+  write("ball.json", R"({"version": 1, "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1}],
+    "camera": {"model": "pinhole", "width": 24, "height": 16, "intrinsics": {"vertical_fov": 50},
+               "pose": {"look_at": {"eye": [0, -4, 1], "target": [0, 0, 0]}}}})");
+  const ProgramResult result = render({"ball.json", "--mode", "ambient_occlusion", "-o", "out.png"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "ambient occlusion at any distance")) << result.err;
+}
+
 TEST_F(RenderLightTest, a_panorama_is_a_sky) {
   ASSERT_EQ(render({"--cloud", "square.xyz", "--panorama", "101,201,6", "-o", "sky.exr"}).exit_code, 0);
   write("scene.json", R"({"version": 1, "sky": {"type": "image", "file": "sky.exr"},
@@ -107,7 +144,7 @@ TEST_F(RenderLightTest, a_panorama_is_a_sky) {
   std::filesystem::remove(folder / "sky.exr");
   const ProgramResult missing = render({"scene.json", "-o", "ball.png"});
   EXPECT_EQ(missing.exit_code, 2);
-  EXPECT_TRUE(contains(missing.err, "sky.exr: no such file")) << missing.err;
+  EXPECT_TRUE(contains(missing.err, "sky.exr: no such file (at /sky/file of scene.json)")) << missing.err;
 }
 
 TEST_F(RenderLightTest, quick_modes_need_no_light_and_say_what_they_are) {

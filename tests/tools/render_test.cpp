@@ -63,9 +63,16 @@ TEST_F(RenderCommandTest, cloud_options_for_a_scene_without_a_cloud_are_an_error
     "intrinsics": {"vertical_fov": 50}, "pose": {"look_at": {"eye": [0, -5, 1], "target": [0, 0, 0], "up": [0, 0, 1]}}},
     "objects": [{"type": "sphere", "center": [0, 0, 0], "radius": 1,
                  "material": {"type": "lambertian", "albedo": [0.5, 0.5, 0.5]}}]})");
-  const ProgramResult refused = run({"render", "scene.json", "--radius", "0.1", "-o", "out.png"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "the scene has no cloud")) << refused.err;
+  for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"--radius", "0.1"},
+                                                                                     {"--radius-max", "0.1"},
+                                                                                     {"--hits", "t"},
+                                                                                     {"--color-by", "height"},
+                                                                                     {"--max-level", "3"}}) {
+    const ProgramResult refused = run({"render", "scene.json", words[0], words[1], "-o", "out.png"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_TRUE(contains(refused.err, "scene.json: the scene has no cloud for " + words[0] + "\n"))
+        << refused.err;
+  }
   const ProgramResult result = run(small({"scene.json", "-o", "out.png"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
 }

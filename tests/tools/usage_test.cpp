@@ -91,7 +91,8 @@ TEST_F(UsageTest, values_that_are_not_wholly_a_number_in_range_are_errors) {
       {"--legend", "a.jpg"},    {"--class-color", "6=red"},
       {"--color-by", ""},       {"--hits", "first"},
       {"--layers", "color,"},   {"--layers", "colour"},
-      {"--max-bounces", "-1"},  {"--samples", "1e400"}};
+      {"--max-bounces", "-1"},  {"--samples", "1e400"},
+      {"--radius-max", "0"},    {"--radius-neighbours", "65"}};
   for (const auto& [option, value] : wrong) {
     const ProgramResult result =
         run({"render", "--cloud", "square.xyz", "-o", "a.png", option + "=" + value});
