@@ -6,12 +6,11 @@
 #include <vector>
 
 #include "octree/octree.h"
-#include "octree/octree_tree.h"
-#include "octree/query_targets.h"
 #include "octree/simd/box_search.h"
 #include "octree/simd/point_search.h"
 #include "octree/simd/ray_search.h"
 #include "octree/simd/traversal.h"
+#include "octree/with_tree_target.h"
 
 // How one target is answered. Algorithm 1 answers everything; lanes answer what they are tuned for. Here and
 // nowhere else it is chosen. Requires: target and query checked (octree/check_query.h).
@@ -54,54 +53,41 @@ constexpr bool k_has_search = requires(const Octree& octree, const Target& targe
   search_for(octree, target);
 };
 
-/// Points with radii of their own are known by their places.
-template <class Query>
-bool asks_own_radii(const Query& query) {
-  if constexpr (std::is_same_v<Query, RayQuery>) return query.spacing_factor > 0.0;
-  return false;
+/// Whether lanes know all that the query asks for.
+template <class Target, class Query>
+bool has_search(const Octree& octree, const Target& target, const Query& query) {
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (query.spacing_factor > 0.0) return false;
+  }
+  return simd::suits_lanes(octree.view(), target, query);
 }
 
 /// Appends the k first answers.
 template <class Target, class Query, class Answer>
 void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                std::size_t query_index, std::vector<Answer>& answers) {
-  const auto ask = [&](const auto& tree, const auto& asked) {
+  if constexpr (k_has_search<Target>) {
+    if (has_search(octree, target, query))
+      return search_for(octree, target).find(octree.view(), target, query, k, query_index, answers);
+  }
+  with_tree_target(octree.view(), target, query, query_index, [&](const auto& tree, const auto& asked) {
     Nearest neighbors(asked, k);
     tree_query(tree, asked, neighbors);
     const std::vector<Answer> found = neighbors.in_order();
     answers.insert(answers.end(), found.begin(), found.end());
-  };
-  const TreeView& view = octree.view();
-  if constexpr (std::is_same_v<Target, Ray>) {
-    if (asks_own_radii(query)) {
-      ask(OctreePlaces(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
-      return;
-    }
-  }
-  if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(view, target, query))
-      return search_for(octree, target).find(view, target, query, k, query_index, answers);
-  }
-  ask(OctreeTree(view, query.max_level), make_target(target, query, query_index));
+  });
 }
 
 template <class Target, class Query>
 std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                      std::size_t query_index) {
-  const TreeView& view = octree.view();
-  Counter counter(k);
-  if constexpr (std::is_same_v<Target, Ray>) {
-    if (asks_own_radii(query)) {
-      tree_query(OctreePlaces(view, query.max_level), OwnRadiusTarget(view, target, query, query_index),
-                 counter);
-      return counter.count();
-    }
-  }
   if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(view, target, query))
-      return search_for(octree, target).count(view, target, query, k, query_index);
+    if (has_search(octree, target, query))
+      return search_for(octree, target).count(octree.view(), target, query, k, query_index);
   }
-  tree_query(OctreeTree(view, query.max_level), make_target(target, query, query_index), counter);
+  Counter counter(k);
+  with_tree_target(octree.view(), target, query, query_index,
+                   [&](const auto& tree, const auto& asked) { tree_query(tree, asked, counter); });
   return counter.count();
 }
 

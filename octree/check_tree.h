@@ -13,7 +13,7 @@ namespace alidade {
 
 /// The first thing found that is wrong.
 struct TreeFault {
-  enum class Array { nodes, ids, coordinates, positions, slot_spacings } array = Array::nodes;
+  enum class Array { nodes, ids, coordinates, positions, spacings, slot_spacings } array = Array::nodes;
   std::uint64_t index = 0;  ///< of the node, position or slot spacing, otherwise the point's place
   std::string problem;      ///< one clause: what was expected and what was found
 };
@@ -32,7 +32,8 @@ std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, 
 
 /// Whether the answers are those of the points: every place stands in one leaf, every id occurs once, every
 /// box holds the points below it, coordinates agree with exact positions, the bounds are those of the
-/// points, and slots of one place have the lowest ids in the first of them. Requires that find_broken_link()
+/// points, slots of one place have the lowest ids in the first of them, and spacings are numbers that are the
+/// same for all points of a slot of one place. Requires that find_broken_link()
 /// and find_bad_id() find nothing. Cost: one pass over all arrays, one more over points of one place for each
 /// level they take; in parallel; 12 B per node and 1/4 B per point.
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree);

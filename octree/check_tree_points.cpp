@@ -152,6 +152,11 @@ class PointCheck {
       const StepBox before = slot_box(tree_, frame, slot - 1), box = slot_box(tree_, frame, slot);
       if (!is_one_place(before) || !is_one_place(box) || before.low != box.low) continue;
       const std::uint64_t highest = ids_below(frame, slot - 1).high, lowest = ids_below(frame, slot).low;
+      if (tree_.spacings && slot_spacing(frame, slot - 1) != slot_spacing(frame, slot)) {
+        first_.add(frame.node, {Array::slot_spacings,
+                                std::uint64_t{k_node_width} * frame.node + static_cast<unsigned>(slot),
+                                "two slots of one place have different spacings"});
+      }
       if (highest < lowest) continue;
       first_.add(frame.node,
                  {Array::nodes, frame.node,
@@ -186,9 +191,25 @@ class PointCheck {
     }
   }
 
+  std::uint16_t slot_spacing(const Frame& frame, int slot) const {
+    return slot_spacings(tree_, frame.node)[slot];
+  }
+
+  void check_spacings(const Frame& frame, const StepBox& box, const Leaf& leaf) {
+    constexpr std::uint16_t k_infinite = 0x7f80;
+    const bool is_one_place = frame.level == k_min_frame_level && box.low == box.high;
+    for (std::uint32_t place = leaf.place; place < leaf.place + leaf.count; ++place) {
+      if (tree_.spacings[place] > k_infinite)
+        first_.add(frame.node, {Array::spacings, place, "the spacing is negative or no number"});
+      if (is_one_place && tree_.spacings[place] != tree_.spacings[leaf.place])
+        first_.add(frame.node, {Array::spacings, place, "two points of one place have different spacings"});
+    }
+  }
+
   void check_leaf(const Frame& frame, int slot, LatticeExtent& extent) {
     const StepBox box = slot_box(tree_, frame, slot);
     const Leaf leaf = child_leaf(tree_, frame, slot);
+    if (tree_.spacings) check_spacings(frame, box, leaf);
     points_seen_.fetch_add(leaf.count, std::memory_order_relaxed);
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const std::uint32_t place = leaf.place + i;

@@ -2,8 +2,7 @@
 #include "octree/explain.h"
 
 #include "octree/check_query.h"
-#include "octree/octree_tree.h"
-#include "octree/query_targets.h"
+#include "octree/with_tree_target.h"
 
 namespace alidade {
 namespace {
@@ -12,11 +11,12 @@ template <class Shape, class Query>
 auto explain_any(const Octree& octree, const Shape& shape, const Query& query, const Pruning& pruning) {
   check_target(shape, query);
   check_level(octree, query.max_level);
-  const auto target = make_target(shape, query, 0);
-  Nearest neighbors(target, query.k);
-  const QueryStatistics statistics =
-      tree_query(OctreeTree(octree.view(), query.max_level), target, neighbors, pruning);
-  return Explained<typename decltype(neighbors)::Answer>{neighbors.in_order(), statistics};
+  if constexpr (std::is_same_v<Query, RayQuery>) check_spacings(octree, query);
+  return with_tree_target(octree.view(), shape, query, 0, [&](const auto& tree, const auto& target) {
+    Nearest neighbors(target, query.k);
+    const QueryStatistics statistics = tree_query(tree, target, neighbors, pruning);
+    return Explained<typename decltype(neighbors)::Answer>{neighbors.in_order(), statistics};
+  });
 }
 
 }  // namespace

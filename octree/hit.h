@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -22,12 +21,6 @@ struct Hit {
 
   bool operator==(const Hit&) const = default;
 };
-
-/// Radius of the sphere whose entry a hit tells, within rounding of t; for points with radii of their own.
-inline double sphere_radius(const Hit& hit) {
-  const double half_chord = hit.t - hit.entry;
-  return std::sqrt(hit.distance * hit.distance + half_chord * half_chord);
-}
 
 /// A point that answers a point, box or half-space query.
 struct PointHit {

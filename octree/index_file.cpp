@@ -85,6 +85,8 @@ TreeView tree_in(const IndexSections& sections) {
       sections.fail(IndexSection::ids, fault.index * sizeof(std::uint32_t), fault.problem);
     case Array::coordinates:
       sections.fail(IndexSection::coordinates, fault.index * 3 * sizeof(std::uint16_t), fault.problem);
+    case Array::spacings:
+      sections.fail(IndexSection::spacings, fault.index * sizeof(std::uint16_t), fault.problem);
     case Array::slot_spacings:
       sections.fail(IndexSection::slot_spacings, fault.index * sizeof(std::uint16_t), fault.problem);
     case Array::positions:

@@ -126,6 +126,17 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
   return Octree(tree, made, octree.instruction_set());
 }
 
+double sphere_radius(const RayQuery& query, const Hit& hit) {
+  // Rounding of t is told apart from other spacings, which differ in eight bits.
+  constexpr double k_rounding = 1e-8;
+  const double half_chord = hit.t - hit.entry;
+  const double radius = std::sqrt(hit.distance * hit.distance + half_chord * half_chord);
+  const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(radius / query.spacing_factor));
+  const double spacing = spacing_of(static_cast<std::uint16_t>((bits + 0x8000u) >> 16));
+  const double own = own_radius(query, spacing);
+  return std::fabs(own - radius) <= k_rounding * radius ? own : query.radius;
+}
+
 std::vector<double> spacings_in_order(const TreeView& tree) {
   std::vector<double> spacings(tree.point_count);
   for (std::uint32_t place = 0; place < tree.point_count; ++place)

@@ -6,6 +6,7 @@
 
 #include "octree/octree.h"
 #include "octree/progress.h"
+#include "octree/query.h"
 
 // How far the points of a cloud stand from each other, point by point: what RayQuery::spacing_factor makes
 // radii of.
@@ -28,6 +29,11 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
 
 /// The 16 bits that stand for a spacing, rounded up; see spacing_of(). Requires: not negative, not NaN.
 std::uint16_t spacing_bits(double metres);
+
+/// The radius that a point had when a query with a spacing_factor found it: the same bits whatever the ray,
+/// and those of the query's own unless a point's radius and the query's differ by less than 1e-8 of it, where
+/// it may be the other. Requires |t| below 10^6 radii.
+double sphere_radius(const RayQuery& query, const Hit& hit);
 
 /// The spacings by point id, metres. Requires spacings. Cost: linear.
 std::vector<double> spacings_in_order(const TreeView& tree);

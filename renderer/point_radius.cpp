@@ -30,6 +30,11 @@ void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Prog
   if (given) positive(*given, adapted ? "greatest radius of points" : "radius of points");
   cloud.radius = given ? *given : automatic_radius(cloud.octree, settings.max_level);
   if (!adapted) return;
+  if (settings.max_level < k_max_level) {
+    throw Error(
+        {.problem = "adapted radii of some levels of a cloud",
+         .expected = "one radius for all points, or all levels: spacings are those of the whole cloud"});
+  }
   cloud.spacing_factor = positive(adapted->factor, "factor between spacings and radii");
   if (!given) cloud.radius *= k_widest_over_automatic;
   cloud.octree = with_spacings(cloud.octree, adapted->neighbours, progress);
@@ -44,10 +49,10 @@ std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::d
   // Every line through the place enters the spheres that the place lies in.
   const Ray line = make_ray(place, {0.0, 0.0, 1.0}, -cloud.radius, cloud.radius);
   std::optional<SphereAround> nearest;
-  for (const Hit& hit :
-       find(cloud.octree, line,
-            {.radius = cloud.radius, .spacing_factor = cloud.spacing_factor, .max_level = max_level})) {
-    const SphereAround sphere{hit.point_id, sphere_radius(hit),
+  const RayQuery query{
+      .radius = cloud.radius, .spacing_factor = cloud.spacing_factor, .max_level = max_level};
+  for (const Hit& hit : find(cloud.octree, line, query)) {
+    const SphereAround sphere{hit.point_id, sphere_radius(query, hit),
                               std::sqrt(hit.t * hit.t + hit.distance * hit.distance)};
     if (sphere.distance <= sphere.radius && (!nearest || sphere.distance < nearest->distance))
       nearest = sphere;

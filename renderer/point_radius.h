@@ -11,7 +11,8 @@ namespace alidade {
 
 /// Chooses the radii of a cloud's points as its settings say: fills radius and spacing_factor, and measures
 /// the spacings if radii adapt to the density and the octree has none for so many neighbours. `progress` is
-/// in points measured. Errors: a radius, factor or number of neighbours out of range.
+/// in points measured. Errors: a radius, factor or number of neighbours out of range; adapted radii of only
+/// some levels.
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress = {});
 
 /// A point in whose sphere a place lies.

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "octree/point_spacing.h"
 #include "renderer/deterministic_math.h"
 
 namespace alidade {
@@ -174,7 +175,8 @@ void World::nearest(std::span<const Ray> rays, std::span<const Departure> depart
               .on_cloud = true,
               .index = hit->point_id,
               .center = hit->position,
-              .radius = cloud_->query.spacing_factor > 0.0 ? sphere_radius(*hit) : cloud_->query.radius};
+              .radius = cloud_->query.spacing_factor > 0.0 ? sphere_radius(cloud_->query, *hit)
+                                                           : cloud_->query.radius};
     }
   }
 }

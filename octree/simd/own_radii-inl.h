@@ -19,9 +19,7 @@ namespace HWY_NAMESPACE {
 class OwnRadii {
  public:
   explicit OwnRadii(const RayQuery& query)
-      : factor_(float_above(query.spacing_factor)),
-        greatest_(std::isinf(query.radius) ? std::numeric_limits<float>::infinity()
-                                           : float_above(query.radius)) {}
+      : factor_(float_above(query.spacing_factor)), greatest_(float_above(query.radius)) {}
 
   /// From spacings (octree.h) on; above the radii by at most 2^-21 of them.
   template <class D>

@@ -257,9 +257,26 @@ TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
     const std::uint64_t place = section(file, IndexSection::spacings).place;
     put<std::uint16_t>(file, place + 100, 0x7f80);
   });
+  expect("negative or no number", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::spacings).place;
+    put<std::uint16_t>(file, place + 100, 0xbf80);
+  });
   expect("bounds are not those of the points",
          [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });
   expect("levels", [](Bytes& file) { put<std::uint32_t>(file, 60, get<std::uint32_t>(file, 60) + 1); });
+}
+
+TEST(IndexForgery, different_spacings_at_one_place_are_found_by_verifying) {
+  const PointCloud cloud =
+      test::make_cloud(std::vector<glm::dvec3>(300, glm::dvec3(1, 2, 3)), {glm::dvec3(0.001), glm::dvec3(0)});
+  const auto path = test::test_folder() / "one_place.alidade";
+  save_index(path, with_spacings(build(cloud), 2), cloud);
+  Bytes file = test::read_bytes(path);
+  const std::uint64_t place = section(file, IndexSection::spacings).place;
+  put<std::uint16_t>(file, place + 10, 0x3f80);
+  seal(file);
+  const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+  EXPECT_NE(message.find("one place have different spacings"), std::string::npos) << message;
 }
 
 TEST(IndexForgery, lower_ids_behind_higher_ones_at_one_place_are_found_by_verifying) {

@@ -8,6 +8,7 @@
 #include "octree/build.h"
 #include "octree/candidate.h"
 #include "octree/error.h"
+#include "octree/explain.h"
 #include "octree/point_spacing.h"
 #include "octree/query.h"
 #include "tests/support/octrees.h"
@@ -96,6 +97,7 @@ TEST_P(OwnRadiusVsBruteForce, closest_occluded_find_and_count_are_the_same_bits_
         ASSERT_EQ(occluded(octree, c.ray, c.query), first.has_value());
         ASSERT_TRUE(same_hits(find(octree, c.ray, c.query), expected));
         ASSERT_EQ(count(octree, c.ray, c.query), expected.size());
+        ASSERT_TRUE(same_hits(explain(octree, c.ray, c.query).hits, expected));
         ++(first ? hit_count : miss_count);
       }
     }
@@ -131,6 +133,39 @@ TEST_P(OwnRadiusVsBruteForce, batches_are_the_same_bits_on_every_family) {
         const std::optional<Hit> expected = brute_force::closest(family.cloud, rays[i], query, spacings);
         ASSERT_TRUE(same_hits(hits[i], expected));
         ASSERT_EQ(blocked[i] != 0, expected.has_value());
+      }
+    }
+  }
+}
+
+TEST_P(OwnRadiusVsBruteForce, filters_and_levels_hold_too) {
+  for (const PointFamily& family : point_families()) {
+    const std::vector<double> spacings = brute_force::spacings(family.cloud, 3);
+    for (const test::NamedOctree& asked : test::octrees_of(family.cloud, GetParam())) {
+      const Octree octree = with_spacings(asked.octree, 3);
+      const bool is_layered = octree.view().organisation == Organisation::layered;
+      const std::vector<int> levels = test::levels_by_id(octree);
+      Random random(family.name + "_own_radius_filters");
+      std::vector<RayCase> cases = ray_cases(family.cloud, 12, random);
+      RayQuery query = cases[0].query;
+      query.spacing_factor = 1.0;
+      const int max_level = is_layered ? 1 : k_all_levels;
+      query.filter = [&](const Candidate& point) {
+        return point.point_id % 3 != 0 && levels[point.point_id] <= max_level;
+      };
+      RayQuery of_levels = query;
+      of_levels.filter = [](const Candidate& point) { return point.point_id % 3 != 0; };
+      of_levels.max_level = max_level;
+      std::vector<Ray> rays;
+      for (const RayCase& c : cases) rays.push_back(c.ray);
+      std::vector<std::optional<Hit>> hits(rays.size());
+      closest(octree, rays, of_levels, hits);
+      for (std::size_t i = 0; i < rays.size(); ++i) {
+        SCOPED_TRACE(family.name + " " + asked.name + " ray " + std::to_string(i));
+        const std::optional<Hit> expected = brute_force::closest(family.cloud, rays[i], query, spacings);
+        ASSERT_TRUE(same_hits(hits[i], expected));
+        ASSERT_TRUE(same_hits(closest(octree, rays[i], of_levels), expected));
+        ASSERT_EQ(occluded(octree, rays[i], of_levels), expected.has_value());
       }
     }
   }
@@ -175,17 +210,41 @@ TEST_P(OwnRadiusVsBruteForce, spheres_of_very_different_radii_are_met_at_their_r
 INSTANTIATE_TEST_SUITE_P(, OwnRadiusVsBruteForce, ::testing::ValuesIn(available_instruction_sets()),
                          [](const auto& set) { return std::string(name(set.param)); });
 
-TEST(OwnRadius, a_hit_tells_the_radius_of_its_sphere) {
+TEST(OwnRadius, a_hit_tells_the_radius_of_its_sphere_from_any_distance) {
+  Random random;
+  std::vector<glm::dvec3> points;
+  for (int i = 0; i < 500; ++i) points.push_back(glm::dvec3(3.0, 3.0, 0.1) * random.in_cube());
+  const PointCloud cloud = test::make_cloud(points, {glm::dvec3(1e-4), glm::dvec3(0)});
+  const Octree octree = with_spacings(build(cloud), 8);
+  const std::vector<double> spacings = spacings_in_order(octree.view());
+  std::size_t limited = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const RayQuery query{.radius = random.between(0.1, 1.0), .spacing_factor = random.between(0.3, 2.0)};
+    const glm::dvec3 along = unit_direction(random.direction());
+    const double away = std::pow(10.0, random.between(0.0, 4.5));
+    const glm::dvec3 target = glm::dvec3(3.0, 3.0, 0.1) * random.in_cube();
+    const auto hit = closest(octree, make_ray(target - away * along, along), query);
+    if (!hit) continue;
+    const double expected = own_radius(query, spacings[hit->point_id]);
+    if (std::fabs(query.radius - query.spacing_factor * spacings[hit->point_id]) > 1e-7) {
+      ASSERT_EQ(sphere_radius(query, *hit), expected);
+    }
+    limited += expected == query.radius ? 1 : 0;
+  }
+  EXPECT_GT(limited, 100u);
+}
+
+TEST(OwnRadius, a_hit_of_few_points_tells_the_radius_known_on_paper) {
   const PointCloud cloud =
       test::make_cloud({{0, 0, 0}, {1, 0, 0}, {10, 0, 0}}, {glm::dvec3(0.5), glm::dvec3(0)});
   const Octree octree = with_spacings(build(cloud), 1);
   const RayQuery query{.radius = 4.0, .spacing_factor = 0.5};
   const auto small = closest(octree, make_ray({0.0, -5.0, 0.25}, {0.0, 1.0, 0.0}), query);
   ASSERT_TRUE(small);
-  EXPECT_NEAR(sphere_radius(*small), 0.5, 1e-12);
+  EXPECT_EQ(sphere_radius(query, *small), 0.5);
   const auto limited = closest(octree, make_ray({10.0, -5.0, 1.0}, {0.0, 1.0, 0.0}), query);
   ASSERT_TRUE(limited);
-  EXPECT_NEAR(sphere_radius(*limited), 4.0, 1e-12);
+  EXPECT_EQ(sphere_radius(query, *limited), 4.0);
 }
 
 TEST(OwnRadius, without_spacings_or_with_a_bad_factor_is_an_error) {

@@ -115,5 +115,11 @@ TEST(PointRadius, numbers_out_of_range_are_errors) {
   EXPECT_THROW(floor_with(settings), Error);
 }
 
+TEST(PointRadius, adapted_radii_of_some_levels_are_an_error) {
+  CloudSettings settings = adapted({});
+  settings.max_level = 2;
+  EXPECT_THROW(floor_with(settings), Error);
+}
+
 }  // namespace
 }  // namespace alidade
