@@ -202,6 +202,11 @@ void read_checkpoint(InputFile file, const PictureIdentity& identity, int sample
   state.seconds = head.seconds;
 }
 
+bool is_checkpoint(const std::filesystem::path& path) {
+  InputFile file(path);
+  return begins_as_checkpoint(file);
+}
+
 CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   InputFile file(path);
   const CheckpointHead head = read_checkpoint_head(file);

@@ -43,6 +43,9 @@ void write_checkpoint(const std::filesystem::path& file, const PictureIdentity& 
 /// Memory: the identity, at most the file's size, and 1 MiB.
 void read_checkpoint(InputFile file, const PictureIdentity& identity, int samples, PictureState& state);
 
+/// Whether a file begins as checkpoints do, of whatever version. Errors: those of InputFile.
+bool is_checkpoint(const std::filesystem::path& file);
+
 /// What a checkpoint says about itself.
 struct CheckpointSummary {
   std::string picture;              ///< CheckpointOptions::picture

@@ -102,10 +102,14 @@ std::vector<std::byte> encode_checkpoint_head(CheckpointHead& head) {
   return bytes;
 }
 
+bool begins_as_checkpoint(InputFile& file) {
+  const auto start = file.view_up_to(0, k_magic.size());
+  return start.size() == k_magic.size() && std::memcmp(start.data(), k_magic.data(), k_magic.size()) == 0;
+}
+
 CheckpointHead read_checkpoint_head(InputFile& file) {
   std::vector<std::byte> bytes(k_fixed_bytes);
-  const auto start = file.view_up_to(0, k_fixed_bytes);
-  if (start.size() < k_magic.size() || std::memcmp(start.data(), k_magic.data(), k_magic.size()) != 0)
+  if (!begins_as_checkpoint(file))
     throw Error({.file = file.name(), .place = "byte 0", .problem = "is not a checkpoint of Alidade"});
   file.read_at(0, bytes);
   {

@@ -26,6 +26,9 @@ struct CheckpointHead {
 /// Bytes of the head, its checksum included; sets head_bytes.
 std::vector<std::byte> encode_checkpoint_head(CheckpointHead& head);
 
+/// Whether the magic is there.
+bool begins_as_checkpoint(InputFile& file);
+
 /// Errors: not a checkpoint; another byte order or version; cut short or too long; damaged.
 CheckpointHead read_checkpoint_head(InputFile& file);
 

@@ -20,7 +20,8 @@ namespace alidade {
 ///
 /// Variance: how far the pixel's colour would lie from that of endlessly many samples, squared, on average.
 /// The samples of a pixel lie more evenly than independent ones, so sample variance over their number
-/// says too much where light changes smoothly; renderer/noise.h says how that is put right, and how well.
+/// says too much where light changes smoothly; renderer/noise.h says how that is put right, and how well. It
+/// is infinite where a pixel has one sample, of which it cannot be known.
 struct Film {
   int width = 0, height = 0;
   std::vector<Rgb> color;            ///< linear radiance

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace alidade {
 namespace {
@@ -63,7 +65,8 @@ double scale_of(double share, double samples) {
 }  // namespace
 
 double mean_variance_scale(const LevelSums& levels, std::uint32_t samples) {
-  return samples < 2 ? 0.0 : scale_of(variance_share(levels, samples), samples);
+  assert(samples >= 2);
+  return scale_of(variance_share(levels, samples), samples);
 }
 
 Noise& Noise::operator+=(const Noise& other) {
@@ -101,6 +104,7 @@ Noise tile_noise(const PictureState& state, std::size_t tile) {
     }
   }
   const std::uint32_t samples = state.tiles[tile].samples;
+  if (samples < 2) noise.variance = std::numeric_limits<double>::infinity();
   if (samples < 2 || !(sum_of_squares > 0.0)) return noise;
   const double weight = sum * sum / sum_of_squares;
   const double share =

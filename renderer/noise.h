@@ -32,12 +32,12 @@
 namespace alidade {
 
 /// What a pixel's sum of squared differences (SumBand::squares) is to be multiplied with to become the
-/// variance of its mean. 0 below two samples: then nothing can be known.
+/// variance of its mean. At least two samples: of one, nothing can be known.
 double mean_variance_scale(const LevelSums& levels, std::uint32_t samples);
 
 /// Noise of some pixels.
 struct Noise {
-  double variance = 0.0;   ///< of the luminance of the means, summed over the pixels
+  double variance = 0.0;   ///< of the luminance of the means, summed over the pixels; infinite if not known
   double luminance = 0.0;  ///< summed over the pixels
   std::size_t pixels = 0;
 
@@ -48,12 +48,12 @@ struct Noise {
   double error(double floor) const;
 };
 
-/// The noise of a tile, on the safe side; its state must be kept with noise. Where a few pixels have most of
-/// the noise (the edge of a lamp), the sums of the tile tell little, and who asks again and again until they
-/// are low is misled. So they count as many times as there are pixels that matter, (sum of variances)^2 / sum
-/// of squared variances, against four times for what independent samples would leave. The luminance's
-/// standard deviation is taken as the weighted sum of those of the channels, which is right for grey noise
-/// and else too high. Cost: its pixels.
+/// The noise of a tile, on the safe side, unknown below two samples; its state must be kept with noise. Where
+/// a few pixels have most of the noise (the edge of a lamp), the sums of the tile tell little, and who asks
+/// again and again until they are low is misled. So they count as many times as there are pixels that matter,
+/// (sum of variances)^2 / sum of squared variances, against four times for what independent samples would
+/// leave. The luminance's standard deviation is taken as the weighted sum of those of the channels, which is
+/// right for grey noise and else too high. Cost: its pixels.
 Noise tile_noise(const PictureState& state, std::size_t tile);
 
 }  // namespace alidade

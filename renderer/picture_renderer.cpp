@@ -41,7 +41,17 @@ PictureRenderer::PictureRenderer(const RenderTask& task, const RenderOptions& op
       filled_(state.tiles.size(), film.holds_any() ? 0 : 1),
       progressive_(options.preview || options.time_limit || options.target_noise) {
   if (options.target_noise) stop_rule_.emplace(*options.target_noise, floor);
-  if (state_.pass_end == 0) state_.pass_end = next_pass_end();
+  // With a target a pass is judged where an uninterrupted render does so. Otherwise the checkpoint may come
+  // from one that had other passes.
+  if (state_.pass_end == 0 || !stop_rule_) begin_passes();
+}
+
+/// Sets the end of the first pass that gives any tile samples.
+void PictureRenderer::begin_passes() {
+  const auto fewest = static_cast<int>(std::ranges::min(state_.tiles, {}, &TileState::samples).samples);
+  state_.pass_end = 0;
+  do state_.pass_end = next_pass_end();
+  while (state_.pass_end <= fewest && state_.pass_end < task_.settings.samples);
 }
 
 void PictureRenderer::run() {

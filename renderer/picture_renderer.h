@@ -26,6 +26,7 @@ class PictureRenderer {
   using Tiles = std::vector<std::size_t>;
   using Work = std::function<void(std::span<const std::size_t> tiles)>;
 
+  void begin_passes();
   int next_pass_end() const;
   bool any_goes_on() const;
   void run_pass();

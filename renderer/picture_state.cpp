@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cassert>
+#include <limits>
 
 #include "renderer/noise.h"
 
@@ -114,6 +115,7 @@ Film reduced(const PictureState& state, int longest_side) {
 }
 
 void move_into_film(PictureState& state, bool with_variance, Film& film) {
+  constexpr Rgb k_unknown(std::numeric_limits<float>::infinity());
   film.color.reserve(film.count());
   film.alpha.reserve(film.count());
   if (with_variance) film.variance.reserve(film.count());
@@ -123,7 +125,8 @@ void move_into_film(PictureState& state, bool with_variance, Film& film) {
     const std::size_t first_tile = state.grid.tile_at(0, row);
     for (std::size_t column = 0; with_variance && column < variance_scale.size(); ++column) {
       const std::size_t tile = first_tile + column;
-      variance_scale[column] = mean_variance_scale(state.levels[tile], state.tiles[tile].samples);
+      const std::uint32_t samples = state.tiles[tile].samples;
+      if (samples >= 2) variance_scale[column] = mean_variance_scale(state.levels[tile], samples);
     }
     const TileBox pixels = state.grid.band(row);
     std::size_t pixel = 0;
@@ -136,8 +139,9 @@ void move_into_film(PictureState& state, bool with_variance, Film& film) {
           film.color.push_back(Rgb(band.mean[pixel]));
           film.alpha.push_back(samples > 0.0f ? static_cast<float>(band.met_count[pixel]) / samples : 0.0f);
           if (!with_variance) continue;
-          film.variance.push_back(
-              Rgb(glm::dvec3(band.squares[pixel]) * variance_scale[static_cast<std::size_t>(column)]));
+          film.variance.push_back(samples < 2.0f ? k_unknown
+                                                 : Rgb(glm::dvec3(band.squares[pixel]) *
+                                                       variance_scale[static_cast<std::size_t>(column)]));
         }
       }
     }

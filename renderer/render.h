@@ -88,8 +88,8 @@ struct RenderOptions {
   Progress progress{};
   std::optional<std::vector<Layer>> layers{};  ///< to be had in the film; empty = all
   /// Seconds for one picture, time before a resumption included, >= 0. Every pixel gets one sample in any
-  /// case; then samples are spread evenly, one tile at most having twice as many as another. The bytes depend
-  /// on the time.
+  /// case; then samples are spread evenly, one tile at most having twice as many as another. Only tiles that
+  /// were ahead when a render without limit was interrupted stay so. The bytes depend on the time.
   std::optional<double> time_limit{};
   /// A tile gets no more samples once it has 32 and its estimated relative error is at most this (> 0), alone
   /// and together with its up to eight neighbours; RenderSettings::samples is the most it gets. See
@@ -103,7 +103,7 @@ struct RenderOptions {
 /// Whether noise is added up along with the picture: for the variance layer or a target.
 bool keeps_noise(const RenderOptions& options);
 
-/// Noise that is left, as relative error of a tile (renderer/noise.h).
+/// Noise that is left, as relative error of a tile (renderer/noise.h); infinite if not known, of one sample.
 struct ReachedNoise {
   double median = 0.0, worst = 0.0;  ///< over tiles
 };

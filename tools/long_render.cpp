@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include "octree/error.h"
@@ -14,6 +15,8 @@ namespace alidade {
 namespace {
 
 constexpr double k_most_seconds = 1e9;
+/// In the metadata of every preview.
+constexpr std::string_view k_preview_mark = "alidade:preview";
 
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   const auto canonical = [](const std::filesystem::path& path) {
@@ -27,6 +30,22 @@ bool is_of_one_of(const CheckpointSummary& summary, std::span<const std::filesys
   return std::ranges::find(pictures, std::filesystem::path(summary.picture)) != pictures.end();
 }
 
+/// Whether a file is there that was written as a preview. Formats keep texts before the pixels.
+bool is_preview_of_ours(const std::filesystem::path& path) {
+  constexpr std::size_t k_most_bytes = 1 << 20;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  InputFile file(path);
+  const auto start = file.view_up_to(0, k_most_bytes);
+  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  return text.find(k_preview_mark) != std::string_view::npos;
+}
+
+/// An estimated error; of one sample there is none.
+std::string error_text(double error, int digits) {
+  return std::isinf(error) ? "unknown" : fmt::format("{:.{}g}", error, digits);
+}
+
 /// Shows the picture under way; a preview that cannot be written is told once and no reason to end.
 class PreviewFile {
  public:
@@ -35,7 +54,10 @@ class PreviewFile {
       : metadata_(metadata), write_picture_(write_picture) {
     settings_.file = file;
     settings_.exposure = output.exposure;
-    metadata_.further.emplace_back("alidade:preview", "of a picture under way, maybe reduced");
+    const std::string text = "of a picture under way, maybe reduced";
+    metadata_.further.emplace_back(std::string(k_preview_mark), text);
+    // JPEG keeps no text but this one.
+    metadata_.further.emplace_back("ImageDescription", fmt::format("{} {}", k_preview_mark, text));
   }
 
   void show(const Film& film) {
@@ -115,13 +137,22 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
       throw Error({.file = request.preview.string(), .problem = "is both preview and checkpoint"});
   }
   std::error_code error;
-  if (!request.resume && !replaceable.checkpoint && std::filesystem::exists(request.checkpoint, error)) {
+  const bool keeps_checkpoint = std::filesystem::exists(request.checkpoint, error);
+  if (keeps_checkpoint && !request.resume && !replaceable.any) {
     throw Error({.file = request.checkpoint.string(),
                  .problem = "exists already",
                  .expected = "--resume to go on from it, or --overwrite"});
   }
-  check(request.preview, replaceable.preview || request.resume);
+  check(request.preview,
+        replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
   check(request.checkpoint, true);
+  // It would be replaced, and removed in the end.
+  if (keeps_checkpoint && !is_checkpoint(request.checkpoint)) {
+    throw Error({.file = request.checkpoint.string(),
+                 .place = "byte 0",
+                 .problem = "is not a checkpoint of Alidade",
+                 .expected = "a checkpoint, or the name of a file that does not exist"});
+  }
 }
 
 std::optional<std::uint64_t> resumed_samples(const LongRenderRequest& request,
@@ -184,8 +215,8 @@ std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderR
                      fmt::format("{} {:.17g} {}", statistics.least_samples, statistics.mean_samples,
                                  statistics.most_samples));
   if (statistics.noise) {
-    texts.emplace_back("alidade:noise_reached",
-                       fmt::format("{:.17g} {:.17g}", statistics.noise->median, statistics.noise->worst));
+    texts.emplace_back("alidade:noise_reached", fmt::format("{} {}", error_text(statistics.noise->median, 17),
+                                                            error_text(statistics.noise->worst, 17)));
   }
   return texts;
 }
@@ -195,8 +226,8 @@ std::string describe_reached(const LongRenderRequest& request, const RenderStati
   std::string text = fmt::format("samples per pixel: {} to {}, mean {:.1f}", statistics.least_samples,
                                  statistics.most_samples, statistics.mean_samples);
   if (statistics.noise) {
-    text += fmt::format("; estimated error of a tile: median {:.2g}, worst {:.2g}", statistics.noise->median,
-                        statistics.noise->worst);
+    text += fmt::format("; estimated error of a tile: median {}, worst {}",
+                        error_text(statistics.noise->median, 2), error_text(statistics.noise->worst, 2));
   }
   return text;
 }

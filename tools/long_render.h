@@ -25,14 +25,15 @@ struct LongRenderRequest {
 /// Declares the options; they fill `request`.
 void add_long_render_options(CLI::App& render, LongRenderRequest& request);
 
-/// Which files that are there already may be replaced.
+/// Which files that are there already may be replaced. A checkpoint must be one even then.
 struct Replaceable {
-  bool checkpoint = false, preview = false;
+  bool any = false;
+  bool earlier_preview = false;  ///< a picture whose metadata says that it is a preview
 };
 
 /// Lets a render fail before it starts. `outputs` and `inputs`: the pictures and all that is read. Errors: a
 /// preview or checkpoint that is one of them, exists and may not be replaced, or cannot be written; a preview
-/// that is neither PNG nor JPEG. A checkpoint to go on from is always replaceable, and so is its preview.
+/// that is neither PNG nor JPEG. A checkpoint to go on from is always replaceable.
 void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
                        std::span<const std::filesystem::path> outputs,
                        std::span<const std::filesystem::path> inputs);

@@ -93,16 +93,18 @@ PictureList requested_pictures(const RenderCommand& command, const Scene& scene,
     list.pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
   }
   if (!command.color.legend.empty()) names.push_back(command.color.legend);
-  check_long_render(command.long_render,
-                    {.checkpoint = command.overwrite, .preview = command.overwrite || command.skip_existing},
-                    names, inputs);
+  check_long_render(
+      command.long_render,
+      {.any = command.overwrite, .earlier_preview = command.skip_existing || command.long_render.resume},
+      names, inputs);
   return list;
 }
 
-/// Whether a legend was asked for that is not there already and may stay.
-bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command) {
+/// Whether a legend was asked for that is not there already and may stay. `resumed`: the render goes on from
+/// a checkpoint, whose legend it was.
+bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command, bool resumed) {
   std::error_code error;
-  const bool may_stay = command.skip_existing || command.long_render.resume;
+  const bool may_stay = !command.overwrite && (command.skip_existing || resumed);
   return !legend.empty() && !(may_stay && std::filesystem::exists(legend, error));
 }
 
@@ -219,7 +221,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
       resumed_samples(command.long_render, list.files(), list.finished, verbosity);
   // Before the work, so that a program that cannot write pictures does not render for hours first.
   const ImageWriter write_picture = load_image_writer();
-  const bool wants_legend = is_wanted(command.color.legend, command);
+  const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());
   if (wants_legend) check_legend_file(command, scene, pictures);
   if (verbosity == Verbosity::verbose) {
     say_note(fmt::format("instruction set {}", name(best_instruction_set())));

@@ -148,6 +148,43 @@ TEST_F(CheckpointTest, keeps_the_time_that_counts_for_a_limit) {
               static_cast<double>(summary.samples_taken), static_cast<double>(film.count()));
 }
 
+TEST_F(CheckpointTest, of_a_render_without_limit_goes_on_evenly_with_one) {
+  Scene scene = mixed_scene();
+  scene.render.samples = 200;
+  const Film whole = render(scene, nullptr);
+  render_in_part(scene, nullptr, options(false), 0);
+  RenderOptions in_time = options(true);
+  in_time.time_limit = 1e6;
+  expect_same(render(scene, nullptr, in_time), whole);
+  // Out of time: tiles that had no sample get one, no more; the others none.
+  const CheckpointSummary summary = read_checkpoint_summary(file_);
+  in_time.time_limit = 0.0;
+  RenderStatistics statistics;
+  const Film film = render(scene, nullptr, in_time, &statistics);
+  EXPECT_EQ(statistics.least_samples, 1);
+  EXPECT_GT(statistics.most_samples, 1);
+  EXPECT_LT(statistics.mean_samples * static_cast<double>(film.count()),
+            static_cast<double>(summary.samples_taken + film.count()));
+}
+
+TEST_F(CheckpointTest, of_a_render_without_previews_goes_on_with_them_at_once) {
+  Scene scene = mixed_scene();
+  scene.render.samples = 200;
+  render_in_part(scene, nullptr, options(false), 0);
+  std::vector<Film> previews;
+  RenderOptions seen = options(true);
+  seen.preview = {.show = [&](const Film& film) { previews.push_back(film); }, .interval = 1e6};
+  const Film film = render(scene, nullptr, seen);
+  expect_same(film, render(scene, nullptr));
+  ASSERT_EQ(previews.size(), 2u);
+  EXPECT_EQ(previews.back().color, film.color);
+  // Most tiles had but one sample then.
+  std::size_t finished = 0;
+  for (std::size_t pixel = 0; pixel < film.count(); ++pixel)
+    finished += previews.front().color[pixel] == film.color[pixel] ? 1 : 0;
+  EXPECT_LT(finished, film.count() / 2);
+}
+
 TEST_F(CheckpointTest, says_what_it_is_of) {
   Scene scene = mixed_scene();
   render_in_part(scene, nullptr, options(false), 0);

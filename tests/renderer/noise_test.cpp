@@ -102,8 +102,13 @@ TEST(Noise, of_independent_samples_is_sample_variance_over_their_number) {
 }
 
 TEST(Noise, of_one_sample_is_not_known) {
-  EXPECT_EQ(mean_variance_scale(LevelSums{}, 0), 0.0);
-  EXPECT_EQ(mean_variance_scale(LevelSums{}, 1), 0.0);
+  PictureState state(3, 2, true);
+  EXPECT_EQ(tile_noise(state, 0).error(0.01), INFINITY);
+  const std::vector<PathResult> results(6, {Rgb(0.5f), true, 1});
+  add_samples(state, 0, results);
+  EXPECT_EQ(tile_noise(state, 0).error(0.01), INFINITY);
+  add_samples(state, 0, results);
+  EXPECT_EQ(tile_noise(state, 0).error(0.01), 0.0);
 }
 
 TEST(Noise, error_is_relative_to_the_mean_luminance_and_the_floor) {

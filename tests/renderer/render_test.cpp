@@ -105,10 +105,15 @@ TEST(Render, normals_in_the_film_face_the_camera) {
   EXPECT_NEAR(render(scene, nullptr).normal[4].y, -1.0f, 1e-6f);
 }
 
-TEST(Render, variance_of_a_single_sample_is_0) {
+TEST(Render, variance_of_a_single_sample_is_infinite) {
   Scene scene = mixed_scene();
   scene.render.samples = 1;
-  for (const Rgb& variance : render(scene, nullptr).variance) ASSERT_EQ(variance, Rgb(0.0f));
+  RenderStatistics statistics;
+  const Film film = render(scene, nullptr, {}, &statistics);
+  ASSERT_EQ(film.variance.size(), film.count());
+  for (const Rgb& variance : film.variance) ASSERT_EQ(variance, Rgb(INFINITY));
+  EXPECT_EQ(statistics.noise->median, INFINITY);
+  EXPECT_EQ(statistics.noise->worst, INFINITY);
 }
 
 TEST(Render, layers_that_are_not_asked_for_are_empty_and_the_others_the_same) {

@@ -146,7 +146,51 @@ TEST_F(LongRenderTest, existing_checkpoint_is_kept_without_resume_or_overwrite) 
   EXPECT_EQ(foreign.exit_code, 2);
   EXPECT_TRUE(contains(foreign.err, "state:byte 0: is not a checkpoint of Alidade")) << foreign.err;
   EXPECT_EQ(read("state"), "precious");
-  EXPECT_EQ(run(with(words, {"--overwrite"})).exit_code, 0);
+}
+
+TEST_F(LongRenderTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
+  const Words words =
+      with(k_render, {"--samples=2", "-o", "out.png", "--checkpoint=notes.txt", "--overwrite"});
+  for (const std::string content : {"precious", "", "ALIDPAR"}) {
+    write("notes.txt", content);
+    const ProgramResult refused = run(words);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_TRUE(contains(refused.err, "notes.txt:byte 0: is not a checkpoint of Alidade")) << refused.err;
+    EXPECT_EQ(read("notes.txt"), content);
+  }
+  // One of another version may be.
+  write("notes.txt", "ALIDPART, but else not as checkpoints are");
+  EXPECT_EQ(run(words).exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder / "notes.txt"));
+}
+
+TEST_F(LongRenderTest, going_on_replaces_earlier_previews_and_no_other_picture) {
+  for (const std::string ending : {"png", "jpg"}) {
+    const std::string preview = "now." + ending;
+    const Words words = with(k_render, {"--samples=2", "--checkpoint=state", "--preview", preview, "-o"});
+    ASSERT_EQ(run(with(words, {"1" + ending + ".png"})).exit_code, 0);
+    const std::string first = read(preview);
+    for (const Words& flags : {Words{"--resume"}, Words{"--skip-existing"}}) {
+      const Words again = with(with(words, {"2" + ending + flags[0] + ".png", "--seed=2"}), flags);
+      write(preview, "precious");
+      const ProgramResult refused = run(again);
+      EXPECT_EQ(refused.exit_code, 2);
+      EXPECT_TRUE(contains(refused.err, preview + ": exists already")) << refused.err;
+      EXPECT_EQ(read(preview), "precious");
+      write(preview, first);
+      const ProgramResult replaced = run(again);
+      EXPECT_EQ(replaced.exit_code, 0) << replaced.err;
+      EXPECT_FALSE(read(preview) == first);
+    }
+  }
+}
+
+TEST_F(LongRenderTest, error_of_one_sample_is_unknown) {
+  const ProgramResult result =
+      run(with(k_render, {"--time-limit=0", "--target-noise=0.05", "-o", "out.exr"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "estimated error of a tile: median unknown, worst unknown")) << result.err;
+  EXPECT_TRUE(contains(read("out.exr"), "unknown unknown"));
 }
 
 TEST_F(LongRenderTest, set_of_pictures_goes_on_with_the_one_under_way) {

@@ -140,6 +140,22 @@ TEST_F(RenderColorTest, a_legend_that_is_there_already_may_stay) {
   EXPECT_TRUE(is_there("out.png"));
 }
 
+TEST_F(RenderColorTest, a_legend_of_other_colours_does_not_stay_without_the_checkpoint_it_was_made_with) {
+  ASSERT_EQ(render({"--color-by", "height", "--legend", "legend.png"}).exit_code, 0);
+  const std::string heights = read("legend.png");
+  const Words classes = {"--color-by", "classification", "--legend",
+                         "legend.png", "--checkpoint=s", "--resume"};
+  Words more = classes;
+  more.insert(more.end(), {"-o", "classes.png"});
+  const ProgramResult refused = render(more);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "legend.png: exists already")) << refused.err;
+  EXPECT_EQ(read("legend.png"), heights);
+  more.push_back("--overwrite");
+  EXPECT_EQ(render(more).exit_code, 0);
+  EXPECT_NE(read("legend.png"), heights);
+}
+
 TEST_F(RenderColorTest, a_size_without_a_legend_is_an_error) {
   EXPECT_EQ(render({"--color-by", "height", "--legend-size", "300x300"}).exit_code, 2);
 }
