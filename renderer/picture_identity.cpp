@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <span>
+#include <utility>
 
 #include "octree/checksum.h"
 #include "renderer/camera/camera_json.h"
@@ -45,10 +47,32 @@ std::string noise_text(const RenderOptions& options, const Scene& scene) {
   return fmt::format("{:.17g} at exposure {:.17g}", *options.target_noise, scene.output.exposure);
 }
 
-/// What a message can show of a value.
-std::string short_text(const std::string& value) {
-  constexpr std::size_t k_longest = 60;
-  return value.size() <= k_longest ? value : fmt::format("another one ({}...)", value.substr(0, 40));
+std::string file_names(const CloudSettings& settings) {
+  std::string names;
+  for (const std::filesystem::path& file : settings.files)
+    names += (names.empty() ? "" : ", ") + file.string();
+  return names;
+}
+
+/// Whether a byte is one within a character of UTF-8.
+bool is_continuation(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+}
+
+/// What a message can show of two values, which differ: of long ones, from the word on that does.
+std::pair<std::string, std::string> telling_parts(const std::string& a, const std::string& b) {
+  constexpr std::size_t k_longest = 60, k_part = 40, k_word = 20;
+  if (a.size() <= k_longest && b.size() <= k_longest) return {a, b};
+  const auto difference = static_cast<std::size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
+  std::size_t begin = difference == 0 ? 0 : a.find_last_of(" ,{[", difference - 1) + 1;
+  if (difference - begin > k_word) begin = difference;
+  while (begin > 0 && begin < a.size() && is_continuation(a[begin])) --begin;
+  const auto part = [begin](const std::string& text) {
+    std::size_t end = std::min(begin + k_part, text.size());
+    while (end < text.size() && is_continuation(text[end])) ++end;
+    return (begin > 0 ? "..." : "") + text.substr(begin, end - begin) + (end < text.size() ? "..." : "");
+  };
+  return {part(a), part(b)};
 }
 
 }  // namespace
@@ -63,6 +87,23 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
       {"number of samples", std::to_string(samples)},
       {"number of bounces", std::to_string(max_bounces)},
       {"mode", std::string(k_modes[static_cast<std::size_t>(mode)].name)},
+      {"cloud files", scene.cloud ? file_names(*scene.cloud) : "none"},
+  };
+  const auto add = [&](std::string name, std::string value) {
+    identity.push_back({std::move(name), std::move(value)});
+  };
+  if (cloud != nullptr) {
+    add("number of points", std::to_string(cloud->octree.size()));
+    add("radius", fmt::format("{:.17g}", cloud->radius));
+    add("radius over spacing", fmt::format("{:.17g}", cloud->spacing_factor));
+    add("neighbour of spacings", std::to_string(cloud->octree.view().spacing_neighbours));
+  }
+  add("cloud settings", scene.cloud ? text_of(*scene.cloud) : "none");
+  if (cloud != nullptr) {
+    add("bounds of the points", bounds_text(cloud->octree.bounds()));
+    add("points and colours", cloud_checksum(*cloud));
+  }
+  const PictureIdentity rest{
       {"distance of ambient occlusion", fmt::format("{:.17g} {:.17g}", ao_distance.value_or(0.0),
                                                     ambient_occlusion_distance(scene.render, cloud))},
       {"target noise", noise_text(options, scene)},
@@ -71,15 +112,8 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
       {"objects", text_of(scene.objects)},
       {"sky", text_of(scene.sky)},
       {"sun", text_of(scene.sun)},
-      {"cloud settings", scene.cloud ? text_of(*scene.cloud) : "none"},
   };
-  if (cloud == nullptr) return identity;
-  identity.push_back({"number of points", std::to_string(cloud->octree.size())});
-  identity.push_back({"bounds of the points", bounds_text(cloud->octree.bounds())});
-  identity.push_back({"radius", fmt::format("{:.17g}", cloud->radius)});
-  identity.push_back({"radius over spacing", fmt::format("{:.17g}", cloud->spacing_factor)});
-  identity.push_back({"neighbour of spacings", std::to_string(cloud->octree.view().spacing_neighbours)});
-  identity.push_back({"points and colours", cloud_checksum(*cloud)});
+  identity.insert(identity.end(), rest.begin(), rest.end());
   return identity;
 }
 
@@ -89,11 +123,12 @@ void check_identity(const PictureIdentity& made, const PictureIdentity& asked, c
     const IdentityEntry &before = i < made.size() ? made[i] : none, &now = i < asked.size() ? asked[i] : none;
     if (before == now) continue;
     const bool comparable = before.name == now.name;
-    throw Error({.file = file,
-                 .problem = fmt::format(
-                     "is the checkpoint of another picture: made with {} {}, asked for {}{}", before.name,
-                     short_text(before.value), comparable ? "" : now.name + " ", short_text(now.value)),
-                 .expected = "the same scene, cloud and options, or no --resume"});
+    const auto [made_with, asked_for] = telling_parts(before.value, now.value);
+    throw Error(
+        {.file = file,
+         .problem = fmt::format("is the checkpoint of another picture: made with {} {}, asked for {}{}",
+                                before.name, made_with, comparable ? "" : now.name + " ", asked_for),
+         .expected = "the same scene, cloud and options, or no --resume"});
   }
 }
 

@@ -16,8 +16,9 @@ struct IdentityEntry {
   bool operator==(const IdentityEntry&) const = default;
 };
 
-/// All that the samples of a picture depend on, in a fixed order, from what the picture is called to a
-/// checksum of the points. Numbers are written so that different ones have different texts.
+/// All that the samples of a picture depend on, in a fixed order: what others follow from comes before them,
+/// such as the cloud before a camera that looks at it. Numbers are written so that different ones have
+/// different texts.
 using PictureIdentity = std::vector<IdentityEntry>;
 
 /// The identity of what render() would make of these. `cloud` may be null. Cost: a cloud read from an index
@@ -25,7 +26,8 @@ using PictureIdentity = std::vector<IdentityEntry>;
 /// per point.
 PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options);
 
-/// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2".
+/// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2". Long texts are shown
+/// from where they differ.
 void check_identity(const PictureIdentity& made, const PictureIdentity& asked, const std::string& file);
 
 }  // namespace alidade

@@ -45,7 +45,8 @@ std::vector<Layer> center_layers(const RenderOptions& options) {
 }
 
 /// What was reached.
-RenderStatistics statistics_of(const PictureState& state, double floor) {
+RenderStatistics statistics_of(const PictureState& state, const Scene& scene, const RenderOptions& options,
+                               double floor) {
   RenderStatistics statistics;
   statistics.ray_count = state.ray_count();
   const auto [least, most] = std::ranges::minmax(state.tiles, {}, &TileState::samples);
@@ -54,6 +55,12 @@ RenderStatistics statistics_of(const PictureState& state, double floor) {
   statistics.mean_samples = static_cast<double>(state.sample_count()) /
                             (static_cast<double>(state.grid.width()) * state.grid.height());
   if (state.with_noise) statistics.noise = reached_noise(state, floor);
+  statistics.tiles = state.tiles.size();
+  for (const TileState& tile : state.tiles) {
+    if (tile.stopped) continue;
+    if (options.target_noise) ++statistics.noisy_tiles;
+    if (tile.samples < static_cast<std::uint32_t>(scene.render.samples)) ++statistics.hurried_tiles;
+  }
   return statistics;
 }
 
@@ -93,8 +100,10 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
   if (options.checkpoint) {
     identity = picture_identity(scene, cloud, options);
     const std::filesystem::path& file = options.checkpoint->file;
-    if (options.checkpoint->resume && std::filesystem::exists(file))
+    if (options.checkpoint->resume && std::filesystem::exists(file)) {
       read_checkpoint(InputFile(file), identity, scene.render.samples, state);
+      if (options.checkpoint->resumed) options.checkpoint->resumed();
+    }
   }
   Film film(camera.width, camera.height, center_layers(options));
   RenderWatch watch(options, state, scene.render.samples, std::move(identity));
@@ -106,7 +115,7 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
     throw;
   }
   if (statistics != nullptr) {
-    *statistics = statistics_of(state, floor);
+    *statistics = statistics_of(state, scene, options, floor);
     statistics->seconds = watch.seconds();
     statistics->query_seconds = world.query_seconds();
     if (film.holds_any()) statistics->ray_count += film.count();

@@ -73,6 +73,8 @@ struct CheckpointOptions {
       60.0;  ///< seconds from the end of one to the next, > 0; at least ten times what writing takes
   bool resume = false;    ///< go on from the file; where there is none, start
   std::string picture{};  ///< what the picture is called; a checkpoint of another one is refused
+  /// Told once the render goes on from the file.
+  std::function<void()> resumed{};
   /// Told when a checkpoint cannot be written (a full disk); the render goes on. Without it, that ends the
   /// render.
   std::function<void(const Error&)> failed{};
@@ -115,6 +117,9 @@ struct RenderStatistics {
   int least_samples = 0, most_samples = 0;  ///< of any pixel
   double mean_samples = 0.0;
   std::optional<ReachedNoise> noise{};  ///< if it was added up
+  std::size_t tiles = 0;                ///< of about 16 x 16 pixels
+  std::size_t noisy_tiles = 0;          ///< those that have not reached the target, if there is one
+  std::size_t hurried_tiles = 0;        ///< those of them, or of all, that time kept from having all samples
 };
 
 /// Errors: the camera stands inside the sphere of a point (its number is told). Parallel rays have no such

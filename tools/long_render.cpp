@@ -9,6 +9,7 @@
 
 #include "octree/error.h"
 #include "renderer/checkpoint.h"
+#include "renderer/stop_rule.h"
 #include "tools/message.h"
 
 namespace alidade {
@@ -26,8 +27,13 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return canonical(a) == canonical(b);
 }
 
+/// What a checkpoint calls a picture, however its name was typed.
+std::string name_in_checkpoint(const std::filesystem::path& picture) {
+  return std::filesystem::absolute(picture).lexically_normal().string();
+}
+
 bool is_of_one_of(const CheckpointSummary& summary, std::span<const std::filesystem::path> pictures) {
-  return std::ranges::find(pictures, std::filesystem::path(summary.picture)) != pictures.end();
+  return std::ranges::find(pictures, summary.picture, name_in_checkpoint) != pictures.end();
 }
 
 /// Whether a file is there that was written as a preview. Formats keep texts before the pixels.
@@ -155,10 +161,10 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
   }
 }
 
-std::optional<std::uint64_t> resumed_samples(const LongRenderRequest& request,
-                                             std::span<const std::filesystem::path> pictures,
-                                             std::span<const std::filesystem::path> finished,
-                                             Verbosity verbosity) {
+std::optional<Resumption> find_resumption(const LongRenderRequest& request,
+                                          std::span<const std::filesystem::path> pictures,
+                                          std::span<const std::filesystem::path> finished,
+                                          Verbosity verbosity) {
   if (!request.resume) return std::nullopt;
   const auto note = [&](const std::string& text) {
     if (verbosity != Verbosity::quiet) say_note(text);
@@ -170,15 +176,16 @@ std::optional<std::uint64_t> resumed_samples(const LongRenderRequest& request,
     return std::nullopt;
   }
   const CheckpointSummary summary = read_checkpoint_summary(request.checkpoint);
-  if (summary.picture == pictures.front().string()) {
-    note(fmt::format("going on from {}: {} has {:.0f} % of its samples after {}", file, summary.picture,
-                     100.0 * summary.share, clock_time(summary.seconds)));
-    return summary.samples_taken;
+  const std::string picture = pictures.front().string();
+  if (summary.picture == name_in_checkpoint(picture)) {
+    return Resumption{summary.samples_taken,
+                      fmt::format("going on from {}: {} has {:.0f} % of its samples after {}", file, picture,
+                                  100.0 * summary.share, clock_time(summary.seconds))};
   }
   if (!is_of_one_of(summary, finished)) {
     throw Error({.file = file,
                  .problem = "is the checkpoint of another picture",
-                 .expected = fmt::format("one of {}", pictures.front().string()),
+                 .expected = fmt::format("one of {}", picture),
                  .found = summary.picture});
   }
   note(fmt::format("{} is of {}, which is finished: starting afresh", file, summary.picture));
@@ -201,7 +208,7 @@ RenderOptions render_options(const LongRenderRequest& request, const OutputSetti
         .file = request.checkpoint,
         .interval = request.checkpoint_interval,
         .resume = resume,
-        .picture = output.file.string(),
+        .picture = name_in_checkpoint(output.file),
         .failed = [](const Error& error) { say_warning(std::string("no checkpoint: ") + error.what()); }};
   }
   return options;
@@ -229,7 +236,23 @@ std::string describe_reached(const LongRenderRequest& request, const RenderStati
     text += fmt::format("; estimated error of a tile: median {}, worst {}",
                         error_text(statistics.noise->median, 2), error_text(statistics.noise->worst, 2));
   }
+  const bool is_noisy = statistics.noisy_tiles > 0, is_hurried = statistics.hurried_tiles > 0;
+  if (is_noisy) {
+    text += fmt::format("; target not reached in {} of {} tiles: raise {}", statistics.noisy_tiles,
+                        statistics.tiles, is_hurried ? "--time-limit" : "--samples");
+  }
+  if (request.time_limit && !is_hurried) {
+    const bool by_target = request.target_noise && !is_noisy;
+    text += fmt::format("; ended by {}, not by time", by_target ? "--target-noise" : "--samples");
+  }
   return text;
+}
+
+void warn_of_few_samples(const LongRenderRequest& request, int samples) {
+  const std::uint32_t fewest = StopRule::k_fewest_samples;
+  if (!request.target_noise || samples >= static_cast<int>(fewest)) return;
+  say_warning(fmt::format(
+      "--target-noise looks at tiles from {} samples on, but they get {}: raise --samples", fewest, samples));
 }
 
 void remove_checkpoint(const LongRenderRequest& request) {

@@ -38,20 +38,29 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
                        std::span<const std::filesystem::path> outputs,
                        std::span<const std::filesystem::path> inputs);
 
-/// Where to go on. `pictures` are those to make, `finished` those of the set that are there already. Returns
-/// the camera samples that the first picture has in the checkpoint; none if it is begun afresh, which is
-/// said. Errors: those of the checkpoint's head; it belongs to a picture that is neither finished nor the
-/// first.
-std::optional<std::uint64_t> resumed_samples(const LongRenderRequest& request,
-                                             std::span<const std::filesystem::path> pictures,
-                                             std::span<const std::filesystem::path> finished,
-                                             Verbosity verbosity);
+/// A checkpoint of the first picture to make.
+struct Resumption {
+  std::uint64_t samples = 0;  ///< camera samples that are in it
+  std::string note;           ///< to be said once it has turned out to fit
+};
+
+/// Where to go on. `pictures` are those to make, `finished` those of the set that are there already. None if
+/// the first picture is begun afresh, which is said. Errors: those of the checkpoint's head; it belongs to a
+/// picture that is neither finished nor the first.
+std::optional<Resumption> find_resumption(const LongRenderRequest& request,
+                                          std::span<const std::filesystem::path> pictures,
+                                          std::span<const std::filesystem::path> finished,
+                                          Verbosity verbosity);
+
+/// Warns of a target of noise that no tile can have reached after so many samples per pixel.
+void warn_of_few_samples(const LongRenderRequest& request, int samples);
 
 /// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
 RenderOptions render_options(const LongRenderRequest& request, const OutputSettings& output, bool resume,
                              const ImageMetadata& metadata, ImageWriter write_picture);
 
-/// What was reached, as metadata and for people, if the end was not settled beforehand; else nothing.
+/// What was reached, as metadata and for people (with what ended it, if that is not what was asked for), if
+/// the end was not settled beforehand; else nothing.
 std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
                                                                const RenderStatistics& statistics);
 std::string describe_reached(const LongRenderRequest& request, const RenderStatistics& statistics);

@@ -158,18 +158,18 @@ void check_views(std::span<const Picture> pictures, const Scene& scene, const Lo
   }
 }
 
-/// Renders and writes one picture after the other under one progress line. `resumed`: camera samples that the
-/// first one has already.
+/// Renders and writes one picture after the other under one progress line. `resumed`: what the first one goes
+/// on from.
 RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, const LoadedCloud* cloud,
                             const RenderCommand& command, const CommandLine& words,
-                            std::optional<std::uint64_t> resumed, ImageWriter write_picture) {
+                            const std::optional<Resumption>& resumed, ImageWriter write_picture) {
   std::uint64_t total = 0, done = 0;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
   const Verbosity verbosity = command.verbosity.verbosity();
   ProgressLine line(
       pictures.size() == 1 ? "rendering" : fmt::format("rendering {} pictures", pictures.size()),
       "camera rays", verbosity);
-  line.skip(resumed.value_or(0));
+  if (resumed) line.skip(resumed->samples);
   const Progress progress = line.callback();
   RenderStatistics statistics;
   for (const Picture& picture : pictures) {
@@ -180,6 +180,8 @@ RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, con
     ImageMetadata texts = metadata(scene, picture.view, cloud, words);
     RenderOptions options = render_options(command.long_render, scene.output,
                                            resumed && &picture == &pictures.front(), texts, write_picture);
+    if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
+      options.checkpoint->resumed = [&] { line.interject(resumed->note); };
     options.progress = [&](std::uint64_t rays, std::uint64_t all_rays) {
       rays_of_picture = rays;
       return progress(done + rays, done + all_rays + total);
@@ -217,8 +219,9 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
     if (verbosity != Verbosity::quiet) say_note("every picture is there already");
     return ExitCode::done;
   }
-  const std::optional<std::uint64_t> resumed =
-      resumed_samples(command.long_render, list.files(), list.finished, verbosity);
+  const std::optional<Resumption> resumed =
+      find_resumption(command.long_render, list.files(), list.finished, verbosity);
+  if (verbosity != Verbosity::quiet) warn_of_few_samples(command.long_render, scene.render.samples);
   // Before the work, so that a program that cannot write pictures does not render for hours first.
   const ImageWriter write_picture = load_image_writer();
   const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());

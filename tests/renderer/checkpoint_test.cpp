@@ -78,7 +78,11 @@ TEST_F(CheckpointTest, interrupted_render_goes_on_to_the_same_film) {
       EXPECT_LT(read_checkpoint_summary(file_).share, 1.0);
     }
     RenderStatistics statistics;
-    expect_same(render(scene, &cloud, options(true), &statistics), whole);
+    int told = 0;
+    RenderOptions again = options(true);
+    again.checkpoint->resumed = [&] { ++told; };
+    expect_same(render(scene, &cloud, again, &statistics), whole);
+    EXPECT_EQ(told, 1);
     EXPECT_EQ(statistics.ray_count, whole_statistics.ray_count);
   }
 }
@@ -241,6 +245,35 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
                    other = test::loaded({{0, 0, 1}}, 0.06);
                  });
   EXPECT_NE(refusal(scene, nullptr, options(true)).find("number of points"), std::string::npos);
+  // What follows from something else is not named instead of it.
+  expect_refusal("made with radius 0.05", [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
+    other.cloud->radius = other_cloud.radius = 0.07;
+    other.camera->pose.position.z += 1.0;
+  });
+  expect_refusal("made with cloud files , asked for b.las",
+                 [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
+                   other.cloud->files = {"b.las"};
+                   other_cloud.radius = 0.07;
+                 });
+}
+
+TEST(PictureIdentity, long_values_are_shown_from_where_they_differ) {
+  const auto message_of = [](const std::string& made, const std::string& asked) -> std::string {
+    try {
+      check_identity({{"sun", made}}, {{"sun", asked}}, "file");
+    } catch (const Error& error) {
+      return error.parts().problem;
+    }
+    return "";
+  };
+  const std::string same(100, '1'), problem = "is the checkpoint of another picture: made with sun ";
+  EXPECT_EQ(message_of("1 2", "1 3"), problem + "1 2, asked for 1 3");
+  EXPECT_EQ(message_of(same + " 2.25 0", same + " 2.26 0"), problem + "...2.25 0, asked for ...2.26 0");
+  EXPECT_EQ(message_of(same + "2", same + "34"), problem + "...2, asked for ...34");
+  EXPECT_EQ(message_of("1", "2" + same), problem + "1, asked for 2" + same.substr(0, 39) + "...");
+  EXPECT_EQ(message_of(same, same + " 2"), problem + "..., asked for ... 2");
+  // No character is cut apart.
+  EXPECT_EQ(message_of(same + "\u00e4", same + "\u00f6"), problem + "...\u00e4, asked for ...\u00f6");
 }
 
 TEST_F(CheckpointTest, cut_short_anywhere_or_too_long_is_an_error) {

@@ -41,6 +41,7 @@ TEST(TargetNoise, is_reached_by_every_tile_that_stopped_before_the_last_sample) 
   ASSERT_TRUE(statistics.noise);
   EXPECT_LT(statistics.most_samples, 4096);
   EXPECT_LE(statistics.noise->worst, 0.1);
+  EXPECT_EQ(statistics.noisy_tiles, 0u);
   EXPECT_LE(statistics.noise->median, statistics.noise->worst);
   EXPECT_GE(statistics.least_samples, 32);
   EXPECT_GE(statistics.mean_samples, statistics.least_samples);
@@ -53,6 +54,9 @@ TEST(TargetNoise, that_cannot_be_reached_takes_all_samples) {
   const Film film = render(scene, nullptr, {.target_noise = 1e-9}, &statistics);
   expect_same(film, render(scene, nullptr));
   EXPECT_EQ(statistics.least_samples, scene.render.samples);
+  EXPECT_GT(statistics.tiles, 1u);
+  EXPECT_EQ(statistics.noisy_tiles, statistics.tiles);
+  EXPECT_EQ(statistics.hurried_tiles, 0u);
 }
 
 TEST(TargetNoise, of_a_picture_without_noise_takes_32_samples) {
@@ -100,6 +104,8 @@ TEST(TimeLimit, of_no_time_takes_one_sample_of_every_pixel) {
   const Film film = render(scene, &cloud, {.time_limit = 0.0}, &statistics);
   EXPECT_EQ(statistics.least_samples, 1);
   EXPECT_EQ(statistics.most_samples, 1);
+  EXPECT_EQ(statistics.hurried_tiles, statistics.tiles);
+  EXPECT_EQ(statistics.noisy_tiles, 0u);
   scene.render.samples = 1;
   expect_same(film, render(scene, &cloud));
 }

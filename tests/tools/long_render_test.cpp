@@ -121,6 +121,7 @@ TEST_F(LongRenderTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
                        "state: is the checkpoint of another picture: made with number of samples "
                        "100000, asked for 300"))
       << other.err;
+  EXPECT_FALSE(contains(other.err, "going on from")) << other.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "out.png"));
 }
 
@@ -183,6 +184,53 @@ TEST_F(LongRenderTest, going_on_replaces_earlier_previews_and_no_other_picture) 
       EXPECT_FALSE(read(preview) == first);
     }
   }
+}
+
+TEST_F(LongRenderTest, says_what_ended_it_if_not_what_was_asked_for) {
+  const auto said = [&](const Words& words) {
+    const ProgramResult result = run(with(with(k_render, {"-o", "out.png", "--overwrite"}), words));
+    EXPECT_EQ(result.exit_code, 0);
+    return result.err;
+  };
+  const std::string not_reached = "target not reached in 20 of 20 tiles: raise --samples";
+  const std::string few = "--target-noise looks at tiles from 32 samples on, but they get 4: raise --samples";
+  EXPECT_TRUE(contains(said({"--samples=32", "--target-noise=1e-6"}), not_reached));
+  EXPECT_FALSE(contains(said({"--samples=32", "--target-noise=1e-6"}), few));
+  EXPECT_TRUE(contains(said({"--samples=4", "--target-noise=0.05"}), few));
+  EXPECT_FALSE(contains(said({"--samples=4", "--target-noise=0.05", "-q"}), few));
+  EXPECT_FALSE(contains(said({"--samples=64", "--target-noise=100"}), "not reached"));
+  EXPECT_TRUE(contains(said({"--samples=2", "--time-limit=1e6"}), "ended by --samples, not by time"));
+  EXPECT_TRUE(contains(said({"--samples=64", "--time-limit=1e6", "--target-noise=100"}),
+                       "ended by --target-noise, not by time"));
+  const std::string in_time = said({"--samples=64", "--time-limit=0", "--target-noise=0.1"});
+  EXPECT_TRUE(contains(in_time, "target not reached in 20 of 20 tiles: raise --time-limit")) << in_time;
+  EXPECT_FALSE(contains(in_time, "not by time")) << in_time;
+}
+
+TEST_F(LongRenderTest, goes_on_with_the_picture_however_its_name_is_typed) {
+  const Words words = with(k_render, {"--samples=100000", "--time-limit=0", "--checkpoint=state"});
+  {
+    Program program(with(words, {"-o", "out.png", "--time-limit=1e6", "--preview=now.png"}), folder);
+    wait_for(program, "now.png");
+    program.send(SIGINT);
+    ASSERT_EQ(program.wait().exit_code, 130);
+  }
+  const std::string checkpoint = read("state");
+  const std::string typed[] = {"out.png", "./out.png", (folder / "sub" / ".." / "out.png").string()};
+  for (const std::string& name : typed) {
+    std::filesystem::remove(folder / "out.png");
+    std::filesystem::create_directory(folder / "sub");
+    write("state", checkpoint);
+    const ProgramResult result = run(with(words, {"-o", name, "--resume"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, "going on from state: " + name + " has ")) << result.err;
+  }
+  std::filesystem::remove(folder / "out.png");
+  write("state", checkpoint);
+  const ProgramResult other = run(with(words, {"-o", "sub/out.png", "--resume"}));
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_TRUE(contains(other.err, "is the checkpoint of another picture; expected one of sub/out.png"))
+      << other.err;
 }
 
 TEST_F(LongRenderTest, error_of_one_sample_is_unknown) {
