@@ -54,7 +54,7 @@ Bounds visible_bounds(const LoadedCloud& cloud);
 
 /// Changes whenever the same scene gives other bytes, so that no checkpoint goes on with samples of another
 /// kind.
-inline constexpr int k_picture_version = 1;
+inline constexpr int k_picture_version = 2;
 
 /// A small picture of what there is so far, every now and then.
 struct PreviewOptions {
