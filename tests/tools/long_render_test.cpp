@@ -99,7 +99,7 @@ TEST_F(LongRenderTest, killed_at_20_random_moments_gives_the_bytes_of_an_uninter
 }
 
 TEST_F(LongRenderTest, killed_with_a_target_of_noise_it_ends_with_the_same_bytes) {
-  const Words words = with(k_render, {"--samples=4000", "--target-noise=0.006"});
+  const Words words = with(k_render, {"--samples=4000", "--target-noise=0.001"});
   ASSERT_EQ(run(with(words, {"-o", "whole.png"})).exit_code, 0);
   kill_and_resume(with(with(words, k_keep),
                        {"-o", "out.png", "--overwrite", "--preview", "now.jpg", "--preview-interval=0.1"}),
