@@ -49,15 +49,17 @@ class LongRenderTest : public ProgramTest {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
-  /// Starts the words and kills the program at a random moment: any, or one of the rendering. False if it had
-  /// ended before; that must have been well.
+  /// Starts the words and kills the program at a random moment: any, one of the rendering, or one soon after
+  /// there is a checkpoint, however fast the machine. False if it had ended before; that must have been well.
   bool killed(const Words& words, Random& random) {
     Program program(words, folder);
-    if (random.unit() < 0.7) {
-      while (program.running() && !contains(program.errors_so_far(), "spheres of radius"))
-        std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    }
-    std::this_thread::sleep_for(std::chrono::microseconds(random.below(500'000)));
+    const double moment = random.unit();
+    const auto wait_while = [&](const auto& condition) {
+      while (program.running() && condition()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    };
+    if (moment < 0.4) wait_while([&] { return !contains(program.errors_so_far(), "spheres of radius"); });
+    if (moment >= 0.6) wait_while([&] { return !std::filesystem::exists(folder / "state"); });
+    std::this_thread::sleep_for(std::chrono::microseconds(random.below(moment < 0.6 ? 500'000 : 50'000)));
     program.send(SIGKILL);
     const ProgramResult result = program.wait();
     resumed_ += contains(result.err, "going on from") ? 1 : 0;
@@ -99,7 +101,7 @@ TEST_F(LongRenderTest, killed_at_20_random_moments_gives_the_bytes_of_an_uninter
 }
 
 TEST_F(LongRenderTest, killed_with_a_target_of_noise_it_ends_with_the_same_bytes) {
-  const Words words = with(k_render, {"--samples=4000", "--target-noise=0.001"});
+  const Words words = with(k_render, {"--samples=4000", "--target-noise=0.0005"});
   ASSERT_EQ(run(with(words, {"-o", "whole.png"})).exit_code, 0);
   kill_and_resume(with(with(words, k_keep),
                        {"-o", "out.png", "--overwrite", "--preview", "now.jpg", "--preview-interval=0.1"}),
