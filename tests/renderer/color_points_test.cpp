@@ -2,46 +2,22 @@
 #include "renderer/color/color_points.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <filesystem>
 
 #include "octree/build.h"
-#include "octree/cloud/write_las.h"
 #include "octree/error.h"
-#include "octree/index_file.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/color/classification_colors.h"
-#include "renderer/color/gps_date.h"
-#include "renderer/color/height_unit.h"
 #include "renderer/deterministic_math.h"
 #include "renderer/image_display.h"
 #include "renderer/surface.h"
+#include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
 namespace {
-
-namespace fs = std::filesystem;
-
-template <class Value>
-ExtraDimension extra(const std::string& name, ScalarType type, const std::vector<Value>& values) {
-  ExtraDimension dimension{
-      .name = name, .description = "", .type = type, .byte_count = scalar_size(type), .values = {}};
-  dimension.values.resize(values.size() * sizeof(Value));
-  std::memcpy(dimension.values.data(), values.data(), dimension.values.size());
-  return dimension;
-}
-
-/// Points over one another, 1 m apart, the lowest first.
-PointCloud column(std::size_t count) {
-  std::vector<glm::dvec3> positions;
-  for (std::size_t i = 0; i < count; ++i) positions.emplace_back(0.0, 0.0, static_cast<double>(i));
-  return test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)});
-}
 
 /// The colours of a cloud and their meaning, as load_cloud has them made.
 ColoredPoints colored(const PointCloud& cloud, const PointColoring& coloring) {
@@ -68,7 +44,7 @@ Color16 shade(ColorMap map, double place) {
 
 TEST(ColorPoints, heights_go_from_the_first_to_the_last_colour_of_the_range) {
   PointColoring coloring{.by = PointColor::height, .map = ColorMap::viridis, .range = ValueRange{1.0, 3.0}};
-  const ColoredPoints points = colored(column(5), coloring);
+  const ColoredPoints points = colored(test::column(5), coloring);
   ASSERT_EQ(points.colors.size(), 5u);
   EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0));
   EXPECT_EQ(points.colors[1], shade(ColorMap::viridis, 0.0));
@@ -80,23 +56,23 @@ TEST(ColorPoints, heights_go_from_the_first_to_the_last_colour_of_the_range) {
 }
 
 TEST(ColorPoints, range_is_that_of_the_percentiles_unless_it_is_given) {
-  const ColoredPoints points = colored(column(1001), {.by = PointColor::height});
+  const ColoredPoints points = colored(test::column(1001), {.by = PointColor::height});
   EXPECT_EQ(points.key.scale->range, (ValueRange{10.0, 990.0}));
   EXPECT_EQ(points.key.scale->map, ColorMap::terrain);
   EXPECT_EQ(points.colors[10], points.colors[0]);
   EXPECT_EQ(points.colors[500], shade(ColorMap::terrain, 0.5));
-  const ColoredPoints all = colored(column(1001), {.by = PointColor::height, .percentiles = {0, 100}});
+  const ColoredPoints all = colored(test::column(1001), {.by = PointColor::height, .percentiles = {0, 100}});
   EXPECT_EQ(all.key.scale->range, (ValueRange{0.0, 1000.0}));
 }
 
 TEST(ColorPoints, one_stray_point_does_not_flatten_the_heights) {
-  PointCloud cloud = column(1000);
+  PointCloud cloud = test::column(1000);
   cloud.positions.push_back({0, 0, 2'000'000'000});
   EXPECT_LT(colored(cloud, {.by = PointColor::height}).key.scale->range.high, 1000.0);
 }
 
 TEST(ColorPoints, equal_values_have_the_middle_colour) {
-  PointCloud cloud = column(7);
+  PointCloud cloud = test::column(7);
   cloud.intensities.assign(7, 1234);
   const ColoredPoints points = colored(cloud, {.by = PointColor::intensity});
   for (const Color16& color : points.colors) EXPECT_EQ(color, shade(ColorMap::grey, 0.5));
@@ -104,7 +80,7 @@ TEST(ColorPoints, equal_values_have_the_middle_colour) {
 }
 
 TEST(ColorPoints, intensities_up_to_65535_are_shown_in_grey) {
-  PointCloud cloud = column(3);
+  PointCloud cloud = test::column(3);
   cloud.intensities = {0, 32768, 65535};
   const ColoredPoints points = colored(cloud, {.by = PointColor::intensity});
   EXPECT_EQ(points.colors[0], Color16(13107));
@@ -113,7 +89,7 @@ TEST(ColorPoints, intensities_up_to_65535_are_shown_in_grey) {
 }
 
 TEST(ColorPoints, points_without_a_value_are_grey_and_counted) {
-  PointCloud cloud = column(5);
+  PointCloud cloud = test::column(5);
   const double infinity = std::numeric_limits<double>::infinity();
   cloud.gps_times = {10.0, NAN, 20.0, infinity, 30.0};
   const ColoredPoints points = colored(cloud, {.by = PointColor::gps_time});
@@ -126,7 +102,7 @@ TEST(ColorPoints, points_without_a_value_are_grey_and_counted) {
 }
 
 TEST(ColorPoints, nothing_but_nan_is_no_crash) {
-  PointCloud cloud = column(3);
+  PointCloud cloud = test::column(3);
   cloud.gps_times.assign(3, NAN);
   const ColoredPoints points = colored(cloud, {.by = PointColor::gps_time});
   EXPECT_EQ(points.key.missing_count, 3u);
@@ -134,7 +110,7 @@ TEST(ColorPoints, nothing_but_nan_is_no_crash) {
 }
 
 TEST(ColorPoints, classes_have_their_colours_and_are_counted) {
-  PointCloud cloud = column(6);
+  PointCloud cloud = test::column(6);
   cloud.classifications = {2, 6, 2, 2, 70, 255};
   PointColoring coloring{.by = PointColor::classification};
   coloring.classes = {{6, Color16(257, 514, 771), "House"}};
@@ -153,7 +129,7 @@ TEST(ColorPoints, classes_have_their_colours_and_are_counted) {
 }
 
 TEST(ColorPoints, numbers_of_returns_are_shown_whole_and_none_given_is_no_value) {
-  PointCloud cloud = column(5);
+  PointCloud cloud = test::column(5);
   cloud.returns = {{1, 3}, {2, 3}, {3, 3}, {1, 1}, {0, 0}};
   const ColoredPoints number = colored(cloud, {.by = PointColor::return_number});
   EXPECT_EQ(number.colors[0], shade(ColorMap::viridis, 0.0));
@@ -170,7 +146,7 @@ TEST(ColorPoints, numbers_of_returns_are_shown_whole_and_none_given_is_no_value)
 }
 
 TEST(ColorPoints, any_numeric_attribute_can_be_asked_for_by_name) {
-  PointCloud cloud = column(3);
+  PointCloud cloud = test::column(3);
   cloud.near_infrared = {5, 10, 15};
   cloud.flags = {0, 1, 2};
   cloud.scan_angles = {-30.0f, 0.0f, 30.0f};
@@ -188,17 +164,17 @@ TEST(ColorPoints, any_numeric_attribute_can_be_asked_for_by_name) {
 }
 
 TEST(ColorPoints, extra_dimensions_count_with_scale_offset_and_no_data_in_every_type) {
-  PointCloud cloud = column(3);
-  cloud.extra_dimensions = {extra<std::uint8_t>("a", ScalarType::uint8, {1, 2, 3}),
-                            extra<std::int8_t>("b", ScalarType::int8, {-1, 0, 1}),
-                            extra<std::uint16_t>("c", ScalarType::uint16, {1, 2, 3}),
-                            extra<std::int16_t>("d", ScalarType::int16, {-500, 0, 500}),
-                            extra<std::uint32_t>("e", ScalarType::uint32, {0, 1u << 30, 1u << 31}),
-                            extra<std::int32_t>("f", ScalarType::int32, {-7, 0, 7}),
-                            extra<std::uint64_t>("g", ScalarType::uint64, {0, 1ull << 62, 1ull << 63}),
-                            extra<std::int64_t>("h", ScalarType::int64, {-(1ll << 40), 0, 1ll << 40}),
-                            extra<float>("i", ScalarType::float32, {0.5f, 1.0f, 1.5f}),
-                            extra<double>("j", ScalarType::float64, {-1e200, 0.0, 1e200})};
+  PointCloud cloud = test::column(3);
+  cloud.extra_dimensions = {test::extra<std::uint8_t>("a", ScalarType::uint8, {1, 2, 3}),
+                            test::extra<std::int8_t>("b", ScalarType::int8, {-1, 0, 1}),
+                            test::extra<std::uint16_t>("c", ScalarType::uint16, {1, 2, 3}),
+                            test::extra<std::int16_t>("d", ScalarType::int16, {-500, 0, 500}),
+                            test::extra<std::uint32_t>("e", ScalarType::uint32, {0, 1u << 30, 1u << 31}),
+                            test::extra<std::int32_t>("f", ScalarType::int32, {-7, 0, 7}),
+                            test::extra<std::uint64_t>("g", ScalarType::uint64, {0, 1ull << 62, 1ull << 63}),
+                            test::extra<std::int64_t>("h", ScalarType::int64, {-(1ll << 40), 0, 1ll << 40}),
+                            test::extra<float>("i", ScalarType::float32, {0.5f, 1.0f, 1.5f}),
+                            test::extra<double>("j", ScalarType::float64, {-1e200, 0.0, 1e200})};
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
     const ColoredPoints points = colored(cloud, coloring_by(dimension.name));
     EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0)) << dimension.name;
@@ -217,8 +193,9 @@ TEST(ColorPoints, extra_dimensions_count_with_scale_offset_and_no_data_in_every_
 }
 
 TEST(ColorPoints, values_beyond_1e300_are_none) {
-  PointCloud cloud = column(4);
-  cloud.extra_dimensions = {extra<double>("j", ScalarType::float64, {-1e300, 1e300, 1.5e300, -1.7e308})};
+  PointCloud cloud = test::column(4);
+  cloud.extra_dimensions = {
+      test::extra<double>("j", ScalarType::float64, {-1e300, 1e300, 1.5e300, -1.7e308})};
   const ColoredPoints points = colored(cloud, coloring_by("j"));
   EXPECT_EQ(points.key.missing_count, 2u);
   EXPECT_EQ(points.colors[0], shade(ColorMap::viridis, 0.0));
@@ -235,10 +212,10 @@ TEST(ColorPoints, empty_clouds_have_no_colours_and_no_errors) {
 }
 
 TEST(ColorPoints, a_missing_attribute_is_an_error_that_lists_what_there_is) {
-  PointCloud cloud = column(2);
+  PointCloud cloud = test::column(2);
   cloud.intensities = {1, 2};
-  cloud.extra_dimensions = {extra<float>("Reflectance", ScalarType::float32, {1, 2})};
-  ExtraDimension bytes = extra<std::uint8_t>("blob", ScalarType::uint8, {1, 2});
+  cloud.extra_dimensions = {test::extra<float>("Reflectance", ScalarType::float32, {1, 2})};
+  ExtraDimension bytes = test::extra<std::uint8_t>("blob", ScalarType::uint8, {1, 2});
   bytes.type = ScalarType::bytes;
   bytes.byte_count = 1;
   cloud.extra_dimensions.push_back(bytes);
@@ -254,7 +231,7 @@ TEST(ColorPoints, a_missing_attribute_is_an_error_that_lists_what_there_is) {
 }
 
 TEST(ColorPoints, wishes_that_would_change_nothing_are_errors) {
-  PointCloud cloud = column(2);
+  PointCloud cloud = test::column(2);
   cloud.classifications = {1, 2};
   cloud.colors.assign(2, Color16(9));
   EXPECT_EQ(error_of(cloud, {.by = PointColor::classification, .map = ColorMap::turbo}),
@@ -268,7 +245,7 @@ TEST(ColorPoints, wishes_that_would_change_nothing_are_errors) {
 }
 
 TEST(ColorPoints, times_are_told_with_their_date) {
-  PointCloud cloud = column(2);
+  PointCloud cloud = test::column(2);
   cloud.gps_times = {346413933.25, 346414033.25};
   cloud.files.resize(1);
   cloud.files[0].format = "LAS";
@@ -288,50 +265,6 @@ TEST(ColorPoints, times_are_told_with_their_date) {
             "0 s = 180000 s in the file");
   cloud.gps_times = {-1e200, 1e200};
   EXPECT_EQ(colored(cloud, {.by = PointColor::gps_time}).key.scale->origin_text, "");
-}
-
-TEST(GpsDateTest, adjusted_time_counts_from_a_billion_seconds_after_the_beginning_of_1980s_gps) {
-  EXPECT_EQ(gps_date(-1'000'000'000), "1980-01-06 00:00:00");
-  EXPECT_EQ(gps_date(0), "2011-09-14 01:46:40");
-  EXPECT_EQ(gps_date(-1'000'000'001), "1980-01-05 23:59:59");
-  EXPECT_EQ(gps_date(172'799 - 100'000'000), "2008-07-15 15:59:59");
-  EXPECT_EQ(gps_date(1'000'000'000'000), std::nullopt);
-  EXPECT_EQ(gps_date(INT64_MIN), std::nullopt);
-  EXPECT_EQ(gps_date(INT64_MAX), std::nullopt);
-}
-
-TEST(GpsDateTest, weeks_begin_on_sunday) {
-  EXPECT_EQ(gps_weekday(0), "Sunday 00:00:00");
-  EXPECT_EQ(gps_weekday(604799), "Saturday 23:59:59");
-  EXPECT_EQ(gps_weekday(86400 + 3661), "Monday 01:01:01");
-  EXPECT_EQ(gps_weekday(-1), std::nullopt);
-  EXPECT_EQ(gps_weekday(604800), std::nullopt);
-}
-
-TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
-  const auto of_wkt = [](const std::string& wkt) {
-    Crs crs;
-    crs.wkt = wkt;
-    return height_unit(crs);
-  };
-  EXPECT_EQ(height_unit(Crs()), "m");
-  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["metre",1]])"), "m");
-  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["US survey foot",0.3048]])"), "ft");
-  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["US survey foot",0.3]],VERT_CS["h",UNIT["metre",1]]])"),
-            "m");
-  EXPECT_EQ(
-      of_wkt(R"(COMPOUNDCRS["a",PROJCRS["x",LENGTHUNIT["metre",1]],VERTCRS["h",LENGTHUNIT["foot",0.3]]])"),
-      "ft");
-  EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
-  EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");
-  EXPECT_EQ(of_wkt("UNIT[\"met"), "");
-  Crs keys;
-  keys.geotiff_keys = {1, 1, 0, 1, 3076, 0, 1, 9003};
-  EXPECT_EQ(height_unit(keys), "ft");
-  keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9003, 4099, 0, 1, 9001};
-  EXPECT_EQ(height_unit(keys), "m");
-  keys.geotiff_keys = {1, 1, 0, 1, 3072, 0, 1, 2229};
-  EXPECT_EQ(height_unit(keys), "");
 }
 
 TEST(ColorKeyTest, notes_and_metadata_tell_range_and_map) {
@@ -398,95 +331,5 @@ TEST(ColorPoints, a_flat_picture_shows_the_colours_of_the_legend) {
 }
 
 /// A folder for files, gone with the test.
-class ColorFiles : public ::testing::Test {
- protected:
-  ColorFiles() : folder_(fs::path(::testing::TempDir()) / ("color_files_" + std::to_string(::getpid()))) {
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  ~ColorFiles() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
-
-/// Every attribute, with other values at every point.
-PointCloud rich_cloud() {
-  test::Random random("rich cloud");
-  std::vector<glm::dvec3> positions;
-  for (int i = 0; i < 5000; ++i)
-    positions.emplace_back(random.between(0, 50), random.between(0, 50), random.between(90, 110));
-  PointCloud cloud = test::make_cloud(positions, {glm::dvec3(0.001), glm::dvec3(0.0)});
-  std::vector<float> values;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    cloud.colors.emplace_back(random.below(65536), random.below(65536), random.below(65536));
-    cloud.near_infrared.push_back(static_cast<std::uint16_t>(random.below(65536)));
-    cloud.intensities.push_back(static_cast<std::uint16_t>(random.below(65536)));
-    cloud.classifications.push_back(static_cast<std::uint8_t>(random.below(256)));
-    const auto count = static_cast<std::uint8_t>(1 + random.below(5));
-    cloud.returns.push_back({static_cast<std::uint8_t>(1 + random.below(count)), count});
-    cloud.flags.push_back(static_cast<std::uint8_t>(random.below(256)));
-    cloud.scan_angles.push_back(static_cast<float>(0.006 * std::floor(random.between(-5000, 5000))));
-    cloud.user_data.push_back(static_cast<std::uint8_t>(random.below(256)));
-    cloud.point_source_ids.push_back(static_cast<std::uint16_t>(random.below(20)));
-    cloud.gps_times.push_back(i % 50 == 0 ? NAN : random.between(3e8, 3e8 + 100));
-    values.push_back(static_cast<float>(random.between(-40, 3)));
-  }
-  cloud.extra_dimensions = {extra<float>("Reflectance", ScalarType::float32, values)};
-  return cloud;
-}
-
-TEST_F(ColorFiles, an_index_file_gives_the_colours_of_the_las_it_was_made_of) {
-  write_las(folder_ / "site.las", rich_cloud());
-  const PointCloud read = read_cloud(folder_ / "site.las");
-  save_index(folder_ / "site.alidade", build(read), read);
-  for (const std::string word : {"automatic", "rgb", "intensity", "height", "classification", "normal",
-                                 "gps_time", "return_number", "number_of_returns", "near_infrared", "flags",
-                                 "scan_angle", "user_data", "point_source_id", "Reflectance"}) {
-    CloudSettings settings;
-    settings.color = coloring_by(word);
-    settings.files = {folder_ / "site.las"};
-    const LoadedCloud of_las = load_cloud(settings);
-    settings.files = {folder_ / "site.alidade"};
-    const LoadedCloud of_index = load_cloud(settings);
-    EXPECT_TRUE(std::ranges::equal(of_las.point_colors(), of_index.point_colors())) << word;
-    EXPECT_EQ(of_las.point_colors().size(), word == "normal" ? 0u : 5000u) << word;
-    EXPECT_EQ(scale_text(of_las.color), scale_text(of_index.color)) << word;
-    EXPECT_EQ(of_las.color.swatches.size(), of_index.color.swatches.size()) << word;
-    // Colours of the file are used where they lie.
-    const bool is_rgb = of_index.color.by == PointColor::rgb;
-    EXPECT_EQ(is_rgb, !of_index.mapped_colors.empty()) << word;
-    EXPECT_EQ(is_rgb || word == "normal", of_index.colors.empty()) << word;
-  }
-}
-
-TEST_F(ColorFiles, points_without_a_value_are_a_warning) {
-  write_las(folder_ / "site.las", rich_cloud());
-  CloudSettings settings;
-  settings.color = coloring_by("gps_time");
-  settings.files = {folder_ / "site.las"};
-  const LoadedCloud cloud = load_cloud(settings);
-  ASSERT_EQ(cloud.warnings.size(), 1u);
-  EXPECT_TRUE(cloud.warnings[0].ends_with("site.las: 100 of 5000 points have no gps_time: they are grey"));
-}
-
-TEST_F(ColorFiles, a_missing_attribute_is_told_before_points_are_read) {
-  write_las(folder_ / "site.las", column(3));
-  CloudSettings settings;
-  settings.color = coloring_by("rgb");
-  settings.files = {folder_ / "site.las"};
-  bool has_read = false;
-  try {
-    load_cloud(settings, [&](std::uint64_t, std::uint64_t) { return has_read = true; });
-    FAIL() << "no error";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.parts().problem, "points have no \"rgb\" to be coloured by");
-    EXPECT_EQ(error.parts().expected,
-              "one of height, normal, intensity, classification, gps_time, return_number, "
-              "number_of_returns, flags, scan_angle, user_data, point_source_id");
-  }
-  EXPECT_FALSE(has_read);
-  settings.color = coloring_by("Reflectance");
-  EXPECT_THROW(load_cloud(settings), Error);
-}
-
 }  // namespace
 }  // namespace alidade
