@@ -204,12 +204,15 @@ RenderOptions render_options(const LongRenderRequest& request, const OutputSetti
                        .interval = request.preview_interval};
   }
   if (!request.checkpoint.empty()) {
-    options.checkpoint = {
-        .file = request.checkpoint,
-        .interval = request.checkpoint_interval,
-        .resume = resume,
-        .picture = name_in_checkpoint(output.file),
-        .failed = [](const Error& error) { say_warning(std::string("no checkpoint: ") + error.what()); }};
+    options.checkpoint = {.file = request.checkpoint,
+                          .interval = request.checkpoint_interval,
+                          .resume = resume,
+                          .picture = name_in_checkpoint(output.file),
+                          // The next ones will probably fail like the first.
+                          .failed = [said = false](const Error& error) mutable {
+                            if (!said) say_warning(std::string("no checkpoint: ") + error.what());
+                            said = true;
+                          }};
   }
   return options;
 }
