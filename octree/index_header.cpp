@@ -11,6 +11,7 @@
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/point_cloud.h"
 #include "octree/error.h"
+#include "octree/header_fields.h"
 #include "octree/point_spacing.h"
 
 // Byte positions below are those of docs/index_file.md.
@@ -26,31 +27,6 @@ constexpr std::uint64_t k_most_points = 0xfffffffeu;
 constexpr std::uint32_t k_highest_level = 32;
 constexpr auto k_last_organisation = static_cast<std::uint32_t>(Organisation::layered);
 
-/// The header page of one file; looks fields up and complains about them.
-class Page {
- public:
-  Page(std::span<const std::byte> bytes, const std::string& file_name) : bytes_(bytes), file_(file_name) {}
-
-  template <class T>
-  T get(std::size_t place) const {
-    return load<T>(bytes_.data() + place);
-  }
-  template <class Found>
-  void require(bool holds, std::size_t place, std::string problem, std::string expected,
-               const Found& found) const {
-    if (holds) return;
-    throw Error({.file = file_,
-                 .place = fmt::format("byte {}", place),
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = fmt::format("{}", found)});
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-  const std::string& file_;
-};
-
 std::uint64_t page_checksum(std::span<const std::byte> page) {
   std::array<std::byte, k_index_page> copy;
   std::copy_n(page.begin(), copy.size(), copy.begin());
@@ -59,7 +35,7 @@ std::uint64_t page_checksum(std::span<const std::byte> page) {
 }
 
 /// What comes before all other fields may be trusted.
-void check_identity(std::span<const std::byte> file, const Page& page, const std::string& file_name) {
+void check_identity(std::span<const std::byte> file, const HeaderFields& page, const std::string& file_name) {
   if (!is_index_file(file))
     throw Error({.file = file_name, .place = "byte 0", .problem = "is not an index file of Alidade"});
   if (file.size() < k_index_page) {
@@ -89,7 +65,7 @@ void check_identity(std::span<const std::byte> file, const Page& page, const std
                fmt::format("{} bytes as the header says", page.get<std::uint64_t>(24)), file.size());
 }
 
-void read_lattice(const Page& page, TreeView& tree) {
+void read_lattice(const HeaderFields& page, TreeView& tree) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t scale_place = 72 + 8 * axis, offset_place = 96 + 8 * axis;
     const auto scale = page.get<double>(scale_place), offset = page.get<double>(offset_place);
@@ -103,7 +79,7 @@ void read_lattice(const Page& page, TreeView& tree) {
   }
 }
 
-void read_bounds(const Page& page, TreeView& tree) {
+void read_bounds(const HeaderFields& page, TreeView& tree) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t min_place = 136 + 8 * axis, max_place = 160 + 8 * axis;
     const auto min = page.get<double>(min_place), max = page.get<double>(max_place);
@@ -117,7 +93,7 @@ void read_bounds(const Page& page, TreeView& tree) {
   if (tree.point_count == 0) tree.bounds = {};
 }
 
-TreeView read_tree(const Page& page) {
+TreeView read_tree(const HeaderFields& page) {
   TreeView tree;
   const auto points = page.get<std::uint64_t>(40), nodes = page.get<std::uint64_t>(48);
   page.require(points <= k_most_points, 40, "too many points", fmt::format("at most {}", k_most_points),
@@ -179,7 +155,7 @@ std::optional<std::uint64_t> expected_bytes(const IndexHeader& header, IndexSect
   }
 }
 
-SectionEntry read_section(const Page& page, std::size_t number, const IndexHeader& header) {
+SectionEntry read_section(const HeaderFields& page, std::size_t number, const IndexHeader& header) {
   const std::size_t at = k_section_table + number * k_section_entry;
   const auto kind = page.get<std::uint32_t>(at);
   SectionEntry entry{static_cast<IndexSection>(kind), page.get<std::uint32_t>(at + 4),
@@ -206,7 +182,7 @@ SectionEntry read_section(const Page& page, std::size_t number, const IndexHeade
   return entry;
 }
 
-void check_sections(const Page& page, const IndexHeader& header) {
+void check_sections(const HeaderFields& page, const IndexHeader& header) {
   for (const IndexSection needed : {IndexSection::nodes, IndexSection::coordinates, IndexSection::metadata,
                                     IndexSection::record_data, IndexSection::checksums}) {
     page.require(header.find(needed) != nullptr, k_section_table,
@@ -235,7 +211,7 @@ bool is_index_file(std::span<const std::byte> start) {
 }
 
 IndexHeader read_index_header(std::span<const std::byte> file, const std::string& file_name) {
-  const Page page(file, file_name);
+  const HeaderFields page(file, file_name);
   check_identity(file, page, file_name);
   IndexHeader header;
   header.file_bytes = file.size();

@@ -8,6 +8,7 @@
 
 #include "octree/checksum.h"
 #include "octree/cloud/byte_order.h"
+#include "octree/header_fields.h"
 
 namespace alidade {
 namespace {
@@ -15,30 +16,6 @@ namespace {
 constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'};
 constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
 constexpr std::size_t k_fixed_bytes = 80, k_checksum_place = 24, k_lengths = 8;
-
-class Reader {
- public:
-  Reader(std::span<const std::byte> bytes, const std::string& file) : bytes_(bytes), file_(file) {}
-
-  template <class T>
-  T get(std::size_t place) const {
-    return load<T>(bytes_.data() + place);
-  }
-  template <class Found>
-  void require(bool holds, std::size_t place, std::string problem, std::string expected,
-               const Found& found) const {
-    if (holds) return;
-    throw Error({.file = file_,
-                 .place = fmt::format("byte {}", place),
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = fmt::format("{}", found)});
-  }
-
- private:
-  std::span<const std::byte> bytes_;
-  const std::string& file_;
-};
 
 std::uint64_t head_checksum(std::vector<std::byte> head) {
   store<std::uint64_t>(head.data() + k_checksum_place, 0);
@@ -113,7 +90,7 @@ CheckpointHead read_checkpoint_head(InputFile& file) {
     throw Error({.file = file.name(), .place = "byte 0", .problem = "is not a checkpoint of Alidade"});
   file.read_at(0, bytes);
   {
-    const Reader fixed(bytes, file.name());
+    const HeaderFields fixed(bytes, file.name());
     const auto order = fixed.get<std::uint32_t>(8);
     fixed.require(order != k_other_byte_order, 8, "comes from a machine of another byte order",
                   "little endian", "big endian");
@@ -131,7 +108,7 @@ CheckpointHead read_checkpoint_head(InputFile& file) {
     bytes.resize(k_fixed_bytes + identity_bytes);
   }
   file.read_at(k_fixed_bytes, std::span(bytes).subspan(k_fixed_bytes));
-  const Reader reader(bytes, file.name());
+  const HeaderFields reader(bytes, file.name());
   const std::uint64_t sum = head_checksum(bytes);
   reader.require(reader.get<std::uint64_t>(k_checksum_place) == sum, k_checksum_place,
                  "is damaged: the head has another checksum",
