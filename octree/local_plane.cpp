@@ -32,7 +32,8 @@ Eigen eigen(glm::dmat3 a) {
   Eigen result;
   for (int sweep = 0; sweep < 8; ++sweep) {
     for (const auto& [p, q] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)}) {
-      if (a[p][q] == 0.0) continue;
+      // So small that no further rotation shows in the normal.
+      if (a[p][q] * a[p][q] <= 1e-24 * std::fabs(a[p][p] * a[q][q])) continue;
       const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
       if (!std::isfinite(theta)) continue;
       const double t = std::copysign(1.0, theta) / (std::fabs(theta) + std::sqrt(theta * theta + 1.0));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// render_bench CLOUD CAMERA.json [SAMPLES]: renders the cloud as `alidade render --cloud CLOUD --camera
-// CAMERA.json
-// --size 600x400` does, and asks the rays of that picture again, in the same batches: the bare octree, and
-// Embree. Prints rows of a table in Markdown.
+// render_bench CLOUD CAMERA.json [SAMPLES [sphere|smooth]]: renders the cloud as `alidade render --cloud
+// CLOUD
+// --camera CAMERA.json --size 600x400` does, and asks the rays of that picture again, in the same batches:
+// the bare octree, and Embree. Prints rows of a table in Markdown.
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <mutex>
+#include <string_view>
 
 #include "octree/tree_walk.h"
 #include "renderer/camera.h"
@@ -104,10 +105,10 @@ void row(const char* what, double rays, double seconds, double render_seconds, d
               1e-6 * rays / seconds, render_seconds / seconds, met / rays);
 }
 
-int run(const char* cloud_file, const char* camera_file, int samples) {
+int run(const char* cloud_file, const char* camera_file, int samples, NormalMode normals) {
   Scene scene;
   scene.cloud.emplace().files = {cloud_file};
-  scene.cloud->normals = NormalMode::smooth;
+  scene.cloud->normals = normals;
   scene.sky = GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
   scene.sun = Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
   scene.camera = resized(read_camera(camera_file), 600, 400);
@@ -153,12 +154,14 @@ int run(const char* cloud_file, const char* camera_file, int samples) {
 }  // namespace alidade
 
 int main(int count, char** arguments) {
-  if (count != 3 && count != 4) {
-    std::fprintf(stderr, "usage: render_bench CLOUD CAMERA.json [SAMPLES]\n");
+  if (count < 3 || count > 5) {
+    std::fprintf(stderr, "usage: render_bench CLOUD CAMERA.json [SAMPLES [sphere|smooth]]\n");
     return 2;
   }
   try {
-    return alidade::run(arguments[1], arguments[2], count == 4 ? std::atoi(arguments[3]) : 4);
+    const bool sphere = count == 5 && std::string_view(arguments[4]) == "sphere";
+    return alidade::run(arguments[1], arguments[2], count >= 4 ? std::atoi(arguments[3]) : 4,
+                        sphere ? alidade::NormalMode::sphere : alidade::NormalMode::smooth);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "render_bench: %s\n", error.what());
     return 2;
