@@ -48,7 +48,7 @@ Ecliptic earth_of_date(double julian_ephemeris_day) {
 
 /// From the Earth's centre to the observer, metres: x on the equator below the observer's meridian, y east, z
 /// north.
-glm::dvec3 place_of(const Observer& observer) {
+glm::dvec3 place_of(const SunObserver& observer) {
   constexpr double k_equatorial_radius = 6378137.0, k_flattening = 1.0 / 298.257223563;
   constexpr double k_eccentricity_sq = k_flattening * (2.0 - k_flattening);
   const double sine = std::sin(observer.latitude * k_degree), cosine = std::cos(observer.latitude * k_degree);
@@ -59,7 +59,7 @@ glm::dvec3 place_of(const Observer& observer) {
 
 /// How much higher than it is the air shows what stands at this elevation, degrees. Source: NREL's algorithm,
 /// equation 42, after Saemundsson 1986.
-double refraction(double elevation, const Observer& observer) {
+double refraction(double elevation, const SunObserver& observer) {
   // Half the sun's disc and the refraction at the horizon.
   constexpr double k_upper_limb_sets = -(0.26667 + 0.5667);
   if (elevation < k_upper_limb_sets) return 0.0;
@@ -83,7 +83,7 @@ double value_of(const YearPolynomial& polynomial, double year) {
 
 }  // namespace
 
-SunPosition sun_position(const Moment& moment, const Observer& observer,
+SunPosition sun_position(const Moment& moment, const SunObserver& observer,
                          std::optional<double> terrestrial_minus_universal) {
   const double universal = julian_day(moment);
   const double ephemeris =

@@ -8,7 +8,7 @@
 namespace alidade {
 
 /// Where on Earth one stands, and the air there.
-struct Observer {
+struct SunObserver {
   double latitude = 0.0;      ///< degrees north, [-90, 90]
   double longitude = 0.0;     ///< degrees east
   double height = 0.0;        ///< metres above the ellipsoid; heights above the sea do as well
@@ -31,7 +31,7 @@ struct SunPosition {
 /// parallax from the observer's place on the WGS 84 ellipsoid; refraction as in NREL's algorithm, none where
 /// the upper limb is below the horizon. `terrestrial_minus_universal`: seconds; delta_t() of the year if
 /// empty. Not from several threads at once: libnova remembers its last answers.
-SunPosition sun_position(const Moment& moment, const Observer& observer,
+SunPosition sun_position(const Moment& moment, const SunObserver& observer,
                          std::optional<double> terrestrial_minus_universal = {});
 
 /// Terrestrial minus universal time, seconds, for a year like 2003.8. Source: Espenak and Meeus, Five

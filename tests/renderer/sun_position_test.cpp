@@ -14,17 +14,17 @@
 namespace alidade {
 namespace {
 
-SunPosition at(const char* date_time, const Observer& observer) {
+SunPosition at(const char* date_time, const SunObserver& observer) {
   return sun_position(parse_date_time(date_time), observer);
 }
 
 /// Without air, to compare with geometry.
-Observer observer(double latitude, double longitude) {
+SunObserver observer(double latitude, double longitude) {
   return {.latitude = latitude, .longitude = longitude, .pressure = 0.0};
 }
 
 /// The highest the sun stands on a day of UTC, to the minute.
-SunPosition highest(const char* day, const Observer& place) {
+SunPosition highest(const char* day, const SunObserver& place) {
   Moment moment = parse_date_time(std::string(day) + "T00:00Z");
   SunPosition best{.elevation = -91.0};
   for (; moment.seconds < 86400.0; moment.seconds += 60.0) {
@@ -37,11 +37,11 @@ SunPosition highest(const char* day, const Observer& place) {
 TEST(SunPosition, is_that_of_the_published_example) {
   // Reda and Andreas 2003, appendix A.5: azimuth 194.340241, zenith 50.111622, elevation without refraction
   // 39.872046.
-  const Observer golden{.latitude = 39.742476,
-                        .longitude = -105.1786,
-                        .height = 1830.14,
-                        .pressure = 820.0,
-                        .temperature = 11.0};
+  const SunObserver golden{.latitude = 39.742476,
+                           .longitude = -105.1786,
+                           .height = 1830.14,
+                           .pressure = 820.0,
+                           .temperature = 11.0};
   const SunPosition position = sun_position(parse_date_time("2003-10-17T12:30:30-07:00"), golden, 67.0);
   EXPECT_NEAR(position.azimuth, 194.340241, 1e-4);
   EXPECT_NEAR(90.0 - position.elevation, 50.111622, 1e-4);
@@ -77,7 +77,7 @@ TEST(SunPosition, is_farthest_from_the_equator_at_the_published_solstices) {
     Moment before = parse_date_time(solstice), after = before;
     before.day -= std::chrono::days(20);
     after.day += std::chrono::days(20);
-    const Observer pole = observer(90, 0);
+    const SunObserver pole = observer(90, 0);
     EXPECT_LT(sun_position(before, pole).elevation, declination(solstice) - 1.0);
     EXPECT_LT(sun_position(after, pole).elevation, declination(solstice) - 1.0);
   }
@@ -103,7 +103,7 @@ TEST(SunPosition, at_noon_is_in_the_south_north_of_the_tropics_and_in_the_north_
 
 TEST(SunPosition, does_not_rise_in_the_polar_night_nor_set_at_midsummer) {
   // Longyearbyen.
-  const Observer svalbard{.latitude = 78.22, .longitude = 15.63};
+  const SunObserver svalbard{.latitude = 78.22, .longitude = 15.63};
   EXPECT_LT(highest("2024-12-21", svalbard).elevation, -11.0);
   Moment moment = parse_date_time("2024-06-20T00:00Z");
   for (; moment.seconds < 86400.0; moment.seconds += 600.0)
@@ -112,7 +112,7 @@ TEST(SunPosition, does_not_rise_in_the_polar_night_nor_set_at_midsummer) {
 
 TEST(SunPosition, air_lifts_the_setting_sun_by_its_own_size) {
   // At the horizon refraction is 34 arc minutes (0.567 degrees) in standard air; overhead there is none.
-  Observer place{.latitude = 0.0, .longitude = 0.0, .pressure = 1010.0, .temperature = 10.0};
+  SunObserver place{.latitude = 0.0, .longitude = 0.0, .pressure = 1010.0, .temperature = 10.0};
   Moment moment = parse_date_time("2024-03-20T17:00Z");
   SunPosition sunset;
   for (; moment.seconds < 86400.0; moment.seconds += 1.0) {
