@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/ground_place.h"
 
-#include <cpl_error.h>
 #include <ogr_srs_api.h>
 
 #include <algorithm>
@@ -10,19 +9,11 @@
 #include <numbers>
 #include <string>
 
+#include "renderer/gdal_handles.h"
 #include "renderer/image_geotiff.h"
 
 namespace alidade {
 namespace {
-
-/// GDAL says nothing by itself while this lives.
-class QuietErrors {
- public:
-  QuietErrors() { CPLPushErrorHandler(CPLQuietErrorHandler); }
-  ~QuietErrors() { CPLPopErrorHandler(); }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-};
 
 struct Release {
   void operator()(void* reference) const { OSRRelease(reference); }
@@ -50,7 +41,7 @@ std::optional<GroundPlace> ground_place(const Crs& crs, const glm::dvec2& place)
   constexpr double k_step = 1e-4;
   const std::string wkt = wkt_of(crs);
   if (wkt.empty()) return {};
-  const QuietErrors quiet;
+  const QuietGdal quiet;
   const Reference map(OSRNewSpatialReference(nullptr)), globe(OSRNewSpatialReference(nullptr));
   char* text = const_cast<char*>(wkt.c_str());
   if (OSRImportFromWkt(map.get(), &text) != OGRERR_NONE) return {};

@@ -18,55 +18,18 @@
 
 #include "octree/error.h"
 #include "renderer/camera/ground_transform.h"
+#include "renderer/gdal_handles.h"
 #include "renderer/image_display.h"
 #include "renderer/image_metadata.h"
 
 namespace alidade {
 namespace {
 
-/// GDAL says nothing by itself while this lives; what it would have said is kept.
-class QuietGdal {
- public:
-  QuietGdal() {
-    CPLPushErrorHandler(CPLQuietErrorHandler);
-    CPLErrorReset();
-    GDALRegister_GTiff();
-  }
-  ~QuietGdal() { CPLPopErrorHandler(); }
-  QuietGdal(const QuietGdal&) = delete;
-  QuietGdal& operator=(const QuietGdal&) = delete;
-};
-
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
   const std::string said = CPLGetLastErrorMsg();
   throw Error(
       {.file = file.string(), .problem = fmt::format("GeoTIFF cannot be written: {}", what), .found = said});
 }
-
-/// A file in memory under a name of its own that is gone with this object.
-class MemoryFile {
- public:
-  MemoryFile() : name_(fmt::format("/vsimem/alidade_{}.tif", static_cast<const void*>(this))) {}
-  ~MemoryFile() { VSIUnlink(name_.c_str()); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  const char* name() const { return name_.c_str(); }
-  std::span<const std::byte> bytes() const {
-    vsi_l_offset size = 0;
-    const GByte* const data = VSIGetMemFileBuffer(name_.c_str(), &size, FALSE);
-    if (data == nullptr) return {};
-    return std::as_bytes(std::span(data, static_cast<std::size_t>(size)));
-  }
-
- private:
-  std::string name_;
-};
-
-struct CloseDataset {
-  void operator()(void* dataset) const { GDALClose(dataset); }
-};
-using Dataset = std::unique_ptr<void, CloseDataset>;
 
 /// Appends values of a TIFF file, little endian.
 class TiffBytes {
@@ -155,10 +118,11 @@ std::string wkt_of(const Crs& crs) {
   if (!crs.wkt.empty() || crs.geotiff_keys.empty()) return crs.wkt;
   if (crs.geotiff_keys.size() > k_most_keys || crs.geotiff_doubles.size() > k_most_keys) return "";
   const QuietGdal quiet;
-  const MemoryFile file;
+  GDALRegister_GTiff();
+  const GdalMemoryFile file;
   std::vector<std::byte> bytes = tiff_with_keys(crs);
   VSIFCloseL(VSIFileFromMemBuffer(file.name(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
-  const Dataset dataset(GDALOpen(file.name(), GA_ReadOnly));
+  const GdalDataset dataset(GDALOpen(file.name(), GA_ReadOnly));
   if (!dataset) return "";
   const char* const wkt = GDALGetProjectionRef(dataset.get());
   return wkt != nullptr ? wkt : "";
@@ -169,14 +133,15 @@ void write_geotiff(const Film& film, const OutputSettings& output, const ImageMe
   std::array<double, 6> transform = ground_transform(metadata.camera);
   const std::string wkt = wkt_of(metadata.crs);
   const QuietGdal quiet;
-  const MemoryFile memory;
+  GDALRegister_GTiff();
+  const GdalMemoryFile memory;
   const GDALDriverH driver = GDALGetDriverByName("GTiff");
   if (driver == nullptr) fail(output.file, "GDAL lacks its GTiff driver");
   char** options = nullptr;
   for (const char* const option : {"COMPRESS=DEFLATE", "PREDICTOR=2", "TILED=YES", "PHOTOMETRIC=RGB",
                                    "ALPHA=UNASSOCIATED", "BIGTIFF=IF_SAFER", "NUM_THREADS=1"})
     options = CSLAddString(options, option);
-  Dataset dataset(GDALCreate(driver, memory.name(), film.width, film.height, 4, GDT_Byte, options));
+  GdalDataset dataset(GDALCreate(driver, memory.name(), film.width, film.height, 4, GDT_Byte, options));
   CSLDestroy(options);
   if (!dataset) fail(output.file, "it cannot be created");
   if (GDALSetGeoTransform(dataset.get(), transform.data()) != CE_None)

@@ -3,10 +3,7 @@
 
 #include <algorithm>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
-#include "renderer/image.h"
-#include "renderer/image_rows.h"
+#include "renderer/legend/canvas_png.h"
 #include "renderer/legend/find_font.h"
 
 namespace alidade {
@@ -54,21 +51,9 @@ Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& 
 
 void write_legend(const ColorKey& key, const std::filesystem::path& file,
                   const std::optional<glm::ivec2>& size, bool overwrite) {
-  if (image_format(file) != ImageFormat::png) {
-    throw Error({.file = file.string(),
-                 .problem = "legends are written as PNG",
-                 .expected = "a name ending in .png"});
-  }
   const Font font(find_font());
   const Canvas canvas = draw_legend(key, lay_out_legend(key, font, size), font);
-  OutputFile output(file, overwrite);
-  OIIO::ImageSpec spec(canvas.width(), canvas.height(), 3, OIIO::TypeUInt8);
-  spec.attribute("oiio:ColorSpace", "sRGB");
-  write_rows("png", file, output, spec, [&](int y, std::span<std::byte> row) {
-    const auto pixels = std::as_bytes(std::span(canvas.bytes()));
-    std::ranges::copy(pixels.subspan(static_cast<std::size_t>(y) * row.size(), row.size()), row.begin());
-  });
-  output.commit();
+  write_png(canvas, file, overwrite);
 }
 
 }  // namespace alidade
