@@ -21,6 +21,7 @@ using Run = std::function<ExitCode()>;
 struct Command {
   CLI::App* options;  ///< owned by the program
   Run run;
+  std::vector<Command> parts{};  ///< of a group of commands: those of which one must follow its name
 };
 
 /// The words the program was started with, as they go into the metadata of what it writes.
@@ -31,5 +32,9 @@ Command add_generate(CLI::App& program);
 Command add_index(CLI::App& program);
 Command add_query(CLI::App& program);
 Command add_render(CLI::App& program, const CommandLine& command_line);
+Command add_visibility(CLI::App& program, const CommandLine& command_line);
+
+/// Runs the one of these commands that was chosen.
+ExitCode run_chosen(const std::vector<Command>& commands);
 
 }  // namespace alidade

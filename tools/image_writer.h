@@ -9,10 +9,8 @@
 #include "renderer/place_sun.h"
 #include "renderer/sky_image.h"
 
-// Image formats come through OpenImageIO, which brings some 250 libraries: loading them takes longer, and
-// more memory, than all the work of most commands. So they stand in a module beside the program, and only who
-// writes a picture loads it. What else needs such libraries stands there, too: reading the picture of a sky,
-// and the reference systems (GDAL) that a sun by date and place is turned with.
+// What the program has the module do for it (load_module.h): writing pictures and legends, reading the
+// picture of a sky, and the reference systems (GDAL) that a sun by date and place is turned with.
 
 namespace alidade {
 
@@ -20,8 +18,7 @@ namespace alidade {
 using ImageWriter = void (*)(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                              bool overwrite);
 
-/// Loads the module, which stays loaded. Errors: it is not where the program was built or installed, or it
-/// lacks a library.
+/// Errors, here and below: those of load_module_function().
 ImageWriter load_image_writer();
 
 /// write_legend() of renderer/legend/legend.h.
@@ -31,11 +28,11 @@ using LegendWriter = void (*)(const ColorKey& key, const std::filesystem::path& 
 /// The same for legends.
 LegendWriter load_legend_writer();
 
-/// read_sky_image() of renderer/read_sky_image.h, into `pixels`. Errors: as load_image_writer.
+/// read_sky_image() of renderer/read_sky_image.h, into `pixels`.
 using SkyImageReader = void (*)(const std::filesystem::path& file, SkyPixels& pixels);
 SkyImageReader load_sky_image_reader();
 
-/// place_sun() and describe() of renderer/place_sun.h. Errors: as load_image_writer.
+/// place_sun() and describe() of renderer/place_sun.h.
 using SunPlacer = void (*)(const SunByTime& by_time, const std::optional<SceneMap>& map, PlacedSun& placed,
                            std::string& description);
 SunPlacer load_sun_placer();

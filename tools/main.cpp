@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <new>
+#include <span>
 
 #include "octree/error.h"
 #include "renderer/json_reader.h"
@@ -21,22 +22,29 @@ std::string unknown(const std::string& kind, const std::string& word, const std:
          (nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
 }
 
-/// Explains a misspelt command or option better than the parser can; empty if there is none.
-std::string explain_unknown_word(const CommandLine& words, const std::vector<Command>& commands) {
-  if (words.size() < 2 || words[1].starts_with("-")) return {};
-  std::vector<std::string> command_names;
-  const CLI::App* chosen = nullptr;
-  for (const Command& command : commands) {
-    command_names.push_back(command.options->get_name());
-    if (command_names.back() == words[1]) chosen = command.options;
+const Command* find_command(const std::vector<Command>& commands, const std::string& name) {
+  const auto found = std::ranges::find_if(
+      commands, [&](const Command& command) { return command.options->get_name() == name; });
+  return found == commands.end() ? nullptr : &*found;
+}
+
+/// Explains a misspelt command or option better than the parser can; empty if there is none. `words` are
+/// those where one of `commands` is expected.
+std::string explain_unknown_word(std::span<const std::string> words, const std::vector<Command>& commands) {
+  if (words.empty() || words[0].starts_with("-")) return {};
+  const Command* const chosen = find_command(commands, words[0]);
+  if (chosen == nullptr) {
+    std::vector<std::string> command_names;
+    for (const Command& command : commands) command_names.push_back(command.options->get_name());
+    return unknown("command", words[0], command_names);
   }
-  if (chosen == nullptr) return unknown("command", words[1], command_names);
+  if (!chosen->parts.empty()) return explain_unknown_word(words.subspan(1), chosen->parts);
 
   std::vector<std::string> option_names;
-  for (const CLI::Option* option : chosen->get_options()) {
+  for (const CLI::Option* option : chosen->options->get_options()) {
     for (const std::string& name : option->get_lnames()) option_names.push_back("--" + name);
   }
-  for (std::size_t i = 2; i < words.size() && words[i] != "--"; ++i) {
+  for (std::size_t i = 1; i < words.size() && words[i] != "--"; ++i) {
     const std::string option = words[i].substr(0, words[i].find('='));
     if (!option.starts_with("--")) continue;
     if (std::find(option_names.begin(), option_names.end(), option) == option_names.end()) {
@@ -47,18 +55,26 @@ std::string explain_unknown_word(const CommandLine& words, const std::vector<Com
   return {};
 }
 
-ExitCode say_usage_error(const std::string& text, const CommandLine& words,
-                         const std::vector<Command>& commands) {
-  std::string manual = "alidade --help";
-  for (const Command& command : commands) {
-    const std::string name = command.options->get_name();
-    if (words.size() > 1 && words[1] == name) manual = "alidade " + name + " --help";
+/// The command whose manual explains these words: "alidade query".
+std::string manual_of(std::span<const std::string> words, const std::vector<Command>& commands) {
+  std::string manual = "alidade";
+  const std::vector<Command>* known = &commands;
+  for (const std::string& word : words) {
+    const Command* const command = find_command(*known, word);
+    if (command == nullptr) break;
+    manual += " " + word;
+    known = &command->parts;
   }
-  say_error(text + "; see '" + manual + "'");
+  return manual;
+}
+
+ExitCode say_usage_error(const std::string& text, std::span<const std::string> words,
+                         const std::vector<Command>& commands) {
+  say_error(fmt::format("{}; see '{} --help'", text, manual_of(words, commands)));
   return ExitCode::failed;
 }
 
-ExitCode run(const CommandLine& words) {
+ExitCode run(const CommandLine& command_line) {
   CLI::App program("Alidade: ray queries on raw point clouds, and path-traced pictures of them.", "alidade");
   program.require_subcommand(1);
   program.set_version_flag("--version", ALIDADE_VERSION);
@@ -73,14 +89,20 @@ ExitCode run(const CommandLine& words) {
       "Exit codes: 0 done, 1 the answer is no, 2 anything wrong, 130 interrupted.\n"
       "ALIDADE_INSTRUCTION_SET=scalar (or another set of the machine) chooses how queries are computed; "
       "answers are the same.\n");
-  const std::vector<Command> commands = {add_info(program), add_generate(program), add_index(program),
-                                         add_query(program), add_render(program, words)};
+  const std::vector<Command> commands = {add_info(program),
+                                         add_generate(program),
+                                         add_index(program),
+                                         add_query(program),
+                                         add_render(program, command_line),
+                                         add_visibility(program, command_line)};
+  // Behind the program's name.
+  const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
 
   const std::string explanation = explain_unknown_word(words, commands);
   if (!explanation.empty()) return say_usage_error(explanation, words, commands);
   try {
-    // The parser takes the words after the program's name, last one first.
-    program.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1));
+    // The parser takes the words last one first.
+    program.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::CallForHelp&) {
     write_to_stdout(program.help());
     return ExitCode::done;
@@ -90,12 +112,16 @@ ExitCode run(const CommandLine& words) {
   } catch (const CLI::ParseError& error) {
     return say_usage_error(error.what(), words, commands);
   }
-  const auto chosen = std::find_if(commands.begin(), commands.end(),
-                                   [](const Command& command) { return command.options->parsed(); });
-  return chosen->run();
+  return run_chosen(commands);
 }
 
 }  // namespace
+
+ExitCode run_chosen(const std::vector<Command>& commands) {
+  return std::ranges::find_if(commands, [](const Command& command) { return command.options->parsed(); })
+      ->run();
+}
+
 }  // namespace alidade
 
 int main(int argument_count, char** arguments) {

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: MIT
+#include "tools/command.h"
+
+namespace alidade {
+
+Command add_visibility(CLI::App& program, const CommandLine&) {
+  CLI::App* const visibility =
+      program.add_subcommand("visibility", "Find what is seen from where, on the cloud itself");
+  visibility->require_subcommand(1);
+  visibility->footer("'alidade visibility COMMAND --help' is the manual of a command.\n");
+  std::vector<Command> parts = {};
+  // Shown once there is something to show.
+  if (parts.empty()) visibility->group("");
+  return {visibility, [parts] { return run_chosen(parts); }, parts};
+}
+
+}  // namespace alidade

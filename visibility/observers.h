@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace alidade {
+
+/// Who looks, from where, and which way.
+struct Observer {
+  /// The eye, world coordinates: its height above the ground or the mast's foot is in z already.
+  glm::dvec3 position{0.0};
+  /// How far the eye is above its foot, metres; the foot is at position.z - height.
+  double height = 0.0;
+  std::string name;  ///< never empty: "observer 3" if nobody gave one
+  /// Field of view, degrees, limits inclusive. Azimuth clockwise from north (+y), from the first limit to the
+  /// second: 350 to 10 looks north. A range of 360 or more is all round. Elevation up from the horizontal.
+  double azimuth_min = 0.0, azimuth_max = 360.0;
+  double elevation_min = -90.0, elevation_max = 90.0;
+  /// Nothing farther is seen; metres along the line of sight, inclusive.
+  double max_distance = std::numeric_limits<double>::infinity();
+};
+
+/// The field of view of an observer, to be asked for many directions. The same answers on every machine.
+class FieldOfView {
+ public:
+  explicit FieldOfView(const Observer& observer);
+
+  /// Whether the direction `offset` (target minus eye, of any length) lies inside. Straight up and down have
+  /// every azimuth; a zero offset is inside.
+  bool contains(const glm::dvec3& offset) const;
+
+  /// Whether everything is.
+  bool is_everything() const { return all_azimuths_ && all_elevations_; }
+
+ private:
+  bool all_azimuths_ = true, all_elevations_ = true;
+  bool is_wide_ = false;                       ///< more than half round
+  glm::dvec2 from_{0.0, 1.0}, to_{0.0, 1.0};   ///< directions of the azimuth limits
+  glm::dvec2 low_{1.0, 0.0}, high_{1.0, 0.0};  ///< cosine and sine of the elevation limits
+};
+
+/// An observer as somebody wrote it: what was not said is empty.
+struct GivenObserver {
+  std::string source;  ///< where it was written, for messages: "observers.csv:3"
+  std::string name{};
+  glm::dvec2 place{0.0};
+  std::optional<double> z{};  ///< of the foot; empty: the ground
+  std::optional<double> height{}, azimuth_min{}, azimuth_max{}, elevation_min{}, elevation_max{},
+      max_distance{};
+};
+
+/// What holds for observers that do not say it themselves.
+struct ObserverDefaults {
+  /// Height of the eye above the foot; empty: 0 for an observer with a z, k_usual_height above the ground.
+  std::optional<double> height{};
+  double azimuth_min = 0.0, azimuth_max = 360.0, elevation_min = -90.0, elevation_max = 90.0;
+  double max_distance = std::numeric_limits<double>::infinity();
+};
+
+/// The observer height of gdal_viewshed (-oz), metres.
+constexpr double k_usual_observer_height = 2.0;
+
+/// Height of the ground below a place; empty where there is none.
+using GroundHeight = std::function<std::optional<double>(const glm::dvec2& place)>;
+
+/// Reads "X,Y,Z" or "X,Y". Errors: anything else, numbers that are not finite.
+GivenObserver parse_observer(const std::string& text);
+
+/// Gives every observer its place: z as given or that of the ground, plus the height; what is empty comes
+/// from `defaults`. Nameless ones are called "observer N", from 1. `ground` is asked only for those without
+/// z. Errors, naming the source: a number that is not finite (max_distance may be infinite), a height or
+/// distance below 0, elevations outside [-90, 90] or upside down, azimuths outside [-360, 720], equal, or
+/// going backwards by a turn or more; no ground below an observer without z.
+std::vector<Observer> place_observers(std::span<const GivenObserver> given, const ObserverDefaults& defaults,
+                                      const GroundHeight& ground);
+
+}  // namespace alidade
