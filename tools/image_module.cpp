@@ -2,8 +2,9 @@
 #include "renderer/place_sun.h"
 #include "renderer/read_sky_image.h"
 #include "tools/image_writer.h"
+#include "visibility/raster_file.h"
 
-// The module that load_image_writer() and its neighbours load.
+// The module that load_module_function() loads.
 
 extern "C" void alidade_write_image(const alidade::Film& film, const alidade::OutputSettings& output,
                                     const alidade::ImageMetadata& metadata, bool overwrite) {
@@ -24,4 +25,9 @@ extern "C" void alidade_place_sun(const alidade::SunByTime& by_time,
                                   std::string& description) {
   placed = alidade::place_sun(by_time, map);
   description = alidade::describe(by_time, placed);
+}
+
+extern "C" void alidade_write_raster(const std::filesystem::path& file,
+                                     const alidade::RasterContents& contents, bool overwrite) {
+  alidade::write_raster(file, contents, overwrite);
 }

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/ground.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <vector>
+
+#include "octree/build.h"
+#include "octree/error.h"
+#include "tests/support/random.h"
+#include "visibility/fill_gaps.h"
+
+namespace alidade::test {
+namespace {
+
+using Height = std::function<double(double x, double y)>;
+
+double plane(double x, double y) {
+  return 500.0 + 0.3 * x - 0.2 * y;
+}
+
+/// Points spread over [0, side] x [0, side], far from the origin as maps are.
+constexpr double k_east = 690000.0, k_north = 5325000.0;
+
+class Site {
+ public:
+  Site() { cloud_.lattice = {glm::dvec3(0.0001), {k_east, k_north, 500.0}}; }
+
+  void add(double x, double y, double z, std::uint8_t point_class) {
+    cloud_.positions.push_back(*to_lattice(cloud_.lattice, {k_east + x, k_north + y, z}));
+    cloud_.classifications.push_back(point_class);
+  }
+  void scatter(int count, double side, const Height& height, std::uint8_t point_class) {
+    for (int i = 0; i < count; ++i) {
+      const double x = random_.between(0, side), y = random_.between(0, side);
+      add(x, y, height(x, y), point_class);
+    }
+  }
+  Ground ground(const GroundOptions& options = {}) const {
+    return make_ground(build(cloud_), cloud_.classifications, options);
+  }
+
+ private:
+  PointCloud cloud_;
+  Random random_;
+};
+
+double at(const Ground& ground, double x, double y) {
+  return ground.at({k_east + x, k_north + y}).value_or(std::numeric_limits<double>::quiet_NaN());
+}
+
+TEST(GroundTest, points_of_class_2_are_the_ground_if_there_are_any) {
+  Site site;
+  site.scatter(4000, 40, plane, 2);
+  site.scatter(
+      4000, 40, [](double x, double y) { return plane(x, y) + 12.0; }, 5);
+  const Ground ground = site.ground();
+  EXPECT_EQ(ground.source(), GroundSource::classified);
+  for (double x = 3; x < 38; x += 3.7) EXPECT_NEAR(at(ground, x, 41 - x), plane(x, 41 - x), 0.01);
+}
+
+TEST(GroundTest, planes_are_exact_where_cells_have_points) {
+  Site site;
+  site.scatter(20000, 40, plane, 2);
+  const Ground ground = site.ground({.cell_size = 1.0});
+  for (double x = 3; x < 38; x += 3.7) EXPECT_NEAR(at(ground, x, 41 - x), plane(x, 41 - x), 0.001);
+}
+
+TEST(GroundTest, lowest_points_are_the_ground_below_trees) {
+  Site site;
+  site.scatter(
+      8000, 40, [](double x, double y) { return plane(x, y) + 12.0; }, 0);
+  site.scatter(8000, 40, plane, 0);
+  const Ground ground = site.ground();
+  EXPECT_EQ(ground.source(), GroundSource::lowest);
+  for (double x = 3; x < 38; x += 3.7) EXPECT_NEAR(at(ground, x, 41 - x), plane(x, 41 - x), 0.05);
+}
+
+TEST(GroundTest, a_lone_echo_far_below_does_not_count) {
+  Site site;
+  site.scatter(8000, 40, plane, 0);
+  site.add(20, 20, 480, 0);
+  EXPECT_NEAR(at(site.ground(), 20, 20), plane(20, 20), 0.1);
+}
+
+TEST(GroundTest, the_foot_of_a_cliff_does_count) {
+  const auto cliff = [](double x, double) { return x < 20 ? 500.0 : 530.0; };
+  Site site;
+  site.scatter(20000, 40, cliff, 0);
+  const Ground ground = site.ground();
+  EXPECT_NEAR(at(ground, 17, 20), 500.0, 0.01);
+  EXPECT_NEAR(at(ground, 23, 20), 530.0, 0.01);
+}
+
+TEST(GroundTest, gaps_below_roofs_are_closed_by_what_is_around) {
+  const auto in_house = [](double x, double y) { return x > 10 && x < 30 && y > 10 && y < 30; };
+  Site site;
+  Random random;
+  for (int i = 0; i < 20000; ++i) {
+    const double x = random.between(0, 40), y = random.between(0, 40);
+    site.add(x, y, in_house(x, y) ? 520.0 : plane(x, y), in_house(x, y) ? 6 : 2);
+  }
+  const Ground ground = site.ground();
+  EXPECT_NEAR(at(ground, 20, 20), plane(20, 20), 0.15);
+  EXPECT_NEAR(at(ground, 12, 28), plane(12, 28), 0.1);
+  EXPECT_LT(ground.measured_cells(), ground.heights().grid.size());
+}
+
+TEST(GroundTest, there_is_no_ground_beyond_the_reach_of_the_cloud) {
+  Site site;
+  site.scatter(4000, 10, plane, 2);
+  site.add(100, 100, 500, 2);
+  const Ground ground = site.ground({.reach = 5.0});
+  EXPECT_FALSE(std::isnan(at(ground, 14, 5)));
+  EXPECT_TRUE(std::isnan(at(ground, 50, 50)));
+  EXPECT_FALSE(ground.at({k_east - 20, k_north}));
+}
+
+TEST(GroundTest, bad_wishes_are_errors) {
+  Site site;
+  EXPECT_THROW(site.ground(), Error);
+  site.scatter(100, 10, plane, 0);
+  EXPECT_THROW(site.ground({.source = GroundSource::classified}), Error);
+  EXPECT_THROW(site.ground({.cell_size = 0.0}), Error);
+  EXPECT_THROW(site.ground({.cell_size = 1e-6}), Error);
+  EXPECT_THROW(site.ground({.reach = -1.0}), Error);
+  EXPECT_THROW(site.ground({.progress = [](std::uint64_t, std::uint64_t) { return false; }}), Cancelled);
+}
+
+TEST(GroundTest, one_line_of_points_has_ground) {
+  Site site;
+  for (int i = 0; i < 100; ++i) site.add(i, 0, 500, 0);
+  EXPECT_NEAR(at(site.ground(), 50, 0), 500, 1e-9);
+}
+
+TEST(FillGapsTest, a_gap_in_a_harmonic_surface_is_closed_by_it) {
+  // x^2 - y^2 is harmonic, and so is its five-point difference.
+  Raster<double> raster({{0, 0}, 1.0, 200, 150}, 0.0);
+  Raster<double> truth = raster;
+  for (int row = 0; row < 150; ++row) {
+    for (int column = 0; column < 200; ++column) {
+      const double x = (column - 90) / 50.0, y = (row - 70) / 50.0;
+      truth.at(column, row) = x * x - y * y + x;
+      const bool gap = column > 40 && column < 160 && row > 30 && row < 120;
+      raster.at(column, row) = gap ? std::numeric_limits<double>::quiet_NaN() : truth.at(column, row);
+    }
+  }
+  fill_gaps(raster);
+  double largest = 0.0;
+  for (std::size_t i = 0; i < truth.values.size(); ++i)
+    largest = std::max(largest, std::fabs(raster.values[i] - truth.values[i]));
+  EXPECT_LT(largest, 0.02);
+}
+
+TEST(FillGapsTest, values_stay_and_nothing_comes_from_nothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Raster<double> raster({{0, 0}, 1.0, 3, 1}, nan);
+  fill_gaps(raster);
+  EXPECT_TRUE(std::isnan(raster.values[1]));
+  raster.values[2] = 5.0;
+  fill_gaps(raster);
+  EXPECT_EQ(raster.values, (std::vector<double>{5.0, 5.0, 5.0}));
+}
+
+}  // namespace
+}  // namespace alidade::test

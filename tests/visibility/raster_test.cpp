@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/raster.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "octree/error.h"
+
+namespace alidade::test {
+namespace {
+
+Bounds area(double x0, double y0, double x1, double y1) {
+  return {{x0, y0, 0.0}, {x1, y1, 0.0}};
+}
+
+std::string refusal(const Bounds& of, double cell_size) {
+  try {
+    grid_over(of, cell_size);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RasterGridTest, covers_the_area_on_multiples_of_the_cell_size) {
+  const RasterGrid grid = grid_over(area(690000.3, 5325001.0, 690010.0, 5325003.9), 2.0);
+  EXPECT_EQ(grid.north_west, glm::dvec2(690000, 5325004));
+  EXPECT_EQ(grid.columns, 5);
+  EXPECT_EQ(grid.rows, 2);
+  EXPECT_EQ(grid.south_east(), glm::dvec2(690010, 5325000));
+}
+
+TEST(RasterGridTest, row_zero_is_the_northernmost_and_values_stand_for_whole_cells) {
+  const RasterGrid grid = grid_over(area(0, 0, 30, 20), 10.0);
+  EXPECT_EQ(grid.center(0, 0), glm::dvec2(5, 15));
+  EXPECT_EQ(grid.center(2, 1), glm::dvec2(25, 5));
+  EXPECT_EQ(cell_at(grid, {5, 15}), glm::ivec2(0, 0));
+  EXPECT_EQ(cell_at(grid, {29, 1}), glm::ivec2(2, 1));
+}
+
+TEST(RasterGridTest, edges_belong_to_the_east_and_south_and_outer_edges_to_the_outermost_cell) {
+  const RasterGrid grid = grid_over(area(0, 0, 30, 20), 10.0);
+  EXPECT_EQ(cell_at(grid, {10, 10}), glm::ivec2(1, 1));
+  EXPECT_EQ(cell_at(grid, {30, 0}), glm::ivec2(2, 1));
+  EXPECT_EQ(cell_at(grid, {30.001, 0}), std::nullopt);
+  EXPECT_EQ(cell_at(grid, {std::numeric_limits<double>::quiet_NaN(), 0}), std::nullopt);
+}
+
+TEST(RasterGridTest, a_place_is_a_map_of_one_cell) {
+  const RasterGrid grid = grid_over(area(7, 7, 7, 7), 2.0);
+  EXPECT_EQ(grid.size(), 1u);
+  EXPECT_TRUE(cell_at(grid, {7, 7}));
+}
+
+TEST(RasterGridTest, too_many_cells_are_refused_and_their_number_said) {
+  EXPECT_EQ(
+      refusal(area(0, 0, 100000, 50000), 1.0),
+      "the map is too large; expected at most 2147483648 cells; larger cells or a smaller area, found 100000 "
+      "x 50000 = 5e+09 cells of 1");
+  EXPECT_EQ(refusal(area(0, 0, 65536, 32768), 1.0), "");
+  EXPECT_NE(refusal(area(0, 0, 4e9, 0), 1.0), "");
+}
+
+TEST(RasterGridTest, bad_areas_and_cell_sizes_are_errors) {
+  EXPECT_NE(refusal(area(0, 0, 1, 1), 0.0), "");
+  EXPECT_NE(refusal(area(0, 0, 1, 1), -1.0), "");
+  EXPECT_NE(refusal(area(0, 0, 1, 1), std::numeric_limits<double>::quiet_NaN()), "");
+  EXPECT_NE(refusal(area(1, 0, 0, 1), 1.0), "");
+  EXPECT_NE(refusal(area(0, 0, std::numeric_limits<double>::infinity(), 1), 1.0), "");
+  EXPECT_NE(refusal(area(1e15, 0, 1e15 + 1, 1), 1e-3), "");
+}
+
+TEST(RasterGridTest, areas_are_cropped_to_what_they_share) {
+  EXPECT_EQ(cropped(area(0, 0, 10, 10), area(5, -5, 20, 5)).min, glm::dvec3(5, 0, 0));
+  EXPECT_TRUE(cropped(area(0, 0, 10, 10), area(11, 0, 12, 10)).empty());
+}
+
+TEST(RasterGridTest, more_memory_than_there_is_is_refused) {
+  EXPECT_NO_THROW(check_memory(1, "a test"));
+  EXPECT_THROW(check_memory(std::numeric_limits<std::uint64_t>::max(), "a test"), Error);
+}
+
+}  // namespace
+}  // namespace alidade::test

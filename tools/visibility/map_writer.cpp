@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#include "tools/visibility/map_writer.h"
+
+#include "tools/load_module.h"
+
+namespace alidade {
+
+RasterWriter load_raster_writer() {
+  return load_module_function<RasterWriter>("alidade_write_raster");
+}
+
+}  // namespace alidade

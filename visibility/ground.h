@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <optional>
+#include <span>
+
+#include "octree/octree.h"
+#include "octree/progress.h"
+#include "visibility/raster.h"
+
+// The ground below a cloud, as heights on a grid.
+//
+//   const Ground ground = make_ground(octree, columns.classifications, {});
+//   if (std::optional<double> z = ground.at({x, y})) place_mast({x, y, *z});
+
+namespace alidade {
+
+enum class GroundSource {
+  automatic,   ///< by class if the cloud has points of class 2, otherwise lowest points
+  classified,  ///< points of ASPRS class 2, ground
+  lowest,  ///< the lowest point of each cell: where nothing of the ground was seen, it is a roof or a crown
+};
+
+struct GroundOptions {
+  GroundSource source = GroundSource::automatic;
+  /// Side of the grid's cells. Empty: for points of class 2 their mean distance, for lowest points four times
+  /// that of all points, so that most cells have one that reached the ground.
+  std::optional<double> cell_size{};
+  /// Gaps are closed as far as this from the nearest cell with a point of any class; beyond, the cloud does
+  /// not reach and there is no ground. In the unit of the cloud.
+  double reach = 10.0;
+  Progress progress{};  ///< in points
+};
+
+/// Heights of the ground.
+class Ground {
+ public:
+  /// What is known without measuring: NaN where there is no ground.
+  Ground(Raster<double> heights, GroundSource source, std::uint64_t measured_cells)
+      : heights_(std::move(heights)), source_(source), measured_cells_(measured_cells) {}
+
+  /// Bilinear between the middles of cells, in the outermost half cells as on the edge. Empty where there is
+  /// no ground, and outside of the grid.
+  std::optional<double> at(const glm::dvec2& place) const;
+
+  const Raster<double>& heights() const { return heights_; }
+  /// `classified` or `lowest`.
+  GroundSource source() const { return source_; }
+  /// Cells with a height of their own; that of the others is interpolated.
+  std::uint64_t measured_cells() const { return measured_cells_; }
+
+ private:
+  Raster<double> heights_;
+  GroundSource source_;
+  std::uint64_t measured_cells_;
+};
+
+/// The ground under a cloud, over all its bounds. `classifications` by point id; empty if the cloud has none.
+/// How: of every cell the mean of its ground points, or its lowest point, brought to the middle of the cell
+/// along the slope of its neighbours, so that planes are exact. A lowest point that lies alone, farther below
+/// all others of its cell and of the cells around than 1 + the cell's side (a wrong echo), does not count.
+/// Gaps are filled by the membrane through what is around them (Laplace's equation).
+/// Cost: about 30 ns per point and cell. Memory: 50 B per cell, checked beforehand.
+/// Errors: an empty cloud; `classified` without points of class 2; those of grid_over(); reach negative or
+/// not finite.
+Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classifications,
+                   const GroundOptions& options);
+
+}  // namespace alidade

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <span>
+#include <vector>
+
+#include "octree/octree.h"
+#include "octree/progress.h"
+#include "visibility/raster.h"
+
+// The first steps of make_ground() (visibility/ground.h): what each cell knows of the ground by itself.
+
+namespace alidade {
+
+constexpr std::uint8_t k_ground_class = 2;
+
+/// A height that was measured somewhere in a cell.
+struct GroundSample {
+  glm::vec2 offset{0.0f};  ///< of the place from the middle of the cell
+  double height = 0.0;     ///< NaN if nothing was measured
+
+  bool exists() const { return height == height; }
+};
+
+struct GroundSamples {
+  Raster<GroundSample> samples;
+  std::vector<std::uint8_t> covered;  ///< cells with points of any class
+};
+
+/// Of every cell the mean of its points of class 2.
+GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> classifications,
+                            const RasterGrid& grid, const Progress& progress);
+
+/// Of every cell the lowest point that is no outlier.
+GroundSamples lowest_points(const Octree& octree, const RasterGrid& grid, const Progress& progress);
+
+/// Heights in the middles of cells; NaN where nothing was measured.
+Raster<double> heights_in_middles(const Raster<GroundSample>& samples);
+
+}  // namespace alidade

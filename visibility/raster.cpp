@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/raster.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+/// Whole multiples of the cell size at or beyond both ends.
+struct CellRange {
+  double begin = 0.0, end = 0.0;
+  double count() const { return end - begin; }
+};
+
+CellRange cells_over(double low, double high, double cell_size) {
+  CellRange range{std::floor(low / cell_size), std::ceil(high / cell_size)};
+  if (range.count() < 1.0) range.end = range.begin + 1.0;
+  return range;
+}
+
+/// Bytes that can be had without swapping; empty where /proc does not tell.
+std::optional<std::uint64_t> available_memory() {
+  constexpr std::uint64_t k_kibibyte = 1024;
+  std::ifstream file("/proc/meminfo");
+  std::string key, unit;
+  for (std::uint64_t value = 0; file >> key >> value; std::getline(file, unit)) {
+    if (key == "MemAvailable:") return k_kibibyte * value;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+RasterGrid grid_over(const Bounds& area, double cell_size) {
+  if (!(cell_size > 0.0) || !std::isfinite(cell_size)) {
+    throw Error({.problem = "the cells of a map need a size",
+                 .expected = "a length above 0",
+                 .found = fmt::format("{}", cell_size)});
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    if (!(area.min[axis] <= area.max[axis])) throw Error({.problem = "the area of the map is empty"});
+    if (!std::isfinite(area.min[axis]) || !std::isfinite(area.max[axis]))
+      throw Error({.problem = "the area of the map is not finite"});
+    // Corners must differ from each other by far more than a rounding.
+    constexpr double k_finest = 1e-12;
+    if (cell_size < k_finest * std::max(std::fabs(area.min[axis]), std::fabs(area.max[axis])))
+      throw Error({.problem = fmt::format("cells of {} are too fine for such large coordinates", cell_size)});
+  }
+  const CellRange x = cells_over(area.min.x, area.max.x, cell_size),
+                  y = cells_over(area.min.y, area.max.y, cell_size);
+  const double most = static_cast<double>(k_most_cells);
+  // A side must fit an int as well.
+  if (x.count() * y.count() > most || std::max(x.count(), y.count()) >= most) {
+    throw Error({.problem = "the map is too large",
+                 .expected = fmt::format("at most {} cells; larger cells or a smaller area", k_most_cells),
+                 .found = fmt::format("{:.0f} x {:.0f} = {:.4g} cells of {}", x.count(), y.count(),
+                                      x.count() * y.count(), cell_size)});
+  }
+  return {{x.begin * cell_size, y.end * cell_size},
+          cell_size,
+          static_cast<int>(x.count()),
+          static_cast<int>(y.count())};
+}
+
+std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& place) {
+  const double x = (place.x - grid.north_west.x) / grid.cell_size,
+               y = (grid.north_west.y - place.y) / grid.cell_size;
+  if (!(x >= 0.0 && x <= grid.columns && y >= 0.0 && y <= grid.rows)) return std::nullopt;
+  return glm::ivec2(std::min(static_cast<int>(x), grid.columns - 1),
+                    std::min(static_cast<int>(y), grid.rows - 1));
+}
+
+Bounds cropped(const Bounds& area, const Bounds& to) {
+  Bounds common = area;
+  for (int axis = 0; axis < 2; ++axis) {
+    common.min[axis] = std::max(area.min[axis], to.min[axis]);
+    common.max[axis] = std::min(area.max[axis], to.max[axis]);
+    if (!(common.min[axis] <= common.max[axis])) return {};
+  }
+  return common;
+}
+
+void check_memory(std::uint64_t bytes, const char* what) {
+  constexpr double k_gigabyte = 1e9;
+  const std::optional<std::uint64_t> available = available_memory();
+  if (!available || bytes <= *available) return;
+  throw Error({.problem = fmt::format("not enough memory for {}", what),
+               .expected = fmt::format("{:.1f} GB", static_cast<double>(bytes) / k_gigabyte),
+               .found = fmt::format("{:.1f} GB free", static_cast<double>(*available) / k_gigabyte)});
+}
+
+}  // namespace alidade

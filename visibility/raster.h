@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <optional>
+#include <vector>
+
+#include "octree/bounds.h"
+
+namespace alidade {
+
+/// No map has more cells than this, 2^31.
+constexpr std::uint64_t k_most_cells = std::uint64_t{1} << 31;
+
+/// Where the cells of a map lie: squares in rows, north (+y) up. A value stands for the whole of its cell
+/// (GDAL's "pixel is area").
+struct RasterGrid {
+  glm::dvec2 north_west{0.0};  ///< outer corner of row 0, column 0
+  double cell_size = 1.0;      ///< side of a cell, in the unit of the cloud
+  int columns = 0, rows = 0;   ///< row 0 is the northernmost
+
+  std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
+  std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+           static_cast<std::size_t>(column);
+  }
+  glm::dvec2 center(int column, int row) const {
+    return {north_west.x + (column + 0.5) * cell_size, north_west.y - (row + 0.5) * cell_size};
+  }
+  glm::dvec2 south_east() const {
+    return {north_west.x + columns * cell_size, north_west.y - rows * cell_size};
+  }
+
+  bool operator==(const RasterGrid&) const = default;
+};
+
+/// A value for every cell, row after row.
+template <class Value>
+struct Raster {
+  RasterGrid grid;
+  std::vector<Value> values;
+
+  Raster() = default;
+  Raster(const RasterGrid& on, Value value) : grid(on), values(on.size(), value) {}
+
+  Value& at(int column, int row) { return values[grid.index(column, row)]; }
+  const Value& at(int column, int row) const { return values[grid.index(column, row)]; }
+};
+
+/// The cells that cover an area (x and y of it; z does not matter), at least one. Their corners lie on whole
+/// multiples of the cell size, so that maps of one cell size fit on each other. Errors: the area is empty or
+/// not finite; cell_size not above 0 or not finite, or too fine for such large coordinates; more than
+/// k_most_cells cells, whose number is said.
+RasterGrid grid_over(const Bounds& area, double cell_size);
+
+/// The cell that a place lies in; what lies on an edge of two belongs to the one in the east or south, on the
+/// outer edges to the outermost cell. Empty outside of the grid.
+std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& place);
+
+/// The common part of two areas, in x and y; empty if there is none. z is that of `area`.
+Bounds cropped(const Bounds& area, const Bounds& to);
+
+/// Lets a large task fail before it starts. Errors: this many bytes are more than the machine can give at the
+/// moment; `what` they are for is named. Where the system does not tell, nothing is refused.
+void check_memory(std::uint64_t bytes, const char* what);
+
+}  // namespace alidade

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "octree/cloud/crs.h"
+#include "visibility/raster.h"
+
+namespace alidade {
+
+/// One number for every cell, row after row from the north.
+struct RasterBand {
+  std::variant<std::span<const std::uint8_t>, std::span<const std::uint16_t>, std::span<const std::uint32_t>,
+               std::span<const float>>
+      values;
+  std::optional<double> no_data{};  ///< the value of cells that have none
+  std::string description{}, unit{};
+};
+
+/// A map to write. The values belong to the caller.
+struct RasterContents {
+  RasterGrid grid;
+  std::vector<RasterBand> bands;  ///< at least one, all of one type, as many values each as cells
+  Crs crs;
+  std::vector<std::pair<std::string, std::string>> metadata{};  ///< key and text; a key has no '=' or ':'
+};
+
+/// Errors: the name does not end in .tif or .tiff.
+void check_raster_name(const std::filesystem::path& file);
+
+/// Writes a cloud-optimised GeoTIFF: tiles of 512 cells, compressed without loss, with overviews (nearest
+/// cell of whole numbers, mean of float ones) where it is larger than a tile. A reference system that GDAL
+/// does not understand is left out. The file appears whole or not at all; the same contents give the same
+/// bytes with the same version of GDAL. Errors: those of check_raster_name(); an existing file without
+/// `overwrite`; bands of several types, or with another number of values; a full disk and other write
+/// failures. Memory: the encoded file, overviews included.
+void write_raster(const std::filesystem::path& file, const RasterContents& contents, bool overwrite);
+
+}  // namespace alidade
