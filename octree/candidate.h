@@ -16,13 +16,15 @@
 
 namespace alidade {
 
-/// Whether the filter admits an answer. query_index: number of the target in a batch.
+/// Whether the filter admits an answer. query_index: number of the target in a batch; radius: of the point.
 template <class Answer>
-bool admits(const CandidateFilter& filter, const Answer& answer, std::size_t query_index) {
+bool admits(const CandidateFilter& filter, const Answer& answer, std::size_t query_index,
+            double radius = 0.0) {
   if (!filter) return true;
   Candidate candidate{.point_id = answer.point_id,
                       .position = answer.position,
                       .distance = answer.distance,
+                      .radius = radius,
                       .query_index = query_index};
   if constexpr (requires { answer.t; }) candidate.t = answer.t;
   return filter(candidate);
@@ -44,7 +46,7 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   const double entry_place = entry(projection, radius);
   if (!(entry_place >= query.entry_min)) return std::nullopt;
   const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
-  if (!admits(query.filter, hit, query_index)) return std::nullopt;
+  if (!admits(query.filter, hit, query_index, radius)) return std::nullopt;
   return hit;
 }
 

@@ -11,9 +11,13 @@
 namespace alidade {
 namespace {
 
-glm::dmat3 covariance(const simd::Moments& moments) {
+glm::dvec3 mean_of(const simd::Moments& moments) {
+  return glm::dvec3(moments.first[0], moments.first[1], moments.first[2]) /
+         static_cast<double>(moments.weight);
+}
+
+glm::dmat3 covariance(const simd::Moments& moments, const glm::dvec3& mean) {
   const double weight = moments.weight;
-  const glm::dvec3 mean = glm::dvec3(moments.first[0], moments.first[1], moments.first[2]) / weight;
   const auto& second = moments.second;
   const double xx = second[0] / weight - mean.x * mean.x, xy = second[1] / weight - mean.x * mean.y;
   const double xz = second[2] / weight - mean.x * mean.z, yy = second[3] / weight - mean.y * mean.y;
@@ -57,12 +61,14 @@ Eigen eigen(glm::dmat3 a) {
   return result;
 }
 
+/// Lengths in units of the reach.
 LocalPlane fit_plane(const simd::Moments& moments) {
   constexpr double k_fewest_points = 4.0, k_enough_points = 9.0;
   // A surface is much thinner than it is wide, both ways; beyond these ratios of variances there is none.
   constexpr double k_flat = 0.06, k_thick = 0.35;
   if (moments.count < k_fewest_points || !(moments.weight > 0.0f)) return {};
-  const Eigen found = eigen(covariance(moments));
+  const glm::dvec3 mean = mean_of(moments);
+  const Eigen found = eigen(covariance(moments, mean));
   int thin = 0, wide = 0;
   for (int axis = 1; axis < 3; ++axis) {
     if (found.values[axis] < found.values[thin]) thin = axis;
@@ -77,13 +83,38 @@ LocalPlane fit_plane(const simd::Moments& moments) {
       std::min(1.0, (moments.count - k_fewest_points + 1.0) / (k_enough_points - k_fewest_points + 1.0));
   // A row of points is flat in any direction across it.
   const double breadth = std::min(1.0, width / (0.1 * found.values[wide]));
-  return {glm::normalize(found.vectors[thin]), flatness * support * breadth};
+  const glm::dvec3 normal = glm::normalize(found.vectors[thin]);
+  return {normal, flatness * support * breadth, -glm::dot(mean, normal),
+          std::sqrt(std::max(0.0, found.values[thin]))};
+}
+
+LocalPlane fit_plane(const simd::Moments& moments, double reach) {
+  LocalPlane plane = fit_plane(moments);
+  plane.height *= reach;
+  plane.thickness *= reach;
+  return plane;
 }
 
 }  // namespace
 
 LocalPlane local_plane(const Octree& octree, const glm::dvec3& place, double reach) {
-  return fit_plane(simd::moment_sums(octree.instruction_set()).around(octree.view(), place, reach));
+  return fit_plane(simd::moment_sums(octree.instruction_set()).around(octree.view(), place, reach), reach);
+}
+
+LocalPlane local_plane(std::span<const glm::dvec3> offsets, double reach) {
+  simd::Moments moments;
+  for (const glm::dvec3& offset : offsets) {
+    const glm::vec3 p(offset / reach);
+    const float closeness = 1.0f - (p.x * p.x + p.y * p.y + p.z * p.z);
+    if (!(closeness > 0.0f)) continue;
+    const float weight = closeness * closeness;
+    moments.weight += weight;
+    moments.count += 1.0f;
+    const float squares[6] = {p.x * p.x, p.x * p.y, p.x * p.z, p.y * p.y, p.y * p.z, p.z * p.z};
+    for (int axis = 0; axis < 3; ++axis) moments.first[axis] += weight * p[axis];
+    for (int i = 0; i < 6; ++i) moments.second[i] += weight * squares[i];
+  }
+  return fit_plane(moments, reach);
 }
 
 }  // namespace alidade

@@ -51,6 +51,10 @@ struct TreeView {
   const std::uint16_t* spacings = nullptr;
   const std::uint16_t* slot_spacings = nullptr;
   int spacing_neighbours = 0;  ///< a spacing is the distance to this neighbour; 0 without spacings
+  /// The surface each point lies on (octree/point_surface.h), by point id, packed with lengths in steps of
+  /// surface_unit metres. Null if nobody fitted them.
+  const std::uint32_t* surfaces = nullptr;
+  double surface_unit = 0.0;
 
   /// Length of `positions`.
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }

@@ -2,8 +2,6 @@
 #include "octree/point_spacing.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,8 +11,8 @@
 
 #include "octree/answer_target.h"
 #include "octree/huge_array.h"
+#include "octree/parallel_leaves.h"
 #include "octree/slot_spacings.h"
-#include "octree/tree_walk.h"
 
 namespace alidade {
 namespace {
@@ -68,30 +66,6 @@ class SpacingMeter {
   std::uint16_t bits_ = 0;
 };
 
-/// Some thousand leaves at a time, in the order of the tree.
-void measure_points(const Octree& octree, int neighbours, const Progress& progress, std::uint16_t* spacings) {
-  constexpr std::size_t k_leaves_at_once = 1u << 15, k_leaves_per_task = 1u << 8;
-  std::vector<Leaf> leaves;
-  std::uint64_t done = 0;
-  report(progress, done, octree.size());
-  const auto measure_leaves = [&] {
-    const std::size_t tasks = (leaves.size() + k_leaves_per_task - 1) / k_leaves_per_task;
-    tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
-      SpacingMeter meter(octree, neighbours);
-      const std::size_t end = std::min((task + 1) * k_leaves_per_task, leaves.size());
-      for (std::size_t i = task * k_leaves_per_task; i < end; ++i) meter.measure(leaves[i], spacings);
-    });
-    for (const Leaf& leaf : leaves) done += leaf.count;
-    leaves.clear();
-    report(progress, done, octree.size());
-  };
-  for_each_leaf(octree.view(), [&](const Leaf& leaf) {
-    leaves.push_back(leaf);
-    if (leaves.size() == k_leaves_at_once) measure_leaves();
-  });
-  if (!leaves.empty()) measure_leaves();
-}
-
 }  // namespace
 
 std::uint16_t spacing_bits(double metres) {
@@ -111,7 +85,11 @@ Octree with_spacings(const Octree& octree, int neighbours, const Progress& progr
   made->octree = octree.storage();
   TreeView tree = octree.view();
   made->points = HugeArray<std::uint16_t>(std::size_t{tree.point_count} + k_coordinate_padding);
-  measure_points(octree, neighbours, progress, made->points.data());
+  for_each_leaf_in_parallel(tree, progress, [&] {
+    return [&, meter = SpacingMeter(octree, neighbours)](const Leaf& leaf) mutable {
+      meter.measure(leaf, made->points.data());
+    };
+  });
   std::fill_n(made->points.data() + tree.point_count, k_coordinate_padding, std::uint16_t{0});
   tree.spacings = made->points.data();
 

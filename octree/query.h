@@ -58,6 +58,7 @@ struct Candidate {
   glm::dvec3 position{0.0};
   double t = 0.0;  ///< 0 for points, boxes and half-spaces
   double distance = 0.0;
+  double radius = 0.0;          ///< of ray queries: the point's (RayQuery::spacing_factor); 0 for others
   std::size_t query_index = 0;  ///< number of the target in a batch
 };
 

@@ -1,35 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/smooth_normals.h"
 
-#include <cmath>
-#include <glm/geometric.hpp>
+#include "octree/packed_normal.h"
 
 namespace alidade {
 namespace {
 
-// 32 bits: one that says "known", 7 for trust, 12 + 12 for the normal on the octahedron
-// (Cigolle et al., A Survey of Efficient Representations for Independent Unit Vectors, JCGT 2014).
-constexpr double k_trust_steps = 127.0, k_side_steps = 4094.0;  // even, so that upright stays upright
+// 32 bits: one that says "known", 7 for trust, 12 + 12 for the normal.
+constexpr double k_trust_steps = 127.0, k_side_steps = 4094.0;
 
 std::uint32_t pack(const LocalPlane& value) {
-  const glm::dvec3 n =
-      value.normal / (std::fabs(value.normal.x) + std::fabs(value.normal.y) + std::fabs(value.normal.z));
-  // The side is free, so the upper half is enough: its square turned by 45 degrees fills the whole range.
-  const double sign = n.z < 0.0 ? -1.0 : 1.0;
-  const double u = sign * (n.x + n.y), v = sign * (n.x - n.y);
-  const auto steps = [](double place) {
-    return static_cast<std::uint32_t>((0.5 + 0.5 * place) * k_side_steps + 0.5);
-  };
-  return 0x80000000u | static_cast<std::uint32_t>(value.trust * k_trust_steps + 0.5) << 24 | steps(u) << 12 |
-         steps(v);
+  const glm::uvec2 normal = pack_normal(value.normal, k_side_steps);
+  return 0x80000000u | static_cast<std::uint32_t>(value.trust * k_trust_steps + 0.5) << 24 | normal.x << 12 |
+         normal.y;
 }
 
 LocalPlane unpack(std::uint32_t packed) {
-  const double u = (packed >> 12 & 0xfffu) / k_side_steps * 2.0 - 1.0,
-               v = (packed & 0xfffu) / k_side_steps * 2.0 - 1.0;
-  const double x = 0.5 * (u + v), y = 0.5 * (u - v);
-  return {glm::normalize(glm::dvec3(x, y, 1.0 - std::fabs(x) - std::fabs(y))),
-          (packed >> 24 & 0x7fu) / k_trust_steps};
+  return {.normal = unpack_normal({packed >> 12 & 0xfffu, packed & 0xfffu}, k_side_steps),
+          .trust = (packed >> 24 & 0x7fu) / k_trust_steps};
 }
 
 }  // namespace

@@ -14,10 +14,60 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// Adds up the points of leaves around one place.
-class MomentAdder {
+using PointVector = hn::Vec<PointLanes>;
+
+/// What is added up for Moments.
+struct MomentTerms {
+  static constexpr int k_rows = 11;
+
+  template <class Add>
+  HWY_INLINE void add(PointVector x, PointVector y, PointVector z, PointVector closeness,
+                      const Add& sum) const {
+    const PointLanes d;
+    const auto weight = hn::Mul(closeness, closeness);
+    const auto wx = hn::Mul(weight, x), wy = hn::Mul(weight, y), wz = hn::Mul(weight, z);
+    sum(0, weight);
+    sum(1, hn::IfThenElseZero(hn::Gt(closeness, hn::Zero(d)), hn::Set(d, 1.0f)));
+    sum(2, wx);
+    sum(3, wy);
+    sum(4, wz);
+    sum(5, hn::Mul(wx, x));
+    sum(6, hn::Mul(wx, y));
+    sum(7, hn::Mul(wx, z));
+    sum(8, hn::Mul(wy, y));
+    sum(9, hn::Mul(wy, z));
+    sum(10, hn::Mul(wz, z));
+  }
+};
+
+/// What is added up for HeightSums.
+struct HeightTerms {
+  static constexpr int k_rows = 5;
+  glm::vec3 direction;
+  float level;
+
+  template <class Add>
+  HWY_INLINE void add(PointVector x, PointVector y, PointVector z, PointVector closeness,
+                      const Add& sum) const {
+    const PointLanes d;
+    const auto along =
+        hn::Add(hn::Add(hn::Mul(x, hn::Set(d, direction.x)), hn::Mul(y, hn::Set(d, direction.y))),
+                hn::Mul(z, hn::Set(d, direction.z)));
+    const auto height = hn::Sub(along, hn::Set(d, level));
+    auto term = hn::Mul(closeness, closeness);
+    for (int row = 0; row < k_rows; ++row) {
+      sum(row, term);
+      term = hn::Mul(term, height);
+    }
+  }
+};
+
+/// Adds up terms of the points around one place.
+template <class Terms>
+class SumsAround {
  public:
-  MomentAdder(const TreeView& tree, const glm::dvec3& place, double reach) : tree_(tree), reach_(reach) {
+  SumsAround(const TreeView& tree, const glm::dvec3& place, double reach, const Terms& terms)
+      : tree_(tree), reach_(reach), terms_(terms) {
     const glm::dvec3 root_corner = to_world(tree.lattice, tree.base);
     for (int axis = 0; axis < 3; ++axis) {
       place_[axis] = place[axis] - root_corner[axis];
@@ -51,23 +101,19 @@ class MomentAdder {
     }
   }
 
-  Moments moments() const {
+  std::array<float, Terms::k_rows> totals() const {
     const PointLanes d;
-    std::array<float, k_rows> totals{};
-    for (int row = 0; row < k_rows; ++row) {
+    std::array<float, Terms::k_rows> totals{};
+    for (int row = 0; row < Terms::k_rows; ++row) {
       alignas(64) float columns[k_columns];
       for (int part = 0; part < k_parts; ++part) hn::Store(sums_[row][part], d, columns + part * k_lanes);
       for (const float column : columns) totals[row] += column;
     }
-    Moments moments{totals[0], totals[1], {}, {}};
-    std::copy_n(totals.begin() + 2, 3, moments.first.begin());
-    std::copy_n(totals.begin() + 5, 6, moments.second.begin());
-    return moments;
+    return totals;
   }
 
  private:
   static constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
-  static constexpr int k_rows = 11;
 
   /// The place from the corner of a frame, in units of the reach.
   void local_place(const std::uint32_t* corner, float* place) const {
@@ -133,41 +179,46 @@ class MomentAdder {
       const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
       const auto closeness =
           hn::IfThenElseZero(hn::FirstN(d, count - first), hn::Max(hn::Sub(one, square), zero));
-      const auto weight = hn::Mul(closeness, closeness);
-      const auto wx = hn::Mul(weight, x), wy = hn::Mul(weight, y), wz = hn::Mul(weight, z);
       const int part = static_cast<int>(first / k_lanes) % k_parts;
-      const auto add = [&](int row, hn::Vec<PointLanes> value) {
-        sums_[row][part] = hn::Add(sums_[row][part], value);
-      };
-      add(0, weight);
-      add(1, hn::IfThenElseZero(hn::Gt(closeness, zero), one));
-      add(2, wx);
-      add(3, wy);
-      add(4, wz);
-      add(5, hn::Mul(wx, x));
-      add(6, hn::Mul(wx, y));
-      add(7, hn::Mul(wx, z));
-      add(8, hn::Mul(wy, y));
-      add(9, hn::Mul(wy, z));
-      add(10, hn::Mul(wz, z));
+      terms_.add(x, y, z, closeness,
+                 [&](int row, PointVector value) { sums_[row][part] = hn::Add(sums_[row][part], value); });
     }
   }
 
   const TreeView& tree_;
   const double reach_;
+  const Terms terms_;
   double place_[3];  ///< from the root's corner, metres
   float scale_[3];   ///< of the lattice, in units of the reach
-  hn::Vec<PointLanes> sums_[k_rows][k_parts];
+  PointVector sums_[Terms::k_rows][k_parts];
 };
 
-Moments around(const TreeView& tree, const glm::dvec3& place, double reach) {
+template <class Terms>
+std::array<float, Terms::k_rows> sums_around(const TreeView& tree, const glm::dvec3& place, double reach,
+                                             const Terms& terms) {
   if (tree.node_count == 0) return {};
-  MomentAdder adder(tree, place, reach);
-  adder.run();
-  return adder.moments();
+  SumsAround<Terms> sums(tree, place, reach, terms);
+  sums.run();
+  return sums.totals();
 }
 
-constexpr MomentSums k_moment_sums{around};
+Moments around(const TreeView& tree, const glm::dvec3& place, double reach) {
+  const auto totals = sums_around(tree, place, reach, MomentTerms{});
+  Moments moments{totals[0], totals[1], {}, {}};
+  std::copy_n(totals.begin() + 2, 3, moments.first.begin());
+  std::copy_n(totals.begin() + 5, 6, moments.second.begin());
+  return moments;
+}
+
+HeightSums heights(const TreeView& tree, const glm::dvec3& place, double reach, const glm::vec3& direction,
+                   float level) {
+  const auto totals = sums_around(tree, place, reach, HeightTerms{direction, level});
+  HeightSums sums{totals[0], {}};
+  std::copy_n(totals.begin() + 1, 4, sums.powers.begin());
+  return sums;
+}
+
+constexpr MomentSums k_moment_sums{around, heights};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include "octree/point_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "octree/huge_array.h"
+#include "octree/local_plane.h"
+#include "octree/packed_normal.h"
+#include "octree/parallel_leaves.h"
+#include "octree/query.h"
+#include "octree/simd/moments.h"
+#include "octree/spacing.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_least_trust = 0.5;  // of a plane that is a surface
+
+// 32 bits: one that says "exists", 10 + 10 for the normal, sign and 5 for the height, 5 for the thickness.
+constexpr double k_side_steps = 1022.0;
+constexpr std::uint32_t k_exists = 0x80000000u, k_below = 0x400u, k_length_mask = 31u;
+
+/// Lengths that five bits stand for, in units: 0, then from 2^-13 up to 4 by factors of the root of 2.
+constexpr std::array<double, 32> k_lengths = [] {
+  std::array<double, 32> lengths{};
+  double whole = 4.0;
+  for (std::size_t i = 31; i > 0; --i) {
+    lengths[i] = i % 2 == 1 ? whole : 0.70710678118654752 * whole;
+    if (i % 2 == 0) whole *= 0.5;
+  }
+  return lengths;
+}();
+
+/// The nearest length.
+std::uint32_t nearest_length(double length) {
+  const auto above = std::ranges::lower_bound(k_lengths, length);
+  if (above == k_lengths.begin()) return 0;
+  if (above == k_lengths.end()) return k_length_mask;
+  const auto index = static_cast<std::uint32_t>(above - k_lengths.begin());
+  return length - k_lengths[index - 1] < k_lengths[index] - length ? index - 1 : index;
+}
+
+/// The least length that is not smaller, or the greatest.
+std::uint32_t length_above(double length) {
+  const auto above = std::ranges::lower_bound(k_lengths, length);
+  return above == k_lengths.end() ? k_length_mask : static_cast<std::uint32_t>(above - k_lengths.begin());
+}
+
+std::uint32_t pack(const PointSurface& surface, double unit) {
+  if (!surface.exists) return 0;
+  const glm::uvec2 normal = pack_normal(surface.normal, k_side_steps);
+  // Packing keeps the upper one of the two normals.
+  const bool turned = surface.normal.z < 0.0;
+  const bool below = (surface.height < 0.0) != turned;
+  return k_exists | normal.x << 21 | normal.y << 11 | (below ? k_below : 0u) |
+         nearest_length(std::fabs(surface.height) / unit) << 5 | length_above(surface.thickness / unit);
+}
+
+/// Heights of two sheets above a place, along a normal. Metres.
+struct Sheets {
+  double lower = 0.0, upper = 0.0;
+};
+
+/// Of the points around a place, told from the moments of their heights; empty if they look like one sheet.
+std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& place, double reach,
+                                 const LocalPlane& plane) {
+  const simd::HeightSums sums = simd::moment_sums(octree.instruction_set())
+                                    .heights(octree.view(), place, reach, glm::vec3(plane.normal),
+                                             static_cast<float>(-plane.height / reach));
+  const double mean = sums.powers[0] / sums.weight;
+  const double second = sums.powers[1] / sums.weight, third = sums.powers[2] / sums.weight,
+               fourth = sums.powers[3] / sums.weight;
+  const double square = mean * mean, variance = second - square;
+  // Below this, heights are rounding.
+  if (!(variance > 1e-10)) return std::nullopt;
+  const double third_central = third - 3.0 * mean * second + 2.0 * mean * square;
+  const double fourth_central = fourth - 4.0 * mean * third + 6.0 * square * second - 3.0 * square * square;
+  const double skewness = third_central / (variance * std::sqrt(variance));
+  const double kurtosis = fourth_central / (variance * variance);
+  // 1 for two sharp values, 0.56 for an even spread, 0.33 for a bell curve. What looks like two sheets is
+  // looked at closely.
+  constexpr double k_two_values = 0.4;
+  if (!(skewness * skewness + 1.0 > k_two_values * kurtosis)) return std::nullopt;
+  const double middle = reach * mean - plane.height, half = 0.5 * reach * std::sqrt(variance);
+  const double root = std::sqrt(skewness * skewness + 4.0);
+  return Sheets{middle + half * (skewness - root), middle + half * (skewness + root)};
+}
+
+/// The plane of the sheet that the place stands on, where there are two; otherwise `plane`.
+LocalPlane choose_sheet(const Octree& octree, const glm::dvec3& place, double reach,
+                        const LocalPlane& plane) {
+  const std::optional<Sheets> sheets = two_sheets(octree, place, reach, plane);
+  if (!sheets) return plane;
+  const double gap = sheets->upper - sheets->lower;
+  const bool on_upper = std::fabs(sheets->upper) < std::fabs(sheets->lower);
+  LocalPlane sheet = plane;
+  sheet.height = -(on_upper ? sheets->upper : sheets->lower);
+  const std::vector<PointHit> around = find(octree, place, PointQuery{.radius = reach});
+  std::vector<glm::dvec3> offsets;
+  // The first plane leans towards both sheets, the second hardly.
+  for (int pass = 0; pass < 2; ++pass) {
+    offsets.clear();
+    for (const PointHit& point : around) {
+      const glm::dvec3 offset = point.position - place;
+      if (std::fabs(glm::dot(offset, sheet.normal) + sheet.height) < 0.5 * gap) offsets.push_back(offset);
+    }
+    sheet = local_plane(offsets, reach);
+    if (sheet.trust < k_least_trust) return plane;
+  }
+  constexpr double k_apart = 8.0;
+  return gap > k_apart * sheet.thickness ? sheet : plane;
+}
+
+PointSurface fit_surface(const Octree& octree, const glm::dvec3& place, double spacing) {
+  constexpr double k_reaches[] = {2.5, 5.0};
+  if (!std::isfinite(spacing)) return {};
+  for (const double factor : k_reaches) {
+    const double reach = factor * spacing;
+    const LocalPlane fitted = local_plane(octree, place, reach);
+    if (fitted.trust < k_least_trust) continue;
+    const LocalPlane plane = choose_sheet(octree, place, reach, fitted);
+    // A point far off the sheet of its neighbours makes a disc of its own.
+    constexpr double k_outside = 4.0;
+    const bool outside = std::fabs(plane.height) > k_outside * plane.thickness;
+    return {true, plane.normal, outside ? 0.0 : plane.height, plane.thickness};
+  }
+  return {};
+}
+
+struct Surfaces {
+  std::shared_ptr<const void> octree;  ///< keeps its arrays alive
+  HugeArray<std::uint32_t> points;
+};
+
+}  // namespace
+
+Octree with_surfaces(const Octree& octree, const Progress& progress) {
+  if (octree.size() == 0 || octree.view().surfaces) return octree;
+  const auto made = std::make_shared<Surfaces>();
+  made->octree = octree.storage();
+  TreeView tree = octree.view();
+  made->points = HugeArray<std::uint32_t>(tree.point_count);
+  tree.surface_unit = automatic_radius(octree);
+  for_each_leaf_in_parallel(tree, progress, [&] {
+    return [&](const Leaf& leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const glm::dvec3 place = to_world(tree.lattice, position_of(tree, leaf, i));
+        made->points[point_id(tree, leaf.place + i)] =
+            pack(fit_surface(octree, place, spacing_at(tree, leaf.place + i)), tree.surface_unit);
+      }
+    };
+  });
+  tree.surfaces = made->points.data();
+  return Octree(tree, made, octree.instruction_set());
+}
+
+PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
+  const std::uint32_t packed = tree.surfaces[point_id];
+  if ((packed & k_exists) == 0) return {};
+  const double height = tree.surface_unit * k_lengths[packed >> 5 & k_length_mask];
+  return {true, unpack_normal({packed >> 21 & 0x3ffu, packed >> 11 & 0x3ffu}, k_side_steps),
+          (packed & k_below) != 0 ? -height : height, tree.surface_unit * k_lengths[packed & k_length_mask]};
+}
+
+}  // namespace alidade

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+#include "octree/octree.h"
+#include "octree/progress.h"
+
+// The surface that each point of a cloud was measured on: what makes discs of points.
+//
+//   const Octree octree = with_surfaces(with_spacings(build(cloud), 8));
+//   const PointSurface surface = surface_of(octree.view(), hit.point_id);
+
+namespace alidade {
+
+/// The sheet of points that a point belongs to. Two sheets close together, such as both sides of a thin
+/// plate, are told apart where points keep nearer to their sheet than an eighth of what lies between them.
+struct PointSurface {
+  bool exists = false;               ///< otherwise there is none: foliage, wires, lone points
+  glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; which of the two sides is not told
+  double height = 0.0;               ///< of the point above its sheet, along the normal, metres
+  double thickness = 0.0;            ///< standard deviation of the sheet's points from it, metres
+};
+
+/// The same octree with the surface of every point, as surface_of() tells it. An octree that has surfaces is
+/// returned as it is. `progress` is in points. Requires spacings. Cost: about 2 microseconds of one thread
+/// per point, in parallel; 4 B per point.
+/// How: a plane is fitted (octree/local_plane.h) to the points within 2.5 spacings, and where these are no
+/// surface, within 5. Two sheets are two values of the heights above that plane: their coefficient of
+/// bimodality is near 1 (SAS/STAT User's Guide, The CLUSTER Procedure).
+Octree with_surfaces(const Octree& octree, const Progress& progress = {});
+
+/// The surface of a point: normals are good to 0.1 degree, heights to 19 %, thicknesses are rounded up by at
+/// most 41 %. All queries that take discs take these rounded values. Requires surfaces.
+PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
+
+}  // namespace alidade

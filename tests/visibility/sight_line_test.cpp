@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sight_line.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "octree/build.h"
+#include "octree/distance.h"
+#include "octree/point_spacing.h"
+#include "tests/support/random.h"
+#include "visibility/crossing.h"
+
+namespace alidade {
+namespace {
+
+using test::Random;
+
+const glm::dvec3 k_corner(690000.0, 5325000.0, 600.0);
+
+PointCloud empty_cloud() {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(1e-4), .offset = k_corner};
+  return cloud;
+}
+
+void add(PointCloud& cloud, const glm::dvec3& place) {
+  cloud.positions.emplace_back(glm::round(place / cloud.lattice.scale));
+}
+
+/// Points spread over the parallelogram from a corner along two sides.
+void add_sheet(PointCloud& cloud, std::size_t count, const glm::dvec3& corner, const glm::dvec3& u,
+               const glm::dvec3& v, double noise, Random& random) {
+  const glm::dvec3 normal = glm::normalize(glm::cross(u, v));
+  for (std::size_t i = 0; i < count; ++i)
+    add(cloud, corner + random.unit() * u + random.unit() * v + random.between(-noise, noise) * normal);
+}
+
+/// Ground with a wall, a bush and a wire, in the tenth of metres.
+PointCloud garden() {
+  Random random("garden");
+  PointCloud cloud = empty_cloud();
+  add_sheet(cloud, 4000, {0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.01, random);
+  add_sheet(cloud, 1500, {10, 5, 0}, {0, 10, 0}, {0, 0, 3}, 0.01, random);
+  for (int i = 0; i < 800; ++i) add(cloud, glm::dvec3(5, 5, 1) + random.in_cube());
+  for (int i = 0; i < 200; ++i) add(cloud, {15.0, 0.1 * i, 4.0});
+  return cloud;
+}
+
+/// The definition: all points that block, by the place of their middle along the line, then by number.
+std::vector<Hit> all_blockers(const Occluders& occluders, const PointCloud& cloud, const SightLine& line) {
+  const Ray ray{line.from.position, line.direction};
+  const bool own_radii = !occluders.options().radius;
+  const std::vector<double> spacings =
+      own_radii ? spacings_in_order(occluders.octree().view()) : std::vector<double>();
+  std::vector<Hit> hits;
+  for (std::size_t id = 0; id < cloud.size(); ++id) {
+    const RayProjection projection = project(ray, cloud.world(id));
+    const double radius =
+        own_radii ? std::min(occluders.largest_radius(), spacings[id]) : *occluders.options().radius;
+    if (!(projection.distance <= radius)) continue;
+    const Candidate candidate{.point_id = id,
+                              .position = cloud.world(id),
+                              .t = projection.t,
+                              .distance = projection.distance,
+                              .radius = radius};
+    if (crossing(occluders, line, candidate)) hits.push_back({id, cloud.world(id), projection.t});
+  }
+  std::ranges::sort(hits, {}, [](const Hit& hit) { return std::pair(hit.t, hit.point_id); });
+  return hits;
+}
+
+std::vector<SightLine> random_lines(const Occluders& occluders, const PointCloud& cloud, std::size_t count) {
+  Random random("random_lines");
+  std::vector<SightLine> lines;
+  for (std::size_t i = 0; i < count; ++i) {
+    const SightEnd eye{k_corner +
+                       glm::dvec3(random.between(-2, 22), random.between(-2, 22), random.between(-1, 5))};
+    const std::size_t id = random.below(cloud.size());
+    if (i % 3 == 0) {
+      lines.push_back(sight_ray(eye, random.direction()));
+    } else if (i % 3 == 1) {
+      lines.push_back(sight_line(eye, end_on_point(occluders, id, cloud.world(id), eye.position)));
+    } else {
+      lines.push_back(sight_line(eye, end_near_surface(occluders, cloud.world(id))));
+    }
+  }
+  return lines;
+}
+
+TEST(SightLine, is_blocked_by_what_a_look_at_every_point_finds) {
+  const PointCloud cloud = garden();
+  for (const OccluderShape shape : {OccluderShape::automatic, OccluderShape::disc, OccluderShape::sphere}) {
+    for (const std::optional<double> radius : {std::optional<double>(), std::optional<double>(0.3)}) {
+      std::optional<std::vector<std::uint8_t>> known;
+      for (const InstructionSet set : available_instruction_sets()) {
+        const Occluders occluders(build(cloud).with_instruction_set(set), {.shape = shape, .radius = radius});
+        const std::vector<SightLine> lines = random_lines(occluders, cloud, 300);
+        std::vector<std::optional<Blocker>> blockers(lines.size());
+        std::vector<std::uint8_t> answers(lines.size());
+        first_blockers(occluders, lines, blockers);
+        blocked(occluders, lines, answers);
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+          const std::vector<Hit> expected = all_blockers(occluders, cloud, lines[i]);
+          ASSERT_EQ(blockers[i].has_value(), !expected.empty()) << i;
+          ASSERT_EQ(answers[i], expected.empty() ? 0 : 1) << i;
+          if (!expected.empty()) {
+            ASSERT_EQ(blockers[i]->point_id, expected.front().point_id) << i;
+          }
+          ASSERT_EQ(first_blocker(occluders, lines[i]), blockers[i]);
+        }
+        if (known) {
+          ASSERT_EQ(answers, *known);
+        }
+        known = answers;
+        ASSERT_GT(std::ranges::count(answers, 1), 30);
+        ASSERT_GT(std::ranges::count(answers, 0), 30);
+      }
+    }
+  }
+}
+
+TEST(SightLine, over_flat_ground_is_free_with_discs_and_blocked_with_spheres) {
+  Random random("flat_ground");
+  PointCloud cloud = empty_cloud();
+  add_sheet(cloud, 40000, {0, 0, 0}, {500, 0, 0}, {0, 20, 0}, 0.02, random);
+  const Octree octree = build(cloud);
+  const SightEnd eye{k_corner + glm::dvec3(0, 10, 1.7)};
+  std::size_t free_discs = 0, free_spheres = 0, count = 0;
+  const Occluders discs(octree, {}), spheres(octree, {.shape = OccluderShape::sphere, .radius = 0.7});
+  for (std::size_t id = 0; id < cloud.size(); id += 7) {
+    const glm::dvec3 target = cloud.world(id);
+    if (std::fabs(target.y - eye.position.y) > 8.0 || target.x - eye.position.x < 300.0) continue;
+    ++count;
+    const auto free = [&](const Occluders& occluders) {
+      return first_blocker(occluders, sight_line(eye, end_on_point(occluders, id, target, eye.position))) ? 0
+                                                                                                          : 1;
+    };
+    free_discs += free(discs);
+    free_spheres += free(spheres);
+  }
+  EXPECT_GT(free_discs, 0.99 * static_cast<double>(count));
+  EXPECT_EQ(free_spheres, 0u);
+}
+
+TEST(SightLine, sees_one_side_of_a_thin_plate) {
+  Random random("plate");
+  PointCloud cloud = empty_cloud();
+  add_sheet(cloud, 6000, {0, 0, 0}, {4, 0, 0}, {0, 0, 4}, 0.0, random);
+  const std::size_t front_count = cloud.size();
+  add_sheet(cloud, 6000, {0, 0.001, 0}, {4, 0, 0}, {0, 0, 4}, 0.0, random);
+  const Occluders occluders(build(cloud), {});
+  for (const double side : {-1.0, 1.0}) {
+    const SightEnd eye{k_corner + glm::dvec3(1.0, side * 3.0, 1.5)};
+    std::size_t right = 0, count = 0;
+    for (std::size_t id = 0; id < cloud.size(); ++id) {
+      const glm::dvec3 target = cloud.world(id), place = target - k_corner;
+      if (std::min(place.x, place.z) < 0.2 || std::max(place.x, place.z) > 3.8) continue;
+      const bool seen =
+          !first_blocker(occluders, sight_line(eye, end_on_point(occluders, id, target, eye.position)));
+      ++count;
+      right += seen == ((id < front_count) == (side < 0.0)) ? 1 : 0;
+    }
+    EXPECT_GT(right, 0.985 * static_cast<double>(count));
+  }
+}
+
+TEST(SightLine, passes_as_many_separate_crossings_as_the_transparency_allows) {
+  Random random("walls");
+  PointCloud cloud = empty_cloud();
+  for (int wall = 0; wall < 3; ++wall)
+    add_sheet(cloud, 3000, {2.0 + 2.0 * wall, 0, 0}, {0, 4, 0}, {0, 0, 4}, 0.003, random);
+  const SightLine line =
+      sight_line({k_corner + glm::dvec3(0, 1.9, 1.9)}, {k_corner + glm::dvec3(8, 2.1, 2.1)});
+  const Octree octree = build(cloud);
+  for (int transparency = 1; transparency <= 4; ++transparency) {
+    const Occluders occluders(octree, {.transparency = transparency});
+    const std::optional<Blocker> blocker = first_blocker(occluders, line);
+    ASSERT_EQ(blocker.has_value(), transparency <= 3) << transparency;
+    if (blocker) {
+      EXPECT_NEAR(blocker->distance, 2.0 * transparency, 0.02);
+    }
+  }
+}
+
+TEST(SightLine, ends_before_and_begins_behind_what_does_not_block_it) {
+  Random random("one_wall");
+  PointCloud cloud = empty_cloud();
+  add_sheet(cloud, 3000, {2, 0, 0}, {0, 4, 0}, {0, 0, 4}, 0.003, random);
+  const Occluders occluders(build(cloud), {});
+  const auto seen = [&](double from, double to) {
+    return !first_blocker(occluders,
+                          sight_line({k_corner + glm::dvec3(from, 2, 2)}, {k_corner + glm::dvec3(to, 2, 2)}));
+  };
+  EXPECT_TRUE(seen(0.0, 1.97));
+  EXPECT_FALSE(seen(0.0, 2.03));
+  EXPECT_TRUE(seen(2.03, 4.0));
+  EXPECT_FALSE(seen(1.97, 4.0));
+  const SightEnd eye{k_corner + glm::dvec3(0, 2, 2)};
+  EXPECT_FALSE(first_blocker(occluders, sight_ray(eye, {1, 0, 0}, 1.97)));
+  EXPECT_TRUE(first_blocker(occluders, sight_ray(eye, {1, 0, 0})));
+  EXPECT_FALSE(first_blocker(occluders, sight_ray(eye, {-1, 0, 0})));
+}
+
+TEST(SightLine, is_blocked_only_by_points_that_count) {
+  const PointCloud cloud = garden();
+  const Octree octree = build(cloud);
+  const SightLine line =
+      sight_line({k_corner + glm::dvec3(8, 10, 1.5)}, {k_corner + glm::dvec3(12, 10, 1.5)});
+  const std::optional<Blocker> wall = first_blocker(Occluders(octree, {}), line);
+  ASSERT_TRUE(wall);
+  OccluderOptions options;
+  options.counts = [](std::uint64_t id) { return id < 4000 || id >= 5500; };
+  EXPECT_FALSE(first_blocker(Occluders(octree, options), line));
+}
+
+TEST(SightLine, refuses_bad_input) {
+  const PointCloud cloud = garden();
+  const Octree octree = build(cloud);
+  EXPECT_THROW(Occluders(octree, {.radius = 0.0}), Error);
+  EXPECT_THROW(Occluders(octree, {.radius = std::nan("")}), Error);
+  EXPECT_THROW(Occluders(octree, {.transparency = 0}), Error);
+  EXPECT_THROW(sight_line({glm::dvec3(std::nan(""))}, {glm::dvec3(0.0)}), Error);
+  EXPECT_THROW(sight_ray({glm::dvec3(0.0)}, {0, 0, 0}), Error);
+  EXPECT_THROW(sight_ray({glm::dvec3(0.0)}, {0, 0, 1}, -1.0), Error);
+  const Occluders occluders(octree, {});
+  std::vector<std::uint8_t> room(1);
+  const std::vector<SightLine> lines(2, sight_ray({glm::dvec3(0.0)}, {0, 0, 1}));
+  EXPECT_THROW(blocked(occluders, lines, room), Error);
+  EXPECT_FALSE(first_blocker(Occluders(build(PointCloud()), {}), lines.front()));
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <optional>
+
+#include "octree/candidate.h"
+#include "octree/point_surface.h"
+#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
+
+// How one point blocks one line: the filter of the ray queries that sight lines are, and of brute force.
+
+namespace alidade {
+
+constexpr double k_sphere_share =
+    0.5;  ///< radius of a sphere in that of a disc, where each point has its own
+
+/// Place where a line meets the plane of a point's disc, whatever the disc's width and the line's ends;
+/// metres from its start. Empty for a line in the plane.
+inline std::optional<double> meeting_place(const SightLine& line, const glm::dvec3& center,
+                                           const glm::dvec3& normal) {
+  const double slope = glm::dot(line.direction, normal);
+  const double place = glm::dot(center - line.from.position, normal) / slope;
+  if (slope == 0.0 || !std::isfinite(place)) return std::nullopt;
+  return place;
+}
+
+/// Whether a disc is part of the surface that an end lies on.
+inline bool is_own(const SightEnd& end, const glm::dvec3& point, const glm::dvec3& center,
+                   const glm::dvec3& normal) {
+  const glm::dvec3 offset = end.position - point;
+  return glm::dot(offset, offset) <= end.own_reach * end.own_reach &&
+         std::fabs(glm::dot(end.position - center, normal)) <= end.own_thickness;
+}
+
+/// Whether an end lies in a sphere.
+inline bool is_within(const SightEnd& end, const glm::dvec3& point, double radius) {
+  const glm::dvec3 offset = end.position - point;
+  return glm::dot(offset, offset) <= radius * radius;
+}
+
+/// Radius of the sphere of a point without a surface; radius: of its disc.
+inline double sphere_of(const Occluders& occluders, double radius) {
+  if (occluders.options().radius) return radius;
+  return std::min(k_sphere_share * radius, occluders.largest_sphere());
+}
+
+/// Where a point blocks a line, metres from the line's start; empty if it does not.
+inline std::optional<double> crossing(const Occluders& occluders, const SightLine& line,
+                                      const Candidate& candidate) {
+  if (const auto& counts = occluders.options().counts; counts && !counts(candidate.point_id))
+    return std::nullopt;
+  const PointSurface surface =
+      occluders.has_surfaces() ? surface_of(occluders.octree().view(), candidate.point_id) : PointSurface{};
+  const bool endless = line.length == std::numeric_limits<double>::infinity();
+  if (!surface.exists) {
+    if (occluders.options().shape == OccluderShape::disc) return std::nullopt;
+    const double radius = sphere_of(occluders, candidate.radius);
+    if (!(candidate.distance <= radius && candidate.t >= 0.0 && candidate.t <= line.length))
+      return std::nullopt;
+    if (is_within(line.from, candidate.position, radius)) return std::nullopt;
+    if (!endless && is_within(line.to, candidate.position, radius)) return std::nullopt;
+    return candidate.t;
+  }
+  const glm::dvec3 center = candidate.position - surface.height * surface.normal;
+  const std::optional<double> place = meeting_place(line, center, surface.normal);
+  if (!place || !(*place >= 0.0 && *place <= line.length)) return std::nullopt;
+  const glm::dvec3 offset = line.from.position + *place * line.direction - candidate.position;
+  if (!(glm::dot(offset, offset) <= candidate.radius * candidate.radius)) return std::nullopt;
+  if (is_own(line.from, candidate.position, center, surface.normal)) return std::nullopt;
+  if (!endless && is_own(line.to, candidate.position, center, surface.normal)) return std::nullopt;
+  return place;
+}
+
+}  // namespace alidade

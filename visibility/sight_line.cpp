@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sight_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "octree/error.h"
+#include "octree/point_spacing.h"
+#include "octree/point_surface.h"
+#include "octree/query.h"
+#include "octree/unit_direction.h"
+#include "visibility/crossing.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_lift = 1.0;  // thicknesses
+
+/// How far the surface of an end reaches around it, metres.
+double own_reach(const Occluders& occluders) {
+  constexpr double k_radii = 3.0;
+  return occluders.options().radius ? k_radii * *occluders.options().radius : occluders.largest_radius();
+}
+
+/// How thick the surface of an end is around its sheet; also when it has no thickness but that of the
+/// lattice.
+double own_thickness(const Occluders& occluders, const PointSurface& surface) {
+  constexpr double k_thicknesses = 3.0;
+  return k_thicknesses * surface.thickness + 0.5 * glm::length(occluders.octree().lattice().scale);
+}
+
+void check_end(const SightEnd& end) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(end.position[axis])) throw Error({.problem = "end of a sight line is not finite"});
+  }
+}
+
+/// The ray whose cylinder holds every point that can block.
+Ray ray_of(const Occluders& occluders, const SightLine& line) {
+  const double radius = occluders.largest_radius();
+  return {line.from.position, line.direction, -radius, line.length + radius};
+}
+
+std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> lines) {
+  std::vector<Ray> rays(lines.size());
+  std::ranges::transform(lines, rays.begin(), [&](const SightLine& line) { return ray_of(occluders, line); });
+  return rays;
+}
+
+RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) {
+  RayQuery query{.radius = occluders.largest_radius(), .measure = Measure::t};
+  if (!occluders.options().radius) query.spacing_factor = 1.0;
+  query.filter = [&occluders, lines](const Candidate& candidate) {
+    return crossing(occluders, lines[candidate.query_index], candidate).has_value();
+  };
+  return query;
+}
+
+/// hit: a point that blocks the line.
+Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit& hit) {
+  Blocker blocker{hit.point_id, hit.position, hit.t};
+  if (!occluders.has_surfaces()) return blocker;
+  const PointSurface surface = surface_of(occluders.octree().view(), hit.point_id);
+  if (surface.exists) {
+    blocker.distance = *meeting_place(line, hit.position - surface.height * surface.normal, surface.normal);
+  }
+  return blocker;
+}
+
+/// hits: all that block a line.
+std::optional<Blocker> separate_blocker(const Occluders& occluders, const SightLine& line,
+                                        const RayQuery& query, std::span<const Hit> hits) {
+  struct Crossing {
+    Blocker blocker;
+    double diameter;
+  };
+  std::vector<Crossing> crossings;
+  for (const Hit& hit : hits) {
+    const double radius = query.spacing_factor > 0.0 ? sphere_radius(query, hit) : query.radius;
+    crossings.push_back({blocker_of(occluders, line, hit), 2.0 * radius});
+  }
+  std::ranges::sort(crossings, {}, [](const Crossing& crossing) {
+    return std::pair(crossing.blocker.distance, crossing.blocker.point_id);
+  });
+  int count = 0;
+  double end = -std::numeric_limits<double>::infinity();
+  for (const Crossing& crossing : crossings) {
+    if (crossing.blocker.distance <= end) continue;
+    if (++count == occluders.options().transparency) return crossing.blocker;
+    end = crossing.blocker.distance + crossing.diameter;
+  }
+  return std::nullopt;
+}
+
+void check_room(std::size_t lines, std::size_t answers) {
+  if (lines == answers) return;
+  throw Error({.problem = "room for answers is not as long as the sight lines",
+               .expected = std::to_string(lines),
+               .found = std::to_string(answers)});
+}
+
+}  // namespace
+
+SightLine sight_line(const SightEnd& from, const SightEnd& to) {
+  check_end(from);
+  check_end(to);
+  const glm::dvec3 way = to.position - from.position;
+  SightLine line{from, to, {0.0, 0.0, 1.0}, glm::length(way)};
+  if (line.length > 0.0) line.direction = unit_direction(way);
+  return line;
+}
+
+SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction, double length) {
+  if (!(length >= 0.0)) {
+    throw Error({.problem = "bad length of a sight line",
+                 .expected = "0 or more metres",
+                 .found = std::to_string(length)});
+  }
+  const Ray ray = make_ray(from.position, direction);
+  SightLine line{from, {}, ray.direction, length};
+  // Nothing is known about where it ends.
+  if (std::isfinite(length)) line.to.position = ray.position(length);
+  return line;
+}
+
+SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
+                      const glm::dvec3& seen_from) {
+  if (!occluders.has_surfaces()) return {position};
+  const PointSurface surface = surface_of(occluders.octree().view(), point_id);
+  if (!surface.exists) return {position};
+  const glm::dvec3 way = seen_from - position;
+  double rise = glm::dot(way, surface.normal);
+  // Where sight grazes the surface, the error of the normal hides the side; the upper one is the likelier.
+  constexpr double k_grazing = 0.02;
+  if (std::fabs(rise) < k_grazing * glm::length(way)) rise = surface.normal.z;
+  const double lift = std::copysign(k_lift * surface.thickness, rise);
+  return {position + (lift - surface.height) * surface.normal, own_reach(occluders),
+          own_thickness(occluders, surface)};
+}
+
+SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position) {
+  if (!occluders.has_surfaces()) return {position};
+  const std::vector<PointHit> nearest =
+      find(occluders.octree(), position, PointQuery{.radius = occluders.largest_radius(), .k = 1});
+  if (nearest.empty()) return {position};
+  const PointSurface surface = surface_of(occluders.octree().view(), nearest.front().point_id);
+  if (!surface.exists) return {position};
+  const glm::dvec3 center = nearest.front().position - surface.height * surface.normal;
+  const double above = std::fabs(glm::dot(position - center, surface.normal));
+  return {position, own_reach(occluders), above + own_thickness(occluders, surface)};
+}
+
+std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine& line) {
+  std::optional<Blocker> blocker;
+  first_blockers(occluders, {&line, 1}, {&blocker, 1});
+  return blocker;
+}
+
+void first_blockers(const Occluders& occluders, std::span<const SightLine> lines,
+                    std::span<std::optional<Blocker>> blockers) {
+  check_room(lines.size(), blockers.size());
+  const std::vector<Ray> rays = rays_of(occluders, lines);
+  const RayQuery query = query_of(occluders, lines);
+  if (occluders.options().transparency == 1) {
+    std::vector<std::optional<Hit>> hits(lines.size());
+    closest(occluders.octree(), rays, query, hits);
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      blockers[i].reset();
+      if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
+    }
+  } else {
+    const Answers<Hit> hits = find(occluders.octree(), rays, query);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      blockers[i] = separate_blocker(occluders, lines[i], query, hits[i]);
+  }
+}
+
+void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::span<std::uint8_t> answers) {
+  check_room(lines.size(), answers.size());
+  if (occluders.options().transparency == 1) {
+    occluded(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), answers);
+    return;
+  }
+  std::vector<std::optional<Blocker>> blockers(lines.size());
+  first_blockers(occluders, lines, blockers);
+  std::ranges::transform(blockers, answers.begin(),
+                         [](const std::optional<Blocker>& blocker) { return blocker ? 1 : 0; });
+}
+
+}  // namespace alidade
