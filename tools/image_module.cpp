@@ -3,6 +3,7 @@
 #include "renderer/read_sky_image.h"
 #include "tools/image_writer.h"
 #include "visibility/raster_file.h"
+#include "visibility/read_observers.h"
 
 // The module that load_module_function() loads.
 
@@ -30,4 +31,15 @@ extern "C" void alidade_place_sun(const alidade::SunByTime& by_time,
 extern "C" void alidade_write_raster(const std::filesystem::path& file,
                                      const alidade::RasterContents& contents, bool overwrite) {
   alidade::write_raster(file, contents, overwrite);
+}
+
+extern "C" void alidade_read_observers(const std::filesystem::path& path,
+                                       const alidade::ObserverReference& reference,
+                                       std::vector<alidade::GivenObserver>& observers) {
+  observers = alidade::read_observers(path, reference);
+}
+
+extern "C" void alidade_transform_observers(const alidade::ObserverReference& reference,
+                                            std::vector<alidade::GivenObserver>& observers) {
+  alidade::to_cloud_reference(observers, "", reference);
 }

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "octree/cloud/crs.h"
+#include "visibility/observers.h"
+
+namespace alidade {
+
+/// Which reference system observers are in, and which they are wanted in.
+struct ObserverReference {
+  /// What the user says, above what a file says: anything GDAL understands ("EPSG:4326", WKT, PROJ), x east
+  /// and y north whatever its axes; "cloud" for the cloud's own. Empty: what the file says.
+  std::string given{};
+  Crs cloud{};
+};
+
+/// Turns places into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z and
+/// heights stay as they are, in the cloud's unit. Places are untouched if both systems are the same, or none
+/// is known. Errors: one is known and the other not; one that GDAL does not understand; a place that has no
+/// image.
+void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
+                        const ObserverReference& reference);
+
+}  // namespace alidade
