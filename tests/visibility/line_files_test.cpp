@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/line_files.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "octree/error.h"
+#include "tests/visibility/wall_cloud.h"
+#include "visibility/lon_lat.h"
+
+namespace alidade::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class LineFilesTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder = fs::path(::testing::TempDir()) / ("line_files_" + std::to_string(::getpid()));
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+  }
+  void TearDown() override { fs::remove_all(folder); }
+
+  /// A wall of class 6 at x = 30, and two lines: one against it, one over it.
+  LineTable table(const LineReportOptions& options = {}) {
+    const Occluders occluders = WallCloud().add({30, -2, 0}, {0, 4, 0}, {0, 0, 2}, 0.1).occluders();
+    classes.assign(occluders.octree().size(), 6);
+    LineTable made;
+    made.pairs = {{"mast, old", {{0, 0.03, 1.02}}, "the \"roof\"", {{100, 0.03, 1.02}}},
+                  {"a", {{0, 0, 3}}, "b", {{100, 0, 3}}}};
+    made.reports = report_lines(occluders, made.pairs, options);
+    made.classifications = classes;
+    return made;
+  }
+
+  std::string written(const LineTable& lines, RowForm form, const ToLonLat& to_lon_lat = {}) {
+    const fs::path file = folder / "lines";
+    was_placed =
+        write_lines(lines, form, {.command = "alidade x", .cloud_files = {"a.las"}}, to_lon_lat, file, true);
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+  }
+
+  fs::path folder;
+  std::vector<std::uint8_t> classes;
+  bool was_placed = false;
+};
+
+Crs system_of(const std::string& wkt) {
+  Crs crs;
+  crs.wkt = wkt;
+  return crs;
+}
+
+/// A projected system by its EPSG number.
+Crs projected(std::uint16_t number) {
+  Crs crs;
+  crs.geotiff_keys = {1, 1, 0, 2, 1024, 0, 1, 1, 3072, 0, 1, number};
+  return crs;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST_F(LineFilesTest, form_is_told_by_the_ending) {
+  EXPECT_EQ(row_form("a.csv"), RowForm::csv);
+  EXPECT_EQ(row_form("a.b/c.json"), RowForm::json);
+  EXPECT_EQ(row_form("c.geojson"), RowForm::geojson);
+  EXPECT_FALSE(row_form("c.txt"));
+  EXPECT_FALSE(row_form("csv"));
+}
+
+TEST_F(LineFilesTest, csv_has_a_header_and_a_row_per_line) {
+  const std::vector<std::string> rows = lines_of(written(table(), RowForm::csv));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(
+      rows[0],
+      "line,from,to,from_x,from_y,from_z,to_x,to_y,to_z,length,visible,blocker,blocker_class,blocker_at,"
+      "blocker_x,blocker_y,blocker_z,clearance,clearance_at,clearance_point,clearance_class");
+  EXPECT_TRUE(
+      rows[1].starts_with("0,\"mast, old\",\"the \"\"roof\"\"\",0.0,0.03,1.02,100.0,0.03,1.02,100.0,0,"))
+      << rows[1];
+  EXPECT_TRUE(rows[2].starts_with("1,a,b,0.0,0.0,3.0,100.0,0.0,3.0,100.0,1,,,,,,,")) << rows[2];
+  EXPECT_TRUE(rows[2].ends_with(",6")) << rows[2];
+}
+
+TEST_F(LineFilesTest, json_has_the_same_values_and_what_obstructs_the_zone) {
+  const LineTable lines = table({.wavelength = 0.125});
+  const Json file = Json::parse(written(lines, RowForm::json));
+  EXPECT_EQ(file["command"], "alidade x");
+  EXPECT_EQ(file["cloud_files"], Json::array({"a.las"}));
+  ASSERT_EQ(file["lines"].size(), 2u);
+  const Json& hidden = file["lines"][0];
+  EXPECT_EQ(hidden["to"], "the \"roof\"");
+  EXPECT_EQ(hidden["visible"], false);
+  EXPECT_EQ(hidden["blocker"], lines.reports[0].blocker->point_id);
+  EXPECT_EQ(hidden["blocker_class"], 6);
+  EXPECT_NEAR(hidden["blocker_at"], 30.0, 1e-3);
+  EXPECT_EQ(hidden["fresnel_clear"], false);
+  EXPECT_EQ(hidden["fresnel_class"], 6);
+  EXPECT_EQ(hidden["fresnel_obstructed"], lines.reports[0].fresnel->obstructed);
+  EXPECT_EQ(hidden["obstructions"]["points"].size(), lines.reports[0].fresnel->obstructions.size());
+  EXPECT_EQ(hidden["obstructions"]["classes"].size(), 1u);
+  EXPECT_NEAR(hidden["obstructions"]["classes"][0]["share"], hidden["fresnel_obstructed"].get<double>(),
+              1e-9);
+  EXPECT_EQ(file["lines"][1]["visible"], true);
+  EXPECT_TRUE(file["lines"][1]["blocker"].is_null());
+}
+
+TEST_F(LineFilesTest, geojson_splits_a_blocked_line_at_the_first_obstruction) {
+  const Json file = Json::parse(written(table(), RowForm::geojson));
+  EXPECT_FALSE(was_placed);
+  EXPECT_EQ(file["type"], "FeatureCollection");
+  ASSERT_EQ(file["features"].size(), 3u);
+  const Json &near = file["features"][0], &far = file["features"][1], &whole = file["features"][2];
+  EXPECT_EQ(near["properties"]["visible"], true);
+  EXPECT_EQ(far["properties"]["visible"], false);
+  EXPECT_EQ(near["properties"]["blocker"], far["properties"]["blocker"]);
+  EXPECT_TRUE(far["properties"]["blocker"].is_number_unsigned());
+  EXPECT_EQ(near["geometry"]["type"], "LineString");
+  EXPECT_EQ(near["geometry"]["coordinates"][0], Json({0.0, 0.03, 1.02}));
+  EXPECT_EQ(near["geometry"]["coordinates"][1], far["geometry"]["coordinates"][0]);
+  EXPECT_NEAR(far["geometry"]["coordinates"][0][0], 30.0, 1e-3);
+  EXPECT_EQ(far["geometry"]["coordinates"][1], Json({100.0, 0.03, 1.02}));
+  EXPECT_EQ(whole["properties"]["visible"], true);
+  EXPECT_EQ(whole["properties"]["line"], 1);
+}
+
+TEST_F(LineFilesTest, a_line_blocked_at_its_start_is_one_hidden_part) {
+  LineTable lines = table();
+  lines.reports[0].blocker->distance = 0.0;
+  const Json file = Json::parse(written(lines, RowForm::geojson));
+  ASSERT_EQ(file["features"].size(), 2u);
+  EXPECT_EQ(file["features"][0]["properties"]["visible"], false);
+}
+
+TEST_F(LineFilesTest, geojson_has_longitude_and_latitude_where_they_are_known) {
+  const Crs utm = projected(32632);
+  const auto to_lon_lat = [&](std::span<const glm::dvec3> places) {
+    std::vector<glm::dvec3> moved(places.begin(), places.end());
+    for (glm::dvec3& place : moved) place += glm::dvec3(500000, 5325000, 0);
+    return lon_lat(utm, moved);
+  };
+  const Json file = Json::parse(written(table(), RowForm::geojson, to_lon_lat));
+  EXPECT_TRUE(was_placed);
+  // 500000 is the central meridian of zone 32; a degree of latitude has 111 km.
+  const Json& start = file["features"][0]["geometry"]["coordinates"][0];
+  EXPECT_EQ(start[0], 9.0);
+  EXPECT_NEAR(start[1], 48.08, 0.01);
+  EXPECT_EQ(start[2], 1.02);
+  const Json& end = file["features"][2]["geometry"]["coordinates"][1];
+  EXPECT_NEAR(end[0].get<double>() - 9.0, 100.0 / (111320.0 * std::cos(48.08 * 3.14159265 / 180.0)), 5e-6);
+}
+
+TEST_F(LineFilesTest, an_existing_file_is_not_replaced_unasked) {
+  const fs::path file = folder / "lines.csv";
+  const LineTable lines = table();
+  write_lines(lines, RowForm::csv, {}, {}, file, false);
+  EXPECT_THROW(write_lines(lines, RowForm::csv, {}, {}, file, false), Error);
+  EXPECT_NO_THROW(write_lines(lines, RowForm::csv, {}, {}, file, true));
+}
+
+TEST(LonLat, unknown_and_local_systems_have_none) {
+  const std::vector<glm::dvec3> place = {{0, 0, 0}};
+  EXPECT_FALSE(lon_lat({}, place));
+  EXPECT_FALSE(lon_lat(system_of("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), place));
+  EXPECT_FALSE(lon_lat(system_of("nonsense"), place));
+}
+
+TEST(LonLat, metres_of_a_unit) {
+  EXPECT_EQ(metres_per_unit({}), 1.0);
+  EXPECT_FALSE(metres_per_unit(system_of("nonsense")));
+  EXPECT_EQ(metres_per_unit(projected(32632)), 1.0);
+  EXPECT_NEAR(*metres_per_unit(projected(2229)), 0.3048006, 1e-7);
+  Crs degrees;
+  degrees.geotiff_keys = {1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326};
+  EXPECT_FALSE(metres_per_unit(degrees));
+}
+
+}  // namespace
+}  // namespace alidade::test

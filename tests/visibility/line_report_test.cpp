@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/line_report.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "octree/distance.h"
+#include "octree/error.h"
+#include "tests/support/random.h"
+#include "tests/visibility/wall_cloud.h"
+
+namespace alidade::test {
+namespace {
+
+/// A wall across the x axis at 30 m, 4 m wide, from z = 0 to 2.
+WallCloud wall() {
+  return WallCloud().add({30, -2, 0}, {0, 4, 0}, {0, 0, 2}, 0.1);
+}
+
+LineReport report_one(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
+                      const LineReportOptions& options = {}) {
+  const LinePair pair{"a", from, "b", to};
+  return report_lines(occluders, std::span(&pair, 1), options)[0];
+}
+
+TEST(LineReport, a_wall_blocks_and_tells_where) {
+  const Occluders occluders = wall().occluders();
+  const LineReport line = report_one(occluders, {{0, 0.03, 1.02}}, {{100, 0.03, 1.02}});
+  ASSERT_TRUE(line.blocker);
+  EXPECT_NEAR(line.blocker->distance, 30.0, 1e-3);
+  EXPECT_NEAR(line.blocker->position.x, 30.0, 1e-3);
+  EXPECT_NEAR(line.blocker->position.y, 0.0, 0.15);
+  EXPECT_NEAR(line.blocker->position.z, 1.0, 0.15);
+  EXPECT_EQ(line.length, 100.0);
+}
+
+TEST(LineReport, a_line_over_the_wall_is_free_and_tells_the_clearance) {
+  const WallCloud cloud = wall();
+  const LineReport line = report_one(cloud.occluders(), {{0, 0, 2.5}}, {{100, 0, 2.5}});
+  EXPECT_FALSE(line.blocker);
+  ASSERT_TRUE(line.nearest);
+  EXPECT_NEAR(line.nearest->distance, 0.5, 1e-9);
+  EXPECT_NEAR(line.nearest->t, 30.0, 1e-9);
+  EXPECT_EQ(line.nearest->position, cloud.positions()[line.nearest->point_id]);
+  EXPECT_FALSE(line.fresnel);
+}
+
+TEST(LineReport, points_abreast_of_no_place_between_the_ends_take_no_clearance) {
+  const Occluders occluders = wall().occluders();
+  EXPECT_FALSE(report_one(occluders, {{31, 0, 2.2}}, {{100, 0, 2.2}}).nearest);
+  EXPECT_FALSE(report_one(occluders, {{0, 0, 2.2}}, {{29, 0, 2.2}}).nearest);
+  EXPECT_TRUE(report_one(occluders, {{29, 0, 2.2}}, {{31, 0, 2.2}}).nearest);
+}
+
+TEST(LineReport, clearance_vs_brute_force) {
+  Random random;
+  WallCloud cloud;
+  for (int i = 0; i < 2000; ++i) cloud.add(20.0 * random.in_cube());
+  const Occluders occluders = cloud.occluders({.radius = 0.01});
+  const Octree& octree = occluders.octree();
+  int found = 0;
+  for (int i = 0; i < 200; ++i) {
+    const SightEnd from{25.0 * random.in_cube(), 2.0 * random.unit()}, to{25.0 * random.in_cube()};
+    const double margin = 3.0 * random.unit();
+    const LineReport line = report_one(occluders, from, to, {.line = {.end_margin = margin}});
+    const SightLine whole = sight_line(from, to);
+    const Ray ray = make_ray(from.position, to.position - from.position);
+    std::optional<double> least;
+    for (const glm::dvec3& point : cloud.positions()) {
+      const auto [t, beside] = project(ray, point);
+      if (!(t > margin && t < whole.length - margin)) continue;
+      if (distance(from.position, point) <= from.own_reach) continue;
+      if (!least || beside < *least) least = beside;
+    }
+    ASSERT_EQ(line.nearest.has_value(), least.has_value());
+    if (!least) continue;
+    ++found;
+    // The cloud's positions are rounded to the lattice.
+    EXPECT_NEAR(line.nearest->distance, *least, 2e-4);
+    EXPECT_NEAR(line.nearest->distance, project(ray, line.nearest->position).distance, 1e-9);
+    EXPECT_NEAR(line.nearest->t, project(ray, line.nearest->position).t, 1e-9);
+  }
+  EXPECT_GT(found, 190);
+  EXPECT_EQ(octree.size(), 2000u);
+}
+
+TEST(LineReport, blockers_are_those_of_single_sight_lines) {
+  Random random;
+  WallCloud cloud = wall();
+  cloud.add({60, -3, 0}, {0, 3, 1}, {0, 0, 3}, 0.1);
+  const Occluders occluders = cloud.occluders();
+  std::vector<LinePair> pairs;
+  for (int i = 0; i < 500; ++i) {
+    pairs.push_back({"",
+                     {{random.between(0, 20), random.between(-3, 3), random.between(0, 3)}},
+                     "",
+                     {{random.between(50, 100), random.between(-3, 3), random.between(0, 3)}}});
+  }
+  const std::vector<LineReport> lines = report_lines(occluders, pairs, {});
+  int hidden = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const std::optional<Blocker> blocker = first_blocker(occluders, sight_line(pairs[i].from, pairs[i].to));
+    ASSERT_EQ(lines[i].blocker.has_value(), blocker.has_value());
+    if (!blocker) continue;
+    ++hidden;
+    EXPECT_EQ(lines[i].blocker->point_id, blocker->point_id);
+    EXPECT_NEAR(lines[i].blocker->distance, blocker->distance, 1e-9);
+  }
+  EXPECT_GT(hidden, 100);
+  EXPECT_LT(hidden, 450);
+}
+
+TEST(LineReport, end_margins_are_not_looked_at) {
+  const Occluders occluders = wall().occluders();
+  const SightEnd mast{{29, 0, 1}}, far{{100, 0, 1}};
+  EXPECT_TRUE(report_one(occluders, mast, far).blocker);
+  const LineReport line = report_one(occluders, mast, far, {.line = {.end_margin = 1.5}});
+  EXPECT_FALSE(line.blocker);
+  EXPECT_FALSE(line.nearest);
+  EXPECT_EQ(line.length, 71.0);
+  EXPECT_FALSE(report_one(occluders, far, mast, {.line = {.end_margin = 1.5}}).blocker);
+  EXPECT_TRUE(report_one(occluders, far, mast, {.line = {.end_margin = 0.5}}).blocker);
+  // Margins that meet leave nothing to look at.
+  EXPECT_FALSE(report_one(occluders, mast, {{31, 0, 1}}, {.line = {.end_margin = 1.0}}).blocker);
+}
+
+TEST(LineReport, a_bent_line_sinks_as_the_formula_says) {
+  // In the middle of 100 m the line sinks by 100^2 / (8 radius).
+  const Occluders occluders = WallCloud().add({50, -2, 0}, {0, 4, 0}, {0, 0, 2}, 0.05).occluders();
+  const SightEnd from{{0, 0, 2.4}}, to{{100, 0, 2.4}};
+  EXPECT_FALSE(report_one(occluders, from, to).blocker);
+  const LineReport above = report_one(occluders, from, to, {.line = {.earth_radius = 10000.0 / (8 * 0.25)}});
+  EXPECT_FALSE(above.blocker);
+  EXPECT_NEAR(above.nearest->distance, 0.15, 1e-3);
+  const LineReport below = report_one(occluders, from, to, {.line = {.earth_radius = 10000.0 / (8 * 0.6)}});
+  ASSERT_TRUE(below.blocker);
+  EXPECT_NEAR(below.blocker->distance, 50.0, 1e-2);
+}
+
+TEST(LineReport, spheres_around_the_joints_of_a_bent_line_block) {
+  // A row of lone points all along the line: wherever pieces meet, some are near.
+  WallCloud cloud;
+  for (int i = 1; i < 1000; ++i) cloud.add({0.1 * i, 0.03, 0});
+  const Occluders occluders = cloud.occluders({.shape = OccluderShape::sphere, .radius = 0.04});
+  for (double start = 0.5; start < 60.0; start += 0.37) {
+    const LineReport line =
+        report_one(occluders, {{start, 0, 0}}, {{start + 39, 0, 0}}, {.line = {.earth_radius = 1e9}});
+    ASSERT_TRUE(line.blocker) << start;
+    EXPECT_LT(line.blocker->distance, 0.2);
+  }
+  // One sphere after another just behind where two of 24 pieces meet.
+  for (int joint = 1; joint < 24; ++joint) {
+    const double t = 50.0 * (1.0 - std::cos(3.14159265358979 * joint / 24));
+    for (const double shift : {-0.03, -0.001, 0.0, 0.001, 0.03}) {
+      const Occluders lone =
+          WallCloud().add({t + shift, 0.01, 0}).occluders({.shape = OccluderShape::sphere, .radius = 0.04});
+      EXPECT_TRUE(report_one(lone, {{0, 0, 0}}, {{100, 0, 0}}, {.line = {.earth_radius = 1e9}}).blocker)
+          << joint << " " << shift;
+    }
+  }
+}
+
+TEST(LineReport, all_pairs_has_each_pair_once_in_order) {
+  const std::vector<std::string> names = {"a", "b", "c"};
+  const std::vector<SightEnd> ends = {{{1, 0, 0}}, {{2, 0, 0}}, {{3, 0, 0}}};
+  std::string order;
+  for (const LinePair& pair : all_pairs(names, ends)) {
+    order += pair.from_name + pair.to_name + " ";
+    EXPECT_LT(pair.from.position.x, pair.to.position.x);
+  }
+  EXPECT_EQ(order, "ab ac bc ");
+}
+
+TEST(LineReport, is_the_same_on_one_thread) {
+  Random random;
+  const Occluders occluders = wall().occluders();
+  std::vector<LinePair> pairs;
+  for (int i = 0; i < 40; ++i)
+    pairs.push_back({"", {{0, random.between(-2, 2), random.between(0, 3)}}, "", {{90, 0, 1.5}}});
+  const LineReportOptions options{.wavelength = 0.125};
+  const std::vector<LineReport> many = report_lines(occluders, pairs, options);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const std::vector<LineReport> single = report_lines(occluders, pairs, options);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    EXPECT_EQ(many[i].blocker, single[i].blocker);
+    EXPECT_EQ(many[i].nearest->distance, single[i].nearest->distance);
+    EXPECT_EQ(many[i].fresnel->obstructed, single[i].fresnel->obstructed);
+    EXPECT_EQ(many[i].fresnel->cut_off, single[i].fresnel->cut_off);
+  }
+}
+
+TEST(LineReport, bad_options_are_errors) {
+  const Occluders occluders = wall().occluders(), through = wall().occluders({.transparency = 2});
+  const SightEnd from{{0, 0, 1}}, to{{9, 0, 1}};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(report_one(occluders, from, to, {.line = {.end_margin = -1.0}}), Error);
+  EXPECT_THROW(report_one(occluders, from, to, {.line = {.end_margin = nan}}), Error);
+  EXPECT_THROW(report_one(occluders, from, to, {.line = {.earth_radius = 0.0}}), Error);
+  EXPECT_THROW(report_one(occluders, from, to, {.wavelength = 0.0}), Error);
+  EXPECT_THROW(report_one(occluders, {{nan, 0, 0}}, to), Error);
+  EXPECT_THROW(report_one(through, from, to, {.line = {.earth_radius = 1e7}}), Error);
+  EXPECT_NO_THROW(report_one(through, from, to, {.wavelength = 0.1}));
+}
+
+TEST(LineReport, stops_when_asked_to) {
+  const Occluders occluders = wall().occluders();
+  const std::vector<LinePair> pairs(3, {"", {{0, 0, 1}}, "", {{9, 0, 1}}});
+  EXPECT_THROW(report_lines(occluders, pairs, {}, [](std::uint64_t, std::uint64_t) { return false; }),
+               Cancelled);
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/pair_table.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "octree/error.h"
+
+namespace alidade::test {
+namespace {
+
+std::filesystem::path written(const std::string& text) {
+  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "pair_table_test.csv";
+  std::ofstream(path) << text;
+  return path;
+}
+
+std::string problem_of(const std::string& text) {
+  const std::filesystem::path path = written(text);
+  try {
+    read_pair_table(path);
+  } catch (const Error& error) {
+    return std::string(error.what()).substr(path.string().size());
+  }
+  return "";
+}
+
+TEST(PairTable, names_alone_are_pairs_of_places_known_elsewhere) {
+  const std::vector<GivenPair> pairs = read_pair_table(written("to,from\nmast,roof\n\n\"a, b\",c\n"));
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_FALSE(pairs[0].has_places);
+  EXPECT_EQ(pairs[0].from.name, "roof");
+  EXPECT_EQ(pairs[0].to.name, "mast");
+  EXPECT_EQ(pairs[1].to.name, "a, b");
+  EXPECT_TRUE(pairs[1].from.source.ends_with("pair_table_test.csv:line 4"));
+}
+
+TEST(PairTable, places_may_lack_z_height_and_name) {
+  const std::vector<GivenPair> pairs = read_pair_table(
+      written("from_x,from_y,from_z,from_height,to_x,to_y,to_z,to\n1,2,3,10,4,5,,mast\n-1e2,0.5,,,0,0,7,\n"));
+  ASSERT_EQ(pairs.size(), 2u);
+  EXPECT_TRUE(pairs[0].has_places);
+  EXPECT_EQ(pairs[0].from.place, glm::dvec2(1, 2));
+  EXPECT_EQ(pairs[0].from.z, 3.0);
+  EXPECT_EQ(pairs[0].from.height, 10.0);
+  EXPECT_EQ(pairs[0].to.place, glm::dvec2(4, 5));
+  EXPECT_FALSE(pairs[0].to.z);
+  EXPECT_EQ(pairs[0].to.name, "mast");
+  EXPECT_EQ(pairs[1].from.place, glm::dvec2(-100, 0.5));
+  EXPECT_FALSE(pairs[1].from.height);
+  EXPECT_EQ(pairs[1].to.z, 7.0);
+}
+
+TEST(PairTable, errors_name_the_line) {
+  EXPECT_TRUE(problem_of("").starts_with(": holds no pairs"));
+  EXPECT_TRUE(problem_of("from,to\n").starts_with(": holds no pairs"));
+  EXPECT_TRUE(problem_of("from,until\na,b\n").starts_with(":line 1: unknown column"));
+  EXPECT_TRUE(problem_of("from,from\na,b\n").starts_with(":line 1: column from stands twice"));
+  EXPECT_TRUE(problem_of("from\na\n").starts_with(":line 1: columns are missing"));
+  EXPECT_TRUE(problem_of("from,to,from_x,from_y\na,b,1,2\n").starts_with(":line 1: columns are missing"));
+  EXPECT_TRUE(problem_of("from,to,from_z\na,b,1\n").starts_with(":line 1: columns are missing"));
+  const std::string places = "from_x,from_y,to_x,to_y\n";
+  EXPECT_EQ(problem_of(places + "1,2,3,4\n"), "");
+  EXPECT_TRUE(problem_of(places + "1,2,3\n").starts_with(":line 2: too few cells"));
+  EXPECT_TRUE(problem_of(places + "1,2,3,4,5\n").starts_with(":line 2: too many cells"));
+  EXPECT_TRUE(problem_of(places + "\n1,2,x,4\n").starts_with(":line 3: to_x is not a finite number"));
+  EXPECT_TRUE(problem_of(places + "1,2,,4\n").starts_with(":line 2: to_x is not a finite number"));
+  EXPECT_TRUE(problem_of(places + "1,nan,3,4\n").starts_with(":line 2: from_y is not a finite number"));
+  EXPECT_TRUE(problem_of(places + "1,inf,3,4\n").starts_with(":line 2: from_y is not a finite number"));
+  EXPECT_TRUE(problem_of("from,to\na,\n").starts_with(":line 2: an end has no name"));
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octree/progress.h"
+#include "visibility/observers.h"
+#include "visibility/sight_line.h"
+
+namespace alidade {
+
+/// Which candidates see which targets: a bit for each pair.
+class Coverage {
+ public:
+  /// Nobody sees anything yet. Errors: more memory than there is; the message tells how much it were.
+  Coverage(std::size_t candidates, std::size_t targets);
+
+  std::size_t candidates() const { return candidates_; }
+  std::size_t targets() const { return targets_; }
+  bool sees(std::size_t candidate, std::size_t target) const {
+    return (row(candidate)[target / 64] >> (target % 64) & 1) != 0;
+  }
+  void set(std::size_t candidate, std::size_t target) {
+    words_[candidate * row_words_ + target / 64] |= std::uint64_t{1} << (target % 64);
+  }
+  /// Target i is bit i % 64 of word i / 64; bits behind the last target are 0.
+  std::span<const std::uint64_t> row(std::size_t candidate) const {
+    return std::span(words_).subspan(candidate * row_words_, row_words_);
+  }
+
+ private:
+  std::size_t candidates_, targets_, row_words_;
+  std::vector<std::uint64_t> words_;
+};
+
+/// A place to be seen.
+struct PlacementTarget {
+  std::uint64_t point_id = 0;
+  glm::dvec3 position{0.0};  ///< of the point
+};
+
+/// Asks for a sight line from every candidate to every target in its field of view and reach. A target with
+/// `height` 0 is the point itself on its surface, as end_on_point() has it; else a place so many metres
+/// straight above it. Candidates that stand on a surface see over it (end_near_surface()). `progress` is in
+/// sight lines. The same on any number of threads. Cost: candidates times targets, up to a microsecond each;
+/// fast if targets near each other follow each other. Errors: those of Coverage; height negative or not
+/// finite.
+Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
+                     std::span<const PlacementTarget> targets, double height, const Progress& progress = {});
+
+}  // namespace alidade

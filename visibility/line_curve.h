@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
+
+namespace alidade {
+
+/// Radius of the sphere that stands for the Earth, metres.
+constexpr double k_earth_radius = 6'371'000.0;
+
+/// What the lines of a task have in common.
+struct LineOptions {
+  /// So much of a line at either end is not looked at: masts and tripods were scanned, too. Metres.
+  double end_margin = 0.0;
+  /// A line sinks below the chord between its ends by t (length - t) / (2 radius), as if it were the ground
+  /// that rises. Metres; infinite: straight. For radio 4/3 of the Earth's radius, which takes in how air
+  /// bends the waves. Source: ITU-R P.310, "effective radius of the Earth".
+  double earth_radius = std::numeric_limits<double>::infinity();
+};
+
+/// A line beside the middle one.
+struct TubePlace {
+  double share = 0.0;  ///< of the zone's radius: 0 the middle line, 1 the rim
+  double turns = 0.0;  ///< direction around the line, in whole turns
+};
+
+/// The line between two ends, and the lines around it from end to end that fill a zone: t metres from the
+/// first end it is 2 middle_radius sqrt(t (length - t)) / length wide, so it is an ellipsoid (when bent: one
+/// that sags).
+class LineCurve {
+ public:
+  /// Errors: ends not finite.
+  LineCurve(const SightEnd& from, const SightEnd& to, const LineOptions& options, double middle_radius = 0.0);
+
+  const SightEnd& from() const { return from_; }
+  const SightEnd& to() const { return to_; }
+  double length() const { return length_; }  ///< of the chord, metres
+  /// The part that is looked at, metres along the chord; nothing if begin >= end.
+  double begin() const { return begin_; }
+  double end() const { return end_; }
+
+  double zone_radius(double t) const;
+  /// Requires t in [0, length].
+  glm::dvec3 position(double t, const TubePlace& place = {}) const;
+  /// Where the straight pieces of a line meet, metres along the chord: begin, end and, if it is not straight,
+  /// what lies between; empty if nothing is looked at.
+  std::vector<double> joints(const TubePlace& place = {}) const;
+
+ private:
+  SightEnd from_, to_;
+  glm::dvec3 along_{0.0}, across_{0.0}, up_{0.0};  ///< of length 1, at right angles
+  double length_ = 0.0, begin_ = 0.0, end_ = 0.0, earth_radius_ = 0.0, middle_radius_ = 0.0;
+};
+
+/// One of the lines of a curve. The curve must outlive it.
+struct CurveLine {
+  const LineCurve* curve;
+  TubePlace place{};
+};
+
+/// What blocks a line first and last.
+struct CurveCrossings {
+  Blocker first;        ///< its distance is metres along the chord
+  double last_t = 0.0;  ///< the first crossing of the last piece that is blocked, metres along the chord
+};
+
+/// Asks for many lines at once, in parallel. Ends lie on their own surface as those of a sight line do.
+/// Answers as many as lines; empty: free all along. A bent line is blocked if one of its 24 pieces is, so
+/// crossings (OccluderOptions::transparency) are counted in each piece by itself.
+std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
+                                                     std::span<const CurveLine> lines);
+
+}  // namespace alidade
