@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "octree/error.h"
+#include "tools/cloud_description.h"
 
 namespace alidade {
 namespace {
@@ -19,18 +20,6 @@ ExtraDimension described(const AnswerDimension& dimension) {
   extra.description = dimension.description;
   extra.type = dimension.whole != nullptr ? ScalarType::uint64 : ScalarType::float64;
   return extra;
-}
-
-/// All of the cloud but its points.
-PointCloud description_of(const IndexedCloud& cloud) {
-  PointCloud description;
-  description.lattice = cloud.octree.lattice();
-  description.crs = cloud.cloud.crs;
-  description.records = cloud.index ? cloud.index->records() : cloud.cloud.records;
-  description.gps_time_is_standard = cloud.cloud.gps_time_is_standard;
-  description.project_id = cloud.cloud.project_id;
-  description.file_source_id = cloud.cloud.file_source_id;
-  return description;
 }
 
 /// Calls work(i) for every row, in parallel.

@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/observer_options.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <utility>
 
 #include "octree/error.h"
+#include "tools/message.h"
 #include "tools/options.h"
+#include "tools/visibility/observer_reader.h"
+#include "visibility/ground.h"
+#include "visibility/observer_grid.h"
+#include "visibility/observer_remarks.h"
 
 namespace alidade {
 namespace {
@@ -51,6 +59,43 @@ void add_view(CLI::App& command, ObserverDefaults& defaults) {
       ->group(k_group);
 }
 
+/// Those of the command line, then those of the file.
+std::vector<GivenObserver> read_given(const ObserverOptions& options, const Crs& crs) {
+  const ObserverReference reference{.given = options.reference, .cloud = crs};
+  std::vector<GivenObserver> given = options.places;
+  if (!options.reference.empty() && !given.empty()) load_observer_transformer()(reference, given);
+  if (options.file.empty()) return given;
+  std::vector<GivenObserver> read;
+  load_observer_reader()(options.file, reference, read);
+  given.insert(given.end(), read.begin(), read.end());
+  return given;
+}
+
+Ground find_ground(const VisibilityCloud& cloud, Verbosity verbosity) {
+  ProgressLine line("finding the ground", "points", verbosity);
+  GroundOptions options;
+  options.progress = line.callback();
+  Ground ground = make_ground(cloud.octree(), cloud.columns.classifications, options);
+  line.finish();
+  return ground;
+}
+
+/// Says where the first observers are, and what is strange about them.
+void tell(const std::vector<Observer>& observers, const VisibilityCloud& cloud) {
+  constexpr std::size_t k_most_lines = 8;
+  for (std::size_t i = 0; i < std::min(observers.size(), k_most_lines); ++i) {
+    const Observer& one = observers[i];
+    say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}, {:.6g} above its foot", one.name, one.position.x,
+                         one.position.y, one.position.z, one.height));
+  }
+  if (observers.size() > k_most_lines)
+    say_note(fmt::format("and {} more observers", observers.size() - k_most_lines));
+  const std::vector<std::string> remarks = observer_remarks(*cloud.occluders, observers);
+  for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) say_warning(remarks[i]);
+  if (remarks.size() > k_most_lines)
+    say_warning(fmt::format("and {} more observers are strange", remarks.size() - k_most_lines));
+}
+
 }  // namespace
 
 void add_observer_options(CLI::App& command, ObserverOptions& options) {
@@ -66,6 +111,27 @@ void add_observer_options(CLI::App& command, ObserverOptions& options) {
       ->option_text("X,Y[,Z]")
       ->allow_extra_args(false)
       ->group(k_group);
+  command
+      .add_option(
+          "--observers", options.file,
+          "observers from a file: CSV with the header x,y[,z][,name][,height][,azimuth_min][,azimuth_max]"
+          "[,elevation_min][,elevation_max][,max_distance], or points of GeoJSON, GeoPackage or Shapefile "
+          "with attributes of these names")
+      ->option_text("FILE")
+      ->group(k_group);
+  add_value(
+      command, "--observers-crs", "SYSTEM|cloud",
+      "reference system of the observers, as EPSG:4326 (x is east), whatever their file says; cloud: the "
+      "cloud's own (default: the file's, of CSV and --observer the cloud's)",
+      [&options](const std::string& text) {
+        if (text.empty()) throw CLI::ValidationError("expected a reference system, found nothing");
+        options.reference = text;
+      })
+      ->group(k_group);
+  add_value(command, "--observer-grid", "LENGTH",
+            "an observer on the ground in every square cell of this width over the cloud's extent",
+            [&options](const std::string& text) { options.grid = parse_number(text, 1e-3, 1e9); })
+      ->group(k_group);
   add_value(command, "--observer-height", "LENGTH",
             "of the eye above its foot (default: 0 for observers with a z, 2 for those on the ground)",
             [&options](const std::string& text) { options.defaults.height = parse_number(text, 0.0, 1e6); })
@@ -77,6 +143,30 @@ void add_target_height(CLI::App& command, std::optional<double>& height) {
   add_value(command, "--target-height", "LENGTH", "of what is looked at above the ground (default: 0)",
             [&height](const std::string& text) { height = parse_number(text, 0.0, 1e6); })
       ->group(k_group);
+}
+
+std::vector<Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
+                                     Verbosity verbosity, const GroundHeight& ground) {
+  if (options.places.empty() && options.file.empty() && !options.grid)
+    throw Error({.problem = "nobody looks", .expected = "--observer, --observers or --observer-grid"});
+  std::vector<GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
+  const bool needs_ground =
+      options.grid || std::ranges::any_of(given, [](const GivenObserver& one) { return !one.z; });
+  std::optional<Ground> own_ground;
+  if (needs_ground && !ground) own_ground = find_ground(cloud, verbosity);
+  const GroundHeight height_at =
+      ground ? ground : [&](const glm::dvec2& place) { return own_ground->at(place); };
+  if (options.grid) {
+    ProgressLine line("placing observers", "cells", verbosity);
+    const double height = options.defaults.height.value_or(k_usual_observer_height);
+    const auto grid =
+        observer_grid(cloud.octree().bounds(), *options.grid, height, height_at, line.callback());
+    line.finish();
+    given.insert(given.end(), grid.begin(), grid.end());
+  }
+  std::vector<Observer> observers = place_observers(given, options.defaults, height_at);
+  if (verbosity != Verbosity::quiet) tell(observers, cloud);
+  return observers;
 }
 
 }  // namespace alidade

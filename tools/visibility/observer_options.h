@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/progress.h"
+#include "tools/visibility/load_visibility_cloud.h"
 #include "visibility/observers.h"
 
 namespace alidade {
@@ -14,13 +16,23 @@ namespace alidade {
 /// Which observers were asked for on the command line.
 struct ObserverOptions {
   std::vector<GivenObserver> places;  ///< --observer
+  std::filesystem::path file;         ///< --observers; empty: none
+  std::string reference;              ///< --observers-crs, as ObserverReference::given
+  std::optional<double> grid;         ///< --observer-grid, width of its cells
   ObserverDefaults defaults;          ///< what holds for those that do not say it themselves
 };
 
 /// Declares the options in a group of their own; they fill `options`.
 void add_observer_options(CLI::App& command, ObserverOptions& options);
 
-/// --target-height METRES: how far above its cell or point a target is looked at. At least 0.
+/// --target-height LENGTH: how far above its cell or point a target is looked at. At least 0.
 void add_target_height(CLI::App& command, std::optional<double>& height);
+
+/// Reads the observers, in the cloud's reference system, gives them their places and says what is strange
+/// about them. Those of the command line come first, then the file's, then the grid's. `ground` is asked for
+/// observers without z; if it is empty, the cloud's is found where it is needed. Errors: nobody was asked
+/// for; read_observers(), observer_grid(), place_observers(), make_ground().
+std::vector<Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
+                                     Verbosity verbosity, const GroundHeight& ground = {});
 
 }  // namespace alidade

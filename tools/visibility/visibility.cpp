@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/command.h"
+#include "tools/visibility/commands.h"
 
 namespace alidade {
 
@@ -8,9 +8,7 @@ Command add_visibility(CLI::App& program, const CommandLine&) {
       program.add_subcommand("visibility", "Find what is seen from where, on the cloud itself");
   visibility->require_subcommand(1);
   visibility->footer("'alidade visibility COMMAND --help' is the manual of a command.\n");
-  std::vector<Command> parts = {};
-  // Shown once there is something to show.
-  if (parts.empty()) visibility->group("");
+  const std::vector<Command> parts = {add_visibility_points(*visibility)};
   return {visibility, [parts] { return run_chosen(parts); }, parts};
 }
 

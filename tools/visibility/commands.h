@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "tools/command.h"
+
+// The commands of `alidade visibility`.
+
+namespace alidade {
+
+Command add_visibility_points(CLI::App& visibility);
+
+}  // namespace alidade

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "octree/cloud/output_file.h"
+#include "octree/error.h"
+#include "tools/command.h"
+#include "tools/message.h"
+#include "tools/options.h"
+#include "tools/visibility/commands.h"
+#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/observer_options.h"
+#include "tools/visibility/occluder_options.h"
+#include "tools/visibility/write_points.h"
+#include "visibility/point_visibility.h"
+
+namespace alidade {
+namespace {
+
+enum class BlockerColumns { none, all };
+
+struct PointsCommand {
+  std::vector<std::filesystem::path> files;
+  ObserverOptions observers;
+  OccluderRequest occluders;
+  int sub_rays = 1;
+  std::optional<BlockerColumns> blockers;
+  std::filesystem::path output, lists;
+  bool overwrite = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+};
+
+/// "observer,point_id" for every point that an observer sees.
+class SeenList {
+ public:
+  SeenList(const std::filesystem::path& file, bool overwrite) : file_(file, overwrite) {
+    put("observer,point_id\n");
+  }
+
+  /// What observer `number`, from 1, sees.
+  void add(std::size_t number, std::span<const std::uint8_t> seen) {
+    constexpr std::size_t k_enough = 1 << 20;
+    const std::string prefix = fmt::format("{},", number);
+    std::string text;
+    for (std::size_t id = 0; id < seen.size(); ++id) {
+      if (seen[id] == 0) continue;
+      text += prefix;
+      text += fmt::format_int(id).str();
+      text += '\n';
+      if (text.size() < k_enough) continue;
+      put(text);
+      text.clear();
+    }
+    put(text);
+  }
+  void finish() { file_.commit(); }
+
+ private:
+  void put(const std::string& text) { file_.write(std::as_bytes(std::span(text))); }
+
+  OutputFile file_;
+};
+
+/// A column of a scalar type whose values are `value(id)`.
+template <class Value, class Of>
+ResultColumn column(std::string name, std::string description, ScalarType type, const Of& of) {
+  ResultColumn result;
+  result.description.name = std::move(name);
+  result.description.description = std::move(description);
+  result.description.type = type;
+  result.description.byte_count = scalar_size(type);
+  result.fill = [of](std::size_t first, std::size_t count, std::uint8_t* values) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Value value = of(first + i);
+      std::memcpy(values + i * sizeof(Value), &value, sizeof(Value));
+    }
+  };
+  return result;
+}
+
+/// `seen` must outlive the columns.
+std::vector<ResultColumn> columns_of(const PointVisibility& seen) {
+  std::vector<ResultColumn> columns;
+  columns.push_back(column<std::uint8_t>("Visible", "1: some observer sees it", ScalarType::uint8,
+                                         [&seen](std::size_t id) { return seen.counts[id] > 0 ? 1 : 0; }));
+  columns.push_back(column<std::uint32_t>("VisibleCount", "observers that see it", ScalarType::uint32,
+                                          [&seen](std::size_t id) { return seen.counts[id]; }));
+  if (!seen.masks.empty()) {
+    columns.push_back(column<std::uint64_t>("VisibleBy", "bit i-1: observer i sees it", ScalarType::uint64,
+                                            [&seen](std::size_t id) { return seen.masks[id]; }));
+  }
+  if (!seen.fractions.empty()) {
+    columns.push_back(column<float>("VisibleFraction", "share of its disc that is seen", ScalarType::float32,
+                                    [&seen](std::size_t id) { return seen.fractions[id]; }));
+  }
+  for (std::size_t i = 0; i < seen.blockers.size(); ++i) {
+    const std::vector<std::uint32_t>& blockers = seen.blockers[i];
+    columns.push_back(column<std::int64_t>(
+        seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
+        "id of what blocks it, -1: nothing", ScalarType::int64, [&blockers](std::size_t id) {
+          return blockers[id] == k_no_blocker ? std::int64_t{-1} : std::int64_t{blockers[id]};
+        }));
+  }
+  return columns;
+}
+
+/// Errors that need no cloud.
+void check_options(const PointsCommand& command) {
+  check_points_name(command.output);
+  std::vector<std::filesystem::path> inputs = command.files;
+  if (!command.observers.file.empty()) inputs.push_back(command.observers.file);
+  check_writable(command.output, command.overwrite, inputs);
+  if (command.lists.empty()) return;
+  inputs.push_back(command.output);
+  check_writable(command.lists, command.overwrite, inputs);
+}
+
+/// Whether blockers are told: by default those of a single observer. Errors: too many columns.
+bool with_blockers(const PointsCommand& command, std::size_t observers) {
+  const bool wanted = command.blockers.value_or(observers == 1 ? BlockerColumns::all
+                                                               : BlockerColumns::none) == BlockerColumns::all;
+  if (wanted && observers > k_most_mask_observers) {
+    throw Error({.problem = "there are too many observers for a column of blockers each",
+                 .expected = fmt::format("at most {}, or --blockers none", k_most_mask_observers),
+                 .found = std::to_string(observers)});
+  }
+  return wanted;
+}
+
+PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
+                     std::span<const Observer> observers) {
+  std::optional<SeenList> list;
+  if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
+  PointVisibilityOptions options;
+  options.sub_rays = command.sub_rays;
+  options.with_blockers = with_blockers(command, observers.size());
+  if (list) {
+    options.each_observer = [&list](std::size_t number, std::span<const std::uint8_t> seen) {
+      list->add(number + 1, seen);
+    };
+  }
+  ProgressLine line("looking", "sight lines", command.verbosity.verbosity());
+  options.progress = line.callback();
+  PointVisibility seen = point_visibility(*cloud.occluders, observers, options);
+  line.finish();
+  if (list) list->finish();
+  return seen;
+}
+
+ExitCode run(const PointsCommand& command) {
+  check_options(command);
+  const Verbosity verbosity = command.verbosity.verbosity();
+  const auto cloud = load_visibility_cloud(command.files, command.occluders, AttributeSet::all(), verbosity);
+  const std::vector<Observer> observers = load_observers(command.observers, *cloud, verbosity);
+  if (observers.size() > k_most_mask_observers && command.lists.empty() && !command.verbosity.quiet) {
+    say_note(
+        fmt::format("{} observers are more than the {} bits of VisibleBy; --lists FILE tells who sees what",
+                    observers.size(), k_most_mask_observers));
+  }
+  const PointVisibility seen = look(command, *cloud, observers);
+  write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
+  if (!command.verbosity.quiet) {
+    const auto count = static_cast<std::size_t>(std::ranges::count_if(
+        seen.counts, [](std::uint32_t observers_of_it) { return observers_of_it > 0; }));
+    say_note(fmt::format("{} of {} points are seen ({:.1f} %); wrote {}", count, seen.counts.size(),
+                         100.0 * static_cast<double>(count) / static_cast<double>(seen.counts.size()),
+                         command.output.string()));
+  }
+  return ExitCode::done;
+}
+
+void add_answers(CLI::App& points, PointsCommand& command) {
+  const char* const group = "Answers";
+  points.add_option("-o,--output", command.output, "cloud to write: LAS 1.4 or PLY, by the ending")
+      ->option_text("FILE.las|FILE.ply")
+      ->required()
+      ->group(group);
+  add_value(
+      points, "--fraction", "N",
+      "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the share of "
+      "them that is seen (default: off)",
+      [&command](const std::string& text) {
+        command.sub_rays = static_cast<int>(parse_count(text, 2, k_most_sub_rays));
+      })
+      ->group(group);
+  add_choice<BlockerColumns>(points, "--blockers",
+                             "whether to tell what blocks the view of each point (default: all for one "
+                             "observer, else none); none is "
+                             "faster",
+                             command.blockers, {{"all", BlockerColumns::all}, {"none", BlockerColumns::none}})
+      ->group(group);
+  points
+      .add_option("--lists", command.lists,
+                  "also write who sees what: CSV observer,point_id, for any number of observers")
+      ->option_text("FILE.csv")
+      ->group(group);
+  points.add_flag("--overwrite", command.overwrite, "replace an existing file")->group(group);
+}
+
+}  // namespace
+
+Command add_visibility_points(CLI::App& visibility) {
+  auto command = std::make_shared<PointsCommand>();
+  CLI::App* const points = visibility.add_subcommand(
+      "points", "Say of every point of a cloud whether it is seen, and what blocks it");
+  points
+      ->add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
+      ->option_text("CLOUD...")
+      ->required();
+  add_observer_options(*points, command->observers);
+  add_occluder_options(*points, command->occluders);
+  add_answers(*points, *command);
+  add_threads(*points, command->threads);
+  add_verbosity(*points, command->verbosity);
+  points->footer(
+      "Form:\n"
+      "  alidade visibility points CLOUD... --observer X,Y,Z -o FILE.las [OPTIONS]\n"
+      "\n"
+      "The output is the cloud itself: order, attributes, scale, offset, reference system and records stay. "
+      "It gets\n"
+      "the extra bytes\n"
+      "  Visible          uint8    1 if an observer sees the point\n"
+      "  VisibleCount     uint32   how many do\n"
+      "  VisibleBy        uint64   which ones: bit i-1 for observer i; with 2 to 64 observers\n"
+      "  VisibleFraction  float    with --fraction: share of the point's disc that is seen, by the one who "
+      "sees "
+      "most of it\n"
+      "  Blocker          int64    id (row) of the first point in the way; -1 if nothing is, or the point is "
+      "out "
+      "of view.\n"
+      "                            Of several observers Blocker_1, Blocker_2, ...\n"
+      "Out of view is what lies outside the field of view or beyond --max-distance.\n"
+      "\n"
+      "Lengths are in metres (the unit of the cloud's CRS). What blocks, and why a point does not hide "
+      "itself: "
+      "docs/visibility.md.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade visibility points site.las --observer 690000,5325000,601.7 -o seen.las\n"
+      "  alidade visibility points site.alidade --observers cameras.gpkg --lists who.csv -o seen.las\n"
+      "  alidade visibility points site.las --observer 690000,5325000 --horizontal-fov 45,135 -o seen.ply\n");
+  return {points, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->threads, [&] { code = run(*command); });
+            return code;
+          }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "octree/progress.h"
+#include "visibility/observers.h"
+#include "visibility/occluders.h"
+
+// Which points of a cloud are seen from where.
+//
+//   const Occluders occluders(octree, {});
+//   const PointVisibility seen = point_visibility(occluders, observers, {.with_blockers = true});
+//   if (seen.counts[id] == 0) use(seen.blockers[0][id]);
+
+namespace alidade {
+
+constexpr std::uint32_t k_no_blocker = 0xFFFFFFFF;
+constexpr int k_most_sub_rays = 255;
+constexpr std::size_t k_most_mask_observers = 64;
+
+struct PointVisibilityOptions {
+  /// Lines to each point for PointVisibility::fractions, 1 to k_most_sub_rays. 1: no fractions.
+  int sub_rays = 1;
+  /// Whether to tell what blocks: then lines are followed to the first crossing, which takes longer.
+  bool with_blockers = false;
+  /// Called for one observer after the other with what it sees: 1 or 0 by point id. May throw.
+  std::function<void(std::size_t observer, std::span<const std::uint8_t> seen)> each_observer{};
+  Progress progress{};  ///< in sight lines
+};
+
+/// What observers see of the points of a cloud. All columns are by point id.
+struct PointVisibility {
+  /// How many observers see the point: it is in the field of view and not beyond max_distance, and nothing
+  /// blocks the line from the eye to it (sight_line.h: the point's own surface does not).
+  std::vector<std::uint32_t> counts;
+  /// Which ones: bit i for observer i. Empty for a single observer, and for more than k_most_mask_observers.
+  std::vector<std::uint64_t> masks;
+  /// Share of the lines to the disc around the point that nothing blocks; of several observers that of the
+  /// one who sees most of it. The disc has the area that is a point's share of its neighbourhood: a third of
+  /// its spacing for radius, since a circle of the spacing holds nine points. It lies in the point's surface,
+  /// or faces the eye if there is none. The lines end on a spiral that starts at the point and covers the
+  /// disc evenly (Vogel, A better way to construct the sunflower head, 1979). Empty with one line.
+  std::vector<float> fractions;
+  /// By observer: the first point that blocks the line to the point itself; k_no_blocker if nothing does or
+  /// the point is out of view. Empty unless asked for.
+  std::vector<std::vector<std::uint32_t>> blockers;
+};
+
+/// Looks from every observer at every point. The same answer on any number of threads and any instruction
+/// set. Observers on or a little above a surface are not blocked by it. Cost: sight_line.h's per line; lines
+/// of one observer go to points in the octree's order. Memory: 5 B per point, 8 B for masks, 4 B for
+/// fractions, and 4 B for the blockers of each observer. Errors: sub_rays out of range.
+PointVisibility point_visibility(const Occluders& occluders, std::span<const Observer> observers,
+                                 const PointVisibilityOptions& options);
+
+}  // namespace alidade
