@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sky_of_cloud.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "octree/error.h"
+#include "tests/visibility/sampled_shapes.h"
+
+namespace alidade::test {
+namespace {
+
+/// A square with a wall along its north side.
+Points yard() {
+  Points points;
+  add_rectangle(points, {-5, -5, 0}, {10, 0, 0}, {0, 10, 0}, 0.2);
+  add_rectangle(points, {-5, 5, 0}, {10, 0, 0}, {0, 0, 4}, 0.2);
+  return points;
+}
+
+/// Morning, noon, afternoon.
+std::vector<SunBin> bins() {
+  const std::vector<SunStep> steps{
+      {90.0, 20.0, 1.0, 500.0}, {180.0, 60.0, 2.0, 800.0}, {330.0, 30.0, 4.0, 600.0}};
+  return sun_bins(steps, 0.0);
+}
+
+TEST(PointSkyViews, are_those_of_single_targets_by_point_id) {
+  const Points points = yard();
+  const Occluders occluders(octree_of(points), {});
+  const SkyViewOptions options{.directions = 16};
+  const std::vector<float> views = point_sky_views(occluders, {}, options);
+  ASSERT_EQ(views.size(), points.size());
+  for (std::size_t id = 0; id < points.size(); id += 97) {
+    const SkyTarget target = target_on_point(occluders, id, points[id], {});
+    float view = 0.0f;
+    sky_views(occluders, std::span(&target, 1), options, std::span(&view, 1));
+    EXPECT_EQ(views[id], view) << id;
+  }
+}
+
+TEST(PointSkyViews, use_normals_that_say_something) {
+  const Points points = yard();
+  const Occluders occluders(octree_of(points), {});
+  std::vector<glm::vec3> normals(points.size(), glm::vec3(0, 0, -1));
+  normals[0] = glm::vec3(0.0f);
+  normals[1] = glm::vec3(NAN, 0, 0);
+  const std::vector<float> views = point_sky_views(occluders, normals, {.directions = 16});
+  EXPECT_GT(views[0], 0.5f);
+  EXPECT_GT(views[1], 0.5f);
+  EXPECT_LT(views[2], 0.1f) << "it faces down";
+  normals.pop_back();
+  EXPECT_THROW(point_sky_views(occluders, normals, {}), Error);
+}
+
+TEST(PointSunHours, are_those_of_single_targets_by_point_id) {
+  const Points points = yard();
+  const Occluders occluders(octree_of(points), {});
+  const std::vector<SunHours> hours = point_sun_hours(occluders, {}, bins(), {});
+  ASSERT_EQ(hours.size(), points.size());
+  for (std::size_t id = 0; id < points.size(); id += 97) {
+    std::vector<SkyTarget> target{target_on_point(occluders, id, points[id], {})};
+    find_open_sides(occluders, 64, target);
+    SunHours answer;
+    sun_hours(occluders, target, bins(), {}, std::span(&answer, 1));
+    EXPECT_EQ(hours[id].hours, answer.hours) << id;
+    EXPECT_EQ(hours[id].kilowatt_hours, answer.kilowatt_hours) << id;
+  }
+}
+
+TEST(GroundSkyViews, fall_towards_a_wall_and_are_nothing_without_ground) {
+  const Points points = yard();
+  const Octree octree = octree_of(points);
+  const Occluders occluders(octree, {.radius = 0.2});
+  const Ground ground = make_ground(octree, {}, {.cell_size = 0.5, .reach = 1.0});
+  RasterGrid grid;
+  grid.north_west = {-1.0, 4.5};
+  grid.cell_size = 1.0;
+  grid.columns = 2;
+  grid.rows = 14;
+  const Raster<float> views = ground_sky_views(occluders, ground, grid, 0.0, {.directions = 64});
+  for (int row = 0; row + 1 < 9; ++row) EXPECT_LE(views.at(0, row), views.at(0, row + 1) + 0.02f) << row;
+  EXPECT_LT(views.at(0, 0), 0.65f);
+  EXPECT_GT(views.at(0, 8), 0.9f);
+  EXPECT_TRUE(std::isnan(views.at(0, 13))) << "3 m south of the last point";
+  const Raster<float> above = ground_sky_views(occluders, ground, grid, 4.5, {.directions = 64});
+  EXPECT_GT(above.at(0, 0), 0.99f);
+  EXPECT_THROW(ground_sky_views(occluders, ground, grid, -1.0, {}), Error);
+}
+
+TEST(GroundSunHours, fall_in_the_shadow_of_a_wall) {
+  const Octree octree = octree_of(yard());
+  const Occluders occluders(octree, {.radius = 0.2});
+  const Ground ground = make_ground(octree, {}, {.cell_size = 0.5, .reach = 1.0});
+  RasterGrid grid;
+  grid.north_west = {-1.0, 5.0};
+  grid.cell_size = 2.0;
+  grid.columns = 1;
+  grid.rows = 8;
+  const SunMaps maps = ground_sun_hours(occluders, ground, grid, 0.0, bins(), {});
+  // The sun in the north-west stands behind the wall for places nearer than 4 m / tan 30 degrees.
+  EXPECT_NEAR(maps.hours.at(0, 0), 3.0, 1e-6);
+  EXPECT_NEAR(maps.hours.at(0, 4), 7.0, 1e-6);
+  const auto energy = [](double elevation) { return std::sin(elevation * std::numbers::pi / 180.0); };
+  EXPECT_NEAR(maps.kilowatt_hours.at(0, 0), 0.5 * energy(20) + 1.6 * energy(60), 1e-5);
+  EXPECT_NEAR(maps.kilowatt_hours.at(0, 4), 0.5 * energy(20) + 1.6 * energy(60) + 2.4 * energy(30), 1e-5);
+  EXPECT_TRUE(std::isnan(maps.hours.at(0, 7)));
+  EXPECT_TRUE(std::isnan(maps.kilowatt_hours.at(0, 7)));
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/skyline.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "octree/error.h"
+#include "renderer/legend/find_font.h"
+#include "tests/visibility/sampled_shapes.h"
+#include "visibility/horizon_file.h"
+#include "visibility/panorama.h"
+#include "visibility/skyline_picture.h"
+
+namespace alidade::test {
+namespace {
+
+/// A wall north of the origin, 20 m away, 10 m high.
+Points wall() {
+  Points points;
+  add_rectangle(points, {-10, 20, -1}, {20, 0, 0}, {0, 0, 11}, 0.2);
+  return points;
+}
+
+std::vector<HorizonDirection> two_directions() {
+  std::vector<HorizonDirection> line(3);
+  line[0] = {0.0, 12.25, Blocker{7, {690000.125, 5325020.5, 610.0}, 23.4567}};
+  line[1].azimuth = 120.0;
+  line[2] = {240.0, -1.5, Blocker{8, {689990.0, 5324990.0, 600.0}, 15.0}};
+  return line;
+}
+
+TEST(DepthPanorama, shows_distances_and_ids_with_north_in_the_middle) {
+  const Points points = wall();
+  const Occluders occluders(octree_of(points), {});
+  const Film film = depth_panorama(occluders, {}, 64, 32);
+  const std::size_t north = film.index(32, 15), south = film.index(0, 15);
+  EXPECT_NEAR(film.distance[north], 20.0, 0.1);
+  EXPECT_EQ(film.depth[north], film.distance[north]);
+  ASSERT_GT(film.id[north], 0u);
+  EXPECT_NEAR(glm::distance(points[film.id[north] - 1], glm::dvec3(0.98, 20, 0.98)), 0.0, 0.5);
+  EXPECT_EQ(film.distance[south], std::numeric_limits<float>::infinity());
+  EXPECT_EQ(film.id[south], 0u);
+  EXPECT_TRUE(film.color.empty());
+  EXPECT_EQ(depth_panorama(occluders, {}, 64, 32, 19.0).id[north], 0u);
+}
+
+TEST(DepthStrip, holds_the_line_with_room_around) {
+  DepthStrip strip = strip_around(two_directions(), 0.0, 360.0);
+  EXPECT_LE(strip.elevation_min, -4.5);
+  EXPECT_GE(strip.elevation_max, 15.25);
+  EXPECT_EQ(strip.width, 1440);
+  strip = strip_around({}, 0.0, 360.0);
+  EXPECT_GE(strip.elevation_max - strip.elevation_min, 20.0);
+}
+
+TEST(DepthStrip, looks_where_its_rows_and_columns_say) {
+  const Occluders occluders(octree_of(wall()), {});
+  DepthStrip strip;
+  strip.width = 36;
+  strip.height = 10;
+  strip.elevation_min = 0.0;
+  strip.elevation_max = 50.0;
+  fill_strip(occluders, {}, std::numeric_limits<double>::infinity(), strip);
+  const auto at = [&](int x, int y) { return strip.distances[static_cast<std::size_t>(36 * y + x)]; };
+  EXPECT_TRUE(std::isfinite(at(0, 9)));
+  EXPECT_TRUE(std::isfinite(at(35, 9)));
+  EXPECT_TRUE(std::isfinite(at(0, 5))) << "22.5 degrees up, below the edge at 26";
+  EXPECT_FALSE(std::isfinite(at(0, 4))) << "27.5 degrees up";
+  EXPECT_FALSE(std::isfinite(at(9, 9))) << "east";
+}
+
+TEST(SkylinePicture, draws_sky_things_and_the_line) {
+  std::error_code error;
+  if (!std::filesystem::exists(font_places().front(), error)) GTEST_SKIP() << "no DejaVu Sans";
+  const Occluders occluders(octree_of(wall()), {});
+  const std::vector<HorizonDirection> line = horizon(occluders, {}, {});
+  DepthStrip strip = strip_around(line, 0.0, 360.0);
+  fill_strip(occluders, {}, std::numeric_limits<double>::infinity(), strip);
+  const Canvas canvas = draw_skyline(strip, line, {"Skyline", "a note", "m"}, Font(find_font()));
+  EXPECT_GT(canvas.width(), strip.width);
+  EXPECT_GT(canvas.height(), strip.height);
+  int red = 0, sky = 0;
+  for (int y = 0; y < canvas.height(); ++y) {
+    for (int x = 0; x < canvas.width(); ++x) {
+      red += canvas.at(x, y) == Rgb8{205, 30, 45};
+      sky += canvas.at(x, y) == Rgb8{232, 241, 250};
+    }
+  }
+  EXPECT_GT(red, 200) << "the line over the wall";
+  EXPECT_GT(sky, strip.width * strip.height / 2);
+}
+
+TEST(HorizonFile, csv_has_a_row_per_azimuth) {
+  EXPECT_EQ(horizon_csv(two_directions()),
+            "azimuth,elevation,distance,point_id,x,y,z\n"
+            "0,12.25,23.4567,7,690000.125,5325020.5,610\n"
+            "120,,,,,,\n"
+            "240,-1.5,15.0000,8,689990,5324990,600\n");
+}
+
+TEST(HorizonFile, geojson_has_points_on_the_globe_or_says_that_they_are_not) {
+  const std::vector<HorizonDirection> line = two_directions();
+  const HorizonFacts facts{{690000, 5325000, 601.7}, {0.5, 0.4}, {0.6, 0.55}};
+  ASSERT_EQ(horizon_places(line, facts).size(), 3u);
+  const auto flat = nlohmann::json::parse(horizon_geojson(line, facts, {}));
+  EXPECT_EQ(flat["type"], "FeatureCollection");
+  EXPECT_TRUE(flat.contains("coordinates"));
+  ASSERT_EQ(flat["features"].size(), 4u);
+  const auto& eye = flat["features"][0];
+  EXPECT_EQ(eye["properties"]["kind"], "observer");
+  EXPECT_EQ(eye["geometry"]["coordinates"][1], 5325000.0);
+  EXPECT_EQ(eye["properties"]["sky_view_factor"], 0.6);
+  EXPECT_EQ(eye["properties"]["sky_view_factor_above_line"], 0.5);
+  const auto& first = flat["features"][1];
+  EXPECT_EQ(first["geometry"]["coordinates"][0], 690000.125);
+  EXPECT_EQ(first["properties"]["elevation"], 12.25);
+  EXPECT_EQ(first["properties"]["point_id"], 7);
+  EXPECT_TRUE(flat["features"][2]["geometry"].is_null());
+  const auto globe = nlohmann::json::parse(horizon_geojson(
+      line, facts, std::vector<glm::dvec3>{{11.5, 48.0, 0.0}, {11.6, 48.1, 0.0}, {11.7, 48.2, 0.0}}));
+  EXPECT_FALSE(globe.contains("coordinates"));
+  EXPECT_EQ(globe["features"][0]["geometry"]["coordinates"][0], 11.7);
+  EXPECT_EQ(globe["features"][3]["geometry"]["coordinates"][1], 48.1);
+}
+
+}  // namespace
+}  // namespace alidade::test

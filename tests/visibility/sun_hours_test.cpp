@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sun_hours.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "octree/error.h"
+#include "renderer/sun_position.h"
+#include "tests/visibility/sampled_shapes.h"
+#include "visibility/beam_irradiance.h"
+#include "visibility/compass.h"
+#include "visibility/sun_path.h"
+
+namespace alidade::test {
+namespace {
+
+constexpr double k_degree = std::numbers::pi / 180.0;
+constexpr double k_latitude = 48.0, k_longitude = 11.0;
+
+SunSchedule schedule(const char* from, const char* to, double step_minutes) {
+  SunSchedule range;
+  range.from = parse_date_time(from);
+  range.to = parse_date_time(to);
+  range.step_minutes = step_minutes;
+  range.latitude = k_latitude;
+  range.longitude = k_longitude;
+  return range;
+}
+
+double hours_of(std::span<const SunStep> steps) {
+  return std::accumulate(steps.begin(), steps.end(), 0.0,
+                         [](double sum, const SunStep& step) { return sum + step.hours; });
+}
+
+SunHours at(const Occluders& occluders, const SkyTarget& target, std::span<const SunBin> bins,
+            SkyReceiver receiver = SkyReceiver::surface) {
+  SunHours answer;
+  sun_hours(occluders, std::span(&target, 1), bins, {receiver}, std::span(&answer, 1));
+  return answer;
+}
+
+std::size_t nearest_to(const Points& points, const glm::dvec3& place) {
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (glm::distance(points[i], place) < glm::distance(points[nearest], place)) nearest = i;
+  return nearest;
+}
+
+SkyTarget open_target(const Occluders& occluders, const Points& points, const glm::dvec3& place) {
+  const std::size_t id = nearest_to(points, place);
+  std::vector<SkyTarget> target{target_on_point(occluders, id, points[id], {})};
+  find_open_sides(occluders, 64, target);
+  return target.front();
+}
+
+TEST(BeamIrradiance, is_that_of_the_solar_radiation_atlas) {
+  // By hand: mass 1 (0.99971 by its formula), 1 / 8.26717 thick, turbidity 3, at the mean distance.
+  EXPECT_NEAR(beam_irradiance(90.0, 93.99, {}), 1367.0 * std::exp(-0.8662 * 3.0 / 8.26717), 0.5);
+  EXPECT_NEAR(beam_irradiance(90.0, 2.84, {}) / beam_irradiance(90.0, 185.46, {}), 1.03344 / 0.96656, 1e-5);
+  EXPECT_EQ(beam_irradiance(0.0, 1.0, {}), 0.0);
+  EXPECT_EQ(beam_irradiance(-5.0, 1.0, {}), 0.0);
+  EXPECT_GT(beam_irradiance(30.0, 1.0, {.height = 3000.0}), 1.1 * beam_irradiance(30.0, 1.0, {}));
+  EXPECT_LT(beam_irradiance(30.0, 1.0, {.linke_turbidity = 6.0}), 0.8 * beam_irradiance(30.0, 1.0, {}));
+  // Both formulas for the thickness meet near mass 20, which is an elevation of 2.0 degrees.
+  EXPECT_NEAR(beam_irradiance(1.98, 1.0, {}), beam_irradiance(2.02, 1.0, {}), 3.0);
+}
+
+TEST(SunSteps, are_those_in_which_the_sun_is_up) {
+  const SunSchedule day = schedule("2026-06-21T00:00Z", "2026-06-22T00:00Z", 5.0);
+  const std::vector<SunStep> steps = sun_steps(day);
+  // At 48 degrees north, refraction included, of the disc's middle.
+  EXPECT_NEAR(hours_of(steps), 15.95, 0.1);
+  for (const SunStep& step : steps) {
+    EXPECT_GT(step.elevation, 0.0);
+    EXPECT_EQ(step.hours, 5.0 / 60.0);
+    EXPECT_EQ(step.irradiance > 0.0, true);
+  }
+  const SunPosition first = sun_position(parse_date_time("2026-06-21T12:02:30Z"),
+                                         {.latitude = k_latitude, .longitude = k_longitude});
+  const auto same = std::ranges::find_if(
+      steps, [&](const SunStep& step) { return std::fabs(step.azimuth - first.azimuth) < 1e-3; });
+  ASSERT_NE(same, steps.end());
+  EXPECT_NEAR(same->elevation, first.elevation, 1e-6);
+}
+
+TEST(SunSteps, are_turned_to_grid_north_and_cut_at_the_end) {
+  SunSchedule hour = schedule("2026-06-21T10:00Z", "2026-06-21T11:00Z", 40.0);
+  const std::vector<SunStep> straight = sun_steps(hour);
+  ASSERT_EQ(straight.size(), 2u);
+  EXPECT_DOUBLE_EQ(straight[0].hours, 40.0 / 60.0);
+  EXPECT_DOUBLE_EQ(straight[1].hours, 20.0 / 60.0);
+  hour.grid_north = 2.5;
+  EXPECT_NEAR(sun_steps(hour)[0].azimuth, straight[0].azimuth - 2.5, 1e-6);
+}
+
+TEST(SunSteps, bad_schedules_are_errors) {
+  EXPECT_THROW(sun_steps(schedule("2026-06-21T10:00Z", "2026-06-21T10:00Z", 5.0)), Error);
+  EXPECT_THROW(sun_steps(schedule("1700-06-21T10:00Z", "2026-06-21T10:00Z", 1.0)), Error);
+  for (const double step : {0.0, -1.0, 1441.0, double{NAN}})
+    EXPECT_THROW(sun_steps(schedule("2026-06-21T10:00Z", "2026-06-21T11:00Z", step)), Error);
+  SunSchedule range = schedule("2026-06-21T10:00Z", "2026-06-21T11:00Z", 5.0);
+  range.latitude = 91.0;
+  EXPECT_THROW(sun_steps(range), Error);
+  range.latitude = 0.0;
+  range.air.linke_turbidity = 0.0;
+  EXPECT_THROW(sun_steps(range), Error);
+}
+
+TEST(SunSchedule, place_is_given_or_that_of_the_map) {
+  SunSchedule range;
+  EXPECT_THROW(place_schedule({}, {0, 0}, {}, range), Error);
+  EXPECT_FALSE(place_schedule({}, {0, 0}, glm::dvec2(40.0, -105.0), range));
+  EXPECT_EQ(range.latitude, 40.0);
+  EXPECT_EQ(range.longitude, -105.0);
+  EXPECT_EQ(range.grid_north, 0.0);
+  Crs utm;
+  utm.geotiff_keys = {1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32632};
+  EXPECT_TRUE(place_schedule(utm, {690000, 5325000}, {}, range));
+  EXPECT_NEAR(range.latitude, 48.05, 0.05);
+  EXPECT_NEAR(range.longitude, 11.55, 0.05);
+  EXPECT_NEAR(range.grid_north, 1.9, 0.1);
+}
+
+TEST(SunBins, keep_hours_and_energy) {
+  const std::vector<SunStep> steps = sun_steps(schedule("2026-01-01T00:00Z", "2027-01-01T00:00Z", 30.0));
+  const std::vector<SunBin> exact = sun_bins(steps, 0.0), coarse = sun_bins(steps, 3.0);
+  EXPECT_EQ(exact.size(), steps.size());
+  EXPECT_GT(coarse.size(), 600u);
+  EXPECT_LT(coarse.size(), 800u);
+  double hours = 0.0;
+  glm::dvec3 all(0.0), binned(0.0);
+  for (const SunBin& bin : exact) all += bin.energy;
+  for (const SunBin& bin : coarse) {
+    hours += bin.hours;
+    binned += bin.energy;
+    EXPECT_NEAR(glm::length(bin.direction), 1.0, 1e-12);
+  }
+  EXPECT_NEAR(hours, hours_of(steps), 1e-9);
+  EXPECT_NEAR(glm::distance(all, binned), 0.0, 1e-6 * glm::length(all));
+  EXPECT_THROW(sun_bins(steps, -1.0), Error);
+  EXPECT_THROW(sun_bins(steps, NAN), Error);
+}
+
+/// A wall from west to east, 0.4 m thick, scanned on both sides and on top.
+Points wall() {
+  Points points;
+  for (const double y : {-0.2, 0.2}) add_rectangle(points, {-15, y, 0}, {30, 0, 0}, {0, 0, 4}, 0.1);
+  add_rectangle(points, {-15, -0.2, 4}, {30, 0, 0}, {0, 0.4, 0}, 0.1);
+  return points;
+}
+
+TEST(SunHours, of_a_walls_north_side_are_those_with_the_sun_in_the_north) {
+  const Points points = wall();
+  const Occluders occluders(octree_of(points), {});
+  const SkyTarget north = open_target(occluders, points, {0, 0.2, 2}),
+                  south = open_target(occluders, points, {0, -0.2, 2});
+  ASSERT_GT(north.normal.y, 0.999);
+  ASSERT_LT(south.normal.y, -0.999);
+  for (const auto& [from, to] : {std::pair{"2026-06-21T00:00Z", "2026-06-22T00:00Z"},
+                                 std::pair{"2026-12-21T00:00Z", "2026-12-22T00:00Z"}}) {
+    const std::vector<SunStep> steps = sun_steps(schedule(from, to, 4.0));
+    double hours = 0.0, energy = 0.0, south_energy = 0.0;
+    for (const SunStep& step : steps) {
+      const double cosine = compass_direction(step.azimuth, step.elevation).y;
+      hours += cosine > 0.0 ? step.hours : 0.0;
+      (cosine > 0.0 ? energy : south_energy) += std::fabs(cosine) * step.hours * step.irradiance / 1000.0;
+    }
+    const std::vector<SunBin> bins = sun_bins(steps, 0.0);
+    // Points on the wall's edges are spheres, which the sun must pass when it looks along the wall.
+    EXPECT_NEAR(at(occluders, north, bins).hours, hours, 0.25) << from;
+    EXPECT_NEAR(at(occluders, north, bins).kilowatt_hours, energy, 0.01 + 0.01 * energy) << from;
+    EXPECT_NEAR(at(occluders, south, bins).hours, hours_of(steps) - hours, 0.25) << from;
+    EXPECT_NEAR(at(occluders, south, bins).kilowatt_hours, south_energy, 0.01 + 0.01 * south_energy) << from;
+  }
+}
+
+TEST(SunHours, in_front_of_a_wall_end_when_its_shadow_comes) {
+  // 2 m north of the wall, on the ground: the sun must stand over the wall's top edge, or beside the wall.
+  const Points points = wall();
+  const Occluders occluders(octree_of(points), {});
+  const SkyTarget ground = target_in_open(occluders, {0, 2.2, 0});
+  const std::vector<SunStep> steps = sun_steps(schedule("2026-03-20T00:00Z", "2026-03-21T00:00Z", 1.0));
+  double hours = 0.0;
+  for (const SunStep& step : steps) {
+    const glm::dvec3 sun = compass_direction(step.azimuth, step.elevation);
+    const auto is_shaded = [&](double wall_y, double top) {
+      if (!(sun.y < 0.0)) return false;
+      const double way = (wall_y - 2.2) / sun.y;
+      return std::fabs(way * sun.x) <= 15.0 && way * sun.z <= top;
+    };
+    // Discs stand over the edge by up to their radius.
+    hours += is_shaded(0.2, 4.05) || is_shaded(-0.2, 4.05) ? 0.0 : step.hours;
+  }
+  EXPECT_GT(hours, 1.0);
+  EXPECT_LT(hours, hours_of(steps) - 2.0);
+  EXPECT_NEAR(at(occluders, ground, sun_bins(steps, 0.0)).hours, hours, 0.15);
+}
+
+/// The clear sky's beam on a plane, by another way: sums over minutes, with the formulas written again.
+double integral(const SunSchedule& range, const glm::dvec3& normal, int days) {
+  double watt_minutes = 0.0;
+  for (int minute = 0; minute < days * 1440; ++minute) {
+    Moment moment = range.from;
+    moment.day += std::chrono::days(minute / 1440);
+    moment.seconds = 60.0 * (minute % 1440) + 30.0;
+    const SunPosition sun = sun_position(moment, {.latitude = range.latitude, .longitude = range.longitude});
+    if (sun.elevation <= 0.0) continue;
+    const double e = sun.elevation * k_degree, a = sun.azimuth * k_degree;
+    const double m = 1.0 / (std::sin(e) + 0.50572 * std::pow(sun.elevation + 6.07995, -1.6364));
+    const double d =
+        m <= 20
+            ? 1 / (6.6296 + 1.7513 * m - 0.1202 * m * m + 0.0065 * std::pow(m, 3) - 0.00013 * std::pow(m, 4))
+            : 1 / (10.4 + 0.718 * m);
+    const double day = 172.0 + minute / 1440.0;
+    const double beam = 1367.0 *
+                        (1.0 + 0.03344 * std::cos(2.0 * std::numbers::pi * day / 365.25 - 0.048869)) *
+                        std::exp(-0.8662 * 3.0 * m * d);
+    const glm::dvec3 way(std::cos(e) * std::sin(a), std::cos(e) * std::cos(a), std::sin(e));
+    watt_minutes += beam * std::max(0.0, glm::dot(way, normal));
+  }
+  return watt_minutes / 60.0 / 1000.0;
+}
+
+TEST(SunHours, energy_of_an_open_plane_is_the_integral_of_the_model) {
+  constexpr int k_days = 5;
+  const SunSchedule range = schedule("2026-06-21T00:00Z", "2026-06-26T00:00Z", 5.0);
+  for (const double slope : {0.0, 35.0}) {
+    const glm::dvec3 up_hill(0.0, std::cos(slope * k_degree), std::sin(slope * k_degree));
+    const glm::dvec3 normal(0.0, -std::sin(slope * k_degree), std::cos(slope * k_degree));
+    Points points;
+    add_rectangle(points, {-3, 0, 0}, {6, 0, 0}, 6.0 * up_hill, 0.1);
+    const Occluders occluders(octree_of(points), {});
+    const SkyTarget plane = open_target(occluders, points, 3.0 * up_hill);
+    const double expected = integral(range, normal, k_days);
+    EXPECT_GT(expected, 30.0);
+    const std::vector<SunStep> steps = sun_steps(range);
+    for (const double bin : {0.0, 3.0}) {
+      const SunHours answer = at(occluders, plane, sun_bins(steps, bin));
+      EXPECT_NEAR(answer.kilowatt_hours, expected, 2e-3 * expected) << slope << " " << bin;
+    }
+    EXPECT_NEAR(at(occluders, plane, sun_bins(steps, 0.0), SkyReceiver::horizontal).kilowatt_hours,
+                integral(range, {0, 0, 1}, k_days), slope == 0.0 ? 0.1 : 1.5);
+  }
+}
+
+TEST(SunHours, of_a_years_bins_are_near_those_of_its_steps) {
+  const Points points = wall();
+  const Occluders occluders(octree_of(points), {});
+  const std::vector<SunStep> steps = sun_steps(schedule("2026-01-01T00:00Z", "2027-01-01T00:00Z", 20.0));
+  for (const double y : {1.0, 3.0, 6.0}) {
+    const SkyTarget ground = target_in_open(occluders, {0, y, 0});
+    const SunHours exact = at(occluders, ground, sun_bins(steps, 0.0)),
+                   binned = at(occluders, ground, sun_bins(steps, 3.0));
+    EXPECT_NEAR(binned.hours, exact.hours, 0.02 * hours_of(steps)) << y;
+    EXPECT_NEAR(binned.kilowatt_hours, exact.kilowatt_hours, 0.03 * exact.kilowatt_hours + 5.0) << y;
+  }
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "octree/progress.h"
+#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
+
+// From one place, all directions: how high what stands around it reaches.
+//
+//   const SightEnd eye = end_near_surface(occluders, {690010, 5325020, 583.7});
+//   const std::vector<HorizonDirection> line = horizon(occluders, eye, {});
+//   const SkyShares sky = sky_above(line);
+//
+// In every azimuth lines of sight go out at the elevations k * resolution, for whole numbers k. The horizon
+// is the highest of them that is blocked: all lines above it are free, and the edge of what blocks lies less
+// than one resolution above. What is thinner than that and stands free above the rest (a wire) can fall
+// between two lines. Below the horizon line may be sky as well: under bridges and branches.
+
+namespace alidade {
+
+struct HorizonOptions {
+  double step = 0.5;         ///< degrees between azimuths; a turn is a whole number of them; [0.001, 120]
+  double resolution = 0.01;  ///< degrees between elevations; 90 is a whole number of them; [0.0001, 10]
+  /// Azimuths looked at, degrees clockwise from north, from the first limit on to the second, both inclusive:
+  /// multiples of the step. 0 to 360 is all round, each once.
+  double azimuth_min = 0.0, azimuth_max = 360.0;
+  double elevation_min = -90.0, elevation_max = 90.0;             ///< looked at, degrees, inclusive
+  double max_distance = std::numeric_limits<double>::infinity();  ///< nothing farther blocks; metres
+};
+
+/// What one sees of the horizon in one azimuth.
+struct HorizonDirection {
+  double azimuth = 0.0;               ///< degrees clockwise from north (+y), [0, 360)
+  std::optional<double> elevation{};  ///< degrees above the horizontal; empty if nothing blocks any line
+  std::optional<Blocker> blocker{};   ///< the first point that blocks the line at that elevation
+};
+
+/// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Cost: the free
+/// sky is ruled out with cones (no point near any of the lines in them), single lines are only asked close to
+/// the edge: some 10^2 to 10^3 queries per azimuth, in parallel. `progress` is in azimuths.
+/// The same on any number of threads and any instruction set.
+std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
+                                      const HorizonOptions& options, const Progress& progress = {});
+
+/// How much of the sky one sees, 0 to 1.
+struct SkyShares {
+  /// Light of an even sky on a horizontal receiver, as a share of that of the open sky:
+  /// 1/pi times the integral of sin(elevation) over the solid angle of the sky seen.
+  double cosine_weighted = 1.0;
+  double solid_angle = 1.0;  ///< of the sky seen, as a share of the hemisphere's 2 pi
+};
+
+/// The sky above a horizon line that goes all round, taking all below the line as blocked: with h the
+/// elevation in each of n even azimuths (0 if it is lower or empty), the means of cos^2 h and of 1 - sin h.
+/// Sources: the first is Steyn, The calculation of view factors from fisheye-lens photographs, 1980, with
+/// even azimuths for his annuli; the second Zaksek, Ostir, Kokalj, Sky-View Factor as a Relief Visualization
+/// Technique, 2011, equation 4. Requires at least one direction.
+SkyShares sky_above(std::span<const HorizonDirection> horizon);
+
+}  // namespace alidade

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sky_directions.h"
+
+#include <cmath>
+
+#include "renderer/deterministic_math.h"
+
+namespace alidade {
+namespace {
+
+/// The golden angle is this share of a turn: 1 - 1/phi.
+constexpr double k_golden_turn = 0.38196601125010515;
+
+glm::dvec3 spiral_direction(int i, double height) {
+  const double turns = i * k_golden_turn;
+  const SineCosine turn = sine_cosine_of_turns(turns - std::floor(turns));
+  const double run = std::sqrt(1.0 - height * height);
+  return {run * turn.sine, run * turn.cosine, height};
+}
+
+}  // namespace
+
+std::vector<glm::dvec3> even_sky_directions(int count) {
+  std::vector<glm::dvec3> directions;
+  directions.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) directions.push_back(spiral_direction(i, (i + 0.5) / count));
+  return directions;
+}
+
+std::vector<glm::dvec3> cosine_sky_directions(int count) {
+  std::vector<glm::dvec3> directions;
+  directions.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i)
+    directions.push_back(spiral_direction(i, std::sqrt(1.0 - (i + 0.5) / count)));
+  return directions;
+}
+
+}  // namespace alidade
