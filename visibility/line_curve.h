@@ -7,13 +7,11 @@
 #include <span>
 #include <vector>
 
+#include "visibility/earth.h"
 #include "visibility/occluders.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {
-
-/// Radius of the sphere that stands for the Earth, metres.
-constexpr double k_earth_radius = 6'371'000.0;
 
 /// What the lines of a task have in common.
 struct LineOptions {

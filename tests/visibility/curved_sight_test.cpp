@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/curved_sight.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "octree/build.h"
+#include "octree/error.h"
+#include "tests/support/random.h"
+#include "visibility/map_unit.h"
+
+namespace alidade::test {
+namespace {
+
+/// Walls of 2 x 2 across the x axis, each between two heights.
+struct Wall {
+  double x, bottom, top;
+};
+
+Octree walls(const std::vector<Wall>& all) {
+  Random random("walls");
+  PointCloud cloud;
+  cloud.lattice.scale = glm::dvec3(0.0001);
+  for (const Wall& wall : all) {
+    for (int i = 0; i < 1500; ++i) {
+      cloud.positions.push_back(
+          *to_lattice(cloud.lattice, {wall.x, random.between(-1, 1), random.between(wall.bottom, wall.top)}));
+    }
+  }
+  return build(cloud);
+}
+
+bool is_blocked(const Occluders& occluders, const SightCurve& curve, const glm::dvec3& from,
+                const glm::dvec3& to) {
+  SightBatch batch(occluders, curve);
+  batch.add({from}, {to});
+  const bool blocked = batch.blocked()[0] != 0;
+  EXPECT_EQ(batch.first_blockers()[0].has_value(), blocked);
+  return blocked;
+}
+
+TEST(SightCurveTest, things_drop_by_the_square_of_their_distance) {
+  // A kilometre away the Earth has fallen by 7.85 cm.
+  EXPECT_NEAR(SightCurve(1.0, 1.0).drop(1000.0), 0.0785, 0.0001);
+  EXPECT_NEAR(SightCurve(k_usual_curvature, 1.0).drop(1000.0), 0.0673, 0.0001);
+  EXPECT_EQ(SightCurve().drop(1000.0), 0.0);
+  const double foot = 0.3048;
+  EXPECT_NEAR(SightCurve(1.0, foot).drop(1000.0 / foot) * foot, 0.0785, 0.0001);
+}
+
+TEST(SightCurveTest, the_bent_line_is_straight_where_everything_has_dropped) {
+  const SightCurve curve(k_usual_curvature, 1.0);
+  const glm::dvec3 from(100, 200, 50), to(4100, 3200, 90);
+  const double distance = 5000.0, slope = (to.z - curve.drop(distance) - from.z) / distance;
+  for (double share = 0.0; share <= 1.0; share += 0.125) {
+    const glm::dvec3 place = curve.place(from, to, share);
+    const double along = share * distance;
+    EXPECT_NEAR(place.z - curve.drop(along), from.z + slope * along, 1e-9);
+  }
+}
+
+TEST(SightCurveTest, chords_stay_within_a_millimetre_of_the_line) {
+  const SightCurve curve(1.0, 1.0);
+  const glm::dvec3 from(0, 0, 0), to(20000, 0, 300);
+  const int count = curve.chord_count(20000.0);
+  EXPECT_GT(count, 10);
+  for (int i = 0; i < count; ++i) {
+    const double begin = double(i) / count, end = double(i + 1) / count;
+    const glm::dvec3 middle = 0.5 * (curve.place(from, to, begin) + curve.place(from, to, end));
+    const double sag = middle.z - curve.place(from, to, 0.5 * (begin + end)).z;
+    EXPECT_GT(sag, 0.0);
+    EXPECT_LE(sag, k_most_sag * 1.000001);
+  }
+  EXPECT_EQ(curve.chord_count(100.0), 1);
+  EXPECT_EQ(SightCurve().chord_count(1e9), 1);
+}
+
+TEST(SightBatchTest, a_bent_line_hangs_below_the_straight_one) {
+  // Over 8 km the bent line hangs 1.08 m below the chord at its middle.
+  const SightCurve curve(k_usual_curvature, 1.0);
+  const glm::dvec3 from(0, 0, 10), to(8000, 0, 10);
+  const Octree below = walls({{4000, 8.0, 9.5}}), above = walls({{4000, 9.5, 11.0}});
+  const Occluders low(below, {}), high(above, {});
+  EXPECT_FALSE(is_blocked(low, {}, from, to));
+  EXPECT_TRUE(is_blocked(low, curve, from, to));
+  EXPECT_TRUE(is_blocked(high, {}, from, to));
+  EXPECT_FALSE(is_blocked(high, curve, from, to));
+}
+
+TEST(SightBatchTest, the_first_blocker_is_as_far_as_it_is_along_all_chords) {
+  const Octree octree = walls({{3000, -5, 5}, {6000, -5, 5}});
+  const Occluders occluders(octree, {});
+  SightBatch batch(occluders, SightCurve(1.0, 1.0));
+  batch.add({glm::dvec3(0, 0, 1)}, {glm::dvec3(8000, 0, 1)});
+  EXPECT_GT(batch.chord_count(), 10u);
+  const std::optional<Blocker> blocker = batch.first_blockers()[0];
+  ASSERT_TRUE(blocker);
+  EXPECT_NEAR(blocker->distance, 3000.0, 0.01);
+}
+
+TEST(SightBatchTest, crossings_are_counted_over_all_chords) {
+  const Octree octree = walls({{1000, -5, 5}, {3000, -5, 5}, {5900, -5, 5}});
+  const SightCurve curve(1.0, 1.0);
+  for (const auto& [transparency, blocked] : {std::pair(1, true), {2, true}, {3, true}, {4, false}}) {
+    const Occluders occluders(octree, {.transparency = transparency});
+    EXPECT_EQ(is_blocked(occluders, curve, {0, 0, 1}, {8000, 0, 1}), blocked) << transparency;
+    EXPECT_EQ(is_blocked(occluders, {}, {0, 0, 1}, {8000, 0, 1}), blocked) << transparency;
+  }
+}
+
+TEST(SightBatchTest, a_batch_can_be_used_again) {
+  const Octree octree = walls({{10, -5, 5}});
+  const Occluders occluders(octree, {});
+  SightBatch batch(occluders, {});
+  batch.add({glm::dvec3(0, 0, 0)}, {glm::dvec3(20, 0, 0)});
+  EXPECT_EQ(batch.blocked()[0], 1);
+  batch.clear();
+  batch.add({glm::dvec3(0, 0, 0)}, {glm::dvec3(5, 0, 0)});
+  batch.add({glm::dvec3(0, 0, 0)}, {glm::dvec3(20, 0, 0)});
+  ASSERT_EQ(batch.blocked().size(), 2u);
+  EXPECT_EQ(batch.blocked()[0], 0);
+  EXPECT_EQ(batch.blocked()[1], 1);
+}
+
+TEST(SightCurveTest, bad_coefficients_are_errors) {
+  EXPECT_THROW(SightCurve(-0.1, 1.0), Error);
+  EXPECT_THROW(SightCurve(11.0, 1.0), Error);
+  EXPECT_THROW(SightCurve(std::numeric_limits<double>::quiet_NaN(), 1.0), Error);
+}
+
+TEST(MapUnitTest, reference_systems_tell_metres_feet_and_degrees) {
+  const auto of_wkt = [](const char* wkt) {
+    Crs crs;
+    crs.wkt = wkt;
+    return map_unit(crs);
+  };
+  EXPECT_EQ(map_unit({}), MapUnit::unknown);
+  EXPECT_EQ(of_wkt("GEOGCS[\"WGS 84\",UNIT[\"degree\",0.0174532925199433]]"), MapUnit::degree);
+  EXPECT_EQ(of_wkt("GEOGCRS[\"WGS 84\",ANGLEUNIT[\"degree\",0.0174532925199433]]"), MapUnit::degree);
+  EXPECT_EQ(of_wkt("PROJCS[\"a\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"metre\",1]]"), MapUnit::metre);
+  EXPECT_EQ(of_wkt("PROJCS[\"a\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"US survey foot\",0.3048006]]"),
+            MapUnit::foot);
+  Crs keys;
+  keys.geotiff_keys = {1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326};
+  EXPECT_EQ(map_unit(keys), MapUnit::degree);
+  EXPECT_EQ(metres_per_unit(MapUnit::foot), 0.3048);
+  EXPECT_EQ(metres_per_unit(MapUnit::unknown), 1.0);
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/viewshed.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "octree/build.h"
+#include "octree/error.h"
+#include "tests/support/random.h"
+#include "visibility/map_targets.h"
+
+namespace alidade::test {
+namespace {
+
+/// Level ground, 60 x 60 around the origin, with whatever is put onto it.
+class Place {
+ public:
+  explicit Place(double noise = 0.0) {
+    cloud_.lattice.scale = glm::dvec3(0.0001);
+    sheet({-30, -30, 0}, {60, 0, 0}, {0, 60, 0}, 2, noise);
+  }
+
+  /// Points on a parallelogram, some 0.25 apart; height above it by chance, as far as the noise.
+  void sheet(const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, std::uint8_t point_class,
+             double noise = 0.0) {
+    const double area = glm::length(glm::cross(u, v));
+    const glm::dvec3 normal = glm::cross(u, v) / area;
+    for (int i = 0; i < 16.0 * area; ++i) {
+      const glm::dvec3 place = corner + random_.unit() * u + random_.unit() * v;
+      cloud_.positions.push_back(
+          *to_lattice(cloud_.lattice, place + random_.between(-noise, noise) * normal));
+      cloud_.classifications.push_back(point_class);
+    }
+  }
+  void wall(double x, double y0, double y1, double bottom, double top) {
+    sheet({x, y0, bottom}, {0, y1 - y0, 0}, {0, 0, top - bottom}, 6);
+  }
+
+  /// Makes the index; nothing is added afterwards.
+  const Occluders& occluders() {
+    if (!occluders_) occluders_.emplace(build(cloud_), OccluderOptions{});
+    return *occluders_;
+  }
+  const Ground& ground() {
+    if (!ground_) ground_.emplace(make_ground(occluders().octree(), cloud_.classifications, {}));
+    return *ground_;
+  }
+  Viewshed seen(std::span<const Observer> observers, const ViewshedOptions& options = {}) {
+    return viewshed(occluders(), ground(), observers, grid(), options);
+  }
+  static RasterGrid grid() { return grid_over({{-28, -28, 0}, {28, 28, 0}}, 2.0); }
+
+ private:
+  Random random_;
+  PointCloud cloud_;
+  std::optional<Occluders> occluders_;
+  std::optional<Ground> ground_;
+};
+
+/// How far discs of the points above stand over the edge of what they were taken from.
+constexpr double k_edge = 0.7;
+
+Observer at(double x, double y, double z) {
+  Observer observer;
+  observer.position = {x, y, z};
+  return observer;
+}
+
+/// Calls check(value, middle of the cell) for the cells that are not near the given x, where a line is
+/// neither here nor there.
+template <class Check>
+void for_cells(const Viewshed& seen, const Check& check) {
+  const RasterGrid& grid = seen.values.grid;
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int column = 0; column < grid.columns; ++column)
+      check(seen.values.at(column, row), grid.center(column, row));
+  }
+}
+
+TEST(ViewshedTest, level_ground_is_seen_whole_from_eye_height) {
+  for (const double noise : {0.0, 0.01}) {
+    Place place(noise);
+    const Observer eye = at(-20, 3, 1.7);
+    int seen = 0, cells = 0;
+    for_cells(place.seen({&eye, 1}), [&](float value, const glm::dvec2&) {
+      seen += value == 1.0f;
+      ++cells;
+    });
+    EXPECT_EQ(cells, 28 * 28);
+    EXPECT_GE(seen, cells * 995 / 1000) << noise;
+  }
+}
+
+TEST(ViewshedTest, a_wall_hides_what_lies_in_its_shadow) {
+  Place place;
+  place.wall(0, -28, 28, 0, 3);
+  const Observer eye = at(-10, 0, 6);
+  // From 6 high and 10 before a wall of 3, the shadow on the ground ends 10 behind it, where lines are level
+  // with the wall's foot and parallel to it.
+  for_cells(place.seen({&eye, 1}), [&](float value, const glm::dvec2& cell) {
+    const double height_over_wall = 6.0 * (1.0 - 10.0 / (cell.x + 10.0));
+    if (cell.x < -1 || height_over_wall > 3.0 + k_edge) {
+      EXPECT_EQ(value, 1.0f) << cell.x << " " << cell.y;
+    } else if (cell.x > 1 && height_over_wall < 3.0 && std::fabs(cell.y) < 14) {
+      EXPECT_EQ(value, 0.0f) << cell.x << " " << cell.y;
+    }
+  });
+}
+
+TEST(ViewshedTest, what_looks_over_the_wall_is_seen_from_its_height_on) {
+  Place place;
+  place.wall(0, -28, 28, 0, 3);
+  const Observer eye = at(-10, 0, 1.5);
+  // The line over the wall's edge rises 1.5 in 10.
+  const Viewshed seen = place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = 50.0});
+  for_cells(seen, [&](float value, const glm::dvec2& cell) {
+    if (cell.x < -1) {
+      EXPECT_EQ(value, 0.0f) << cell.x << " " << cell.y;
+    }
+    if (cell.x < 1 || std::fabs(cell.y) > 14) return;
+    const double expected = 1.5 + 1.5 * (cell.x + 10.0) / 10.0;
+    EXPECT_GE(value, expected - 0.2) << cell.x << " " << cell.y;
+    EXPECT_LE(value, expected + k_edge * (cell.x + 10.0) / 10.0) << cell.x << " " << cell.y;
+  });
+}
+
+TEST(ViewshedTest, the_height_found_is_seen_and_what_is_a_centimetre_lower_is_not) {
+  Place place;
+  place.wall(0, -10, 10, 0, 3);
+  const Observer eye = at(-10, 0, 1.5);
+  const Viewshed seen = place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = 50.0});
+  int hidden = 0;
+  for_cells(seen, [&](float value, const glm::dvec2& cell) {
+    if (!(value > 0.0f)) return;
+    ++hidden;
+    const SightEnd from = end_near_surface(place.occluders(), eye.position);
+    const SightEnd foot = end_on_ground(place.occluders(), {cell.x, cell.y, *place.ground().at(cell)});
+    EXPECT_FALSE(first_blocker(place.occluders(), sight_line(from, raised(foot, value + 1e-6))));
+    EXPECT_TRUE(first_blocker(place.occluders(), sight_line(from, raised(foot, value - 0.0101))));
+  });
+  EXPECT_GT(hidden, 50);
+}
+
+TEST(ViewshedTest, one_sees_below_a_bridge_and_the_lowest_height_is_there) {
+  Place place;
+  place.sheet({-4, -20, 4}, {8, 0, 0}, {0, 40, 0}, 17);
+  const Observer low = at(-20, 0, 1.7), high = at(-20, 0, 20);
+  const Viewshed from_below = place.seen({&low, 1}), from_above = place.seen({&high, 1});
+  const auto cell = *cell_at(Place::grid(), {3, 1});
+  EXPECT_EQ(from_below.values.at(cell.x, cell.y), 1.0f);
+  EXPECT_EQ(from_above.values.at(cell.x, cell.y), 0.0f);
+  const Viewshed height = place.seen({&low, 1}, {.mode = ViewshedMode::height});
+  EXPECT_EQ(height.values.at(cell.x, cell.y), 0.0f);
+}
+
+TEST(ViewshedTest, what_is_never_seen_has_the_highest_height) {
+  Place place;
+  place.wall(0, -28, 28, 0, 10);
+  const Observer eye = at(-2, 0, 1.0);
+  const Viewshed seen = place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = 12.0});
+  const auto cell = *cell_at(Place::grid(), {21, 1});
+  EXPECT_EQ(seen.values.at(cell.x, cell.y), 12.0f);
+}
+
+TEST(ViewshedTest, count_is_the_sum_of_single_viewsheds_and_visible_their_union) {
+  Place place;
+  place.wall(0, -15, 15, 0, 3);
+  place.wall(10, -28, 0, 0, 5);
+  const std::vector<Observer> eyes{at(-10, 0, 2), at(20, 10, 2), at(5, -20, 8)};
+  const Viewshed count = place.seen(eyes, {.mode = ViewshedMode::count}), any = place.seen(eyes);
+  Raster<float> sum(Place::grid(), 0.0f);
+  for (const Observer& eye : eyes) {
+    const Viewshed one = place.seen({&eye, 1});
+    for (std::size_t i = 0; i < sum.values.size(); ++i) sum.values[i] += one.values.values[i];
+  }
+  EXPECT_EQ(count.values.values, sum.values);
+  for (std::size_t i = 0; i < sum.values.size(); ++i)
+    EXPECT_EQ(any.values.values[i], sum.values[i] > 0.0f ? 1.0f : 0.0f);
+  EXPECT_EQ(count.line_count, 3u * sum.values.size());
+}
+
+TEST(ViewshedTest, fraction_is_the_share_of_free_lines) {
+  Place place;
+  place.wall(0, -28, 28, 0, 3);
+  const std::vector<Observer> eyes{at(-10, 0, 2), at(-12, 0, 2)};
+  const Viewshed seen = place.seen(eyes, {.mode = ViewshedMode::fraction, .places_across = 4});
+  for_cells(seen, [&](float value, const glm::dvec2& cell) {
+    // Not where lines cross the foot of the wall, whose points are of no one surface.
+    if (cell.x < -1 || cell.x > 6) {
+      EXPECT_EQ(value, cell.x < 0 ? 1.0f : 0.0f) << cell.x << ' ' << cell.y;
+    }
+    EXPECT_EQ(value * 32.0f, std::round(value * 32.0f));
+  });
+}
+
+TEST(ViewshedTest, cells_beyond_distance_and_field_of_view_are_out_of_range) {
+  Place place;
+  Observer eye = at(1, 1, 2);
+  eye.max_distance = 15.0;
+  eye.azimuth_min = 0.0;
+  eye.azimuth_max = 90.0;
+  for_cells(place.seen({&eye, 1}), [&](float value, const glm::dvec2& cell) {
+    const bool within = std::hypot(cell.x - 1, cell.y - 1, 2.0) <= 15.0 && cell.x >= 1 && cell.y >= 1;
+    EXPECT_EQ(value, within ? 1.0f : k_out_of_range) << cell.x << " " << cell.y;
+  });
+}
+
+TEST(ViewshedTest, cells_without_ground_have_no_value) {
+  Place place;
+  const Observer eye = at(0, 0, 2);
+  const Viewshed seen =
+      viewshed(place.occluders(), place.ground(), {&eye, 1}, grid_over({{20, 20, 0}, {60, 22, 0}}, 2.0), {});
+  EXPECT_EQ(seen.values.at(0, 0), 1.0f);
+  EXPECT_TRUE(std::isnan(seen.values.at(19, 0)));
+}
+
+TEST(ViewshedTest, targets_above_the_wall_are_seen) {
+  Place place;
+  place.wall(0, -28, 28, 0, 3);
+  const Observer eye = at(-10, 0, 1.5);
+  const auto cell = *cell_at(Place::grid(), {5, 1});
+  EXPECT_EQ(place.seen({&eye, 1}, {.target_height = 3.0}).values.at(cell.x, cell.y), 0.0f);
+  EXPECT_EQ(place.seen({&eye, 1}, {.target_height = 5.0}).values.at(cell.x, cell.y), 1.0f);
+}
+
+TEST(ViewshedTest, the_map_is_the_same_on_any_number_of_threads) {
+  Place place(0.02);
+  place.wall(0, -15, 15, 0, 3);
+  const std::vector<Observer> eyes{at(-10, 0, 2), at(20, 10, 2)};
+  for (const ViewshedMode mode : {ViewshedMode::count, ViewshedMode::height}) {
+    const Viewshed many = place.seen(eyes, {.mode = mode});
+    Viewshed one;
+    tbb::task_arena(1).execute([&] { one = place.seen(eyes, {.mode = mode}); });
+    EXPECT_EQ(many.values.values, one.values.values);
+    EXPECT_EQ(many.line_count, one.line_count);
+  }
+}
+
+TEST(ViewshedTest, bad_wishes_are_errors_and_progress_can_stop_it) {
+  Place place;
+  const Observer eye = at(0, 0, 2);
+  EXPECT_THROW(place.seen({}), Error);
+  EXPECT_THROW(place.seen({&eye, 1}, {.target_height = -1.0}), Error);
+  EXPECT_THROW(place.seen({&eye, 1}, {.target_height = std::numeric_limits<double>::quiet_NaN()}), Error);
+  EXPECT_THROW(place.seen({&eye, 1}, {.mode = ViewshedMode::fraction, .places_across = 0}), Error);
+  EXPECT_THROW(place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = 0.0}), Error);
+  EXPECT_THROW(place.seen({&eye, 1}, {.progress = [](std::uint64_t, std::uint64_t) { return false; }}),
+               Cancelled);
+}
+
+}  // namespace
+}  // namespace alidade::test

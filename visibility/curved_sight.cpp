@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/curved_sight.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+/// Along the ground.
+double distance_between(const glm::dvec3& from, const glm::dvec3& to) {
+  return glm::length(glm::dvec2(to) - glm::dvec2(from));
+}
+
+bool is_crossed(std::uint8_t answer) {
+  return answer != 0;
+}
+bool is_crossed(const std::optional<Blocker>& blocker) {
+  return blocker.has_value();
+}
+
+}  // namespace
+
+SightCurve::SightCurve(double coefficient, double unit) : coefficient_(coefficient) {
+  constexpr double k_most = 10.0;
+  if (!(coefficient >= 0.0 && coefficient <= k_most)) {
+    throw Error({.problem = "bad coefficient of curvature",
+                 .expected = "0 (flat) to 10",
+                 .found = fmt::format("{}", coefficient)});
+  }
+  if (coefficient == 0.0) return;
+  per_square_ = coefficient * unit / (2.0 * k_earth_radius);
+  longest_chord_ = std::sqrt(4.0 * (k_most_sag / unit) / per_square_);
+}
+
+int SightCurve::chord_count(double distance) const {
+  if (longest_chord_ == 0.0) return 1;
+  return std::max(1, static_cast<int>(std::ceil(distance / longest_chord_)));
+}
+
+glm::dvec3 SightCurve::place(const glm::dvec3& from, const glm::dvec3& to, double share) const {
+  glm::dvec3 place = from + share * (to - from);
+  place.z -= drop(distance_between(from, to)) * share * (1.0 - share);
+  return place;
+}
+
+SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve) : curve_(curve) {
+  OccluderOptions options = occluders.options();
+  const int transparency = options.transparency;
+  // Straight lines are asked for all their crossings at once.
+  const int first = curve.coefficient() == 0.0 ? transparency : 1;
+  for (options.transparency = first; options.transparency < transparency; ++options.transparency)
+    occluders_.emplace_back(occluders.octree(), options);
+  occluders_.push_back(occluders);
+  chord_answers_.resize(occluders_.size());
+  chord_blockers_.resize(occluders_.size());
+}
+
+void SightBatch::add(const SightEnd& from, const SightEnd& to) {
+  const int count = curve_.chord_count(distance_between(from.position, to.position));
+  const double length = glm::length(to.position - from.position);
+  // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide. Where
+  // crossings are counted, it would count twice instead.
+  const Occluders& last = occluders_.back();
+  const double overlap = occluders_.size() == 1 ? 2.0 * std::max(last.largest_sphere(), 0.0) / length : 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double begin = std::max(0.0, static_cast<double>(i) / count - overlap),
+                 end = std::min(1.0, static_cast<double>(i + 1) / count + overlap);
+    const SightEnd chord_from = i == 0 ? from : SightEnd{curve_.place(from.position, to.position, begin)};
+    const SightEnd chord_to = i + 1 == count ? to : SightEnd{curve_.place(from.position, to.position, end)};
+    chords_.push_back(sight_line(chord_from, chord_to));
+    chord_starts_.push_back(i == 0 ? 0.0 : begin * length);
+  }
+  begin_.push_back(chords_.size());
+}
+
+void SightBatch::clear() {
+  chords_.clear();
+  chord_starts_.clear();
+  begin_.resize(1);
+}
+
+template <class Crossed>
+std::optional<SightBatch::Place> SightBatch::blocked_at(
+    std::size_t line, const std::vector<std::vector<Crossed>>& crossed) const {
+  std::size_t missing = crossed.size();
+  for (std::size_t chord = begin_[line]; chord < begin_[line + 1]; ++chord) {
+    std::size_t count = 0;
+    while (count < crossed.size() && is_crossed(crossed[count][chord])) ++count;
+    if (count >= missing) return Place{chord, missing - 1};
+    missing -= count;
+  }
+  return std::nullopt;
+}
+
+std::span<const std::uint8_t> SightBatch::blocked() {
+  for (std::size_t j = 0; j < occluders_.size(); ++j) {
+    chord_answers_[j].resize(chords_.size());
+    alidade::blocked(occluders_[j], chords_, chord_answers_[j]);
+  }
+  answers_.resize(size());
+  for (std::size_t line = 0; line < size(); ++line)
+    answers_[line] = blocked_at(line, chord_answers_).has_value();
+  return answers_;
+}
+
+std::span<const std::optional<Blocker>> SightBatch::first_blockers() {
+  for (std::size_t j = 0; j < occluders_.size(); ++j) {
+    chord_blockers_[j].resize(chords_.size());
+    alidade::first_blockers(occluders_[j], chords_, chord_blockers_[j]);
+  }
+  blockers_.assign(size(), std::nullopt);
+  for (std::size_t line = 0; line < size(); ++line) {
+    const std::optional<Place> place = blocked_at(line, chord_blockers_);
+    if (!place) continue;
+    blockers_[line] = chord_blockers_[place->crossing][place->chord];
+    blockers_[line]->distance += chord_starts_[place->chord];
+  }
+  return blockers_;
+}
+
+}  // namespace alidade

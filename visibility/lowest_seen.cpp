@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/lowest_seen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "octree/point_spacing.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_finest = 0.01;  // of a height, in the unit of the cloud
+
+}  // namespace
+
+LowestSeen::LowestSeen(const Occluders& occluders, const ViewshedOptions& options)
+    : occluders_(occluders), options_(options), batch_(occluders, options.curve) {
+  if (!occluders.options().radius) spacings_ = spacings_in_order(occluders.octree().view());
+}
+
+double LowestSeen::radius_of(std::uint64_t point_id) const {
+  if (spacings_.empty()) return *occluders_.options().radius;
+  return std::min(spacings_[point_id], occluders_.largest_radius());
+}
+
+void LowestSeen::aim(const MapObserver& observer, std::span<const MapTarget> targets) {
+  batch_.clear();
+  for (const Search& search : searches_)
+    batch_.add(observer.eye, raised(targets[search.target].foot, search.tried));
+  line_count_ += batch_.size();
+}
+
+void LowestSeen::climb(const MapObserver& observer, std::span<const MapTarget> targets,
+                       std::span<double> heights) {
+  while (!searches_.empty()) {
+    aim(observer, targets);
+    const std::span<const std::optional<Blocker>> blockers = batch_.first_blockers();
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < searches_.size(); ++i) {
+      Search search = searches_[i];
+      if (!blockers[i]) {
+        seen_.push_back(search);
+        continue;
+      }
+      const glm::dvec3 place = raised(targets[search.target].foot, search.tried).position;
+      const double magnified =
+          glm::length(place - observer.eye.position) / std::max(blockers[i]->distance, k_finest);
+      search.blocked = search.tried;
+      search.tried += std::max(k_finest, radius_of(blockers[i]->point_id) * std::max(magnified, 1.0));
+      // Higher than what another observer sees, it does not matter.
+      if (search.tried < heights[search.target]) searches_[left++] = search;
+    }
+    searches_.resize(left);
+  }
+}
+
+void LowestSeen::halve(const MapObserver& observer, std::span<const MapTarget> targets,
+                       std::span<double> heights) {
+  while (!seen_.empty()) {
+    searches_.clear();
+    std::size_t left = 0;
+    for (const Search& search : seen_) {
+      heights[search.target] = std::min(heights[search.target], search.tried);
+      if (search.tried - search.blocked <= k_finest) continue;
+      seen_[left++] = search;
+      searches_.push_back({search.target, search.blocked, 0.5 * (search.blocked + search.tried)});
+    }
+    seen_.resize(left);
+    aim(observer, targets);
+    const std::span<const std::uint8_t> blocked = batch_.blocked();
+    for (std::size_t i = 0; i < left; ++i) {
+      if (blocked[i])
+        seen_[i].blocked = searches_[i].tried;
+      else
+        seen_[i].tried = searches_[i].tried;
+    }
+  }
+}
+
+void LowestSeen::look(const MapObserver& observer, std::span<const MapTarget> targets,
+                      std::span<double> heights) {
+  searches_.clear();
+  seen_.clear();
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    if (!observer.looks_at(raised(targets[i].foot, options_.target_height).position)) continue;
+    heights[i] = std::min(heights[i], options_.highest);
+    if (options_.target_height >= heights[i]) continue;
+    // What is seen at once has nothing below it to halve into.
+    searches_.push_back({i, options_.target_height, options_.target_height});
+  }
+  climb(observer, targets, heights);
+  halve(observer, targets, heights);
+}
+
+}  // namespace alidade

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "visibility/map_observer.h"
+#include "visibility/map_targets.h"
+#include "visibility/viewshed.h"
+
+namespace alidade {
+
+/// Finds for places on the ground the lowest height above them that is seen, as viewshed.h tells it.
+class LowestSeen {
+ public:
+  /// The references must outlive this.
+  LowestSeen(const Occluders& occluders, const ViewshedOptions& options);
+
+  /// Lowers `heights`, one per target, where this observer sees something lower. Those it does not look at
+  /// stay as they are; the others become `highest` at most.
+  void look(const MapObserver& observer, std::span<const MapTarget> targets, std::span<double> heights);
+
+  std::uint64_t line_count() const { return line_count_; }
+
+ private:
+  struct Search {
+    std::size_t target;
+    double blocked;  ///< highest that is not seen
+    double tried;    ///< to look at next
+  };
+
+  void climb(const MapObserver& observer, std::span<const MapTarget> targets, std::span<double> heights);
+  void halve(const MapObserver& observer, std::span<const MapTarget> targets, std::span<double> heights);
+  void aim(const MapObserver& observer, std::span<const MapTarget> targets);
+  double radius_of(std::uint64_t point_id) const;
+
+  const Occluders& occluders_;
+  ViewshedOptions options_;
+  std::vector<double> spacings_;  ///< by point id; empty if all points have one radius
+  SightBatch batch_;
+  std::vector<Search> searches_, seen_;
+  std::uint64_t line_count_ = 0;
+};
+
+}  // namespace alidade

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "visibility/ground.h"
+#include "visibility/sight_line.h"
+
+// What is looked at on a map: places above the ground of its cells.
+
+namespace alidade {
+
+/// A place on the ground as an end of sight lines. Heights of the ground come from several points, so that a
+/// place may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to the
+/// lower face of that sheet (one standard deviation) if it lies deeper, and lifted by the sheet's thickness,
+/// as points are that are looked at. The sheet is that of the nearest point whose sheet lies rather flat,
+/// and the end's own surface. Where there is none within the widest radius, the place as it is.
+SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place);
+
+/// An end so far above another, with the same surface as its own.
+inline SightEnd raised(SightEnd end, double height) {
+  end.position.z += height;
+  return end;
+}
+
+/// A place that is looked at.
+struct MapTarget {
+  std::size_t cell = 0;
+  SightEnd foot;  ///< on the ground
+};
+
+/// The places of a map, block by block, so that a map of any size takes little memory.
+class MapTargets {
+ public:
+  /// places_across: every cell has its square of places, evenly spread; 1 is the middle. Requires >= 1. The
+  /// references must outlive this.
+  MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid, int places_across);
+
+  std::size_t block_count() const;
+  /// The places of a block that have ground, neighbours near each other; in parallel. Replaces `targets`.
+  void block(std::size_t number, std::vector<MapTarget>& targets) const;
+
+ private:
+  const Occluders& occluders_;
+  const Ground& ground_;
+  RasterGrid grid_;
+  int places_across_;
+};
+
+}  // namespace alidade

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "octree/cloud/crs.h"
+
+namespace alidade {
+
+/// What the coordinates of a map are counted in.
+enum class MapUnit {
+  unknown,  ///< the cloud has no reference system, or one that does not say it
+  metre,
+  foot,
+  degree,  ///< no lengths can be measured over them
+};
+
+MapUnit map_unit(const Crs& crs);
+
+/// Metres of a unit; of an unknown one 1. Requires: not degrees.
+double metres_per_unit(MapUnit unit);
+
+}  // namespace alidade

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "octree/progress.h"
+#include "visibility/curved_sight.h"
+#include "visibility/ground.h"
+#include "visibility/observers.h"
+#include "visibility/raster.h"
+
+// What observers see of the ground, or of things so high above it, as a map. Lines of sight go through the
+// points themselves: below crowns, bridges and balconies.
+//
+//   const Viewshed seen = viewshed(occluders, ground, observers, grid_over(octree.bounds(), 1.0), {});
+//   if (seen.values.at(column, row) > 0.0f) ...
+
+namespace alidade {
+
+enum class ViewshedMode {
+  visible,   ///< 1 where any observer sees the middle of the cell, otherwise 0
+  count,     ///< how many observers see it
+  height,    ///< from which height above the ground on something there is seen by any observer
+  fraction,  ///< share of the lines of sight that are free, over all observers and places of the cell
+};
+
+struct ViewshedOptions {
+  ViewshedMode mode = ViewshedMode::visible;
+  /// Of what is looked at, above the ground; >= 0. In the unit of the cloud. Of `height`: the lowest looked
+  /// at.
+  double target_height = 0.0;
+  SightCurve curve{};     ///< straight unless given
+  int places_across = 3;  ///< of `fraction`: so many times so many places in every cell, 1 .. 100
+  /// Of `height`: nothing higher is tried, and this stands for "not even there". In the unit of the cloud.
+  double highest = 200.0;
+  Progress progress{};  ///< in pairs of observer and place
+};
+
+/// Values of cells that no observer looks at: all out of reach or outside of their fields of view.
+constexpr float k_out_of_range = -1.0f;
+/// Values of cells where the cloud has no ground. Told by std::isnan.
+constexpr float k_no_ground = std::numeric_limits<float>::quiet_NaN();
+
+struct Viewshed {
+  Raster<float> values;
+  std::uint64_t line_count = 0;  ///< sight lines that were followed
+};
+
+/// The map of what is seen. An observer looks at a place within its max_distance, along the line of sight,
+/// and its field of view; both ends of a line lie on or above the surface of the cloud, which does not hide
+/// them (visibility/sight_line.h). The same bits on any number of threads and instruction set.
+///
+/// `height`: from the target height up, lines are tried until one is free, each raised by the radius of the
+/// point that blocked the one before, as it projects on the cell (at least 0.01); then the height is halved
+/// in to 0.01. So it is the lowest at which there is sight, also below a bridge or a crown, but for openings
+/// lower than the points' own distances. Of several observers the lowest counts.
+///
+/// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
+/// where much is hidden. Memory: 8 B per cell, checked beforehand.
+/// Errors: no observer; places_across, target height or highest out of range.
+Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
+                  const RasterGrid& grid, const ViewshedOptions& options);
+
+}  // namespace alidade
