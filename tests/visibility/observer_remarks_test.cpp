@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/observer_remarks.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random.h"
+#include "tests/visibility/wall_cloud.h"
+
+namespace alidade::test {
+namespace {
+
+/// Ground, and a bush of points without a surface.
+WallCloud garden() {
+  Random random("garden");
+  WallCloud cloud;
+  cloud.add({0, 0, 0}, {20, 0, 0}, {0, 20, 0}, 0.25);
+  for (int i = 0; i < 500; ++i) cloud.add(glm::dvec3(10, 10, 2) + random.in_cube());
+  return cloud;
+}
+
+std::string remark_on(const Occluders& occluders, const glm::dvec3& place, double max_distance = HUGE_VAL) {
+  Observer observer;
+  observer.name = "mast";
+  observer.position = place;
+  observer.max_distance = max_distance;
+  const auto remarks = observer_remarks(occluders, std::span(&observer, 1));
+  return remarks.empty() ? "" : remarks[0];
+}
+
+TEST(ObserverRemarks, say_nothing_of_usual_observers) {
+  const Occluders occluders = garden().occluders();
+  EXPECT_EQ(remark_on(occluders, {5, 5, 1.7}), "");
+  EXPECT_EQ(remark_on(occluders, {-15, 5, 10}, 30.0), "");
+  EXPECT_EQ(remark_on(occluders, {5, 5, 0.05}), "") << "just above the ground";
+}
+
+TEST(ObserverRemarks, name_observers_far_outside_and_those_who_cannot_reach_the_cloud) {
+  const Occluders occluders = garden().occluders();
+  EXPECT_NE(remark_on(occluders, {5, 500, 2}).find("mast is 480 outside of the cloud"), std::string::npos)
+      << remark_on(occluders, {5, 500, 2});
+  EXPECT_NE(remark_on(occluders, {5, 25, 2}, 4.0).find("mast sees nothing"), std::string::npos);
+  EXPECT_EQ(remark_on(occluders, {5, 25, 2}, 5.5), "");
+}
+
+TEST(ObserverRemarks, name_observers_below_the_ground) {
+  const Occluders occluders = garden().occluders();
+  EXPECT_NE(remark_on(occluders, {5, 5, -0.3}).find("in the ground"), std::string::npos);
+  EXPECT_EQ(remark_on(occluders, {50, 5, -0.3}, 100.0).find("in the ground"), std::string::npos)
+      << "nothing is near";
+}
+
+TEST(ObserverRemarks, name_observers_inside_the_sphere_of_a_point) {
+  const WallCloud cloud = garden();
+  const glm::dvec3 leaf = cloud.positions().back() + glm::dvec3(0.01, 0, 0);
+  EXPECT_NE(remark_on(cloud.occluders(), leaf).find("mast is inside point "), std::string::npos);
+  EXPECT_EQ(remark_on(cloud.occluders({.shape = OccluderShape::disc}), leaf), "");
+  EXPECT_NE(
+      remark_on(cloud.occluders({.shape = OccluderShape::sphere, .radius = 0.5}), {5, 5, 0.4}).find("inside"),
+      std::string::npos);
+  EXPECT_EQ(remark_on(cloud.occluders({.shape = OccluderShape::sphere, .radius = 0.5}), {5, 5, 0.7}), "");
+}
+
+}  // namespace
+}  // namespace alidade::test
