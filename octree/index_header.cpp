@@ -122,6 +122,11 @@ TreeView read_tree(const HeaderFields& page) {
   page.require(neighbours <= k_most_spacing_neighbours, 204, "bad number of neighbours of spacings",
                fmt::format("at most {}", k_most_spacing_neighbours), neighbours);
   tree.spacing_neighbours = static_cast<int>(neighbours);
+  tree.surface_unit = page.get<double>(208);
+  page.require(std::isfinite(tree.surface_unit) && tree.surface_unit >= 0.0 &&
+                   (tree.surface_unit == 0.0 || neighbours > 0),
+               208, "bad unit of surfaces", neighbours > 0 ? "0 or a length" : "0 without spacings",
+               tree.surface_unit);
   read_lattice(page, tree);
   read_bounds(page, tree);
   return tree;
@@ -195,6 +200,11 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
                  fmt::format("sections and header disagree about {}", name(needed)),
                  has_spacings ? "the section" : "none", is_there ? "the section" : "none");
   }
+  const bool has_surfaces = header.tree.surface_unit > 0.0;
+  const bool surfaces_are_there = header.find(IndexSection::surfaces) != nullptr;
+  page.require(surfaces_are_there == has_surfaces, k_section_table,
+               "sections and header disagree about surfaces", has_surfaces ? "the section" : "none",
+               surfaces_are_there ? "the section" : "none");
   page.require(header.sections.back().end() == header.file_bytes, 24, "bytes behind the last section",
                fmt::format("{} bytes in all", header.sections.back().end()), header.file_bytes);
 }
@@ -256,6 +266,7 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
   store(at + 184, header.project_id);
   store(at + 200, header.file_source_id);
   store(at + 204, static_cast<std::uint32_t>(tree.spacing_neighbours));
+  store(at + 208, tree.surface_unit);
   for (std::size_t i = 0; i < header.sections.size(); ++i) {
     const SectionEntry& entry = header.sections[i];
     std::byte* const row = at + k_section_table + i * k_section_entry;

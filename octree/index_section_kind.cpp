@@ -24,6 +24,7 @@ std::uint32_t element_bytes(IndexSection kind) {
     case IndexSection::slot_spacings:
       return sizeof(std::uint16_t);
     case IndexSection::ids:
+    case IndexSection::surfaces:
       return sizeof(std::uint32_t);
     case IndexSection::positions:
       return sizeof(LatticePosition);
@@ -54,6 +55,8 @@ std::string name(IndexSection section) {
       return "spacings";
     case IndexSection::slot_spacings:
       return "slot spacings";
+    case IndexSection::surfaces:
+      return "surfaces";
     case IndexSection::metadata:
       return "metadata";
     case IndexSection::record_data:

@@ -18,6 +18,7 @@ enum class IndexSection : std::uint32_t {
   positions = 4,
   spacings = 5,
   slot_spacings = 6,
+  surfaces = 7,
   first_column = 16,
   extra_dimensions = 27,
   metadata = 32,

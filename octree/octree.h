@@ -104,7 +104,7 @@ class Octree {
   const Lattice& lattice() const { return view_.lattice; }
   /// Smallest box around the points, world coordinates; empty for an empty octree.
   const Bounds& bounds() const { return view_.bounds; }
-  /// Bytes of nodes, coordinates, ids, positions and spacings.
+  /// Bytes of nodes, coordinates, ids, positions, spacings and surfaces.
   std::size_t memory() const;
 
   const TreeView& view() const { return view_; }

@@ -23,6 +23,9 @@ struct PointSurface {
   double thickness = 0.0;            ///< standard deviation of the sheet's points from it, metres
 };
 
+/// Spacings to this neighbour are what surfaces are meant to be fitted with.
+constexpr int k_surface_neighbours = 8;
+
 /// The same octree with the surface of every point, as surface_of() tells it. An octree that has surfaces is
 /// returned as it is. `progress` is in points. Requires spacings. Cost: about 2 microseconds of one thread
 /// per point, in parallel; 4 B per point.

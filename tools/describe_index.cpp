@@ -27,7 +27,7 @@ double bytes_per_point(const IndexFile& index, std::uint64_t bytes) {
 std::uint64_t octree_bytes(const IndexFile& index) {
   std::uint64_t bytes = 0;
   for (const SectionEntry& section : index.header().sections) {
-    if (section.kind <= IndexSection::slot_spacings) bytes += section.bytes;
+    if (section.kind <= IndexSection::surfaces) bytes += section.bytes;
   }
   return bytes;
 }
@@ -38,7 +38,8 @@ bool is_in_stored_order(const IndexHeader& header) {
 
 std::string spacing_text(const IndexHeader& header) {
   const int neighbours = header.tree.spacing_neighbours;
-  return neighbours > 0 ? fmt::format(", spacings to neighbour {}", neighbours) : "";
+  return (neighbours > 0 ? fmt::format(", spacings to neighbour {}", neighbours) : "") +
+         (header.tree.surface_unit > 0.0 ? ", surfaces" : "");
 }
 
 }  // namespace
@@ -55,6 +56,7 @@ Json index_json(const IndexFile& index, bool verified) {
           {"nodes", header.tree.node_count},
           {"stored_order", is_in_stored_order(header)},
           {"spacing_neighbours", header.tree.spacing_neighbours},
+          {"surfaces", header.tree.surface_unit > 0.0},
           {"verified", verified}};
 }
 

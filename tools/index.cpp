@@ -5,6 +5,7 @@
 #include "octree/cloud/read_cloud.h"
 #include "octree/index_file.h"
 #include "octree/point_spacing.h"
+#include "octree/point_surface.h"
 #include "tools/command.h"
 #include "tools/message.h"
 #include "tools/options.h"
@@ -21,6 +22,7 @@ struct IndexCommand {
   std::optional<ColorDepth> color_depth;
   bool stored_order = false;
   std::optional<int> spacing_neighbours;
+  bool surfaces = false;
   bool overwrite = false;
   std::optional<int> threads;
   VerbosityOptions verbosity;
@@ -49,12 +51,21 @@ Octree build_from(const IndexCommand& command, PointCloud& cloud) {
   return octree;
 }
 
-Octree measured(const IndexCommand& command, const Octree& octree) {
-  if (!command.spacing_neighbours) return octree;
-  ProgressLine line("measuring spacings", "points", command.verbosity.verbosity());
-  Octree with = with_spacings(octree, *command.spacing_neighbours, line.callback());
+Octree with_surfaces(const IndexCommand& command, const Octree& octree) {
+  if (!command.surfaces) return octree;
+  ProgressLine line("fitting surfaces", "points", command.verbosity.verbosity());
+  Octree with = with_surfaces(octree, line.callback());
   line.finish();
   return with;
+}
+
+Octree measured(const IndexCommand& command, const Octree& octree) {
+  const std::optional<int> neighbours = command.surfaces ? k_surface_neighbours : command.spacing_neighbours;
+  if (!neighbours) return octree;
+  ProgressLine line("measuring spacings", "points", command.verbosity.verbosity());
+  const Octree with = with_spacings(octree, *neighbours, line.callback());
+  line.finish();
+  return with_surfaces(command, with);
 }
 
 ExitCode run(const IndexCommand& command) {
@@ -64,6 +75,11 @@ ExitCode run(const IndexCommand& command) {
     throw Error({.file = command.output.string(),
                  .problem = "is no name of an index file",
                  .expected = "a name that ends in .alidade"});
+  }
+  if (command.surfaces && command.spacing_neighbours && *command.spacing_neighbours != k_surface_neighbours) {
+    throw Error({.problem = "--surfaces goes by the 8th neighbour",
+                 .expected = "--spacings 8, or none",
+                 .found = std::to_string(*command.spacing_neighbours)});
   }
   check_writable(command.output, command.overwrite, command.files);
   PointCloud cloud = read(command);
@@ -125,6 +141,10 @@ Command add_index(CLI::App& program) {
             [command](const std::string& text) {
               command->spacing_neighbours = static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
             });
+  index->add_flag(
+      "--surfaces", command->surfaces,
+      "store the surface that each point lies on, for 'alidade visibility', which then has nothing "
+      "to measure; implies --spacings 8; 4 bytes per point");
   index->add_flag("--overwrite", command->overwrite, "replace an existing output");
   add_threads(*index, command->threads);
   add_verbosity(*index, command->verbosity);
@@ -145,7 +165,8 @@ Command add_index(CLI::App& program) {
       "Examples:\n"
       "  alidade index site.las -o site.alidade\n"
       "  alidade index tile_1.las tile_2.las -o site.alidade --organisation layered\n"
-      "  alidade index site.las -o site.alidade --spacings 8\n");
+      "  alidade index site.las -o site.alidade --spacings 8\n"
+      "  alidade index site.las -o site.alidade --surfaces\n");
   return {index, [command] {
             ExitCode code = ExitCode::failed;
             with_threads(command->threads, [&] { code = run(*command); });

@@ -13,7 +13,6 @@ namespace alidade {
 
 Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress)
     : octree_(octree), options_(options) {
-  constexpr int k_neighbours = 8;
   constexpr double k_widest_disc = 4.0;
   if (options.radius && !(std::isfinite(*options.radius) && *options.radius > 0.0)) {
     throw Error({.problem = "bad radius of occluders",
@@ -27,7 +26,7 @@ Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const
   }
   if (has_surfaces() || !options.radius) {
     // Spacings of other neighbours make other discs.
-    octree_ = with_spacings(octree_, k_neighbours, progress);
+    octree_ = with_spacings(octree_, k_surface_neighbours, progress);
   }
   if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
   if (options.radius) {

@@ -3,10 +3,12 @@
 // inside.
 #include <cstdint>
 #include <cstdlib>
+#include <glm/geometric.hpp>
 #include <vector>
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/index_file.h"
+#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "tests/support/seal_index.h"
 
@@ -45,6 +47,9 @@ void ask(const IndexFile& index) {
   closest(octree, rays, {.radius = 1.0}, hits);
   if (octree.view().spacings) closest(octree, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
   count(octree, bounds, {});
+  for (std::uint64_t id = 0; octree.view().surfaces && id < octree.size(); ++id) {
+    if (!(glm::length(surface_of(octree.view(), id).normal) > 0.9)) std::abort();
+  }
   if (octree.size() > 0) {
     for (const PointHit& hit : find(octree, bounds.center(), {.k = 5})) check_id(octree, hit.point_id);
   }

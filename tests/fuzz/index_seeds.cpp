@@ -7,6 +7,7 @@
 #include "octree/build.h"
 #include "octree/index_file.h"
 #include "octree/point_spacing.h"
+#include "octree/point_surface.h"
 
 namespace {
 
@@ -53,6 +54,7 @@ int main(int count, char** arguments) {
         const PointCloud cloud = cloud_of(points, step);
         save(build(cloud, options), cloud);
         save(with_spacings(build(cloud, options), 3), cloud);
+        save(with_surfaces(with_spacings(build(cloud, options), 8)), cloud);
       }
     }
   }

@@ -3,8 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <glm/geometric.hpp>
+
 #include "octree/index_file.h"
 #include "octree/point_spacing.h"
+#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/tree_walk.h"
 #include "tests/octree/index_test_support.h"
@@ -33,7 +36,7 @@ inline const Bytes& sound_file() {
   static const Bytes bytes = [] {
     const auto path = test_folder() / "sound.alidade";
     const PointCloud cloud = cloud_with_everything();
-    save_index(path, with_spacings(build(cloud), 3), cloud);
+    save_index(path, with_surfaces(with_spacings(build(cloud), 3)), cloud);
     return read_bytes(path);
   }();
   return bytes;
@@ -80,6 +83,10 @@ inline void use(const IndexFile& index) {
   if (has_spacings) {
     closest(octree, rays, {.radius = 1.0, .spacing_factor = 1.0}, hits);
     for (const std::optional<Hit>& hit : hits) look_up(hit);
+  }
+  if (octree.view().surfaces) {
+    for (std::uint64_t id = 0; id < octree.size(); ++id)
+      ASSERT_NEAR(glm::length(surface_of(octree.view(), id).normal), 1.0, 1e-9);
   }
   Bounds box, everywhere;
   box.grow(glm::dvec3(-5.0));

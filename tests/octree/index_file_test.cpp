@@ -7,6 +7,7 @@
 #include "octree/cloud/read_cloud.h"
 #include "octree/indexed_cloud.h"
 #include "octree/point_spacing.h"
+#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/tree_walk.h"
 #include "tests/cloud/las_builder.h"
@@ -96,6 +97,24 @@ TEST(IndexFile, gives_back_the_spacings_of_every_family) {
       query.spacing_factor = 1.0;
       EXPECT_EQ(closest(opened, ray_case.ray, query), closest(octree, ray_case.ray, query));
     }
+  }
+}
+
+TEST(IndexFile, gives_back_the_surfaces_of_every_family) {
+  const auto path = test::test_folder() / "site.alidade";
+  for (const PointFamily& family : test::point_families()) {
+    SCOPED_TRACE(family.name);
+    const Octree octree = with_surfaces(with_spacings(build(family.cloud), 8));
+    save_index(path, octree, family.cloud, {.overwrite = true});
+    const IndexFile index = open_index(path);
+    EXPECT_NO_THROW(index.verify());
+    const Octree opened = index.octree();
+    EXPECT_EQ(opened.memory(), octree.memory());
+    if (octree.size() == 0) continue;
+    EXPECT_EQ(opened.view().surface_unit, octree.view().surface_unit);
+    EXPECT_TRUE(
+        std::equal(octree.view().surfaces, octree.view().surfaces + octree.size(), opened.view().surfaces));
+    EXPECT_EQ(with_surfaces(opened).view().surfaces, opened.view().surfaces) << "nothing is fitted again";
   }
 }
 

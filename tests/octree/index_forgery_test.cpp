@@ -3,6 +3,7 @@
 // by itself.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "octree/index_file.h"
@@ -226,6 +227,27 @@ TEST(IndexForgery, spacings_of_which_header_and_sections_disagree_are_errors) {
   put<std::uint32_t>(file, 204, 65);
   seal(file);
   EXPECT_TRUE(test::is_refused_when_opened(file));
+}
+
+TEST(IndexForgery, no_surfaces_do_harm) {
+  test::Random random;
+  for (int i = 0; i < 50; ++i) {
+    Bytes file = sound_file();
+    const SectionRow row = section(file, IndexSection::surfaces);
+    for (std::uint64_t place = row.place; place + 8 <= row.place + row.bytes; place += 8)
+      put(file, place, random.bits());
+    seal(file);
+    EXPECT_FALSE(is_refused(file));
+  }
+}
+
+TEST(IndexForgery, surfaces_of_which_header_and_sections_disagree_are_errors) {
+  for (const double unit : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Bytes file = sound_file();
+    put(file, 208, unit);
+    seal(file);
+    EXPECT_TRUE(test::is_refused_when_opened(file)) << unit;
+  }
 }
 
 TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
