@@ -71,7 +71,7 @@ void draw_numbers(const Plot& plot, std::size_t count) {
     const auto i = static_cast<std::size_t>(tick.value) - 1;
     const int middle = (Plot::column_of(i, count) + Plot::column_of(i + 1, count)) / 2;
     plot.canvas.fill({middle, k_plot.bottom, middle + 1, k_plot.bottom + k_tick}, k_axis);
-    plot.text(middle, k_plot.bottom + k_tick + k_text_size, tick.label, 0.5);
+    plot.text(middle, k_plot.bottom + k_tick + k_text_size, std::to_string(i + 1), 0.5);
   }
   plot.text((k_plot.left + k_plot.right) / 2, k_height - k_text_size, "places, in the order they were chosen",
             0.5);
@@ -96,12 +96,12 @@ Canvas draw_coverage(const Placement& placement, const Font& font) {
   draw_bound(plot, bound);
   canvas.fill({k_plot.left, k_plot.bottom, k_plot.right, k_plot.bottom + 1}, k_axis);
   canvas.fill({k_plot.left - 1, k_plot.top, k_plot.left, k_plot.bottom + 1}, k_axis);
-  draw_numbers(plot, placement.places.size());
-  plot.text(
-      k_plot.left, k_plot.top - k_text_size,
-      fmt::format("targets covered, %: {:.1f} by {} places; no choice of as many exceeds {:.1f} (dashed)",
-                  covered, placement.places.size(), bound),
-      0.0);
+  const std::size_t count = placement.places.size();
+  draw_numbers(plot, count);
+  plot.text(k_text_size, k_plot.top - k_text_size,
+            fmt::format("Seen by {}: {:.1f} % of the targets; no other {} see more than {:.1f} % (dashed)",
+                        count, covered, count, bound),
+            0.0);
   return canvas;
 }
 

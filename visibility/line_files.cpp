@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/line_files.h"
 
+#include "visibility/line_row.h"
+
 namespace alidade {
 namespace {
 

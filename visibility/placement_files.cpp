@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/placement_files.h"
 
+#include "visibility/row_text.h"
+
 namespace alidade {
 namespace {
 

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "visibility/placement.h"
-#include "visibility/row_text.h"
+#include "visibility/row_files.h"
 
 namespace alidade {
 

@@ -1,38 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
-#include <functional>
 #include <glm/vec3.hpp>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include "octree/cloud/output_file.h"
+#include "visibility/row_files.h"
 
-// Rows of named values as CSV, JSON and GeoJSON.
+// Rows of named values as the text of CSV, JSON and GeoJSON.
 
 namespace alidade {
 
 /// Values by name, in the order of the columns.
 using Row = nlohmann::ordered_json;
-
-enum class RowForm { csv, json, geojson };
-
-/// By the ending: .csv, .json or .geojson; empty for any other.
-std::optional<RowForm> row_form(const std::filesystem::path& file);
-
-/// What is said of a whole file, beside its rows. CSV has no place for it.
-struct RowFileHead {
-  std::string command;                   ///< command line, or empty
-  std::vector<std::string> cloud_files;  ///< what the points come from
-};
-
-/// Turns places into longitude and latitude (degrees, WGS 84) and leaves z; empty if it cannot. A function,
-/// so that programs without GDAL at hand can do without (visibility/lon_lat.h).
-using ToLonLat = std::function<std::optional<std::vector<glm::dvec3>>(std::span<const glm::dvec3>)>;
 
 /// A line of CSV with the names, or the values: nothing for null, 1 and 0 for true and false, quotes where a
 /// text needs them.

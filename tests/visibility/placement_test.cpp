@@ -192,6 +192,7 @@ TEST(CoveragePicture, is_written_as_png_and_nothing_else) {
   EXPECT_GT(std::filesystem::file_size(folder / "coverage.png"), 1000u);
   EXPECT_THROW(write_coverage_picture(placement, folder / "coverage.png", false), Error);
   EXPECT_THROW(write_coverage_picture(placement, folder / "coverage.svg", true), Error);
+  std::filesystem::remove(folder / "coverage.png");
 }
 
 }  // namespace

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <vector>
+#include <cstddef>
 
-#include "visibility/line_report.h"
+#include "visibility/line_files.h"
 #include "visibility/row_text.h"
 
 namespace alidade {
-
-/// What goes into files that report on sight lines.
-struct LineTable {
-  std::vector<LinePair> pairs;
-  std::vector<LineReport> reports;                ///< one per pair
-  std::span<const std::uint8_t> classifications;  ///< by point id; empty if the cloud has none
-};
 
 /// A line as a row of named values, in the order of the columns; null where there is nothing to say. All rows
 /// of a table have the same names. Places are metres along the line from its first end, in `..._at`; shares

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/line_table.h"
+#include "visibility/line_row.h"
 
 #include <algorithm>
 #include <array>
