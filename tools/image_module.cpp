@@ -2,6 +2,8 @@
 #include "renderer/place_sun.h"
 #include "renderer/read_sky_image.h"
 #include "tools/image_writer.h"
+#include "visibility/coverage_picture.h"
+#include "visibility/lon_lat.h"
 #include "visibility/raster_file.h"
 #include "visibility/read_observers.h"
 
@@ -42,4 +44,18 @@ extern "C" void alidade_read_observers(const std::filesystem::path& path,
 extern "C" void alidade_transform_observers(const alidade::ObserverReference& reference,
                                             std::vector<alidade::GivenObserver>& observers) {
   alidade::to_cloud_reference(observers, "", reference);
+}
+
+extern "C" void alidade_lon_lat(const alidade::Crs& crs, const std::vector<glm::dvec3>& places,
+                                std::optional<std::vector<glm::dvec3>>& answers) {
+  answers = alidade::lon_lat(crs, places);
+}
+
+extern "C" void alidade_metres_per_unit(const alidade::Crs& crs, std::optional<double>& metres) {
+  metres = alidade::metres_per_unit(crs);
+}
+
+extern "C" void alidade_write_coverage_picture(const alidade::Placement& placement,
+                                               const std::filesystem::path& file, bool overwrite) {
+  alidade::write_coverage_picture(placement, file, overwrite);
 }

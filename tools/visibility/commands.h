@@ -7,6 +7,8 @@
 
 namespace alidade {
 
+Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_line);
+Command add_visibility_place(CLI::App& visibility, const CommandLine& command_line);
 Command add_visibility_points(CLI::App& visibility);
 
 }  // namespace alidade

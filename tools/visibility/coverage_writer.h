@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "visibility/placement.h"
+
+namespace alidade {
+
+/// write_coverage_picture() of visibility/coverage_picture.h, through the module (tools/load_module.h).
+using CoverageWriter = void (*)(const Placement& placement, const std::filesystem::path& file,
+                                bool overwrite);
+CoverageWriter load_coverage_writer();
+
+}  // namespace alidade

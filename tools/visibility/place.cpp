@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <bitset>
+#include <map>
+
+#include "octree/error.h"
+#include "renderer/image.h"
+#include "tools/message.h"
+#include "tools/options.h"
+#include "tools/visibility/commands.h"
+#include "tools/visibility/coverage_writer.h"
+#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/observer_options.h"
+#include "tools/visibility/row_output.h"
+#include "visibility/placement_files.h"
+#include "visibility/thin_points.h"
+
+namespace alidade {
+namespace {
+
+struct PlaceCommand {
+  CommandLine command_line;
+  std::vector<std::filesystem::path> files;
+  ObserverOptions candidates;
+  std::optional<double> target_height;
+  double target_spacing = 1.0;
+  std::optional<std::bitset<256>> target_classes;
+  std::map<int, double> class_weights;
+  std::size_t count = 0;
+  OccluderRequest occluders;
+  std::filesystem::path output, curve;
+  bool overwrite = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+};
+
+/// Calls take(word) for what stands between commas.
+void for_each_word(const std::string& text, const std::function<void(const std::string&)>& take) {
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    take(text.substr(begin, end - begin));
+    if (end == text.size()) return;
+    begin = end + 1;
+  }
+}
+
+int parse_class(const std::string& text) {
+  return static_cast<int>(parse_count(text, 0, 255));
+}
+
+/// "2=1,6=5".
+std::map<int, double> parse_weights(const std::string& text) {
+  std::map<int, double> weights;
+  for_each_word(text, [&](const std::string& word) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos)
+      throw CLI::ValidationError("expected CLASS=WEIGHT, as 6=2.5, found '" + word + "'");
+    const int number = parse_class(word.substr(0, equals));
+    if (!weights.emplace(number, parse_number(word.substr(equals + 1), 0.0, 1e9)).second)
+      throw CLI::ValidationError(fmt::format("class {} is weighed twice", number));
+  });
+  return weights;
+}
+
+/// Errors that need no cloud.
+void check_outputs(const PlaceCommand& command) {
+  chosen_row_form(command.output);
+  std::vector<std::filesystem::path> inputs = command.files;
+  if (!command.candidates.file.empty()) inputs.push_back(command.candidates.file);
+  check_writable(command.output, command.overwrite, inputs);
+  if (command.curve.empty()) return;
+  if (image_format(command.curve) != ImageFormat::png) {
+    throw Error({.file = command.curve.string(),
+                 .problem = "curves are drawn as PNG",
+                 .expected = "a name ending in .png"});
+  }
+  inputs.push_back(command.output);
+  check_writable(command.curve, command.overwrite, inputs);
+}
+
+std::vector<PlacementTarget> targets_of(const PlaceCommand& command, const VisibilityCloud& cloud) {
+  const std::span<const std::uint8_t> classes = cloud.columns.classifications;
+  const std::filesystem::path& file = command.files.front();
+  if (classes.empty() && (command.target_classes || !command.class_weights.empty()))
+    throw Error({.file = file.string(), .problem = "has no classes to choose targets by"});
+  // What blocks nothing is no target either, unless it is asked for.
+  const std::bitset<256> wanted = command.target_classes.value_or(~command.occluders.ignored_classes);
+  std::function<bool(std::uint64_t)> counts;
+  if (!classes.empty()) counts = [classes, wanted](std::uint64_t id) { return wanted.test(classes[id]); };
+  std::vector<PlacementTarget> targets = thin_points(cloud.octree(), command.target_spacing, counts);
+  if (targets.empty())
+    throw Error({.file = file.string(), .problem = "has no points of the targets' classes"});
+  return targets;
+}
+
+std::vector<double> weights_of(const PlaceCommand& command, const VisibilityCloud& cloud,
+                               const std::vector<PlacementTarget>& targets) {
+  std::vector<double> weights;
+  if (command.class_weights.empty()) return weights;
+  for (const PlacementTarget& target : targets) {
+    const auto found = command.class_weights.find(cloud.columns.classifications[target.point_id]);
+    weights.push_back(found == command.class_weights.end() ? 1.0 : found->second);
+  }
+  return weights;
+}
+
+void say_result(const PlaceCommand& command, const Placement& placement) {
+  if (command.verbosity.quiet) return;
+  const double covered = placement.places.back().covered;
+  say_note(fmt::format("{} places see {:.2f} % of the targets; no choice of {} sees more than {:.2f} %",
+                       placement.places.size(), 100.0 * covered / placement.total, command.count,
+                       100.0 * placement.best_possible / placement.total));
+  if (placement.places.size() < command.count) say_note("more places would add nothing");
+}
+
+ExitCode run_place(const PlaceCommand& command) {
+  check_outputs(command);
+  const Verbosity verbosity = command.verbosity.verbosity();
+  const auto cloud = load_visibility_cloud(command.files, command.occluders, {}, verbosity);
+  const std::vector<Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
+  const std::vector<PlacementTarget> targets = targets_of(command, *cloud);
+  if (!command.verbosity.quiet)
+    say_note(fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
+  ProgressLine line("looking", "sight lines", verbosity);
+  const Coverage coverage = see_targets(*cloud->occluders, candidates, targets,
+                                        command.target_height.value_or(0.0), line.callback());
+  line.finish();
+  const Placement placement = choose_places(coverage, command.count, weights_of(command, *cloud, targets));
+  if (placement.places.empty()) {
+    say_warning("no candidate sees any target that has a weight; nothing is written");
+    return ExitCode::no;
+  }
+  const PointCloud& facts = cloud->cloud.cloud;
+  const bool is_done = write_placement(placement, candidates, chosen_row_form(command.output),
+                                       row_file_head(command.command_line, facts), to_lon_lat_of(facts.crs),
+                                       command.output, command.overwrite);
+  if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
+  if (!command.curve.empty()) load_coverage_writer()(placement, command.curve, command.overwrite);
+  say_result(command, placement);
+  return ExitCode::done;
+}
+
+void add_targets(CLI::App& place, PlaceCommand& command) {
+  const char* const group = "Targets";
+  add_value(place, "--target-spacing", "LENGTH",
+            "targets are points of the cloud, thinned to one per cube of this side (default: 1)",
+            [&command](const std::string& text) { command.target_spacing = parse_number(text, 1e-6, 1e9); })
+      ->group(group);
+  add_value(place, "--target-height", "LENGTH",
+            "of the targets above these points: 1.7 for people on points of the ground (default: 0)",
+            [&command](const std::string& text) { command.target_height = parse_number(text, 0.0, 1e6); })
+      ->group(group);
+  add_value(place, "--target-classes", "LIST",
+            "points of these classes only, as 2,11 (default: all but those of --ignore-classes)",
+            [&command](const std::string& text) {
+              command.target_classes.emplace();
+              for_each_word(text, [&](const std::string& word) {
+                command.target_classes->set(static_cast<std::size_t>(parse_class(word)));
+              });
+            })
+      ->group(group);
+  add_value(place, "--class-weights", "LIST",
+            "how much targets of a class count, as 6=5,2=0.5 (default: 1 each)",
+            [&command](const std::string& text) { command.class_weights = parse_weights(text); })
+      ->group(group);
+}
+
+void add_answers(CLI::App& place, PlaceCommand& command) {
+  const char* const group = "Answers";
+  add_value(place, "--count", "K", "how many places to choose",
+            [&command](const std::string& text) {
+              command.count = static_cast<std::size_t>(parse_count(text, 1, 1'000'000'000));
+            })
+      ->required()
+      ->group(group);
+  place
+      .add_option("-o,--output", command.output,
+                  "file to write: .csv, .json or .geojson; a row per place, with what it and those before it "
+                  "cover")
+      ->option_text("FILE")
+      ->required()
+      ->group(group);
+  place.add_option("--curve", command.curve, "picture of what each further place adds")
+      ->option_text("FILE.png")
+      ->group(group);
+  place.add_flag("--overwrite", command.overwrite, "replace existing files")->group(group);
+}
+
+}  // namespace
+
+Command add_visibility_place(CLI::App& visibility, const CommandLine& command_line) {
+  auto command = std::make_shared<PlaceCommand>();
+  command->command_line = command_line;
+  CLI::App* const place =
+      visibility.add_subcommand("place", "Choose the few of many places from which one sees most");
+  place
+      ->add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
+      ->option_text("CLOUD...")
+      ->required();
+  add_observer_options(*place, command->candidates);
+  add_targets(*place, *command);
+  add_occluder_options(*place, command->occluders);
+  add_answers(*place, *command);
+  add_threads(*place, command->threads);
+  add_verbosity(*place, command->verbosity);
+  place->footer(
+      "Form:\n"
+      "  alidade visibility place CLOUD... --observers FILE|--observer-grid LENGTH --count K -o FILE "
+      "[OPTIONS]\n"
+      "\n"
+      "Observers are the candidates. Each time that is chosen which sees most of what nobody sees yet, of "
+      "equals the first.\n"
+      "K places then see at least 63 % (1 - 1/e) of what the best choice of K sees; the bound that is "
+      "printed is closer.\n"
+      "Candidates and targets make a sight line each, and take a bit of memory.\n"
+      "\n"
+      "Lengths and coordinates are in metres (the unit of the cloud's CRS).\n"
+      "\n"
+      "Exit codes: 0 done; 1 no candidate sees any target.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade visibility place site.las --observer-grid 5 --count 4 -o places.csv --curve curve.png\n"
+      "  alidade visibility place site.las --observers masts.geojson --target-classes 2 --target-height 1.7 "
+      "--count 3 -o best.geojson\n");
+  return {place, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->threads, [&] { code = run_place(*command); });
+            return code;
+          }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#include "tools/visibility/row_output.h"
+
+#include "octree/error.h"
+#include "tools/message.h"
+#include "tools/picture_command.h"
+#include "tools/visibility/map_reference.h"
+
+namespace alidade {
+
+RowForm chosen_row_form(const std::filesystem::path& file) {
+  const std::optional<RowForm> form = row_form(file);
+  if (form) return *form;
+  throw Error({.file = file.string(),
+               .problem = "the name does not tell the form of the file",
+               .expected = ".csv, .json or .geojson"});
+}
+
+RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud) {
+  RowFileHead head{.command = picture_command(command_line), .cloud_files = {}};
+  for (const CloudFile& file : cloud.files) head.cloud_files.push_back(file.path.string());
+  return head;
+}
+
+ToLonLat to_lon_lat_of(const Crs& crs) {
+  if (crs.empty()) return {};
+  return [crs](std::span<const glm::dvec3> places) {
+    std::optional<std::vector<glm::dvec3>> answers;
+    load_lon_lat()(crs, {places.begin(), places.end()}, answers);
+    return answers;
+  };
+}
+
+void warn_of_cloud_coordinates(const std::filesystem::path& file) {
+  say_warning(file.string() +
+              ": has the coordinates of the cloud, since its reference system is not known; maps expect "
+              "longitude and latitude");
+}
+
+}  // namespace alidade

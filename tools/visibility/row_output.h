@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "octree/cloud/point_cloud.h"
+#include "tools/command.h"
+#include "visibility/row_text.h"
+
+// What commands that write rows have in common.
+
+namespace alidade {
+
+/// By the ending of the name. Errors: none of them.
+RowForm chosen_row_form(const std::filesystem::path& file);
+
+RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud);
+
+/// Through the module, which is loaded when the function is first called. Empty for a cloud without a
+/// reference system.
+ToLonLat to_lon_lat_of(const Crs& crs);
+
+/// That a GeoJSON file has the coordinates of the cloud.
+void warn_of_cloud_coordinates(const std::filesystem::path& file);
+
+}  // namespace alidade
