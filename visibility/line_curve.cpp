@@ -65,6 +65,10 @@ LineCurve::LineCurve(const SightEnd& from, const SightEnd& to, const LineOptions
   along_ = line.direction;
   begin_ = std::min(options.end_margin, length_);
   end_ = length_ - begin_;
+  if (begin_ > 0.0) {
+    from_ = {from_.position};
+    to_ = {to_.position};
+  }
   const glm::dvec3 level = glm::cross(along_, glm::dvec3(0.0, 0.0, 1.0));
   across_ = level == glm::dvec3(0.0) ? glm::dvec3(1.0, 0.0, 0.0) : unit_direction(level);
   up_ = glm::cross(across_, along_);

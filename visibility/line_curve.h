@@ -15,7 +15,8 @@ namespace alidade {
 
 /// What the lines of a task have in common.
 struct LineOptions {
-  /// So much of a line at either end is not looked at: masts and tripods were scanned, too. Metres.
+  /// So much of a line at either end is not looked at: masts and tripods were scanned, too. Metres. Above 0
+  /// it stands in for the surface that an end lies on: what an end's own is does not matter then.
   double end_margin = 0.0;
   /// A line sinks below the chord between its ends by t (length - t) / (2 radius), as if it were the ground
   /// that rises. Metres; infinite: straight. For radio 4/3 of the Earth's radius, which takes in how air
@@ -69,7 +70,7 @@ struct CurveCrossings {
   double last_t = 0.0;  ///< the first crossing of the last piece that is blocked, metres along the chord
 };
 
-/// Asks for many lines at once, in parallel. Ends lie on their own surface as those of a sight line do.
+/// Asks for many lines at once, in parallel. What ends lie on does not block, as with sight lines.
 /// Answers as many as lines; empty: free all along. A bent line is blocked if one of its 24 pieces is, so
 /// crossings (OccluderOptions::transparency) are counted in each piece by itself.
 std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,

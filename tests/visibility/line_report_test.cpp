@@ -61,7 +61,7 @@ TEST(LineReport, clearance_vs_brute_force) {
   int found = 0;
   for (int i = 0; i < 200; ++i) {
     const SightEnd from{25.0 * random.in_cube(), 2.0 * random.unit()}, to{25.0 * random.in_cube()};
-    const double margin = 3.0 * random.unit();
+    const double margin = i % 2 == 0 ? 0.0 : 3.0 * random.unit();
     const LineReport line = report_one(occluders, from, to, {.line = {.end_margin = margin}});
     const SightLine whole = sight_line(from, to);
     const Ray ray = make_ray(from.position, to.position - from.position);
@@ -69,7 +69,7 @@ TEST(LineReport, clearance_vs_brute_force) {
     for (const glm::dvec3& point : cloud.positions()) {
       const auto [t, beside] = project(ray, point);
       if (!(t > margin && t < whole.length - margin)) continue;
-      if (distance(from.position, point) <= from.own_reach) continue;
+      if (margin == 0.0 && distance(from.position, point) <= from.own_reach) continue;
       if (!least || beside < *least) least = beside;
     }
     ASSERT_EQ(line.nearest.has_value(), least.has_value());
@@ -120,6 +120,12 @@ TEST(LineReport, end_margins_are_not_looked_at) {
   EXPECT_EQ(line.length, 71.0);
   EXPECT_FALSE(report_one(occluders, far, mast, {.line = {.end_margin = 1.5}}).blocker);
   EXPECT_TRUE(report_one(occluders, far, mast, {.line = {.end_margin = 0.5}}).blocker);
+  // What an end lies on is then told by the margin alone.
+  const SightEnd on_wall{{29, 0, 1}, 3.0, 2.0};
+  EXPECT_FALSE(report_one(occluders, on_wall, far).blocker);
+  EXPECT_FALSE(report_one(occluders, on_wall, far).nearest);
+  EXPECT_TRUE(report_one(occluders, on_wall, far, {.line = {.end_margin = 0.5}}).blocker);
+  EXPECT_TRUE(report_one(occluders, on_wall, far, {.line = {.end_margin = 0.5}}).nearest);
   // Margins that meet leave nothing to look at.
   EXPECT_FALSE(report_one(occluders, mast, {{31, 0, 1}}, {.line = {.end_margin = 1.0}}).blocker);
 }

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/tools/wall_site.h"
+
+namespace alidade::test {
+namespace {
+
+using Json = nlohmann::json;
+
+class VisibilityLinesTest : public WallSiteTest {
+ protected:
+  ProgramResult lines(std::vector<std::string> words) {
+    words.insert(words.begin(), {"visibility", "lines", "site.csv", "-q"});
+    return run(words);
+  }
+};
+
+std::vector<std::string> cells_of(const std::string& row) {
+  std::vector<std::string> cells;
+  std::istringstream stream(row);
+  for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+  return cells;
+}
+
+/// Rows by the names of the columns.
+std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) {
+  std::istringstream stream(csv);
+  std::string line;
+  std::getline(stream, line);
+  const std::vector<std::string> names = cells_of(line);
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(stream, line)) {
+    const std::vector<std::string> cells = cells_of(line);
+    rows.emplace_back();
+    for (std::size_t i = 0; i < cells.size(); ++i) rows.back()[names.at(i)] = cells[i];
+  }
+  return rows;
+}
+
+TEST_F(VisibilityLinesTest, every_place_is_paired_with_every_other) {
+  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
+  const ProgramResult result = lines({"--places", "places.csv", "-o", "lines.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out + result.err, "");
+  auto rows = rows_of(read("lines.csv"));
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_EQ(rows[0]["from"] + rows[0]["to"], "westeast");
+  EXPECT_EQ(rows[0]["visible"], "0");
+  EXPECT_EQ(rows[0]["blocker_class"], "6");
+  EXPECT_NEAR(std::stod(rows[0]["blocker_at"]), 4.0, 1e-2);
+  EXPECT_EQ(rows[1]["from"] + rows[1]["to"], "westhigh");
+  EXPECT_EQ(rows[1]["visible"], "1");
+  EXPECT_EQ(rows[1]["blocker"], "");
+  EXPECT_EQ(rows[2]["from"] + rows[2]["to"], "easthigh");
+  EXPECT_EQ(rows[2]["visible"], "0") << "from 1 to 3 it passes the wall's top at 2";
+}
+
+TEST_F(VisibilityLinesTest, pairs_are_told_by_names_or_by_coordinates) {
+  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,2.5,east\n");
+  write("names.csv", "from,to\neast,west\n");
+  write("coordinates.csv",
+        "from_x,from_y,from_z,to_x,to_y,to_z,to_height,from,to\n4,0,2.5,-4,0,0,1,east,west\n");
+  EXPECT_EQ(lines({"--places", "places.csv", "--pairs", "names.csv", "-o", "a.csv"}).exit_code, 0);
+  EXPECT_EQ(lines({"--pairs", "coordinates.csv", "-o", "b.csv"}).exit_code, 0);
+  EXPECT_EQ(read("a.csv"), read("b.csv"));
+  EXPECT_EQ(rows_of(read("a.csv")).size(), 1u);
+}
+
+TEST_F(VisibilityLinesTest, a_frequency_adds_the_zone_and_json_what_obstructs_it) {
+  // The wall's top is at z = 2 and the zone of 8 m at 2.4 GHz half a metre wide: a tenth lies below its
+  // middle.
+  write("pairs.csv", "from_x,from_y,from_z,to_x,to_y,to_z\n-4,0,2,4,0,2\n-4,0,9,4,0,9\n");
+  ASSERT_EQ(lines({"--pairs", "pairs.csv", "--frequency", "2.4GHz", "--radius", "0.1", "-o", "links.json"})
+                .exit_code,
+            0);
+  const Json file = Json::parse(read("links.json"));
+  EXPECT_EQ(file["command"],
+            "alidade visibility lines site.csv --pairs pairs.csv --frequency 2.4GHz "
+            "--radius 0.1");
+  const Json& link = file["lines"][0];
+  EXPECT_NEAR(link["fresnel_radius"], 0.4998, 1e-3);
+  EXPECT_NEAR(link["fresnel_obstructed"], 0.61, 0.03);
+  EXPECT_EQ(link["fresnel_class"], 6);
+  EXPECT_EQ(link["obstructions"]["classes"][0]["class"], 6);
+  EXPECT_EQ(file["lines"][1]["fresnel_clear"], true);
+  EXPECT_EQ(file["lines"][1]["from"], "from 2");
+  ASSERT_EQ(lines({"--pairs", "pairs.csv", "--frequency", "2400MHz", "--radius", "0.1", "-o", "same.json"})
+                .exit_code,
+            0);
+  EXPECT_EQ(Json::parse(read("same.json"))["lines"], file["lines"]);
+}
+
+TEST_F(VisibilityLinesTest, geojson_of_a_cloud_without_reference_system_warns) {
+  write("pairs.csv", "from_x,from_y,from_z,to_x,to_y,to_z\n-4,0,1,4,0,1\n");
+  const ProgramResult result =
+      run({"visibility", "lines", "site.csv", "--pairs", "pairs.csv", "-o", "lines.geojson"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("lines.geojson: has the coordinates of the cloud"), std::string::npos)
+      << result.err;
+  EXPECT_NE(result.err.find("0 of 1 lines are free"), std::string::npos) << result.err;
+  const Json file = Json::parse(read("lines.geojson"));
+  ASSERT_EQ(file["features"].size(), 2u);
+  EXPECT_EQ(file["features"][1]["geometry"]["coordinates"][1], Json({4.0, 0.0, 1.0}));
+}
+
+TEST_F(VisibilityLinesTest, transparency_sees_through_one_wall_and_occluders_are_chosen) {
+  write("pairs.csv", "from_x,from_y,from_z,to_x,to_y,to_z\n-4,0,1,4,0,1\n");
+  const auto visible = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = {"--pairs", "pairs.csv", "-o", "l.csv", "--overwrite"};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramResult result = lines(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return rows_of(read("l.csv"))[0]["visible"];
+  };
+  EXPECT_EQ(visible({}), "0");
+  EXPECT_EQ(visible({"--transparency", "2"}), "1");
+  EXPECT_EQ(visible({"--ignore-classes", "6"}), "1");
+  EXPECT_EQ(visible({"--end-margin", "4"}), "1");
+  EXPECT_EQ(visible({"--end-margin", "3.5"}), "0");
+}
+
+TEST_F(VisibilityLinesTest, results_do_not_depend_on_threads) {
+  write("places.csv", "x,y,z,name\n-4,0,1,a\n4,0,1,b\n-4,0,3,c\n3,2,2,d\n-1,-2,0.5,e\n");
+  const std::vector<std::string> words = {"--places", "places.csv", "--frequency", "5.8"};
+  for (const char* const threads : {"1", "3"}) {
+    std::vector<std::string> with = words;
+    with.insert(with.end(), {"--threads", threads, "-o", std::string("lines") + threads + ".json"});
+    ASSERT_EQ(lines(with).exit_code, 0);
+  }
+  EXPECT_EQ(read("lines1.json"), read("lines3.json"));
+}
+
+TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
+  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
+  write("one.csv", "x,y,z,name\n-4,0,1,west\n");
+  write("same.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,west\n");
+  write("names.csv", "from,to\nwest,north\n");
+  const auto fails_with = [&](const std::vector<std::string>& words, const std::string& part) {
+    const ProgramResult result = lines(words);
+    EXPECT_EQ(result.exit_code, 2) << part;
+    EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
+  };
+  fails_with({"-o", "l.csv"}, "no sight lines are given");
+  fails_with({"--places", "one.csv", "-o", "l.csv"}, "one.csv: holds a single place");
+  fails_with({"--places", "places.csv", "-o", "l.txt"}, "l.txt: the name does not tell the form");
+  fails_with({"--places", "places.csv", "--pairs", "names.csv", "-o", "l.csv"},
+             "names.csv:line 2: no place is called 'north'");
+  fails_with({"--pairs", "names.csv", "-o", "l.csv"},
+             "no place is called 'west'; expected places with names");
+  fails_with({"--places", "same.csv", "--pairs", "names.csv", "-o", "l.csv"}, "two places are called 'west'");
+  fails_with({"--places", "places.csv", "--frequency", "5kHz", "-o", "l.csv"}, "expected 1MHz to 1000GHz");
+  fails_with({"--places", "places.csv", "--frequency", "5", "--transparency", "2", "-o", "l.csv"},
+             "a transparency counts crossings of straight lines");
+  fails_with({"--places", "places.csv", "--end-margin", "-1", "-o", "l.csv"}, "--end-margin");
+  fails_with({"--places", "places.csv", "-o", "places.csv"}, "places.csv: is read from as well");
+  write("there.csv", "mine");
+  fails_with({"--places", "places.csv", "-o", "there.csv"}, "exists already");
+  EXPECT_EQ(read("there.csv"), "mine");
+  EXPECT_EQ(names(), (std::vector<std::string>{"names.csv", "one.csv", "places.csv", "same.csv", "site.csv",
+                                               "there.csv"}));
+}
+
+TEST_F(VisibilityLinesTest, help_gives_units_and_examples) {
+  const ProgramResult result = run({"visibility", "lines", "--help"});
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* const part : {"metres", "GHz", "from_x", "Fresnel", "Examples:"})
+    EXPECT_NE(result.out.find(part), std::string::npos) << part;
+}
+
+}  // namespace
+}  // namespace alidade::test
