@@ -10,6 +10,7 @@
 
 #include "octree/point_surface.h"
 #include "octree/query.h"
+#include "visibility/crossing.h"
 
 namespace alidade {
 namespace {
@@ -46,9 +47,10 @@ double sphere_radius_of(const Occluders& occluders, const PointHit& point) {
     if (is_disc || options.shape == OccluderShape::disc) return 0.0;
   }
   if (options.radius) return *options.radius;
-  constexpr std::size_t k_neighbours = 9;
-  const auto neighbours = find(occluders.octree(), point.position, {.k = k_neighbours});
-  return std::min(0.5 * neighbours.back().distance, occluders.largest_sphere());
+  // A point's spacing is the distance to its 8th neighbour.
+  constexpr std::size_t k_with_neighbours = 9;
+  const auto neighbours = find(occluders.octree(), point.position, {.k = k_with_neighbours});
+  return sphere_of(occluders, neighbours.back().distance);
 }
 
 std::string remark_on(const Occluders& occluders, const Observer& observer) {

@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "octree/error.h"
+#include "octree/point_spacing.h"
+#include "octree/point_surface.h"
 #include "tools/message.h"
 
 namespace alidade {
@@ -24,6 +26,23 @@ IndexedCloud load(const std::vector<std::filesystem::path>& files, AttributeSet 
   }
   if (cloud.octree.size() == 0) throw Error({.file = files.front().string(), .problem = "holds no points"});
   return cloud;
+}
+
+/// With all that occluders would measure themselves, in steps that show their progress.
+Octree measured(Octree octree, const OccluderOptions& options, Verbosity verbosity) {
+  const bool needs_surfaces = options.shape != OccluderShape::sphere;
+  const bool needs_spacings = needs_surfaces || !options.radius;
+  if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours) {
+    ProgressLine line("measuring spacings", "points", verbosity);
+    octree = with_spacings(octree, k_surface_neighbours, line.callback());
+    line.finish();
+  }
+  if (needs_surfaces && octree.view().surfaces == nullptr) {
+    ProgressLine line("fitting surfaces", "points", verbosity);
+    octree = with_surfaces(octree, line.callback());
+    line.finish();
+  }
+  return octree;
 }
 
 std::string class_list(const std::bitset<256>& classes) {
@@ -68,9 +87,7 @@ std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<s
       return !ignored.test(classes[point_id]);
     };
   }
-  ProgressLine line("measuring surfaces", "points", verbosity);
-  loaded->occluders.emplace(loaded->cloud.octree, options, line.callback());
-  line.finish();
+  loaded->occluders.emplace(measured(loaded->cloud.octree, options, verbosity), options);
   if (verbosity != Verbosity::quiet) say_note(description_of(*loaded->occluders, request, has_ignored));
   return loaded;
 }
