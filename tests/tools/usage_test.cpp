@@ -16,7 +16,7 @@ TEST_F(UsageTest, help_lists_the_finished_commands_and_the_exit_codes) {
   const ProgramResult result = run({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* const command : {"info", "generate", "index", "query", "render"})
+  for (const char* const command : {"info", "generate", "index", "query", "render", "visibility"})
     EXPECT_TRUE(contains(result.out, command)) << command;
   for (const char* const code : {"0 done", "1 the answer is no", "2 anything wrong", "130 interrupted"}) {
     EXPECT_TRUE(contains(result.out, code)) << code;
