@@ -4,6 +4,7 @@
 #include "tools/image_writer.h"
 #include "visibility/coverage_picture.h"
 #include "visibility/lon_lat.h"
+#include "visibility/map_picture.h"
 #include "visibility/raster_file.h"
 #include "visibility/read_observers.h"
 
@@ -58,4 +59,9 @@ extern "C" void alidade_metres_per_unit(const alidade::Crs& crs, std::optional<d
 extern "C" void alidade_write_coverage_picture(const alidade::Placement& placement,
                                                const std::filesystem::path& file, bool overwrite) {
   alidade::write_coverage_picture(placement, file, overwrite);
+}
+
+extern "C" void alidade_write_map_picture(const alidade::MapPicture& picture, const alidade::Ground& ground,
+                                          const std::filesystem::path& file, bool overwrite) {
+  alidade::write_map_picture(picture, ground, file, overwrite);
 }

@@ -67,7 +67,10 @@ double mean_distance(const Bounds& bounds, std::uint64_t count) {
 
 std::optional<double> Ground::at(const glm::dvec2& place) const {
   const RasterGrid& grid = heights_.grid;
-  if (!cell_at(grid, place)) return std::nullopt;
+  const glm::dvec2 corner = grid.south_east();
+  const bool near = place.x >= grid.north_west.x - reach_ && place.x <= corner.x + reach_ &&
+                    place.y >= corner.y - reach_ && place.y <= grid.north_west.y + reach_;
+  if (!near) return std::nullopt;
   const double x = std::clamp((place.x - grid.north_west.x) / grid.cell_size - 0.5, 0.0, grid.columns - 1.0),
                y = std::clamp((grid.north_west.y - place.y) / grid.cell_size - 0.5, 0.0, grid.rows - 1.0);
   const int column = std::min(static_cast<int>(x), std::max(grid.columns - 2, 0)),
@@ -116,7 +119,7 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (!samples.covered[i]) heights.values[i] = std::numeric_limits<double>::quiet_NaN();
   }
-  return Ground(std::move(heights), source, measured);
+  return Ground(std::move(heights), options.reach, source, measured);
 }
 
 }  // namespace alidade

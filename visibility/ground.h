@@ -37,12 +37,13 @@ struct GroundOptions {
 /// Heights of the ground.
 class Ground {
  public:
-  /// What is known without measuring: NaN where there is no ground.
-  Ground(Raster<double> heights, GroundSource source, std::uint64_t measured_cells)
-      : heights_(std::move(heights)), source_(source), measured_cells_(measured_cells) {}
+  /// `heights`: NaN where there is no ground. `reach`: so far beyond the grid the ground goes on as at its
+  /// edge.
+  Ground(Raster<double> heights, double reach, GroundSource source, std::uint64_t measured_cells)
+      : heights_(std::move(heights)), reach_(reach), source_(source), measured_cells_(measured_cells) {}
 
-  /// Bilinear between the middles of cells, in the outermost half cells as on the edge. Empty where there is
-  /// no ground, and outside of the grid.
+  /// Bilinear between the middles of cells; from the outermost middles on, as there. Empty where there is no
+  /// ground.
   std::optional<double> at(const glm::dvec2& place) const;
 
   const Raster<double>& heights() const { return heights_; }
@@ -53,6 +54,7 @@ class Ground {
 
  private:
   Raster<double> heights_;
+  double reach_;
   GroundSource source_;
   std::uint64_t measured_cells_;
 };

@@ -92,10 +92,11 @@ glm::dvec2 slope_around(const Raster<GroundSample>& samples, int column, int row
     xz += dx * dz;
     yz += dy * dz;
   });
-  // Neighbours on one line say nothing about the slope across it.
-  constexpr double k_least_spread = 0.01;
+  // Neighbours on one line, or close by, say nothing about the slope across it but noise: they must be spread
+  // by half a cell in every direction.
+  constexpr double k_least_spread = 0.25;
   const double determinant = xx * yy - xy * xy;
-  if (!(determinant > k_least_spread * xx * yy)) return glm::dvec2(0.0);
+  if (!(determinant >= k_least_spread * grid.cell_size * grid.cell_size * (xx + yy))) return glm::dvec2(0.0);
   return {(yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant};
 }
 

@@ -123,7 +123,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
   for (const GivenObserver& one : given) {
     Observer observer;
     observer.name = one.name.empty() ? fmt::format("observer {}", observers.size() + 1) : one.name;
-    const double usual_height = defaults.height.value_or(one.z ? 0.0 : k_usual_observer_height);
+    const double usual_height = defaults.height.value_or(one.z ? 0.0 : defaults.height_on_ground);
     observer.height = one.height.value_or(usual_height);
     observer.azimuth_min = one.azimuth_min.value_or(defaults.azimuth_min);
     observer.azimuth_max = one.azimuth_max.value_or(defaults.azimuth_max);

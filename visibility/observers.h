@@ -56,16 +56,17 @@ struct GivenObserver {
       max_distance{};
 };
 
+/// The observer height of gdal_viewshed (-oz), metres.
+constexpr double k_usual_observer_height = 2.0;
+
 /// What holds for observers that do not say it themselves.
 struct ObserverDefaults {
-  /// Height of the eye above the foot; empty: 0 for an observer with a z, k_usual_height above the ground.
+  /// Height of the eye above the foot; empty: 0 for an observer with a z, height_on_ground for others.
   std::optional<double> height{};
+  double height_on_ground = k_usual_observer_height;
   double azimuth_min = 0.0, azimuth_max = 360.0, elevation_min = -90.0, elevation_max = 90.0;
   double max_distance = std::numeric_limits<double>::infinity();
 };
-
-/// The observer height of gdal_viewshed (-oz), metres.
-constexpr double k_usual_observer_height = 2.0;
 
 /// Height of the ground below a place; empty where there is none.
 using GroundHeight = std::function<std::optional<double>(const glm::dvec2& place)>;

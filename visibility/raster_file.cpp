@@ -87,6 +87,7 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
                                      -grid.cell_size};
   if (GDALSetGeoTransform(values.get(), transform.data()) != CE_None) fail(file, "its place was refused");
   if (!wkt.empty()) GDALSetProjection(values.get(), wkt.c_str());
+  GDALSetMetadataItem(values.get(), "TIFFTAG_SOFTWARE", "Alidade " ALIDADE_VERSION, nullptr);
   for (const auto& [key, text] : contents.metadata)
     GDALSetMetadataItem(values.get(), key.c_str(), text.c_str(), nullptr);
 

@@ -116,7 +116,9 @@ TEST(GroundTest, there_is_no_ground_beyond_the_reach_of_the_cloud) {
   const Ground ground = site.ground({.reach = 5.0});
   EXPECT_FALSE(std::isnan(at(ground, 14, 5)));
   EXPECT_TRUE(std::isnan(at(ground, 50, 50)));
+  EXPECT_TRUE(ground.at({k_east - 4, k_north}));
   EXPECT_FALSE(ground.at({k_east - 20, k_north}));
+  EXPECT_FALSE(ground.at({k_east, std::numeric_limits<double>::quiet_NaN()}));
 }
 
 TEST(GroundTest, bad_wishes_are_errors) {

@@ -10,5 +10,6 @@ namespace alidade {
 Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_line);
 Command add_visibility_place(CLI::App& visibility, const CommandLine& command_line);
 Command add_visibility_points(CLI::App& visibility);
+Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_line);
 
 }  // namespace alidade

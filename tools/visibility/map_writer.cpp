@@ -9,4 +9,8 @@ RasterWriter load_raster_writer() {
   return load_module_function<RasterWriter>("alidade_write_raster");
 }
 
+MapDrawer load_map_drawer() {
+  return load_module_function<MapDrawer>("alidade_write_map_picture");
+}
+
 }  // namespace alidade

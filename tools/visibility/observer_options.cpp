@@ -29,7 +29,7 @@ std::pair<double, double> parse_angles(const std::string& text, double least, do
 }
 
 void add_view(CLI::App& command, ObserverDefaults& defaults) {
-  add_value(command, "--max-distance", "LENGTH",
+  add_value(command, "--max-distance,--md", "LENGTH",
             "nothing farther from the observer is seen (default: inf); along the line of sight",
             [&defaults](const std::string& text) {
               defaults.max_distance =
@@ -132,7 +132,7 @@ void add_observer_options(CLI::App& command, ObserverOptions& options) {
             "an observer on the ground in every square cell of this width over the cloud's extent",
             [&options](const std::string& text) { options.grid = parse_number(text, 1e-3, 1e9); })
       ->group(k_group);
-  add_value(command, "--observer-height", "LENGTH",
+  add_value(command, "--observer-height,--oz", "LENGTH",
             "of the eye above its foot (default: 0 for observers with a z, 2 for those on the ground)",
             [&options](const std::string& text) { options.defaults.height = parse_number(text, 0.0, 1e6); })
       ->group(k_group);
@@ -140,7 +140,7 @@ void add_observer_options(CLI::App& command, ObserverOptions& options) {
 }
 
 void add_target_height(CLI::App& command, std::optional<double>& height) {
-  add_value(command, "--target-height", "LENGTH", "of what is looked at above the ground (default: 0)",
+  add_value(command, "--target-height,--tz", "LENGTH", "of what is looked at above the ground (default: 0)",
             [&height](const std::string& text) { height = parse_number(text, 0.0, 1e6); })
       ->group(k_group);
 }
@@ -158,7 +158,7 @@ std::vector<Observer> load_observers(const ObserverOptions& options, const Visib
       ground ? ground : [&](const glm::dvec2& place) { return own_ground->at(place); };
   if (options.grid) {
     ProgressLine line("placing observers", "cells", verbosity);
-    const double height = options.defaults.height.value_or(k_usual_observer_height);
+    const double height = options.defaults.height.value_or(options.defaults.height_on_ground);
     const auto grid =
         observer_grid(cloud.octree().bounds(), *options.grid, height, height_at, line.callback());
     line.finish();

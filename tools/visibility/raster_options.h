@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "octree/bounds.h"
+#include "tools/options.h"
+#include "tools/visibility/observer_options.h"
+#include "tools/visibility/occluder_options.h"
+#include "visibility/ground.h"
+#include "visibility/viewshed.h"
+#include "visibility/viewshed_file.h"
+
+namespace alidade {
+
+/// Whose defaults hold for what is not said.
+enum class DefaultSet { gdal, grass };
+
+/// What was asked of `alidade visibility raster`.
+struct RasterCommand {
+  std::vector<std::filesystem::path> files;
+  ObserverOptions observers;
+  OccluderRequest occluders;
+  GroundOptions ground;
+  std::optional<GroundSource> ground_source;
+  std::optional<DefaultSet> like;    ///< empty: gdal
+  std::optional<ViewshedMode> mode;  ///< empty: visible
+  std::optional<double> target_height, curvature, resolution;
+  double highest = 200.0;
+  int places_across = 3;
+  std::optional<Bounds> area;
+  std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
+  std::filesystem::path output, preview;
+  bool overwrite = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+};
+
+/// Declares the command's options; they fill what is returned.
+std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster);
+
+inline DefaultSet default_set(const RasterCommand& command) {
+  return command.like.value_or(DefaultSet::gdal);
+}
+
+/// The values of the chosen set, but for those that were given.
+SeenValues seen_values_of(const RasterCommand& command);
+
+}  // namespace alidade
