@@ -1,0 +1,249 @@
+// SPDX-License-Identifier: MIT
+#include <gdal.h>
+
+#include <array>
+#include <fstream>
+#include <map>
+
+#include "octree/cloud/write_las.h"
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A wall, 3 high, between two patches of ground, 20 x 20 in all.
+PointCloud garden(const std::string& wkt) {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.001), .offset = {690000, 5325000, 600}};
+  for (int x = 0; x <= 80; ++x) {
+    for (int y = 0; y <= 80; ++y) cloud.positions.emplace_back(250 * x, 250 * y, 0);
+  }
+  for (int y = 0; y <= 80; ++y) {
+    for (int z = 1; z <= 12; ++z) cloud.positions.emplace_back(10000, 250 * y, 250 * z);
+  }
+  for (const LatticePosition& position : cloud.positions)
+    cloud.classifications.push_back(position.z > 0 ? 6 : 2);
+  cloud.crs.wkt = wkt;
+  return cloud;
+}
+
+const std::string k_metres = R"(LOCAL_CS["garden",UNIT["metre",1]])";
+
+/// What GDAL reads of a map of one band.
+struct ReadMap {
+  int columns = 0, rows = 0;
+  GDALDataType type = GDT_Unknown;
+  std::array<double, 6> transform{};
+  double no_data = 0.0;
+  std::map<std::string, std::string> metadata;
+  std::vector<double> values;
+
+  double at(int column, int row) const { return values[static_cast<std::size_t>(row * columns + column)]; }
+};
+
+class VisibilityRasterTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    GDALAllRegister();
+    write_las(folder / "garden.las", garden(k_metres));
+  }
+
+  ReadMap read_map(const std::string& name) const {
+    ReadMap map;
+    const GDALDatasetH file = GDALOpen((folder / name).c_str(), GA_ReadOnly);
+    if (file == nullptr) {
+      ADD_FAILURE() << name << " is no map";
+      return map;
+    }
+    map.columns = GDALGetRasterXSize(file);
+    map.rows = GDALGetRasterYSize(file);
+    GDALGetGeoTransform(file, map.transform.data());
+    const GDALRasterBandH band = GDALGetRasterBand(file, 1);
+    map.type = GDALGetRasterDataType(band);
+    map.no_data = GDALGetRasterNoDataValue(band, nullptr);
+    for (char** item = GDALGetMetadata(file, nullptr); item != nullptr && *item != nullptr; ++item) {
+      const std::string text = *item;
+      map.metadata[text.substr(0, text.find('='))] = text.substr(text.find('=') + 1);
+    }
+    map.values.resize(static_cast<std::size_t>(map.columns * map.rows));
+    EXPECT_EQ(GDALRasterIO(band, GF_Read, 0, 0, map.columns, map.rows, map.values.data(), map.columns,
+                           map.rows, GDT_Float64, 0, 0),
+              CE_None);
+    GDALClose(file);
+    return map;
+  }
+  ProgramResult raster(const Words& more) {
+    Words words = {"visibility", "raster", "garden.las"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+  /// Expects the command to fail with this in its message, and to leave no map.
+  void expect_refused(const Words& more, const std::string& message) {
+    const ProgramResult result = raster(more);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_TRUE(contains(result.err, message)) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "seen.tif")) << message;
+  }
+};
+
+const Words k_eye = {"--observer", "690005,5325010,601.7", "--resolution", "1", "-o", "seen.tif"};
+
+Words with(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+TEST_F(VisibilityRasterTest, the_map_lies_on_the_cloud_and_ends_at_the_wall) {
+  const ProgramResult result = raster(k_eye);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(result.out, "");
+  const ReadMap map = read_map("seen.tif");
+  EXPECT_EQ(map.columns, 20);
+  EXPECT_EQ(map.rows, 20);
+  EXPECT_EQ(map.transform, (std::array<double, 6>{690000, 1, 0, 5325020, 0, -1}));
+  EXPECT_EQ(map.type, GDT_Byte);
+  EXPECT_EQ(map.no_data, 254.0);
+  for (int row = 0; row < 20; ++row) {
+    for (int column = 0; column < 20; ++column) {
+      if (column < 9) {
+        EXPECT_EQ(map.at(column, row), 255.0) << column << " " << row;
+      }
+      if (column > 14) {
+        EXPECT_EQ(map.at(column, row), 0.0) << column << " " << row;
+      }
+    }
+  }
+}
+
+TEST_F(VisibilityRasterTest, what_was_used_is_printed_and_stored) {
+  const ProgramResult result = raster({"--observer", "690005,5325010", "--oz", "1.5", "--tz", "0.25", "--md",
+                                       "12", "--cc", "1", "-o", "seen.tif"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const ReadMap map = read_map("seen.tif");
+  for (const char* const part :
+       {"like gdal_viewshed", "observers 1.5 above the ground", "targets 0.25 above the ground",
+        "curvature 1;", "maximum distance 12", "255 seen, 0 not, 0 out of range"}) {
+    EXPECT_TRUE(contains(result.err, part)) << part << "\n" << result.err;
+    EXPECT_TRUE(contains(map.metadata.at("alidade_sight"), part)) << part;
+  }
+  EXPECT_EQ(map.metadata.at("alidade_observer_count"), "1");
+  EXPECT_TRUE(contains(map.metadata.at("alidade_observers"), "observer 1: 690005 5325010 601.5"));
+  EXPECT_TRUE(contains(map.metadata.at("alidade_ground"), "class 2"));
+  EXPECT_TRUE(contains(map.metadata.at("alidade_command"), "alidade visibility raster garden.las"));
+  EXPECT_EQ(map.metadata.at("AREA_OR_POINT"), "Area");
+}
+
+TEST_F(VisibilityRasterTest, each_tool_has_its_own_defaults_and_what_is_said_stands_above_them) {
+  ASSERT_EQ(raster({"--observer", "690005,5325010", "--md", "6", "--area", "690000,5325000,690020,5325020",
+                    "--like", "grass", "--resolution", "1", "-o", "grass.tif"})
+                .exit_code,
+            0);
+  const ReadMap grass = read_map("grass.tif");
+  EXPECT_TRUE(contains(grass.metadata.at("alidade_sight"), "like r.viewshed; observers 1.75 above"));
+  EXPECT_TRUE(contains(grass.metadata.at("alidade_sight"), "curvature 0;"));
+  EXPECT_EQ(grass.no_data, 255.0);
+  // Only the square that the distance reaches is in the map; its corners are out of range.
+  EXPECT_EQ(grass.columns, 11);
+  EXPECT_EQ(grass.rows, 12);
+  EXPECT_EQ(grass.at(5, 5), 1.0);
+  EXPECT_EQ(grass.at(0, 0), 255.0);
+  ASSERT_EQ(raster({"--observer", "690005,5325010", "--md", "6", "--vv", "9", "--iv", "8", "--ov", "7",
+                    "--resolution", "1", "-o", "own.tif"})
+                .exit_code,
+            0);
+  const ReadMap own = read_map("own.tif");
+  EXPECT_EQ(own.at(5, 5), 9.0);
+  EXPECT_EQ(own.at(0, 0), 7.0);
+  EXPECT_EQ(own.no_data, 255.0);
+}
+
+TEST_F(VisibilityRasterTest, modes_have_their_own_values) {
+  const Words two = with(k_eye, {"--observer", "690015,5325010,601.7", "--overwrite", "--mode"});
+  ASSERT_EQ(raster(with(two, {"count"})).exit_code, 0);
+  const ReadMap count = read_map("seen.tif");
+  EXPECT_EQ(count.type, GDT_UInt16);
+  EXPECT_EQ(count.no_data, 65535.0);
+  EXPECT_EQ(count.at(3, 10), 1.0);
+  EXPECT_EQ(count.at(17, 10), 1.0);
+  ASSERT_EQ(raster(with(two, {"fraction", "--places", "2"})).exit_code, 0);
+  const ReadMap fraction = read_map("seen.tif");
+  EXPECT_EQ(fraction.type, GDT_Float32);
+  EXPECT_EQ(fraction.no_data, -9999.0);
+  EXPECT_EQ(fraction.at(3, 10), 0.5);
+  ASSERT_EQ(raster(with(k_eye, {"--overwrite", "--mode", "height"})).exit_code, 0);
+  const ReadMap height = read_map("seen.tif");
+  EXPECT_EQ(height.type, GDT_Float32);
+  EXPECT_EQ(height.at(3, 10), 0.0);
+  // The line over the wall, 1.3 higher than the eye and 5 away, is 4.43 high in the middle of this cell.
+  EXPECT_NEAR(height.at(15, 10), 1.7 + 1.3 * 10.5 / 5.0, 1.5);
+}
+
+TEST_F(VisibilityRasterTest, the_preview_is_a_picture) {
+  ASSERT_EQ(raster(with(k_eye, {"--preview", "seen.png"})).exit_code, 0);
+  EXPECT_EQ(read("seen.png").substr(1, 3), "PNG");
+  EXPECT_EQ(names(), (Words{"garden.las", "seen.png", "seen.tif"}));
+}
+
+TEST_F(VisibilityRasterTest, bytes_do_not_depend_on_the_number_of_threads) {
+  ASSERT_EQ(raster(with(k_eye, {"--threads", "1"})).exit_code, 0);
+  const std::string one = read("seen.tif");
+  ASSERT_EQ(raster(with(k_eye, {"--threads", "2", "--overwrite"})).exit_code, 0);
+  EXPECT_TRUE(one == read("seen.tif"));
+}
+
+TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
+  expect_refused({"-o", "seen.tif"}, "nobody looks");
+  expect_refused({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "--resolution");
+  expect_refused({"--observer", "690005,5325010", "--resolution", "0.0001", "-o", "seen.tif"},
+                 "200000 x 200000 = 4e+10 cells");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.png"}, "maps are written as GeoTIFF");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--preview", "seen.jpg"},
+                 "written as PNG");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1,1"},
+                 "--area holds nothing of the cloud");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1"},
+                 "XMIN,YMIN,XMAX,YMAX");
+  expect_refused({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"}, "no observer reaches");
+  expect_refused({"--observer", "691005,5325010", "-o", "seen.tif"}, "no points of the cloud below");
+  expect_refused({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "is no place");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
+                 "visible|count|height|fraction");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "--visible-value");
+  expect_refused(
+      {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
+      "--highest must be above");
+  write("seen.tif", "mine");
+  EXPECT_EQ(raster(k_eye).exit_code, 2);
+  EXPECT_EQ(read("seen.tif"), "mine");
+}
+
+TEST_F(VisibilityRasterTest, observers_in_the_ground_are_warned_of) {
+  const ProgramResult result = raster({"--observer", "690005,5325010,590", "-o", "seen.tif"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "warning")) << result.err;
+  EXPECT_TRUE(contains(result.err, "observer 1")) << result.err;
+}
+
+TEST_F(VisibilityRasterTest, sight_is_not_bent_over_degrees) {
+  write_las(folder / "degrees.las",
+            garden(R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])"));
+  const ProgramResult bent = run({"visibility", "raster", "degrees.las", "--observer", "690005,5325010,602",
+                                  "--cc", "1", "-o", "seen.tif"});
+  EXPECT_EQ(bent.exit_code, 2);
+  EXPECT_TRUE(contains(bent.err, "degrees")) << bent.err;
+  const ProgramResult straight =
+      run({"visibility", "raster", "degrees.las", "--observer", "690005,5325010,602", "-o", "seen.tif"});
+  EXPECT_EQ(straight.exit_code, 0);
+  EXPECT_TRUE(contains(straight.err, "warning: the cloud's coordinates are degrees")) << straight.err;
+}
+
+}  // namespace
+}  // namespace alidade::test
