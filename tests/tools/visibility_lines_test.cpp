@@ -150,6 +150,11 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
              "names.csv:line 2: no place is called 'north'");
   fails_with({"--pairs", "names.csv", "-o", "l.csv"},
              "no place is called 'west'; expected places with names");
+  write("own.csv", "from_x,from_y,to_x,to_y\n-4,0,4,0\n");
+  fails_with({"--places", "places.csv", "--pairs", "own.csv", "-o", "l.csv"},
+             "own.csv: has coordinates of its own");
+  fails_with({"--pairs", "own.csv", "--places-crs", "EPSG:4326", "-o", "l.csv"},
+             "--places-crs is for --places");
   fails_with({"--places", "same.csv", "--pairs", "names.csv", "-o", "l.csv"}, "two places are called 'west'");
   fails_with({"--places", "places.csv", "--frequency", "5kHz", "-o", "l.csv"}, "expected 1MHz to 1000GHz");
   fails_with({"--places", "places.csv", "--frequency", "5", "--transparency", "2", "-o", "l.csv"},
@@ -159,8 +164,8 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
   write("there.csv", "mine");
   fails_with({"--places", "places.csv", "-o", "there.csv"}, "exists already");
   EXPECT_EQ(read("there.csv"), "mine");
-  EXPECT_EQ(names(), (std::vector<std::string>{"names.csv", "one.csv", "places.csv", "same.csv", "site.csv",
-                                               "there.csv"}));
+  EXPECT_EQ(names(), (std::vector<std::string>{"names.csv", "one.csv", "own.csv", "places.csv", "same.csv",
+                                               "site.csv", "there.csv"}));
 }
 
 TEST_F(VisibilityLinesTest, help_gives_units_and_examples) {

@@ -112,8 +112,13 @@ std::vector<LinePair> pairs_of(const LinesCommand& command, const VisibilityClou
   std::vector<GivenPair> given;
   if (!command.pairs.empty()) given = read_pair_table(command.pairs);
   const bool has_places = !given.empty() && given.front().has_places;
+  if (has_places && !command.places.empty()) {
+    throw Error({.file = command.pairs.string(),
+                 .problem = "has coordinates of its own",
+                 .expected = "names of --places, or no --places"});
+  }
   std::vector<Observer> ends;
-  if (!command.places.empty() && !has_places) {
+  if (!command.places.empty()) {
     ObserverOptions places;
     places.file = command.places;
     places.reference = command.places_crs;
@@ -160,6 +165,8 @@ ExitCode run_lines(const LinesCommand& command) {
   const RowForm form = chosen_row_form(command.output);
   if (command.pairs.empty() && command.places.empty())
     throw Error({.problem = "no sight lines are given", .expected = "--pairs FILE or --places FILE"});
+  if (command.places.empty() && !command.places_crs.empty())
+    throw Error({.problem = "--places-crs is for --places", .expected = "--places FILE"});
   std::vector<std::filesystem::path> inputs = command.files;
   for (const std::filesystem::path& input : {command.pairs, command.places}) {
     if (!input.empty()) inputs.push_back(input);
@@ -265,7 +272,7 @@ Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_li
       "\n"
       "Pairs: from,to with names of places; or from_x,from_y,to_x,to_y in the cloud's coordinates, with "
       "from_z, to_z\n"
-      "(feet; without them the ground), from_height, to_height, from, to if wanted.\n"
+      "(without them an end stands on the ground), from_height, to_height, from, to if wanted.\n"
       "\n"
       "A row tells whether the line is visible, else the first point that blocks (blocker, its class and "
       "place, and\n"
