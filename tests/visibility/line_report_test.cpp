@@ -50,6 +50,10 @@ TEST(LineReport, points_abreast_of_no_place_between_the_ends_take_no_clearance) 
   EXPECT_FALSE(report_one(occluders, {{31, 0, 2.2}}, {{100, 0, 2.2}}).nearest);
   EXPECT_FALSE(report_one(occluders, {{0, 0, 2.2}}, {{29, 0, 2.2}}).nearest);
   EXPECT_TRUE(report_one(occluders, {{29, 0, 2.2}}, {{31, 0, 2.2}}).nearest);
+  const LineReportOptions bent{.line = {.earth_radius = 1e9}};
+  EXPECT_FALSE(report_one(occluders, {{31, 0, 2.2}}, {{100, 0, 2.2}}, bent).nearest);
+  EXPECT_FALSE(report_one(occluders, {{0, 0, 2.2}}, {{29, 0, 2.2}}, bent).nearest);
+  EXPECT_TRUE(report_one(occluders, {{29, 0, 2.2}}, {{31, 0, 2.2}}, bent).nearest);
 }
 
 TEST(LineReport, clearance_vs_brute_force) {
@@ -73,8 +77,13 @@ TEST(LineReport, clearance_vs_brute_force) {
       if (!least || beside < *least) least = beside;
     }
     ASSERT_EQ(line.nearest.has_value(), least.has_value());
+    const LineReport bent =
+        report_one(occluders, from, to, {.line = {.end_margin = margin, .earth_radius = 1e12}});
+    ASSERT_EQ(bent.nearest.has_value(), least.has_value());
     if (!least) continue;
     ++found;
+    EXPECT_NEAR(bent.nearest->distance, *least, 2e-4);
+    EXPECT_NEAR(bent.nearest->t, project(ray, bent.nearest->position).t, 1e-6);
     // The cloud's positions are rounded to the lattice.
     EXPECT_NEAR(line.nearest->distance, *least, 2e-4);
     EXPECT_NEAR(line.nearest->distance, project(ray, line.nearest->position).distance, 1e-9);
