@@ -278,6 +278,12 @@ TEST_F(VisibilityPointsTest, wrong_input_is_a_clear_error_and_leaves_nothing) {
   EXPECT_EQ(run(with(k_points, {"--observer", k_eye, "-o", "seen.csv"})).exit_code, 2);
   EXPECT_EQ(run(with(k_points, {"--observer", k_eye, "-o", "garden.las", "--overwrite"})).exit_code, 2);
   EXPECT_EQ(run(with(k_points, {"--observer", k_eye})).exit_code, 2);
+  // Of 81 and of 64 observers.
+  EXPECT_TRUE(
+      contains(run(with(k_points, {"--observer-grid", "2.22", "--blockers", "all", "-o", "seen.las"})).err,
+               "too many observers for a column of blockers each"));
+  EXPECT_TRUE(contains(run(with(k_points, {"--observer-grid", "2.5", "-o", "seen.ply"})).err,
+                       "expected a name that ends in .las"));
   EXPECT_EQ(names(), before);
 }
 

@@ -68,17 +68,20 @@ std::string description_of(const Occluders& occluders, const OccluderRequest& re
 
 }  // namespace
 
-std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<std::filesystem::path>& files,
-                                                             const OccluderRequest& request,
-                                                             AttributeSet attributes, Verbosity verbosity) {
+std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesystem::path>& files,
+                                                  AttributeSet attributes, Verbosity verbosity) {
   auto loaded = std::make_unique<VisibilityCloud>();
   loaded->cloud = load(files, attributes, verbosity);
   loaded->columns = loaded->cloud.columns();
+  return loaded;
+}
+
+void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity) {
   OccluderOptions options;
   options.shape = request.shape.value_or(OccluderShape::automatic);
   options.radius = request.radius;
   options.transparency = request.transparency;
-  const std::span<const std::uint8_t> classes = loaded->columns.classifications;
+  const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   // Asking for every point takes time, so it is left out where no point has such a class.
   const bool has_ignored =
       std::ranges::any_of(classes, [&](std::uint8_t kind) { return request.ignored_classes.test(kind); });
@@ -87,8 +90,15 @@ std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<s
       return !ignored.test(classes[point_id]);
     };
   }
-  loaded->occluders.emplace(measured(loaded->cloud.octree, options, verbosity), options);
-  if (verbosity != Verbosity::quiet) say_note(description_of(*loaded->occluders, request, has_ignored));
+  cloud.occluders.emplace(measured(cloud.cloud.octree, options, verbosity), options);
+  if (verbosity != Verbosity::quiet) say_note(description_of(*cloud.occluders, request, has_ignored));
+}
+
+std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<std::filesystem::path>& files,
+                                                             const OccluderRequest& request,
+                                                             AttributeSet attributes, Verbosity verbosity) {
+  auto loaded = load_cloud_alone(files, attributes, verbosity);
+  measure_occluders(*loaded, request, verbosity);
   return loaded;
 }
 

@@ -17,13 +17,21 @@ namespace alidade {
 struct VisibilityCloud {
   IndexedCloud cloud;
   AttributeColumns columns;            ///< of `cloud`, which therefore stays in its place
-  std::optional<Occluders> occluders;  ///< always there
+  std::optional<Occluders> occluders;  ///< empty until they are measured
 
-  const Octree& octree() const { return occluders->octree(); }
+  const Octree& octree() const { return occluders ? occluders->octree() : cloud.octree; }
 };
 
-/// Loads cloud files or an index file, measures what they lack, shows progress, and says what blocks. What
-/// classes and `attributes` say is in memory then. Errors: as load_indexed_cloud(), Occluders; no points.
+/// Loads cloud files or an index file and shows progress; occluders are still to be measured. What classes
+/// and `attributes` say is in memory then. Errors: as load_indexed_cloud(); no points.
+std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesystem::path>& files,
+                                                  AttributeSet attributes, Verbosity verbosity);
+
+/// Measures what the cloud lacks, shows progress, and says what blocks. May take long, so what else can be
+/// wrong is better found before. Errors: as Occluders.
+void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
+
+/// Both.
 std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<std::filesystem::path>& files,
                                                              const OccluderRequest& request,
                                                              AttributeSet attributes, Verbosity verbosity);

@@ -18,6 +18,7 @@ namespace alidade {
 namespace {
 
 constexpr const char* k_group = "Observers";
+constexpr std::size_t k_most_lines = 8;  ///< said about observers
 
 /// Two angles with a comma between.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
@@ -80,20 +81,14 @@ Ground find_ground(const VisibilityCloud& cloud, Verbosity verbosity) {
   return ground;
 }
 
-/// Says where the first observers are, and what is strange about them.
-void tell(const std::vector<Observer>& observers, const VisibilityCloud& cloud) {
-  constexpr std::size_t k_most_lines = 8;
-  for (std::size_t i = 0; i < std::min(observers.size(), k_most_lines); ++i) {
-    const Observer& one = observers[i];
+/// Says where the first observers are.
+void tell(std::span<const Observer> observers) {
+  for (const Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
     say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}, {:.6g} above its foot", one.name, one.position.x,
                          one.position.y, one.position.z, one.height));
   }
   if (observers.size() > k_most_lines)
     say_note(fmt::format("and {} more observers", observers.size() - k_most_lines));
-  const std::vector<std::string> remarks = observer_remarks(*cloud.occluders, observers);
-  for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) say_warning(remarks[i]);
-  if (remarks.size() > k_most_lines)
-    say_warning(fmt::format("and {} more observers are strange", remarks.size() - k_most_lines));
 }
 
 }  // namespace
@@ -165,8 +160,18 @@ std::vector<Observer> load_observers(const ObserverOptions& options, const Visib
     given.insert(given.end(), grid.begin(), grid.end());
   }
   std::vector<Observer> observers = place_observers(given, options.defaults, height_at);
-  if (verbosity != Verbosity::quiet) tell(observers, cloud);
+  if (verbosity != Verbosity::quiet) tell(observers);
+  if (cloud.occluders) say_observer_remarks(observers, cloud, verbosity);
   return observers;
+}
+
+void say_observer_remarks(std::span<const Observer> observers, const VisibilityCloud& cloud,
+                          Verbosity verbosity) {
+  if (verbosity == Verbosity::quiet) return;
+  const std::vector<std::string> remarks = observer_remarks(*cloud.occluders, observers);
+  for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) say_warning(remarks[i]);
+  if (remarks.size() > k_most_lines)
+    say_warning(fmt::format("and {} more observers are strange", remarks.size() - k_most_lines));
 }
 
 }  // namespace alidade

@@ -118,6 +118,18 @@ void check_options(const PointsCommand& command) {
   check_writable(command.lists, command.overwrite, inputs);
 }
 
+/// Error if the bits of VisibleBy do not fit into the numbers of the output.
+void check_observer_count(const PointsCommand& command, std::size_t observers) {
+  constexpr std::size_t k_most_in_double = 53;
+  if (command.output.extension() != ".ply" || observers <= k_most_in_double ||
+      observers > k_most_mask_observers)
+    return;
+  throw Error({.file = command.output.string(),
+               .problem = "PLY has no numbers for so many observers in VisibleBy",
+               .expected = fmt::format("a name that ends in .las, or at most {} observers", k_most_in_double),
+               .found = std::to_string(observers)});
+}
+
 /// Whether blockers are told: by default those of a single observer. Errors: too many columns.
 bool with_blockers(const PointsCommand& command, std::size_t observers) {
   const bool wanted = command.blockers.value_or(observers == 1 ? BlockerColumns::all
@@ -131,12 +143,11 @@ bool with_blockers(const PointsCommand& command, std::size_t observers) {
 }
 
 PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
-                     std::span<const Observer> observers) {
-  std::optional<SeenList> list;
-  if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
+                     std::span<const Observer> observers, bool tells_blockers,
+                     std::optional<SeenList>& list) {
   PointVisibilityOptions options;
   options.sub_rays = command.sub_rays;
-  options.with_blockers = with_blockers(command, observers.size());
+  options.with_blockers = tells_blockers;
   if (list) {
     options.each_observer = [&list](std::size_t number, std::span<const std::uint8_t> seen) {
       list->add(number + 1, seen);
@@ -146,22 +157,28 @@ PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
   options.progress = line.callback();
   PointVisibility seen = point_visibility(*cloud.occluders, observers, options);
   line.finish();
-  if (list) list->finish();
   return seen;
 }
 
 ExitCode run(const PointsCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
-  const auto cloud = load_visibility_cloud(command.files, command.occluders, AttributeSet::all(), verbosity);
+  const auto cloud = load_cloud_alone(command.files, AttributeSet::all(), verbosity);
   const std::vector<Observer> observers = load_observers(command.observers, *cloud, verbosity);
+  check_observer_count(command, observers.size());
+  const bool tells_blockers = with_blockers(command, observers.size());
+  measure_occluders(*cloud, command.occluders, verbosity);
+  say_observer_remarks(observers, *cloud, verbosity);
   if (observers.size() > k_most_mask_observers && command.lists.empty() && !command.verbosity.quiet) {
     say_note(
         fmt::format("{} observers are more than the {} bits of VisibleBy; --lists FILE tells who sees what",
                     observers.size(), k_most_mask_observers));
   }
-  const PointVisibility seen = look(command, *cloud, observers);
+  std::optional<SeenList> list;
+  if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
+  const PointVisibility seen = look(command, *cloud, observers, tells_blockers, list);
   write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
+  if (list) list->finish();
   if (!command.verbosity.quiet) {
     const auto count = static_cast<std::size_t>(std::ranges::count_if(
         seen.counts, [](std::uint32_t observers_of_it) { return observers_of_it > 0; }));
