@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+#include "tools/visibility/line_pairs.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <span>
+
+#include "octree/error.h"
+#include "tools/options.h"
+#include "tools/visibility/observer_options.h"
+#include "visibility/pair_table.h"
+#include "visibility/raster.h"
+
+namespace alidade {
+namespace {
+
+const Observer& place_called(const std::map<std::string, const Observer*>& places, const GivenObserver& end) {
+  const auto found = places.find(end.name);
+  if (found != places.end()) return *found->second;
+  throw Error({.file = end.source,
+               .problem = fmt::format("no place is called '{}'", end.name),
+               .expected = places.empty() ? "places with names (--places), or pairs with coordinates"
+                                          : "a name of --places"});
+}
+
+/// The ends of pairs with coordinates, first and second of each after each other.
+ObserverOptions ends_with_places(const std::vector<GivenPair>& pairs) {
+  ObserverOptions ends;
+  for (const GivenPair& pair : pairs) {
+    // Who has no name is called by the pair's number.
+    const std::size_t number = ends.places.size() / 2 + 1;
+    ends.places.push_back(pair.from);
+    if (pair.from.name.empty()) ends.places.back().name = fmt::format("from {}", number);
+    ends.places.push_back(pair.to);
+    if (pair.to.name.empty()) ends.places.back().name = fmt::format("to {}", number);
+  }
+  return ends;
+}
+
+/// Those of pairs with names.
+std::vector<Observer> ends_with_names(std::span<const Observer> places, const std::vector<GivenPair>& pairs) {
+  std::map<std::string, const Observer*> by_name;
+  for (const Observer& place : places) {
+    if (!by_name.emplace(place.name, &place).second)
+      throw Error({.problem = fmt::format("two places are called '{}'", place.name)});
+  }
+  std::vector<Observer> ends;
+  for (const GivenPair& pair : pairs) {
+    ends.push_back(place_called(by_name, pair.from));
+    ends.push_back(place_called(by_name, pair.to));
+  }
+  return ends;
+}
+
+/// Who is paired: of --places all, of --pairs first and second end of each after each other.
+std::vector<Observer> load_ends(const PairRequest& request, const VisibilityCloud& cloud,
+                                Verbosity verbosity) {
+  std::vector<GivenPair> given;
+  if (!request.pairs.empty()) given = read_pair_table(request.pairs);
+  const bool has_places = !given.empty() && given.front().has_places;
+  if (has_places && !request.places.empty()) {
+    throw Error({.file = request.pairs.string(),
+                 .problem = "has coordinates of its own",
+                 .expected = "names of --places, or no --places"});
+  }
+  ObserverOptions options;
+  if (has_places) options = ends_with_places(given);
+  options.file = request.places;
+  options.reference = request.places_crs;
+  options.defaults = request.defaults;
+  std::vector<Observer> ends;
+  if (has_places || !request.places.empty()) ends = load_observers(options, cloud, verbosity);
+  return given.empty() || has_places ? ends : ends_with_names(ends, given);
+}
+
+}  // namespace
+
+void add_pair_options(CLI::App& command, PairRequest& request) {
+  const char* const group = "Lines";
+  command
+      .add_option(
+          "--pairs", request.pairs,
+          "CSV with a pair per row: names of --places in the columns from and to, or coordinates (see "
+          "below)")
+      ->option_text("FILE")
+      ->group(group);
+  command
+      .add_option(
+          "--places", request.places,
+          "CSV, GeoJSON, GeoPackage or Shapefile with places, as observers elsewhere; without --pairs "
+          "every one is paired with every other")
+      ->option_text("FILE")
+      ->group(group);
+  command
+      .add_option(
+          "--places-crs", request.places_crs,
+          "reference system of the places, such as EPSG:4326 (default: what their file says, of CSV the "
+          "cloud's)")
+      ->option_text("CRS")
+      ->group(group);
+  add_value(command, "--end-height", "LENGTH",
+            "of ends above their foot (default: 0 for ends with a z, 2 for those on the ground)",
+            [&request](const std::string& text) { request.defaults.height = parse_number(text, 0.0, 1e6); })
+      ->group(group);
+}
+
+void check_pair_request(const PairRequest& request) {
+  if (request.pairs.empty() && request.places.empty())
+    throw Error({.problem = "no sight lines are given", .expected = "--pairs FILE or --places FILE"});
+  if (request.places.empty() && !request.places_crs.empty())
+    throw Error({.problem = "--places-crs is for --places", .expected = "--places FILE"});
+}
+
+std::vector<LinePair> load_pairs(const PairRequest& request, const VisibilityCloud& cloud,
+                                 Verbosity verbosity) {
+  const std::vector<Observer> observers = load_ends(request, cloud, verbosity);
+  std::vector<std::string> names;
+  std::vector<SightEnd> ends;
+  for (const Observer& observer : observers) {
+    names.push_back(observer.name);
+    ends.push_back(end_near_surface(*cloud.occluders, observer.position));
+  }
+  std::vector<LinePair> pairs;
+  if (!request.pairs.empty()) {
+    for (std::size_t i = 0; i + 1 < ends.size(); i += 2)
+      pairs.push_back({names[i], ends[i], names[i + 1], ends[i + 1]});
+    return pairs;
+  }
+  if (ends.size() < 2) {
+    throw Error({.file = request.places.string(),
+                 .problem = "holds a single place",
+                 .expected = "two or more, which are paired"});
+  }
+  const std::uint64_t count = std::uint64_t{ends.size()} * (ends.size() - 1) / 2;
+  check_memory(count * (sizeof(LinePair) + sizeof(LineReport)), "the reports on all pairs");
+  return all_pairs(names, ends);
+}
+
+}  // namespace alidade

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/progress.h"
+#include "tools/visibility/load_visibility_cloud.h"
+#include "visibility/line_report.h"
+#include "visibility/observers.h"
+
+namespace alidade {
+
+/// Which sight lines were asked for on the command line.
+struct PairRequest {
+  std::filesystem::path pairs, places;  ///< --pairs, --places; empty: none
+  std::string places_crs;               ///< --places-crs
+  ObserverDefaults defaults;            ///< --end-height
+};
+
+/// Declares the options in a group of their own; they fill `request`.
+void add_pair_options(CLI::App& command, PairRequest& request);
+
+/// Errors that need no cloud: nothing asked for, --places-crs alone.
+void check_pair_request(const PairRequest& request);
+
+/// Reads places and pairs and gives them their places on the cloud: the pairs of a file, or every place with
+/// every other. Errors: those of read_pair_table() and load_observers(); names that no place or two have;
+/// coordinates beside --places; a single place; more pairs than fit into memory.
+std::vector<LinePair> load_pairs(const PairRequest& request, const VisibilityCloud& cloud,
+                                 Verbosity verbosity);
+
+}  // namespace alidade
