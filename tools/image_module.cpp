@@ -7,6 +7,8 @@
 #include "visibility/map_picture.h"
 #include "visibility/raster_file.h"
 #include "visibility/read_observers.h"
+#include "visibility/skyline_picture.h"
+#include "visibility/sun_path.h"
 
 // The module that load_module_function() loads.
 
@@ -64,4 +66,22 @@ extern "C" void alidade_write_coverage_picture(const alidade::Placement& placeme
 extern "C" void alidade_write_map_picture(const alidade::MapPicture& picture, const alidade::Ground& ground,
                                           const std::filesystem::path& file, bool overwrite) {
   alidade::write_map_picture(picture, ground, file, overwrite);
+}
+
+extern "C" void alidade_write_skyline(const alidade::DepthStrip& strip,
+                                      std::span<const alidade::HorizonDirection> horizon,
+                                      const alidade::SkylineTexts& texts, const std::filesystem::path& file,
+                                      bool overwrite) {
+  alidade::write_skyline(strip, horizon, texts, file, overwrite);
+}
+
+extern "C" bool alidade_place_schedule(const alidade::Crs& crs, const glm::dvec2& center,
+                                       const std::optional<glm::dvec2>& latitude_longitude,
+                                       alidade::SunSchedule& schedule) {
+  return alidade::place_schedule(crs, center, latitude_longitude, schedule);
+}
+
+extern "C" void alidade_sun_steps(const alidade::SunSchedule& schedule, const alidade::Progress& progress,
+                                  std::vector<alidade::SunStep>& steps) {
+  steps = alidade::sun_steps(schedule, progress);
 }

@@ -7,10 +7,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 #include "octree/error.h"
+#include "octree/point_spacing.h"
+#include "octree/point_surface.h"
 #include "octree/query.h"
 #include "visibility/compass.h"
+#include "visibility/crossing.h"
 
 namespace alidade {
 namespace {
@@ -41,12 +45,49 @@ int whole_steps(const char* what, double range, double step, double least, doubl
   return static_cast<int>(std::round(steps));
 }
 
+/// How far each point reaches that can block lines from an eye at all.
+class Reaches {
+ public:
+  Reaches(const Occluders& occluders, const SightEnd& eye) : occluders_(occluders), eye_(eye) {
+    if (!occluders.options().radius) spacings_ = spacings_in_order(occluders.octree().view());
+  }
+
+  /// A little more than the radius of the point's disc or sphere; empty if it blocks no line.
+  std::optional<double> of(const Candidate& point) const {
+    constexpr double k_more = 1.0 + 1e-6, k_less = 1.0 - 1e-6;
+    const OccluderOptions& options = occluders_.options();
+    if (options.counts && !options.counts(point.point_id)) return {};
+    const double radius =
+        options.radius ? *options.radius : std::min(occluders_.largest_radius(), spacings_[point.point_id]);
+    const PointSurface surface =
+        occluders_.has_surfaces() ? surface_of(occluders_.octree().view(), point.point_id) : PointSurface{};
+    if (!surface.exists) {
+      const double sphere = sphere_of(occluders_, radius);
+      if (options.shape == OccluderShape::disc || is_within(eye_, point.position, k_less * sphere)) return {};
+      return k_more * sphere;
+    }
+    const glm::dvec3 center = point.position - surface.height * surface.normal;
+    if (is_own(eye_, point.position, center, surface.normal)) return {};
+    return k_more * radius;
+  }
+
+ private:
+  const Occluders& occluders_;
+  const SightEnd& eye_;
+  std::vector<double> spacings_;  ///< by point id; empty if all have one radius
+};
+
 /// The highest blocked line of one azimuth.
 class AzimuthSearch {
  public:
-  AzimuthSearch(const Occluders& occluders, const SightEnd& eye, const ElevationSteps& steps, double azimuth,
-                double max_distance)
-      : occluders_(occluders), eye_(eye), steps_(steps), azimuth_(azimuth), max_distance_(max_distance) {}
+  AzimuthSearch(const Occluders& occluders, const Reaches& reaches, const SightEnd& eye,
+                const ElevationSteps& steps, double azimuth, double max_distance)
+      : occluders_(occluders),
+        reaches_(reaches),
+        eye_(eye),
+        steps_(steps),
+        azimuth_(azimuth),
+        max_distance_(max_distance) {}
 
   /// Number of the highest blocked elevation in [low, high].
   std::optional<int> highest(int low, int high) const {
@@ -68,21 +109,28 @@ class AzimuthSearch {
   static constexpr double k_widest_cone = 23.0;  // degrees
 
   /// Whether no point is near enough to any line at these elevations to block it. A disc or sphere that
-  /// blocks a line holds a place of it, so its point lies within the largest radius of a place in the cone
-  /// around the lines.
+  /// blocks a line holds a place of it, so its point lies within its radius of a place in the cone around the
+  /// lines.
   bool is_free(int low, int high) const {
     constexpr double k_slack = 1e-6;
     const double bottom = steps_.elevation(low), top = steps_.elevation(high);
     const SineCosine half = sine_cosine_of_degrees(0.5 * (top - bottom) + k_slack);
-    const double radius = occluders_.largest_radius() + k_slack;
-    // Over the slant of the cone's mantle.
-    const double reach = radius / half.cosine;
+    const double slope = half.sine / half.cosine, radius = occluders_.largest_radius() + k_slack;
     Cone cone;
     cone.axis = make_ray(eye_.position, compass_direction(azimuth_, 0.5 * (bottom + top)), -radius,
                          max_distance_ + radius);
-    cone.radius = reach;
-    cone.slope = half.sine / half.cosine;
-    return !occluded(occluders_.octree(), cone);
+    // Over the slant of the cone's mantle.
+    cone.radius = radius / half.cosine;
+    cone.slope = slope;
+    ConeQuery query;
+    query.filter = [&](const Candidate& point) {
+      const std::optional<double> reach = reaches_.of(point);
+      if (!reach) return false;
+      // Of what lies behind, the eye is nearest.
+      if (point.t < 0.0) return glm::distance(point.position, eye_.position) <= *reach + k_slack;
+      return point.distance <= (*reach + k_slack) / half.cosine + slope * point.t;
+    };
+    return !occluded(occluders_.octree(), cone, query);
   }
 
   std::optional<int> highest_line(int low, int high) const {
@@ -97,6 +145,7 @@ class AzimuthSearch {
   }
 
   const Occluders& occluders_;
+  const Reaches& reaches_;
   const SightEnd& eye_;
   const ElevationSteps& steps_;
   double azimuth_, max_distance_;
@@ -131,6 +180,7 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   const int count = std::min(last - first + 1, per_turn);
 
   std::vector<HorizonDirection> directions(static_cast<std::size_t>(std::max(count, 0)));
+  const Reaches reaches(occluders, eye);
   constexpr std::size_t k_azimuths_at_once = 64;
   for (std::size_t begin = 0; begin < directions.size(); begin += k_azimuths_at_once) {
     report(progress, begin, directions.size());
@@ -138,7 +188,7 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
       HorizonDirection& direction = directions[i];
       const int number = first + static_cast<int>(i);
       direction.azimuth = k_turn * ((number % per_turn + per_turn) % per_turn) / per_turn;
-      const AzimuthSearch search(occluders, eye, steps, direction.azimuth, options.max_distance);
+      const AzimuthSearch search(occluders, reaches, eye, steps, direction.azimuth, options.max_distance);
       const std::optional<int> step = high >= low ? search.highest(low, high) : std::nullopt;
       if (!step) return;
       direction.elevation = steps.elevation(*step);

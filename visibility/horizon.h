@@ -40,10 +40,10 @@ struct HorizonDirection {
   std::optional<Blocker> blocker{};   ///< the first point that blocks the line at that elevation
 };
 
-/// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Cost: the free
-/// sky is ruled out with cones (no point near any of the lines in them), single lines are only asked close to
-/// the edge: some 10^2 to 10^3 queries per azimuth, in parallel. `progress` is in azimuths.
-/// The same on any number of threads and any instruction set.
+/// The horizon, azimuth by azimuth clockwise from azimuth_min. Errors: options out of range. Memory: 8 B per
+/// point. Cost: the free sky is ruled out with cones (no point near any of the lines in them), single lines
+/// are only asked close to the edge: some 10^2 to 10^3 queries per azimuth, in parallel. `progress` is in
+/// azimuths. The same on any number of threads and any instruction set.
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
                                       const HorizonOptions& options, const Progress& progress = {});
 

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <cassert>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -28,13 +27,13 @@ std::string horizon_csv(std::span<const HorizonDirection> horizon) {
   std::string text = "azimuth,elevation,distance,point_id,x,y,z\n";
   for (const HorizonDirection& direction : horizon) {
     if (!direction.blocker) {
-      fmt::format_to(std::back_inserter(text), "{:.6g},,,,,,\n", direction.azimuth);
+      text += fmt::format("{:.6g},,,,,,\n", direction.azimuth);
       continue;
     }
     const Blocker& blocker = *direction.blocker;
-    fmt::format_to(std::back_inserter(text), "{:.6g},{:.6g},{:.4f},{},{:.12g},{:.12g},{:.12g}\n",
-                   direction.azimuth, *direction.elevation, blocker.distance, blocker.point_id,
-                   blocker.position.x, blocker.position.y, blocker.position.z);
+    text += fmt::format("{:.6g},{:.6g},{:.4f},{},{:.12g},{:.12g},{:.12g}\n", direction.azimuth,
+                        *direction.elevation, blocker.distance, blocker.point_id, blocker.position.x,
+                        blocker.position.y, blocker.position.z);
   }
   return text;
 }

@@ -18,6 +18,8 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t k_grain = 1024;
+/// The cosine of 20 degrees: the lower side of a surface this level sees less than 3 % of the sky.
+constexpr double k_level = 0.93969262078590838;
 
 bool has_surface(const SkyTarget& target) {
   return target.normal != glm::dvec3(0.0);
@@ -115,17 +117,29 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
 }
 
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets) {
-  const std::vector<Sides> sides = both_sides(occluders, targets, {.directions = directions});
-  for_each_target(targets.size(), [&](std::size_t i) {
+  std::vector<SkyTarget> asked;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
     SkyTarget& target = targets[i];
-    if (!has_surface(target) || target.is_front_open) return;
-    const bool faces_up = target.normal.z >= 0.0;
-    if (faces_up ? sides[i].back > sides[i].front : sides[i].back >= sides[i].front) {
+    if (!has_surface(target) || target.is_front_open) continue;
+    if (target.normal.z < 0.0) {
+      std::swap(target.front, target.back);
+      target.normal = -target.normal;
+    }
+    target.is_front_open = target.normal.z >= k_level;
+    if (target.is_front_open) continue;
+    asked.push_back(target);
+    places.push_back(i);
+  }
+  const std::vector<Sides> sides = both_sides(occluders, asked, {.directions = directions});
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    SkyTarget& target = targets[places[i]];
+    if (sides[i].back > sides[i].front) {
       std::swap(target.front, target.back);
       target.normal = -target.normal;
     }
     target.is_front_open = true;
-  });
+  }
 }
 
 SkyShares sky_shares(const Occluders& occluders, const SightEnd& eye, int directions, double max_distance) {

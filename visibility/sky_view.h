@@ -67,8 +67,9 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
                std::span<float> views);
 
 /// Turns every target that does not know its outside so that its front is the side with the larger sky-view
-/// factor (SkyReceiver::surface, of `directions` lines); at equal values the one that faces up. The single
-/// sheet of a lone wall that was scanned from one side sees as much sky on either: only normals tell.
+/// factor (SkyReceiver::surface, of `directions` lines); at equal values, and of surfaces that lie within 20
+/// degrees of the horizontal, the one that faces up. The single sheet of a lone wall that was scanned from
+/// one side sees as much sky on either: only normals tell.
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets);
 
 /// Both shares of the sky that a place sees, gaps below its horizon line counting too: of `directions` lines

@@ -10,7 +10,7 @@
 namespace alidade {
 
 DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimuth_min, double azimuth_max) {
-  constexpr double k_room = 3.0, k_round = 5.0, k_least_extent = 20.0;
+  constexpr double k_room_above = 3.0, k_room_below = 8.0, k_round = 5.0, k_least_extent = 20.0;
   constexpr double k_pixels_per_degree = 4.0, k_rows_per_degree = 8.0;
   constexpr int k_least_width = 720, k_least_height = 320, k_most_height = 560;
   double low = 0.0, high = 0.0;
@@ -19,8 +19,8 @@ DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimut
     low = std::min(low, *direction.elevation);
     high = std::max(high, *direction.elevation);
   }
-  low = k_round * std::floor((low - k_room) / k_round);
-  high = k_round * std::ceil((high + k_room) / k_round);
+  low = k_round * std::floor((low - k_room_below) / k_round);
+  high = k_round * std::ceil((high + k_room_above) / k_round);
   low = std::max(std::min(low, high - k_least_extent), -90.0);
   high = std::min(high, 90.0);
   const auto pixels = [](double degrees, double per_degree) {

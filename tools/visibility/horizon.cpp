@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/horizon.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+
+#include "octree/cloud/output_file.h"
+#include "octree/error.h"
+#include "renderer/camera.h"
+#include "renderer/color/height_unit.h"
+#include "tools/image_writer.h"
+#include "tools/message.h"
+#include "tools/options.h"
+#include "tools/picture_command.h"
+#include "tools/visibility/commands.h"
+#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/map_reference.h"
+#include "tools/visibility/observer_options.h"
+#include "tools/visibility/occluder_options.h"
+#include "tools/visibility/row_output.h"
+#include "tools/visibility/sky_module.h"
+#include "visibility/horizon_file.h"
+#include "visibility/panorama.h"
+#include "visibility/sky_view.h"
+
+namespace alidade {
+namespace {
+
+struct HorizonCommand {
+  std::vector<std::filesystem::path> files;
+  ObserverOptions observers;
+  OccluderRequest occluders;
+  double step = 0.5, resolution = 0.01;
+  int sky_directions = 4096;
+  std::filesystem::path output, skyline, depth;
+  ImageSize depth_size{2048, 1024};
+  bool overwrite = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+  CommandLine words;
+};
+
+/// Who looks, and what it saw.
+struct View {
+  Observer observer;
+  SightEnd eye;
+  std::vector<HorizonDirection> line;
+  HorizonFacts facts;
+};
+
+bool ends_in(const std::filesystem::path& file, std::initializer_list<std::string_view> endings) {
+  std::string ending = file.extension().string();
+  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+  return std::ranges::find(endings, ending) != endings.end();
+}
+
+bool is_geojson(const std::filesystem::path& file) {
+  return ends_in(file, {".geojson", ".json"});
+}
+
+/// Errors that need no cloud.
+void check_options(const HorizonCommand& command) {
+  const auto require = [](const std::filesystem::path& file, bool right, const char* expected) {
+    if (file.empty() || right) return;
+    throw Error({.file = file.string(), .problem = "the name tells no format", .expected = expected});
+  };
+  require(command.output, is_geojson(command.output) || ends_in(command.output, {".csv"}),
+          "a name ending in .csv or .geojson");
+  require(command.skyline, ends_in(command.skyline, {".png"}), "a name ending in .png");
+  require(command.depth, ends_in(command.depth, {".exr"}), "a name ending in .exr");
+  std::vector<std::filesystem::path> taken = command.files;
+  if (!command.observers.file.empty()) taken.push_back(command.observers.file);
+  for (const std::filesystem::path& file : {command.output, command.skyline, command.depth}) {
+    if (file.empty()) continue;
+    check_writable(file, command.overwrite, taken);
+    taken.push_back(file);
+  }
+}
+
+Observer only_observer(const HorizonCommand& command, const VisibilityCloud& cloud) {
+  const std::vector<Observer> observers =
+      load_observers(command.observers, cloud, command.verbosity.verbosity());
+  if (observers.size() != 1) {
+    throw Error({.problem = "a horizon is that of one place",
+                 .expected = "one observer",
+                 .found = std::to_string(observers.size())});
+  }
+  return observers.front();
+}
+
+View look_around(const HorizonCommand& command, const VisibilityCloud& cloud) {
+  const Occluders& occluders = *cloud.occluders;
+  View view;
+  view.observer = only_observer(command, cloud);
+  view.eye = end_near_surface(occluders, view.observer.position);
+  HorizonOptions options;
+  options.step = command.step;
+  options.resolution = command.resolution;
+  options.azimuth_min = view.observer.azimuth_min;
+  options.azimuth_max = view.observer.azimuth_max;
+  options.elevation_min = view.observer.elevation_min;
+  options.elevation_max = view.observer.elevation_max;
+  options.max_distance = view.observer.max_distance;
+  ProgressLine line("looking around", "azimuths", command.verbosity.verbosity());
+  view.line = horizon(occluders, view.eye, options, line.callback());
+  line.finish();
+  if (view.line.empty()) {
+    throw Error({.problem = "no azimuth of the field of view is looked at",
+                 .expected = "a smaller --step or a wider --horizontal-fov"});
+  }
+  view.facts.eye = view.observer.position;
+  view.facts.above_line = sky_above(view.line);
+  view.facts.sky = sky_shares(occluders, view.eye, command.sky_directions, options.max_distance);
+  return view;
+}
+
+void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
+  if (!is_geojson(command.output)) {
+    const std::string text = horizon_csv(view.line);
+    if (command.output.empty()) return write_to_stdout(text);
+    OutputFile file(command.output, command.overwrite);
+    file.write(std::as_bytes(std::span(text)));
+    return file.commit();
+  }
+  std::optional<std::vector<glm::dvec3>> on_globe;
+  load_lon_lat()(cloud.cloud.cloud.crs, horizon_places(view.line, view.facts), on_globe);
+  if (!on_globe && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
+  const std::string text = horizon_geojson(view.line, view.facts, on_globe);
+  OutputFile file(command.output, command.overwrite);
+  file.write(std::as_bytes(std::span(text)));
+  file.commit();
+}
+
+std::string sky_text(const SkyShares& sky) {
+  return fmt::format("sky-view factor {:.3f}, {:.3f} of the solid angle", sky.cosine_weighted,
+                     sky.solid_angle);
+}
+
+void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
+  const double from = view.observer.azimuth_min;
+  double width = view.observer.azimuth_max - from;
+  if (width <= 0.0) width += 360.0;
+  DepthStrip strip = strip_around(view.line, from, from + std::min(width, 360.0));
+  ProgressLine line("drawing the skyline", "sight lines", command.verbosity.verbosity());
+  fill_strip(*cloud.occluders, view.eye, view.observer.max_distance, strip, line.callback());
+  line.finish();
+  const glm::dvec3& eye = view.observer.position;
+  const SkylineTexts texts{fmt::format("Skyline from {:.2f}, {:.2f}, {:.2f}", eye.x, eye.y, eye.z),
+                           sky_text(view.facts.sky), height_unit(cloud.cloud.cloud.crs)};
+  load_skyline_writer()(strip, view.line, texts, command.skyline, command.overwrite);
+}
+
+void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
+  const Verbosity verbosity = command.verbosity.verbosity();
+  const auto [width, height] = command.depth_size;
+  ProgressLine line("measuring the panorama", "sight lines", verbosity);
+  const Film film =
+      depth_panorama(*cloud.occluders, view.eye, width, height, view.observer.max_distance, line.callback());
+  line.finish();
+  OutputSettings output;
+  output.file = command.depth;
+  output.layers = {Layer::depth, Layer::distance, Layer::id};
+  ImageMetadata metadata;
+  metadata.camera = panorama_camera(view.observer.position, width, height);
+  metadata.render.samples = 1;
+  metadata.render.max_bounces = 0;
+  metadata.command = picture_command(command.words);
+  for (const CloudFile& file : cloud.cloud.cloud.files) metadata.cloud_files.push_back(file.path.string());
+  metadata.cloud_offset = cloud.octree().lattice().offset;
+  metadata.crs = cloud.cloud.cloud.crs;
+  load_image_writer()(film, output, metadata, command.overwrite);
+}
+
+void say_findings(const HorizonCommand& command, const View& view) {
+  if (command.verbosity.quiet) return;
+  const auto highest = std::ranges::max_element(
+      view.line, {}, [](const HorizonDirection& direction) { return direction.elevation.value_or(-100.0); });
+  if (!highest->elevation) {
+    say_note("nothing blocks the view in any azimuth");
+  } else {
+    say_note(fmt::format("the horizon is highest at azimuth {:g}: {:g} degrees, {:.2f} away",
+                         highest->azimuth, *highest->elevation, highest->blocker->distance));
+  }
+  say_note(fmt::format("{}; {:.3f} and {:.3f} if all below the line is taken as blocked",
+                       sky_text(view.facts.sky), view.facts.above_line.cosine_weighted,
+                       view.facts.above_line.solid_angle));
+}
+
+ExitCode run(const HorizonCommand& command) {
+  check_options(command);
+  const auto cloud = load_visibility_cloud(command.files, command.occluders, Attribute::classification,
+                                           command.verbosity.verbosity());
+  const View view = look_around(command, *cloud);
+  if (!command.skyline.empty()) write_picture(command, *cloud, view);
+  if (!command.depth.empty()) write_depth(command, *cloud, view);
+  write_line(command, *cloud, view);
+  say_findings(command, view);
+  return ExitCode::done;
+}
+
+void add_answers(CLI::App& horizon, HorizonCommand& command) {
+  const char* const group = "Answers";
+  horizon
+      .add_option("-o,--output", command.output,
+                  "the line as CSV or GeoJSON, by the ending (default: CSV on stdout)")
+      ->option_text("FILE.csv|FILE.geojson")
+      ->group(group);
+  horizon.add_option("--skyline", command.skyline, "also draw it over what is seen, coloured by distance")
+      ->option_text("FILE.png")
+      ->group(group);
+  horizon
+      .add_option("--depth", command.depth,
+                  "also write a panorama of distances (layers Z, distance and id), north in the middle")
+      ->option_text("FILE.exr")
+      ->group(group);
+  add_value(horizon, "--depth-size", "WxH", "pixels of the panorama (default: 2048x1024)",
+            [&command](const std::string& text) { command.depth_size = parse_image_size(text); })
+      ->group(group);
+  add_value(horizon, "--step", "DEGREES", "between azimuths; divides 360 (default: 0.5)",
+            [&command](const std::string& text) { command.step = parse_number(text, 0.001, 120.0); })
+      ->group(group);
+  add_value(horizon, "--resolution", "DEGREES", "between elevations; divides 90 (default: 0.01)",
+            [&command](const std::string& text) { command.resolution = parse_number(text, 0.0001, 10.0); })
+      ->group(group);
+  add_value(horizon, "--directions", "N", "lines to the sky for the sky-view factor (default: 4096)",
+            [&command](const std::string& text) {
+              command.sky_directions = static_cast<int>(parse_count(text, 1, k_most_sky_directions));
+            })
+      ->group(group);
+  horizon.add_flag("--overwrite", command.overwrite, "replace existing files")->group(group);
+}
+
+}  // namespace
+
+Command add_visibility_horizon(CLI::App& visibility, const CommandLine& words) {
+  auto command = std::make_shared<HorizonCommand>();
+  command->words = words;
+  CLI::App* const horizon =
+      visibility.add_subcommand("horizon", "Look around from one place: horizon line, sky, panorama");
+  horizon
+      ->add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
+      ->option_text("CLOUD...")
+      ->required();
+  add_observer_options(*horizon, command->observers);
+  add_occluder_options(*horizon, command->occluders);
+  add_answers(*horizon, *command);
+  add_threads(*horizon, command->threads);
+  add_verbosity(*horizon, command->verbosity);
+  horizon->footer(
+      "Form:\n"
+      "  alidade visibility horizon CLOUD... --observer X,Y[,Z] [-o FILE.csv|FILE.geojson] [OPTIONS]\n"
+      "\n"
+      "For every azimuth, clockwise from grid north: the elevation of the highest line of sight that is "
+      "blocked, and\n"
+      "distance, id and place of the point that blocks it. The edge lies less than --resolution above it; "
+      "what is\n"
+      "thinner and stands free above the rest can be missed.\n"
+      "\n"
+      "The sky-view factor is told on stderr and in GeoJSON: the light of an even sky that a horizontal "
+      "receiver gets,\n"
+      "as a share of that of the open sky. How it is computed: docs/visibility.md.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade visibility horizon site.las --observer 690000,5325000 -o horizon.csv --skyline horizon.png\n"
+      "  alidade visibility horizon site.alidade --observer 690000,5325000,601.7 --depth around.exr -o "
+      "horizon.geojson\n");
+  return {horizon, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->threads, [&] { code = run(*command); });
+            return code;
+          }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include "tools/message.h"
+#include "tools/visibility/commands.h"
+#include "tools/visibility/sky_outputs.h"
+#include "visibility/sky_of_cloud.h"
+
+namespace alidade {
+namespace {
+
+struct SkyCommand {
+  SkyRequest request;
+  int directions = 128;
+};
+
+SkyViewOptions sky_options(const SkyCommand& command) {
+  SkyViewOptions options;
+  options.directions = command.directions;
+  options.receiver = command.request.receiver.value_or(SkyReceiver::surface);
+  options.max_distance = command.request.max_distance;
+  return options;
+}
+
+/// Answers what was found, for people.
+std::string map_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
+  const SkyRequest& request = command.request;
+  const SkyGround site = load_sky_ground(request, cloud);
+  ProgressLine line("looking at the sky", "cells", request.verbosity.verbosity());
+  const Raster<float> views =
+      ground_sky_views(*cloud.occluders, site.ground, site.grid, request.height.value_or(0.0),
+                       sky_options(command), line.callback());
+  line.finish();
+  const SkyBand band{views.values, "SkyView", ""};
+  write_sky_map(request, cloud, site.grid, std::span(&band, 1),
+                {{"directions", std::to_string(command.directions)},
+                 {"target_height", fmt::format("{:g}", request.height.value_or(0.0))}});
+  return range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
+}
+
+std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
+  const SkyRequest& request = command.request;
+  const Verbosity verbosity = request.verbosity.verbosity();
+  ProgressLine line("looking at the sky", "points", verbosity);
+  const std::vector<float> views =
+      point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command), line.callback());
+  line.finish();
+  const auto value = [&views](std::size_t id) { return views[id]; };
+  write_points(request.output, cloud.cloud, {float_column("SkyView", "sky-view factor, 0 to 1", value)},
+               request.overwrite, verbosity);
+  return range_and_mean(value, views.size());
+}
+
+ExitCode run(const SkyCommand& command) {
+  const SkyRequest& request = command.request;
+  check_sky_request(request);
+  const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
+  const auto cloud =
+      load_visibility_cloud(request.files, request.occluders, attributes, request.verbosity.verbosity());
+  const std::string found = request.is_map() ? map_sky(command, *cloud) : point_sky(command, *cloud);
+  if (!request.verbosity.quiet)
+    say_note(fmt::format("sky-view factors {}; wrote {}", found, request.output.string()));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command add_visibility_sky(CLI::App& visibility) {
+  auto command = std::make_shared<SkyCommand>();
+  CLI::App* const sky =
+      visibility.add_subcommand("sky", "Say how much of the sky every point or place on the ground sees");
+  add_sky_request(*sky, command->request);
+  add_value(*sky, "--directions", "N",
+            "lines of sight per point or cell (default: 128, for an error of about 0.01)",
+            [command](const std::string& text) {
+              command->directions = static_cast<int>(parse_count(text, 1, k_most_sky_directions));
+            })
+      ->group("Answers");
+  add_threads(*sky, command->request.threads);
+  add_verbosity(*sky, command->request.verbosity);
+  sky->footer(
+      "Form:\n"
+      "  alidade visibility sky CLOUD... -o FILE.las|FILE.ply|FILE.tif [OPTIONS]\n"
+      "\n"
+      "The sky-view factor is the light of an even sky that a receiver gets, as a share of what a horizontal "
+      "one gets\n"
+      "under the open sky: 1 on open ground, 0.5 on an open wall. Points of a cloud are given back in their "
+      "order, with\n"
+      "all that they had, and\n"
+      "  SkyView  float  sky-view factor\n"
+      "The outside of a surface is where the cloud's normals point to, or else the side that sees more of "
+      "the "
+      "sky.\n"
+      "Maps have the factor of horizontal places on the ground, and no value where there is no ground.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade visibility sky site.las -o sky.las\n"
+      "  alidade visibility sky site.alidade --cell-size 1 --directions 256 -o sky.tif\n");
+  return {sky, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->request.threads, [&] { code = run(*command); });
+            return code;
+          }};
+}
+
+}  // namespace alidade

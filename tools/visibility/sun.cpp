@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "tools/message.h"
+#include "tools/visibility/commands.h"
+#include "tools/visibility/sky_module.h"
+#include "tools/visibility/sky_outputs.h"
+#include "tools/visibility/sun_date.h"
+#include "visibility/sky_of_cloud.h"
+
+namespace alidade {
+namespace {
+
+struct SunCommand {
+  SkyRequest request;
+  std::optional<SunDate> from, to;
+  double step_minutes = 10.0;
+  std::optional<glm::dvec2> place;  ///< latitude, longitude
+  ClearAir air;
+  std::optional<double> bin;  ///< degrees; 0: none; empty: by the number of steps
+};
+
+/// Where the sun stands, and how that came about.
+struct SunSky {
+  SunSchedule schedule;
+  bool is_map_known = false;
+  double hours = 0.0;     ///< the sun is up
+  std::size_t steps = 0;  ///< in which it is up
+  double bin = 0.0;       ///< degrees
+  std::vector<SunBin> bins;
+};
+
+SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
+  // With fewer steps bins would save little time.
+  constexpr std::size_t k_most_exact_steps = 1000;
+  constexpr double k_usual_bin = 3.0;
+  SunSky sun;
+  SunSchedule& schedule = sun.schedule;
+  sun.is_map_known = load_schedule_placer()(
+      cloud.cloud.cloud.crs, glm::dvec2(cloud.octree().bounds().center()), command.place, schedule);
+  schedule.from = begin_of(*command.from, schedule.longitude);
+  schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
+  schedule.step_minutes = command.step_minutes;
+  schedule.air = command.air;
+  ProgressLine line("following the sun", "steps", command.request.verbosity.verbosity());
+  std::vector<SunStep> steps;
+  load_sun_stepper()(schedule, line.callback(), steps);
+  line.finish();
+  sun.steps = steps.size();
+  for (const SunStep& step : steps) sun.hours += step.hours;
+  sun.bin = command.bin.value_or(steps.size() > k_most_exact_steps ? k_usual_bin : 0.0);
+  sun.bins = sun_bins(steps, sun.bin);
+  return sun;
+}
+
+/// On open level ground, kWh/m2.
+double open_energy(const SunSky& sun) {
+  return std::accumulate(sun.bins.begin(), sun.bins.end(), 0.0,
+                         [](double sum, const SunBin& bin) { return sum + bin.energy.z / 1000.0; });
+}
+
+std::string model_text(const SunSky& sun) {
+  return fmt::format(
+      "clear sky of the European Solar Radiation Atlas, Linke turbidity {:g}, {:g} m above the sea",
+      sun.schedule.air.linke_turbidity, sun.schedule.air.height);
+}
+
+void say_sun(const SunCommand& command, const SunSky& sun) {
+  if (command.request.verbosity.quiet) return;
+  const SunSchedule& schedule = sun.schedule;
+  say_note(fmt::format("sun from {} to {} at latitude {:.5f}, longitude {:.5f}; {}",
+                       date_time_text(schedule.from), date_time_text(schedule.to), schedule.latitude,
+                       schedule.longitude,
+                       sun.is_map_known ? fmt::format("grid north is {:.4f} degrees off", schedule.grid_north)
+                                        : "+y taken for true north"));
+  say_note(
+      fmt::format("up for {:.2f} hours, {} steps, {} directions{}; open ground gets {:.3f} kWh/m2 of direct "
+                  "sun ({})",
+                  sun.hours, sun.steps, sun.bins.size(),
+                  sun.bin > 0.0 ? fmt::format(" (bins of {:g} degrees)", sun.bin) : "", open_energy(sun),
+                  model_text(sun)));
+  if (sun.bins.empty()) say_warning("the sun is below the horizon all the time");
+}
+
+std::string map_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun) {
+  const SkyRequest& request = command.request;
+  const SkyGround site = load_sky_ground(request, cloud);
+  ProgressLine line("looking at the sun", "cells", request.verbosity.verbosity());
+  const SunMaps maps =
+      ground_sun_hours(*cloud.occluders, site.ground, site.grid, request.height.value_or(0.0), sun.bins,
+                       {.max_distance = request.max_distance}, line.callback());
+  line.finish();
+  const SkyBand bands[] = {{maps.hours.values, "SunHours", "h"},
+                           {maps.kilowatt_hours.values, "SunEnergy", "kWh/m2"}};
+  write_sky_map(request, cloud, site.grid, bands,
+                {{"from", date_time_text(sun.schedule.from)},
+                 {"to", date_time_text(sun.schedule.to)},
+                 {"step_minutes", fmt::format("{:g}", sun.schedule.step_minutes)},
+                 {"model", model_text(sun)},
+                 {"target_height", fmt::format("{:g}", request.height.value_or(0.0))}});
+  return range_and_mean([&](std::size_t i) { return maps.hours.values[i]; }, maps.hours.values.size());
+}
+
+std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun) {
+  const SkyRequest& request = command.request;
+  const Verbosity verbosity = request.verbosity.verbosity();
+  ProgressLine line("looking at the sun", "points", verbosity);
+  const std::vector<SunHours> hours = point_sun_hours(
+      *cloud.occluders, cloud.columns.normals, sun.bins,
+      {request.receiver.value_or(SkyReceiver::surface), request.max_distance}, line.callback());
+  line.finish();
+  write_points(
+      request.output, cloud.cloud,
+      {float_column("SunHours", "hours of direct sun", [&](std::size_t id) { return hours[id].hours; }),
+       float_column("SunEnergy", "direct sun, kWh/m2",
+                    [&](std::size_t id) { return hours[id].kilowatt_hours; })},
+      request.overwrite, verbosity);
+  return range_and_mean([&](std::size_t id) { return hours[id].hours; }, hours.size());
+}
+
+ExitCode run(const SunCommand& command) {
+  const SkyRequest& request = command.request;
+  check_sky_request(request);
+  const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
+  const auto cloud =
+      load_visibility_cloud(request.files, request.occluders, attributes, request.verbosity.verbosity());
+  const SunSky sun = sun_of(command, *cloud);
+  say_sun(command, sun);
+  const std::string found =
+      request.is_map() ? map_sun(command, *cloud, sun) : point_sun(command, *cloud, sun);
+  if (!request.verbosity.quiet)
+    say_note(fmt::format("hours of sun {}; wrote {}", found, request.output.string()));
+  return ExitCode::done;
+}
+
+/// "LAT,LON".
+glm::dvec2 parse_place(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos)
+    throw CLI::ValidationError("expected two numbers with a comma between, found '" + text + "'");
+  const std::size_t second = std::min(text.find_first_not_of(' ', comma + 1), text.size());
+  return {parse_number(text.substr(0, comma), -90.0, 90.0), parse_number(text.substr(second), -360.0, 360.0)};
+}
+
+void add_time(CLI::App& sun, SunCommand& command) {
+  const char* const group = "Sun";
+  add_value(sun, "--from", "DATE",
+            "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and end "
+            "in the middle of the night at the place",
+            [&command](const std::string& text) { command.from = parse_sun_date(text); })
+      ->required()
+      ->group(group);
+  add_value(sun, "--to", "DATE", "last day, which is counted, or end (default: the day of --from)",
+            [&command](const std::string& text) { command.to = parse_sun_date(text); })
+      ->group(group);
+  add_value(sun, "--step", "MINUTES",
+            "between positions of the sun, each taken in the middle of its step (default: 10)",
+            [&command](const std::string& text) { command.step_minutes = parse_number(text, 0.1, 1440.0); })
+      ->group(group);
+  add_value(sun, "--place", "LAT,LON",
+            "in degrees, WGS 84 (default: the middle of the cloud by its reference system)",
+            [&command](const std::string& text) { command.place = parse_place(text); })
+      ->group(group);
+  add_value(
+      sun, "--height", "METRES", "of the place above the sea, which thins the air (default: 0)",
+      [&command](const std::string& text) { command.air.height = parse_number(text, -1000.0, 10000.0); })
+      ->group(group);
+  add_value(
+      sun, "--turbidity", "T",
+      "Linke turbidity of the clear sky: 2 very clear, 3 usual (default), 5 humid, 7 polluted",
+      [&command](const std::string& text) { command.air.linke_turbidity = parse_number(text, 1.0, 20.0); })
+      ->group(group);
+  add_value(sun, "--bin", "DEGREES|exact",
+            "positions of the sun this close to each other share one line of sight (default: exact for up to "
+            "1000 positions, 3 degrees for more)",
+            [&command](const std::string& text) {
+              command.bin = text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0);
+            })
+      ->group(group);
+}
+
+}  // namespace
+
+Command add_visibility_sun(CLI::App& visibility) {
+  auto command = std::make_shared<SunCommand>();
+  CLI::App* const sun = visibility.add_subcommand(
+      "sun", "Count the hours and the energy of direct sun on every point or place on the ground");
+  add_sky_request(*sun, command->request);
+  add_time(*sun, *command);
+  add_threads(*sun, command->request.threads);
+  add_verbosity(*sun, command->request.verbosity);
+  sun->footer(
+      "Form:\n"
+      "  alidade visibility sun CLOUD... --from DATE [--to DATE] -o FILE.las|FILE.ply|FILE.tif [OPTIONS]\n"
+      "\n"
+      "Points of a cloud are given back in their order, with all that they had, and\n"
+      "  SunHours   float  hours of direct sun\n"
+      "  SunEnergy  float  kWh/m2 of direct sun under a clear sky, by the angle at which it falls\n"
+      "Maps have both as bands, for horizontal places on the ground. The light of the sky and of other "
+      "surfaces is not\n"
+      "in it. The model of the clear sky is that of the European Solar Radiation Atlas; docs/visibility.md "
+      "tells it.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade visibility sun site.las --from 2026-06-21 -o midsummer.las\n"
+      "  alidade visibility sun site.alidade --from 2026-01-01 --to 2026-12-31 --cell-size 1 -o year.tif\n"
+      "  alidade visibility sun room.ply --place 48.1,11.6 --from 2026-03-01T08:00+01:00 --to "
+      "2026-03-01T12:00+01:00 -o morning.ply\n");
+  return {sun, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->request.threads, [&] { code = run(*command); });
+            return code;
+          }};
+}
+
+}  // namespace alidade
