@@ -15,6 +15,9 @@
 namespace alidade {
 namespace {
 
+/// So far outside, metres, an observer of even the smallest cloud is not strange.
+constexpr double k_never_far = 100.0;
+
 /// Distance to a box, 0 inside.
 double distance_to(const Bounds& box, const glm::dvec3& place) {
   double sum = 0.0;
@@ -60,7 +63,7 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
     return fmt::format("{} sees nothing: the cloud begins {:.6g} away, and it sees {:.6g} far", observer.name,
                        outside, observer.max_distance);
   }
-  if (outside > glm::length(box.size()))
+  if (outside > std::max(glm::length(box.size()), k_never_far))
     return fmt::format("{} is {:.6g} outside of the cloud; is it in the cloud's coordinates?", observer.name,
                        outside);
   if (is_below_all(occluders.octree(), observer.position))

@@ -86,6 +86,10 @@ GivenObserver read_row(const TextScanner& scanner, std::string_view line,
 
 std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path) {
   InputFile file(path);
+  return read_observer_table(file);
+}
+
+std::vector<GivenObserver> read_observer_table(InputFile& file) {
   TextScanner scanner(file);
   std::vector<std::size_t> columns;
   std::vector<GivenObserver> observers;
@@ -94,10 +98,10 @@ std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path
     if (columns.empty())
       columns = read_header(scanner, *line);
     else
-      observers.push_back(read_row(scanner, *line, columns, path.string()));
+      observers.push_back(read_row(scanner, *line, columns, file.name()));
   }
   if (observers.empty()) {
-    throw Error({.file = path.string(),
+    throw Error({.file = file.name(),
                  .problem = "holds no observers",
                  .expected = columns.empty() ? "CSV with the header " + std::string(k_form)
                                              : "a row for each behind the header"});

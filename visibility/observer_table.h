@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "octree/cloud/input_file.h"
 #include "visibility/observers.h"
 
 namespace alidade {
@@ -14,5 +15,6 @@ namespace alidade {
 /// not there; blank lines are skipped. Errors, naming line and column: an unknown or repeated name, a missing
 /// place, a cell that is no number, too many or too few cells; no row at all.
 std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path);
+std::vector<GivenObserver> read_observer_table(InputFile& file);
 
 }  // namespace alidade

@@ -14,6 +14,8 @@ namespace alidade {
 namespace {
 
 constexpr double k_turn = 360.0;
+/// Up to here a place is good to a tenth of a millimetre.
+constexpr double k_largest_coordinate = 1e12;
 
 /// Unit vector (east, north) of an azimuth.
 glm::dvec2 direction_of(double azimuth) {
@@ -137,10 +139,12 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
              fmt::format("{}, {}", one.place.x, one.place.y));
     }
     observer.position = glm::dvec3(one.place, *foot + observer.height);
-    if (!std::isfinite(observer.position.x) || !std::isfinite(observer.position.y) ||
-        !std::isfinite(observer.position.z)) {
-      refuse(one.source, "is not at a finite place", "finite numbers",
-             fmt::format("{}, {}, {}", one.place.x, one.place.y, *foot));
+    const glm::dvec3& eye = observer.position;
+    for (const double coordinate : {eye.x, eye.y, eye.z}) {
+      if (std::fabs(coordinate) <= k_largest_coordinate) continue;
+      refuse(one.source, "is at no place that a cloud can have",
+             fmt::format("coordinates from {} to {}", -k_largest_coordinate, k_largest_coordinate),
+             fmt::format("{}, {}, {}", eye.x, eye.y, eye.z));
     }
     observers.push_back(observer);
   }

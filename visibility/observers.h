@@ -76,9 +76,9 @@ GivenObserver parse_observer(const std::string& text);
 
 /// Gives every observer its place: z as given or that of the ground, plus the height; what is empty comes
 /// from `defaults`. Nameless ones are called "observer N", from 1. `ground` is asked only for those without
-/// z. Errors, naming the source: a number that is not finite (max_distance may be infinite), a height or
-/// distance below 0, elevations outside [-90, 90] or upside down, azimuths outside [-360, 720], equal, or
-/// going backwards by a turn or more; no ground below an observer without z.
+/// z. Errors, naming the source: a number that is not finite (max_distance may be infinite), a coordinate
+/// beyond 1e12, a height or distance below 0, elevations outside [-90, 90] or upside down, azimuths outside
+/// [-360, 720], equal, or going backwards by a turn or more; no ground below an observer without z.
 std::vector<Observer> place_observers(std::span<const GivenObserver> given, const ObserverDefaults& defaults,
                                       const GroundHeight& ground);
 

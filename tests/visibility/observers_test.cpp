@@ -79,7 +79,7 @@ TEST(Observers, values_out_of_range_are_errors_naming_the_source) {
   const GivenObserver good{.source = "f.csv:2", .place = {0, 0}, .z = 0.0};
   EXPECT_EQ(problem_of(good), "");
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<GivenObserver> wrong(10, good);
+  std::vector<GivenObserver> wrong(12, good);
   wrong[0].height = -1.0;
   wrong[1].max_distance = -1.0;
   wrong[2].azimuth_min = nan;
@@ -90,6 +90,8 @@ TEST(Observers, values_out_of_range_are_errors_naming_the_source) {
   wrong[7].elevation_min = 2.0, wrong[7].elevation_max = 1.0;
   wrong[8].z = nan;
   wrong[9].place.y = nan;
+  wrong[10].place.x = 1e13;
+  wrong[11].z = -1e300;
   for (const GivenObserver& one : wrong)
     EXPECT_EQ(problem_of(one).rfind("f.csv:2: ", 0), 0u) << &one - wrong.data() << problem_of(one);
 }
