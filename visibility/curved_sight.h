@@ -21,7 +21,7 @@ namespace alidade {
 
 /// The coefficient of gdal_viewshed: light is bent by a seventh of the Earth's curvature.
 constexpr double k_usual_curvature = 0.85714;
-constexpr double k_most_sag = 0.001;  ///< metres
+constexpr double k_most_sag = 0.005;  ///< metres; chords of light are at most 545 m long
 
 /// How lines of sight are bent.
 class SightCurve {

@@ -35,20 +35,24 @@ SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place) {
   constexpr double k_flat = 0.5;  // of the normal's z: slopes up to 60 degrees
   if (!occluders.has_surfaces()) return {place};
   const PointQuery query{.radius = occluders.largest_radius(), .k = k_candidates};
+  std::optional<SightEnd> end;
   for (const PointHit& hit : find(occluders.octree(), place, query)) {
     const PointSurface surface = surface_of(occluders.octree().view(), hit.point_id);
     if (!surface.exists || std::fabs(surface.normal.z) < k_flat) continue;
-    // What a point of this sheet has as its own surface, the place has too.
-    SightEnd end = end_on_point(occluders, hit.point_id, hit.position, hit.position);
     const glm::dvec3 center = hit.position - surface.height * surface.normal;
     const glm::dvec2 way = glm::dvec2(place) - glm::dvec2(center);
     const double sheet = center.z - (way.x * surface.normal.x + way.y * surface.normal.y) / surface.normal.z;
-    const double height = std::max(place.z, sheet - surface.thickness) + surface.thickness;
-    end.position = {place.x, place.y, height};
-    end.own_thickness += std::fabs((height - sheet) * surface.normal.z);
-    return end;
+    if (std::fabs(sheet - place.z) > occluders.largest_sphere()) continue;
+    // What a point of this sheet has as its own surface, the place has too.
+    const SightEnd on_point = end_on_point(occluders, hit.point_id, hit.position, hit.position);
+    if (!end) {
+      const double height = std::max(place.z, sheet - surface.thickness) + surface.thickness;
+      end = {{place.x, place.y, height}, on_point.own_reach, 0.0};
+    }
+    const double above = std::fabs((end->position.z - sheet) * surface.normal.z);
+    end->own_thickness = std::max(end->own_thickness, above + on_point.own_thickness);
   }
-  return {place};
+  return end.value_or(SightEnd{place});
 }
 
 MapTargets::MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,

@@ -14,8 +14,9 @@ namespace alidade {
 /// A place on the ground as an end of sight lines. Heights of the ground come from several points, so that a
 /// place may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to the
 /// lower face of that sheet (one standard deviation) if it lies deeper, and lifted by the sheet's thickness,
-/// as points are that are looked at. The sheet is that of the nearest point whose sheet lies rather flat,
-/// and the end's own surface. Where there is none within the widest radius, the place as it is.
+/// as points are that are looked at. The sheet is that of the nearest of 8 points whose sheets lie rather
+/// flat and pass the place within the widest sphere; the sheets of all such points are the end's own surface.
+/// Where there are none within the widest radius, the place as it is.
 SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place);
 
 /// An end so far above another, with the same surface as its own.
