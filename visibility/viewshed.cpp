@@ -110,7 +110,7 @@ void for_each_block(const MapTargets& targets, Raster<float>& values, const Look
 
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const RasterGrid& grid, const ViewshedOptions& options) {
-  constexpr std::uint64_t k_bytes_per_cell = 8;
+  constexpr std::uint64_t k_bytes_per_cell = 12;  // with what writing it takes
   check(observers, options);
   check_memory(k_bytes_per_cell * grid.size(), "the map");
   const bool by_height = options.mode == ViewshedMode::height;

@@ -58,7 +58,8 @@ struct Viewshed {
 /// lower than the points' own distances. Of several observers the lowest counts.
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
-/// where much is hidden. Memory: 8 B per cell, checked beforehand.
+/// where much is hidden. Memory: 8 B per cell; 12 B are asked for beforehand, as writing
+/// takes.
 /// Errors: no observer; places_across, target height or highest out of range.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const RasterGrid& grid, const ViewshedOptions& options);
