@@ -27,7 +27,7 @@ struct SunBin {
 /// Groups steps by bins of so many degrees of elevation and, at the horizon, azimuth (wider further up, so
 /// that all bins are about as large). A bin's edges of light and shade are those of its middle: a shadow
 /// comes or goes wrong by at most half a bin in some of its steps, late in as many as early. A year's steps,
-/// 10 minutes apart, lie in some 700 bins of 3 degrees. With 0 every step is its own bin. Errors: not in [0,
+/// 10 minutes apart, lie in some 1000 bins of 3 degrees. With 0 every step is its own bin. Errors: not in [0,
 /// 30].
 std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees);
 

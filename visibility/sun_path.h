@@ -26,7 +26,7 @@ constexpr std::size_t k_most_sun_steps = 10'000'000;
 
 /// Where the sun stands in the middle of every step in which it is up, in the order of time: sun_position()
 /// with the pressure that belongs to the height, angles rounded to 1e-6 degrees. `progress` is in steps.
-/// Cost: 0.1 ms per step. Errors: numbers out of range, no time between from and to, over k_most_sun_steps
+/// Cost: 0.04 ms per step. Errors: numbers out of range, no time between from and to, over k_most_sun_steps
 /// steps.
 std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress = {});
 

@@ -114,10 +114,11 @@ TEST_F(SkyTest, sky_gives_every_point_its_factor) {
 TEST_F(SkyTest, sky_and_sun_write_maps_of_the_ground) {
   ASSERT_EQ(visibility("sky", {"-o", "sky.tif", "--cell-size", "0.5", "--directions", "32"}).exit_code, 0);
   ASSERT_EQ(visibility("sun", {"-o", "sun.tif", "--from", "2026-06-21", "--place", "48,11", "--step", "60",
-                               "--target-height", "0.1"})
+                               "--target-height", "0.1", "--preview", "sun.png"})
                 .exit_code,
             0);
   for (const char* const file : {"sky.tif", "sun.tif"}) EXPECT_TRUE(read(file).starts_with("II*")) << file;
+  EXPECT_TRUE(read("sun.png").starts_with("\x89PNG"));
 }
 
 TEST_F(SkyTest, sun_counts_hours_and_energy_of_every_point) {
@@ -168,6 +169,8 @@ TEST_F(SkyTest, options_of_maps_mean_nothing_for_points_nor_the_other_way) {
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--cell-size", "1"}).err, "--cell-size"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.ply", "--target-height", "1"}).err, "--target-height"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--receiver", "surface"}).err, "--receiver"));
+  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--preview", "a.png"}).err, "--preview"));
+  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--preview", "a.jpg"}).err, ".png"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.txt"}).err, ".las, .ply or .tif"));
   EXPECT_EQ(visibility("sky", {"-o", "a.las", "--directions", "0"}).exit_code, 2);
 }

@@ -189,8 +189,16 @@ void say_findings(const HorizonCommand& command, const View& view) {
                        view.facts.above_line.solid_angle));
 }
 
+/// Fails before the work if what it ends in cannot be written here.
+void load_writers(const HorizonCommand& command) {
+  if (!command.skyline.empty()) load_skyline_writer();
+  if (!command.depth.empty()) load_image_writer();
+  if (is_geojson(command.output)) load_lon_lat();
+}
+
 ExitCode run(const HorizonCommand& command) {
   check_options(command);
+  load_writers(command);
   const auto cloud = load_visibility_cloud(command.files, command.occluders, Attribute::classification,
                                            command.verbosity.verbosity());
   const View view = look_around(command, *cloud);

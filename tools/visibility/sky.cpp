@@ -35,6 +35,8 @@ std::string map_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
   write_sky_map(request, cloud, site.grid, std::span(&band, 1),
                 {{"directions", std::to_string(command.directions)},
                  {"target_height", fmt::format("{:g}", request.height.value_or(0.0))}});
+  write_sky_preview(request, cloud, site.ground, views,
+                    {.title = "How much of the sky is seen", .label = "sky-view factor"});
   return range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
 }
 
@@ -54,6 +56,7 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
 ExitCode run(const SkyCommand& command) {
   const SkyRequest& request = command.request;
   check_sky_request(request);
+  load_sky_writers(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
   const auto cloud =
       load_visibility_cloud(request.files, request.occluders, attributes, request.verbosity.verbosity());

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "octree/error.h"
+#include "renderer/color/height_unit.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/observer_options.h"
 
@@ -59,6 +60,11 @@ void add_sky_request(CLI::App& command, SkyRequest& request) {
                   parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
             })
       ->group(k_group);
+  command
+      .add_option("--preview", request.preview,
+                  "also draw a map over the shaded ground, with scale bar and legend")
+      ->option_text("FILE.png")
+      ->group(k_group);
   command.add_flag("--overwrite", request.overwrite, "replace an existing file")->group(k_group);
 }
 
@@ -77,8 +83,23 @@ void check_sky_request(const SkyRequest& request) {
     }
     if (request.cell_size) refuse("--cell-size", "a map (.tif)");
     if (request.height) refuse("--target-height", "a map (.tif)");
+    if (!request.preview.empty()) refuse("--preview", "a map (.tif)");
   }
   check_writable(request.output, request.overwrite, request.files);
+  if (request.preview.empty()) return;
+  if (lower_ending(request.preview) != ".png") {
+    throw Error({.file = request.preview.string(),
+                 .problem = "previews are written as PNG",
+                 .expected = "a name ending in .png"});
+  }
+  std::vector<std::filesystem::path> taken = request.files;
+  taken.push_back(request.output);
+  check_writable(request.preview, request.overwrite, taken);
+}
+
+void load_sky_writers(const SkyRequest& request) {
+  if (request.is_map()) load_raster_writer();
+  if (!request.preview.empty()) load_map_drawer();
 }
 
 SkyGround load_sky_ground(const SkyRequest& request, const VisibilityCloud& cloud) {
@@ -118,6 +139,18 @@ void write_sky_map(const SkyRequest& request, const VisibilityCloud& cloud, cons
   contents.crs = cloud.cloud.cloud.crs;
   contents.metadata = std::move(metadata);
   load_raster_writer()(request.output, contents, request.overwrite);
+}
+
+void write_sky_preview(const SkyRequest& request, const VisibilityCloud& cloud, const Ground& ground,
+                       const Raster<float>& values, const SkyPicture& picture) {
+  if (request.preview.empty()) return;
+  MapPicture map;
+  map.title = picture.title;
+  map.values = values;
+  map.scale = MapScale{picture.colors, {0.0, picture.highest}, picture.label};
+  map.unit = height_unit(cloud.cloud.cloud.crs);
+  map.notes = picture.notes;
+  load_map_drawer()(map, ground, request.preview, request.overwrite);
 }
 
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count) {

@@ -101,6 +101,13 @@ std::string map_sun(const SunCommand& command, const VisibilityCloud& cloud, con
                  {"step_minutes", fmt::format("{:g}", sun.schedule.step_minutes)},
                  {"model", model_text(sun)},
                  {"target_height", fmt::format("{:g}", request.height.value_or(0.0))}});
+  write_sky_preview(request, cloud, site.ground, maps.hours,
+                    {.title = "Hours of direct sun",
+                     .label = "hours",
+                     .colors = ColorMap::inferno,
+                     .highest = std::max(sun.hours, 1.0),
+                     .notes = {fmt::format("{} to {}", date_time_text(sun.schedule.from),
+                                           date_time_text(sun.schedule.to))}});
   return range_and_mean([&](std::size_t i) { return maps.hours.values[i]; }, maps.hours.values.size());
 }
 
@@ -124,6 +131,7 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
 ExitCode run(const SunCommand& command) {
   const SkyRequest& request = command.request;
   check_sky_request(request);
+  load_sky_writers(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
   const auto cloud =
       load_visibility_cloud(request.files, request.occluders, attributes, request.verbosity.verbosity());
