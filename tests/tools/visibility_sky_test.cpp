@@ -112,7 +112,7 @@ TEST_F(SkyTest, sky_gives_every_point_its_factor) {
 }
 
 TEST_F(SkyTest, sky_and_sun_write_maps_of_the_ground) {
-  ASSERT_EQ(visibility("sky", {"-o", "sky.tif", "--cell-size", "0.5", "--directions", "32"}).exit_code, 0);
+  ASSERT_EQ(visibility("sky", {"-o", "sky.tif", "--resolution", "0.5", "--directions", "32"}).exit_code, 0);
   ASSERT_EQ(visibility("sun", {"-o", "sun.tif", "--from", "2026-06-21", "--place", "48,11", "--step", "60",
                                "--target-height", "0.1", "--preview", "sun.png"})
                 .exit_code,
@@ -166,7 +166,7 @@ TEST_F(SkyTest, sun_needs_a_place_and_a_time) {
 }
 
 TEST_F(SkyTest, options_of_maps_mean_nothing_for_points_nor_the_other_way) {
-  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--cell-size", "1"}).err, "--cell-size"));
+  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--resolution", "1"}).err, "--resolution"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.ply", "--target-height", "1"}).err, "--target-height"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--receiver", "surface"}).err, "--receiver"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--preview", "a.png"}).err, "--preview"));

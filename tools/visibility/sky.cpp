@@ -98,7 +98,7 @@ Command add_visibility_sky(CLI::App& visibility) {
       "\n"
       "Examples:\n"
       "  alidade visibility sky site.las -o sky.las\n"
-      "  alidade visibility sky site.alidade --cell-size 1 --directions 256 -o sky.tif\n");
+      "  alidade visibility sky site.alidade --resolution 1 --directions 256 -o sky.tif\n");
   return {sky, [command] {
             ExitCode code = ExitCode::failed;
             with_threads(command->request.threads, [&] { code = run(*command); });

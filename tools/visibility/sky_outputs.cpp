@@ -48,7 +48,7 @@ void add_sky_request(CLI::App& command, SkyRequest& request) {
                           request.receiver,
                           {{"surface", SkyReceiver::surface}, {"horizontal", SkyReceiver::horizontal}})
       ->group(k_group);
-  add_value(command, "--cell-size", "LENGTH", "side of a map's cells (default: that of the ground's grid)",
+  add_value(command, "--resolution", "LENGTH", "side of a map's cells (default: that of the ground's grid)",
             [&request](const std::string& text) { request.cell_size = parse_number(text, 1e-9, 1e9); })
       ->group(k_group);
   add_value(command, "--target-height", "LENGTH", "of a map's places above the ground (default: 0)",
@@ -81,7 +81,7 @@ void check_sky_request(const SkyRequest& request) {
                    .problem = "the name tells no format",
                    .expected = "a name ending in .las, .ply or .tif"});
     }
-    if (request.cell_size) refuse("--cell-size", "a map (.tif)");
+    if (request.cell_size) refuse("--resolution", "a map (.tif)");
     if (request.height) refuse("--target-height", "a map (.tif)");
     if (!request.preview.empty()) refuse("--preview", "a map (.tif)");
   }

@@ -214,7 +214,7 @@ Command add_visibility_sun(CLI::App& visibility) {
       "\n"
       "Examples:\n"
       "  alidade visibility sun site.las --from 2026-06-21 -o midsummer.las\n"
-      "  alidade visibility sun site.alidade --from 2026-01-01 --to 2026-12-31 --cell-size 1 -o year.tif\n"
+      "  alidade visibility sun site.alidade --from 2026-01-01 --to 2026-12-31 --resolution 1 -o year.tif\n"
       "  alidade visibility sun room.ply --place 48.1,11.6 --from 2026-03-01T08:00+01:00 --to "
       "2026-03-01T12:00+01:00 -o morning.ply\n");
   return {sun, [command] {
