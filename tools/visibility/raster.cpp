@@ -51,7 +51,8 @@ SightCurve curve_of(const RasterCommand& command, MapUnit unit) {
       throw Error({.problem = "sight cannot be bent over a map in degrees",
                    .expected = "a cloud in a projected reference system, or --curvature 0"});
     }
-    say_warning("the cloud's coordinates are degrees: lengths and heights do not fit together");
+    if (!command.verbosity.quiet)
+      say_warning("the cloud's coordinates are degrees: lengths and heights do not fit together");
     return {};
   }
   const bool usual = default_set(command) == DefaultSet::gdal && unit != MapUnit::unknown;
