@@ -10,8 +10,8 @@
 
 namespace alidade {
 
-std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, double height,
-                                         const GroundHeight& ground, const Progress& progress) {
+std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
+                                         const Progress& progress) {
   if (!(width > 0.0 && std::isfinite(width)))
     throw Error({.problem = "the observer grid has no cells", .expected = "a width above 0"});
   // A line of points has an extent of no width, and still a cell.
@@ -29,13 +29,9 @@ std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, dou
     for (std::uint64_t column = 0; column < static_cast<std::uint64_t>(columns); ++column) {
       const glm::dvec2 place(corner.x + (static_cast<double>(column) + 0.5) * width,
                              corner.y + (static_cast<double>(row) + 0.5) * width);
-      const std::optional<double> z = ground(place);
-      if (!z) continue;
-      observers.push_back({.source = "--observer-grid",
-                           .name = fmt::format("{}-{}", row + 1, column + 1),
-                           .place = place,
-                           .z = z,
-                           .height = height});
+      if (!ground(place)) continue;
+      observers.push_back(
+          {.source = "--observer-grid", .name = fmt::format("{}-{}", row + 1, column + 1), .place = place});
     }
     report(progress, (row + 1) * static_cast<std::uint64_t>(columns), total);
   }

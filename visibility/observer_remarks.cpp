@@ -66,7 +66,7 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
   if (outside > std::max(glm::length(box.size()), k_never_far))
     return fmt::format("{} is {:.6g} outside of the cloud; is it in the cloud's coordinates?", observer.name,
                        outside);
-  if (is_below_all(occluders.octree(), observer.position))
+  if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
     return fmt::format("{} is below all points near it, in the ground", observer.name);
   const auto nearest = find(occluders.octree(), observer.position, {.k = 1});
   if (!nearest.empty() && nearest[0].distance < sphere_radius_of(occluders, nearest[0])) {

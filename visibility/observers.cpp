@@ -138,6 +138,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
       refuse(one.source, "has no points of the cloud below to stand on", "a place inside the cloud, or a z",
              fmt::format("{}, {}", one.place.x, one.place.y));
     }
+    observer.stands_on_ground = !one.z;
     observer.position = glm::dvec3(one.place, *foot + observer.height);
     const glm::dvec3& eye = observer.position;
     for (const double coordinate : {eye.x, eye.y, eye.z}) {

@@ -18,7 +18,8 @@ struct Observer {
   glm::dvec3 position{0.0};
   /// How far the eye is above its foot, metres; the foot is at position.z - height.
   double height = 0.0;
-  std::string name;  ///< never empty: "observer 3" if nobody gave one
+  bool stands_on_ground = false;  ///< the foot was put on the ground, its z was not given
+  std::string name;               ///< never empty: "observer 3" if nobody gave one
   /// Field of view, degrees, limits inclusive. Azimuth clockwise from north (+y), from the first limit to the
   /// second: 350 to 10 looks north. A range of 360 or more is all round. Elevation up from the horizontal.
   double azimuth_min = 0.0, azimuth_max = 360.0;

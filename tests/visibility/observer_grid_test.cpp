@@ -17,44 +17,43 @@ std::optional<double> slope(const glm::dvec2& place) {
 }
 
 TEST(ObserverGrid, has_the_middles_of_cells_that_cover_the_extent) {
-  const auto grid = observer_grid(k_extent, 10.0, 1.5, slope);
+  const auto grid = observer_grid(k_extent, 10.0, slope);
   ASSERT_EQ(grid.size(), 6u);
   EXPECT_EQ(grid[0].place, glm::dvec2(105, 205));
-  EXPECT_EQ(grid[0].z, 105.0);
-  EXPECT_EQ(grid[0].height, 1.5);
+  EXPECT_FALSE(grid[0].z) << "it stands on the ground";
   EXPECT_EQ(grid[0].name, "1-1");
   EXPECT_EQ(grid[5].place, glm::dvec2(125, 215));
   EXPECT_EQ(grid[5].name, "2-3");
 }
 
 TEST(ObserverGrid, shares_its_middle_with_an_extent_of_odd_size) {
-  const auto grid = observer_grid(k_extent, 20.0, 0.0, slope);
+  const auto grid = observer_grid(k_extent, 20.0, slope);
   ASSERT_EQ(grid.size(), 2u);
   EXPECT_EQ(grid[0].place, glm::dvec2(105, 210));
   EXPECT_EQ(grid[1].place, glm::dvec2(125, 210));
 }
 
 TEST(ObserverGrid, leaves_out_places_without_ground) {
-  const auto grid = observer_grid(k_extent, 10.0, 0.0, [](const glm::dvec2& place) -> std::optional<double> {
+  const auto grid = observer_grid(k_extent, 10.0, [](const glm::dvec2& place) -> std::optional<double> {
     return place.x < 110.0 ? std::optional(3.0) : std::nullopt;
   });
   ASSERT_EQ(grid.size(), 2u);
   EXPECT_EQ(grid[1].name, "2-1");
-  EXPECT_THROW(observer_grid(k_extent, 10.0, 0.0, [](const glm::dvec2&) { return std::optional<double>(); }),
+  EXPECT_THROW(observer_grid(k_extent, 10.0, [](const glm::dvec2&) { return std::optional<double>(); }),
                Error);
 }
 
 TEST(ObserverGrid, of_a_single_place_has_one_cell) {
   const Bounds place{.min = {1, 2, 3}, .max = {1, 2, 3}};
-  const auto grid = observer_grid(place, 5.0, 0.0, slope);
+  const auto grid = observer_grid(place, 5.0, slope);
   ASSERT_EQ(grid.size(), 1u);
   EXPECT_EQ(grid[0].place, glm::dvec2(1, 2));
 }
 
 TEST(ObserverGrid, refuses_no_width_and_too_many_places) {
   for (const double width : {0.0, -1.0, std::nan(""), HUGE_VAL})
-    EXPECT_THROW(observer_grid(k_extent, width, 0.0, slope), Error);
-  EXPECT_THROW(observer_grid(k_extent, 1e-3, 0.0, slope), Error);
+    EXPECT_THROW(observer_grid(k_extent, width, slope), Error);
+  EXPECT_THROW(observer_grid(k_extent, 1e-3, slope), Error);
 }
 
 }  // namespace

@@ -49,6 +49,14 @@ TEST(ObserverRemarks, name_observers_below_the_ground) {
       << "nothing is near";
 }
 
+TEST(ObserverRemarks, leave_alone_observers_put_on_ground_below_a_roof) {
+  Observer observer;
+  observer.name = "mast";
+  observer.position = {5, 5, -0.3};
+  observer.stands_on_ground = true;
+  EXPECT_TRUE(observer_remarks(garden().occluders(), std::span(&observer, 1)).empty());
+}
+
 TEST(ObserverRemarks, name_observers_inside_the_sphere_of_a_point) {
   const WallCloud cloud = garden();
   const glm::dvec3 leaf = cloud.positions().back() + glm::dvec3(0.01, 0, 0);

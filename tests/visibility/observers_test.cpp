@@ -45,6 +45,7 @@ TEST(Observers, observer_with_z_stands_there_and_height_is_added) {
       {.source = "b", .name = "mast", .place = {1, 2}, .z = 3.0, .height = 10.0}};
   const std::vector<Observer> observers = place_observers(given, {}, flat_ground);
   EXPECT_EQ(observers[0].position, glm::dvec3(1, 2, 3));
+  EXPECT_FALSE(observers[0].stands_on_ground);
   EXPECT_EQ(observers[0].name, "observer 1");
   EXPECT_EQ(observers[1].position, glm::dvec3(1, 2, 13));
   EXPECT_EQ(observers[1].height, 10.0);
@@ -54,6 +55,7 @@ TEST(Observers, observer_with_z_stands_there_and_height_is_added) {
 TEST(Observers, observer_without_z_stands_two_metres_above_the_ground) {
   const std::vector<GivenObserver> given = {{.source = "a", .place = {1, 2}}};
   EXPECT_EQ(place_observers(given, {}, flat_ground)[0].position, glm::dvec3(1, 2, 7));
+  EXPECT_TRUE(place_observers(given, {}, flat_ground)[0].stands_on_ground);
   EXPECT_EQ(place_observers(given, {.height = 0.5}, flat_ground)[0].position, glm::dvec3(1, 2, 5.5));
 }
 

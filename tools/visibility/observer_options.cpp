@@ -153,9 +153,7 @@ std::vector<Observer> load_observers(const ObserverOptions& options, const Visib
       ground ? ground : [&](const glm::dvec2& place) { return own_ground->at(place); };
   if (options.grid) {
     ProgressLine line("placing observers", "cells", verbosity);
-    const double height = options.defaults.height.value_or(options.defaults.height_on_ground);
-    const auto grid =
-        observer_grid(cloud.octree().bounds(), *options.grid, height, height_at, line.callback());
+    const auto grid = observer_grid(cloud.octree().bounds(), *options.grid, height_at, line.callback());
     line.finish();
     given.insert(given.end(), grid.begin(), grid.end());
   }
