@@ -175,6 +175,19 @@ TEST_F(SkyTest, options_of_maps_mean_nothing_for_points_nor_the_other_way) {
   EXPECT_EQ(visibility("sky", {"-o", "a.las", "--directions", "0"}).exit_code, 2);
 }
 
+TEST_F(SkyTest, clouds_in_degrees_have_no_elevations) {
+  const auto file = shared_data("lidar/epsg_4326.las");
+  if (!file) GTEST_SKIP() << "no shared data";
+  for (const Words& words :
+       {Words{"visibility", "sky", file->string(), "-o", "a.las"},
+        Words{"visibility", "sun", file->string(), "-o", "a.las", "--from", "2026-06-21"},
+        Words{"visibility", "horizon", file->string(), "--observer", "-94.6,39.1,300"}}) {
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 2) << words[1];
+    EXPECT_TRUE(contains(result.err, "a projected reference system")) << result.err;
+  }
+}
+
 TEST_F(SkyTest, answers_do_not_depend_on_threads) {
   for (const char* const threads : {"1", "3"}) {
     ASSERT_EQ(

@@ -15,6 +15,7 @@
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/picture_command.h"
+#include "tools/visibility/check_map_unit.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/load_visibility_cloud.h"
 #include "tools/visibility/map_reference.h"
@@ -91,10 +92,10 @@ Observer only_observer(const HorizonCommand& command, const VisibilityCloud& clo
   return observers.front();
 }
 
-View look_around(const HorizonCommand& command, const VisibilityCloud& cloud) {
+View look_around(const HorizonCommand& command, const VisibilityCloud& cloud, const Observer& observer) {
   const Occluders& occluders = *cloud.occluders;
   View view;
-  view.observer = only_observer(command, cloud);
+  view.observer = observer;
   view.eye = end_near_surface(occluders, view.observer.position);
   HorizonOptions options;
   options.step = command.step;
@@ -199,9 +200,13 @@ void load_writers(const HorizonCommand& command) {
 ExitCode run(const HorizonCommand& command) {
   check_options(command);
   load_writers(command);
-  const auto cloud = load_visibility_cloud(command.files, command.occluders, Attribute::classification,
-                                           command.verbosity.verbosity());
-  const View view = look_around(command, *cloud);
+  const Verbosity verbosity = command.verbosity.verbosity();
+  const auto cloud = load_cloud_alone(command.files, Attribute::classification, verbosity);
+  check_map_unit(cloud->cloud.cloud);
+  const Observer observer = only_observer(command, *cloud);
+  measure_occluders(*cloud, command.occluders, verbosity);
+  say_observer_remarks(std::span(&observer, 1), *cloud, verbosity);
+  const View view = look_around(command, *cloud, observer);
   if (!command.skyline.empty()) write_picture(command, *cloud, view);
   if (!command.depth.empty()) write_depth(command, *cloud, view);
   write_line(command, *cloud, view);

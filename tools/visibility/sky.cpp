@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "tools/message.h"
+#include "tools/visibility/check_map_unit.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/sky_outputs.h"
 #include "visibility/sky_of_cloud.h"
@@ -58,8 +59,10 @@ ExitCode run(const SkyCommand& command) {
   check_sky_request(request);
   load_sky_writers(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
-  const auto cloud =
-      load_visibility_cloud(request.files, request.occluders, attributes, request.verbosity.verbosity());
+  const Verbosity verbosity = request.verbosity.verbosity();
+  const auto cloud = load_cloud_alone(request.files, attributes, verbosity);
+  check_map_unit(cloud->cloud.cloud);
+  measure_occluders(*cloud, request.occluders, verbosity);
   const std::string found = request.is_map() ? map_sky(command, *cloud) : point_sky(command, *cloud);
   if (!request.verbosity.quiet)
     say_note(fmt::format("sky-view factors {}; wrote {}", found, request.output.string()));

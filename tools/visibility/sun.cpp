@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "tools/message.h"
+#include "tools/visibility/check_map_unit.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/sky_module.h"
 #include "tools/visibility/sky_outputs.h"
@@ -133,10 +134,12 @@ ExitCode run(const SunCommand& command) {
   check_sky_request(request);
   load_sky_writers(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
-  const auto cloud =
-      load_visibility_cloud(request.files, request.occluders, attributes, request.verbosity.verbosity());
+  const Verbosity verbosity = request.verbosity.verbosity();
+  const auto cloud = load_cloud_alone(request.files, attributes, verbosity);
+  check_map_unit(cloud->cloud.cloud);
   const SunSky sun = sun_of(command, *cloud);
   say_sun(command, sun);
+  measure_occluders(*cloud, request.occluders, verbosity);
   const std::string found =
       request.is_map() ? map_sun(command, *cloud, sun) : point_sun(command, *cloud, sun);
   if (!request.verbosity.quiet)
