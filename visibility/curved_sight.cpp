@@ -100,22 +100,30 @@ std::optional<SightBatch::Place> SightBatch::blocked_at(
 }
 
 std::span<const std::uint8_t> SightBatch::blocked() {
+  answers_.resize(size());
+  if (chord_count() == size()) {
+    alidade::blocked(occluders_.back(), chords_, answers_);
+    return answers_;
+  }
   for (std::size_t j = 0; j < occluders_.size(); ++j) {
     chord_answers_[j].resize(chords_.size());
     alidade::blocked(occluders_[j], chords_, chord_answers_[j]);
   }
-  answers_.resize(size());
   for (std::size_t line = 0; line < size(); ++line)
     answers_[line] = blocked_at(line, chord_answers_).has_value();
   return answers_;
 }
 
 std::span<const std::optional<Blocker>> SightBatch::first_blockers() {
+  blockers_.assign(size(), std::nullopt);
+  if (chord_count() == size()) {
+    alidade::first_blockers(occluders_.back(), chords_, blockers_);
+    return blockers_;
+  }
   for (std::size_t j = 0; j < occluders_.size(); ++j) {
     chord_blockers_[j].resize(chords_.size());
     alidade::first_blockers(occluders_[j], chords_, chord_blockers_[j]);
   }
-  blockers_.assign(size(), std::nullopt);
   for (std::size_t line = 0; line < size(); ++line) {
     const std::optional<Place> place = blocked_at(line, chord_blockers_);
     if (!place) continue;
