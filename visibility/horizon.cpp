@@ -165,8 +165,8 @@ std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd
   const double from = options.azimuth_min;
   double width = options.azimuth_max - from;
   if (width <= 0.0) width += k_turn;
-  if (!(std::fabs(from) <= k_turn && width > 0.0))
-    refuse("the range of azimuths", "limits from -360 to 360", options.azimuth_max);
+  if (!(std::fabs(from) <= 2.0 * k_turn && width > 0.0))
+    refuse("the range of azimuths", "limits from -720 to 720", from);
 
   // Limits on a multiple of a step count as on it.
   constexpr double k_slack = 1e-9;

@@ -54,14 +54,15 @@ std::string horizon_geojson(std::span<const HorizonDirection> horizon, const Hor
   std::string text = "{\"type\": \"FeatureCollection\",\n";
   if (!on_globe) text += "\"coordinates\": \"x and y of the cloud, not longitude and latitude\",\n";
   text += "\"features\": [\n";
-  text += feature(point_geometry(places.back()),
-                  {{"kind", "observer"},
-                   {"z", facts.eye.z},
-                   {"sky_view_factor", facts.sky.cosine_weighted},
-                   {"sky_solid_angle", facts.sky.solid_angle},
-                   {"sky_view_factor_above_line", facts.above_line.cosine_weighted},
-                   {"sky_solid_angle_above_line", facts.above_line.solid_angle}})
-              .dump();
+  Json eye{{"kind", "observer"},
+           {"z", facts.eye.z},
+           {"sky_view_factor", facts.sky.cosine_weighted},
+           {"sky_solid_angle", facts.sky.solid_angle}};
+  if (facts.above_line) {
+    eye["sky_view_factor_above_line"] = facts.above_line->cosine_weighted;
+    eye["sky_solid_angle_above_line"] = facts.above_line->solid_angle;
+  }
+  text += feature(point_geometry(places.back()), std::move(eye)).dump();
   std::size_t next = 0;
   for (const HorizonDirection& direction : horizon) {
     Json geometry = nullptr;

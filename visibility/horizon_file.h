@@ -14,8 +14,8 @@ namespace alidade {
 /// What a file says beside the line itself.
 struct HorizonFacts {
   glm::dvec3 eye{0.0};
-  SkyShares above_line;  ///< sky_above()
-  SkyShares sky;         ///< sky_shares()
+  std::optional<SkyShares> above_line;  ///< sky_above(); empty of a line that does not go all round
+  SkyShares sky;                        ///< sky_shares()
 };
 
 /// The line as CSV with a line of names: azimuth, elevation (degrees), distance (along the line of sight, in

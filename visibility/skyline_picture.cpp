@@ -173,7 +173,8 @@ void draw_axes(const DepthStrip& strip, const Frame& frame, Canvas& canvas, Writ
        ++i) {
     const int x = static_cast<int>(std::lround(frame.column(strip, i * step)));
     canvas.fill({x, plot.bottom + 1, x + 1, plot.bottom + 1 + k_tick}, k_faint_ink);
-    const double shown = i < 0.0 ? i * step + 360.0 : i * step + 0.0;
+    const double degrees = i * step + 0.0;
+    const double shown = degrees < 0.0 ? degrees + 360.0 : degrees > 360.0 ? degrees - 360.0 : degrees;
     writer.center(x, labels, fmt::format("{:g}°", shown), k_font_size, k_ink);
   }
   for (double i = std::ceil(strip.azimuth_min / 45.0 - k_slack); i * 45.0 <= strip.azimuth_max + k_slack; ++i)

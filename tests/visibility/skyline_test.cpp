@@ -104,7 +104,7 @@ TEST(HorizonFile, csv_has_a_row_per_azimuth) {
 
 TEST(HorizonFile, geojson_has_points_on_the_globe_or_says_that_they_are_not) {
   const std::vector<HorizonDirection> line = two_directions();
-  const HorizonFacts facts{{690000, 5325000, 601.7}, {0.5, 0.4}, {0.6, 0.55}};
+  HorizonFacts facts{{690000, 5325000, 601.7}, SkyShares{0.5, 0.4}, {0.6, 0.55}};
   ASSERT_EQ(horizon_places(line, facts).size(), 3u);
   const auto flat = nlohmann::json::parse(horizon_geojson(line, facts, {}));
   EXPECT_EQ(flat["type"], "FeatureCollection");
@@ -120,9 +120,11 @@ TEST(HorizonFile, geojson_has_points_on_the_globe_or_says_that_they_are_not) {
   EXPECT_EQ(first["properties"]["elevation"], 12.25);
   EXPECT_EQ(first["properties"]["point_id"], 7);
   EXPECT_TRUE(flat["features"][2]["geometry"].is_null());
+  facts.above_line.reset();
   const auto globe = nlohmann::json::parse(horizon_geojson(
       line, facts, std::vector<glm::dvec3>{{11.5, 48.0, 0.0}, {11.6, 48.1, 0.0}, {11.7, 48.2, 0.0}}));
   EXPECT_FALSE(globe.contains("coordinates"));
+  EXPECT_FALSE(globe["features"][0]["properties"].contains("sky_view_factor_above_line"));
   EXPECT_EQ(globe["features"][0]["geometry"]["coordinates"][0], 11.7);
   EXPECT_EQ(globe["features"][3]["geometry"]["coordinates"][1], 48.1);
 }

@@ -92,6 +92,12 @@ Observer only_observer(const HorizonCommand& command, const VisibilityCloud& clo
   return observers.front();
 }
 
+/// Degrees from the first azimuth of the field of view clockwise to the second.
+double width_of_view(const Observer& observer) {
+  const double width = observer.azimuth_max - observer.azimuth_min;
+  return width > 0.0 ? std::min(width, 360.0) : width + 360.0;
+}
+
 View look_around(const HorizonCommand& command, const VisibilityCloud& cloud, const Observer& observer) {
   const Occluders& occluders = *cloud.occluders;
   View view;
@@ -113,7 +119,7 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud, co
                  .expected = "a smaller --step or a wider --horizontal-fov"});
   }
   view.facts.eye = view.observer.position;
-  view.facts.above_line = sky_above(view.line);
+  if (width_of_view(observer) >= 360.0) view.facts.above_line = sky_above(view.line);
   view.facts.sky = sky_shares(occluders, view.eye, command.sky_directions, options.max_distance);
   return view;
 }
@@ -142,9 +148,7 @@ std::string sky_text(const SkyShares& sky) {
 
 void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
   const double from = view.observer.azimuth_min;
-  double width = view.observer.azimuth_max - from;
-  if (width <= 0.0) width += 360.0;
-  DepthStrip strip = strip_around(view.line, from, from + std::min(width, 360.0));
+  DepthStrip strip = strip_around(view.line, from, from + width_of_view(view.observer));
   ProgressLine line("drawing the skyline", "sight lines", command.verbosity.verbosity());
   fill_strip(*cloud.occluders, view.eye, view.observer.max_distance, strip, line.callback());
   line.finish();
@@ -185,9 +189,12 @@ void say_findings(const HorizonCommand& command, const View& view) {
     say_note(fmt::format("the horizon is highest at azimuth {:g}: {:g} degrees, {:.2f} away",
                          highest->azimuth, *highest->elevation, highest->blocker->distance));
   }
-  say_note(fmt::format("{}; {:.3f} and {:.3f} if all below the line is taken as blocked",
-                       sky_text(view.facts.sky), view.facts.above_line.cosine_weighted,
-                       view.facts.above_line.solid_angle));
+  std::string text = sky_text(view.facts.sky);
+  if (view.facts.above_line) {
+    text += fmt::format("; {:.3f} and {:.3f} if all below the line is taken as blocked",
+                        view.facts.above_line->cosine_weighted, view.facts.above_line->solid_angle);
+  }
+  say_note(text);
 }
 
 /// Fails before the work if what it ends in cannot be written here.
