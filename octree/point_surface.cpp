@@ -19,7 +19,8 @@
 namespace alidade {
 namespace {
 
-constexpr double k_least_trust = 0.5;  // of a plane that is a surface
+constexpr double k_least_sheet_trust = 0.8;  // of one of two sheets
+constexpr double k_least_trust = 0.7;        // of a plane that is a surface
 
 // 32 bits: one that says "exists", 10 + 10 for the normal, sign and 5 for the height, 5 for the thickness.
 constexpr double k_side_steps = 1022.0;
@@ -110,24 +111,48 @@ LocalPlane choose_sheet(const Octree& octree, const glm::dvec3& place, double re
       if (std::fabs(glm::dot(offset, sheet.normal) + sheet.height) < 0.5 * gap) offsets.push_back(offset);
     }
     sheet = local_plane(offsets, reach);
-    if (sheet.trust < k_least_trust) return plane;
+    if (sheet.trust < k_least_sheet_trust) return plane;
   }
-  constexpr double k_apart = 8.0;
-  return gap > k_apart * sheet.thickness ? sheet : plane;
+  // Sheets of a plate are parallel to it.
+  constexpr double k_apart = 8.0, k_parallel = 0.95;
+  const bool is_parallel = std::fabs(glm::dot(sheet.normal, plane.normal)) > k_parallel;
+  return is_parallel && gap > k_apart * sheet.thickness ? sheet : plane;
+}
+
+/// Whether a point stands so far off the sheet of its neighbours that it is no part of it.
+bool off_sheet(const LocalPlane& plane, double reach) {
+  constexpr double k_thicknesses = 4.0, k_reaches = 1e-3;
+  return std::fabs(plane.height) > k_thicknesses * plane.thickness + k_reaches * reach;
+}
+
+/// The surface of a point off the sheet of its neighbours: that of the others, as on the ground at the foot
+/// of a wall with many more points; or one of its own beside the sheet.
+PointSurface surface_beside(const Octree& octree, const glm::dvec3& place, double reach,
+                            const LocalPlane& sheet) {
+  std::vector<glm::dvec3> others;
+  for (const PointHit& point : find(octree, place, PointQuery{.radius = reach})) {
+    LocalPlane from_sheet = sheet;
+    const glm::dvec3 offset = point.position - place;
+    from_sheet.height += glm::dot(offset, sheet.normal);
+    if (off_sheet(from_sheet, reach)) others.push_back(offset);
+  }
+  const LocalPlane plane = local_plane(others, reach);
+  if (plane.trust >= k_least_trust && !off_sheet(plane, reach))
+    return {true, plane.normal, plane.height, plane.thickness};
+  return {true, sheet.normal, 0.0, sheet.thickness};
 }
 
 PointSurface fit_surface(const Octree& octree, const glm::dvec3& place, double spacing) {
-  constexpr double k_reaches[] = {2.5, 5.0};
+  constexpr double k_reaches[] = {2.5, 1.5, 1.1, 5.0};
   if (!std::isfinite(spacing)) return {};
   for (const double factor : k_reaches) {
     const double reach = factor * spacing;
     const LocalPlane fitted = local_plane(octree, place, reach);
     if (fitted.trust < k_least_trust) continue;
-    const LocalPlane plane = choose_sheet(octree, place, reach, fitted);
-    // A point far off the sheet of its neighbours makes a disc of its own.
-    constexpr double k_outside = 4.0;
-    const bool outside = std::fabs(plane.height) > k_outside * plane.thickness;
-    return {true, plane.normal, outside ? 0.0 : plane.height, plane.thickness};
+    // Few points look like two sheets by chance.
+    const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(octree, place, reach, fitted);
+    return off_sheet(plane, reach) ? surface_beside(octree, place, reach, plane)
+                                   : PointSurface{true, plane.normal, plane.height, plane.thickness};
   }
   return {};
 }

@@ -14,8 +14,9 @@
 
 namespace alidade {
 
-constexpr double k_sphere_share =
-    0.5;  ///< radius of a sphere in that of a disc, where each point has its own
+// Radii in spacings, where each point has its own. Discs of 0.92 spacings leave 0.1 % of a surface of random
+// points uncovered, exp(-8 * 0.92^2), and reach little beyond its edges.
+constexpr double k_disc_share = 0.92, k_sphere_share = 0.5;
 
 /// Place where a line meets the plane of a point's disc, whatever the disc's width and the line's ends;
 /// metres from its start. Empty for a line in the plane.
@@ -28,10 +29,12 @@ inline std::optional<double> meeting_place(const SightLine& line, const glm::dve
 }
 
 /// Whether a disc is part of the surface that an end lies on.
-inline bool is_own(const SightEnd& end, const glm::dvec3& point, const glm::dvec3& center,
+inline bool is_own(const SightEnd& end, const glm::dvec3& point, double radius, const glm::dvec3& center,
                    const glm::dvec3& normal) {
+  constexpr double k_radii = 3.0;
   const glm::dvec3 offset = end.position - point;
-  return glm::dot(offset, offset) <= end.own_reach * end.own_reach &&
+  const double reach = std::max(end.own_reach, k_radii * radius);
+  return end.own_reach > 0.0 && glm::dot(offset, offset) <= reach * reach &&
          std::fabs(glm::dot(end.position - center, normal)) <= end.own_thickness;
 }
 
@@ -41,10 +44,16 @@ inline bool is_within(const SightEnd& end, const glm::dvec3& point, double radiu
   return glm::dot(offset, offset) <= radius * radius;
 }
 
+/// Radius of the disc of a point with this spacing, as Candidate::radius has it.
+inline double disc_of(const Occluders& occluders, double spacing) {
+  return occluders.options().radius ? *occluders.options().radius
+                                    : std::min(occluders.largest_radius(), k_disc_share * spacing);
+}
+
 /// Radius of the sphere of a point without a surface; radius: of its disc.
 inline double sphere_of(const Occluders& occluders, double radius) {
   if (occluders.options().radius) return radius;
-  return std::min(k_sphere_share * radius, occluders.largest_sphere());
+  return std::min(k_sphere_share / k_disc_share * radius, occluders.largest_sphere());
 }
 
 /// Where a point blocks a line, metres from the line's start; empty if it does not.
@@ -69,8 +78,9 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   if (!place || !(*place >= 0.0 && *place <= line.length)) return std::nullopt;
   const glm::dvec3 offset = line.from.position + *place * line.direction - candidate.position;
   if (!(glm::dot(offset, offset) <= candidate.radius * candidate.radius)) return std::nullopt;
-  if (is_own(line.from, candidate.position, center, surface.normal)) return std::nullopt;
-  if (!endless && is_own(line.to, candidate.position, center, surface.normal)) return std::nullopt;
+  if (is_own(line.from, candidate.position, candidate.radius, center, surface.normal)) return std::nullopt;
+  if (!endless && is_own(line.to, candidate.position, candidate.radius, center, surface.normal))
+    return std::nullopt;
   return place;
 }
 

@@ -57,8 +57,7 @@ class Reaches {
     constexpr double k_more = 1.0 + 1e-6, k_less = 1.0 - 1e-6;
     const OccluderOptions& options = occluders_.options();
     if (options.counts && !options.counts(point.point_id)) return {};
-    const double radius =
-        options.radius ? *options.radius : std::min(occluders_.largest_radius(), spacings_[point.point_id]);
+    const double radius = options.radius ? *options.radius : disc_of(occluders_, spacings_[point.point_id]);
     const PointSurface surface =
         occluders_.has_surfaces() ? surface_of(occluders_.octree().view(), point.point_id) : PointSurface{};
     if (!surface.exists) {
@@ -67,7 +66,7 @@ class Reaches {
       return k_more * sphere;
     }
     const glm::dvec3 center = point.position - surface.height * surface.normal;
-    if (is_own(eye_, point.position, center, surface.normal)) return {};
+    if (is_own(eye_, point.position, radius, center, surface.normal)) return {};
     return k_more * radius;
   }
 

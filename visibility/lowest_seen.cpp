@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "octree/point_spacing.h"
+#include "visibility/crossing.h"
 
 namespace alidade {
 namespace {
@@ -20,8 +21,7 @@ LowestSeen::LowestSeen(const Occluders& occluders, const ViewshedOptions& option
 }
 
 double LowestSeen::radius_of(std::uint64_t point_id) const {
-  if (spacings_.empty()) return *occluders_.options().radius;
-  return std::min(spacings_[point_id], occluders_.largest_radius());
+  return disc_of(occluders_, spacings_.empty() ? 0.0 : spacings_[point_id]);
 }
 
 void LowestSeen::aim(const MapObserver& observer, std::span<const MapTarget> targets) {

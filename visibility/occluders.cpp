@@ -13,7 +13,7 @@ namespace alidade {
 
 Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress)
     : octree_(octree), options_(options) {
-  constexpr double k_widest_disc = 4.0;
+  constexpr double k_widest_disc = 16.0;
   if (options.radius && !(std::isfinite(*options.radius) && *options.radius > 0.0)) {
     throw Error({.problem = "bad radius of occluders",
                  .expected = "a length above 0",

@@ -20,8 +20,9 @@ constexpr double k_lift = 1.0;  // thicknesses
 
 /// How far the surface of an end reaches around it, metres.
 double own_reach(const Occluders& occluders) {
-  constexpr double k_radii = 3.0;
-  return occluders.options().radius ? k_radii * *occluders.options().radius : occluders.largest_radius();
+  constexpr double k_radii = 3.0, k_spheres = 4.0;
+  return occluders.options().radius ? k_radii * *occluders.options().radius
+                                    : k_spheres * occluders.largest_sphere();
 }
 
 /// How thick the surface of an end is around its sheet; also when it has no thickness but that of the
@@ -51,7 +52,7 @@ std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> 
 
 RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) {
   RayQuery query{.radius = occluders.largest_radius(), .measure = Measure::t};
-  if (!occluders.options().radius) query.spacing_factor = 1.0;
+  if (!occluders.options().radius) query.spacing_factor = k_disc_share;
   query.filter = [&occluders, lines](const Candidate& candidate) {
     return crossing(occluders, lines[candidate.query_index], candidate).has_value();
   };
@@ -143,7 +144,7 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position) {
   if (!occluders.has_surfaces()) return {position};
   const std::vector<PointHit> nearest =
-      find(occluders.octree(), position, PointQuery{.radius = occluders.largest_radius(), .k = 1});
+      find(occluders.octree(), position, PointQuery{.radius = occluders.largest_sphere(), .k = 1});
   if (nearest.empty()) return {position};
   const PointSurface surface = surface_of(occluders.octree().view(), nearest.front().point_id);
   if (!surface.exists) return {position};

@@ -24,8 +24,9 @@ namespace alidade {
 /// One end of a sight line.
 struct SightEnd {
   glm::dvec3 position{0.0};
-  /// Discs with their point within own_reach (metres) whose plane passes within own_thickness (metres) of the
-  /// position are the surface that the end lies on. 0: a place in the air.
+  /// Discs with their point within own_reach (metres), or 3 of their radii if these are more, whose plane
+  /// passes within own_thickness (metres) of the position are the surface that the end lies on. 0: a place in
+  /// the air.
   double own_reach = 0.0, own_thickness = 0.0;
 };
 
@@ -52,8 +53,8 @@ SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const 
                       const glm::dvec3& seen_from);
 
 /// A place on or a little above the ground or a roof as an end: the surface of the nearest point, as far as
-/// it passes near the place, is its own. Where no point is within the widest radius, or the nearest has no
-/// surface, a place in the air. Cost: a microsecond.
+/// it passes near the place, is its own. Where no point is within the radius of the widest sphere, or the
+/// nearest has no surface, a place in the air. Cost: a microsecond.
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position);
 
 /// What blocks a line.

@@ -63,7 +63,7 @@ TEST(PointSurface, of_a_noisy_plane_is_that_plane) {
     add(cloud, Square{normal, noise}, random);
     const Octree octree = with_all(cloud);
     double squares = 0.0;
-    std::size_t inside = 0, thin = 0;
+    std::size_t inside = 0, thin = 0, tilted = 0;
     for (std::size_t id = 0; id < cloud.size(); ++id) {
       const glm::dvec3 place = cloud.world(id) - cloud.lattice.offset;
       const PointSurface surface = surface_of(octree.view(), id);
@@ -72,11 +72,12 @@ TEST(PointSurface, of_a_noisy_plane_is_that_plane) {
       ++inside;
       const glm::dvec3 center = place - surface.height * surface.normal;
       squares += glm::dot(center, normal) * glm::dot(center, normal);
-      ASSERT_GT(std::fabs(glm::dot(surface.normal, normal)), 0.94) << id;
-      ASSERT_LT(surface.thickness, 2.0 * noise + 2e-4) << id;
+      tilted += std::fabs(glm::dot(surface.normal, normal)) < 0.94 ? 1 : 0;
+      ASSERT_LT(surface.thickness, 2.5 * noise + 2e-4) << id;
       thin += surface.thickness < 0.4 * noise ? 1 : 0;
     }
     EXPECT_LT(thin, inside / 100);
+    EXPECT_LT(tilted, inside / 500);
     // The middle of the disc is much nearer to the plane than the point.
     EXPECT_LT(std::sqrt(squares / static_cast<double>(inside)), 0.45 * noise + 1e-4);
   }
@@ -103,7 +104,7 @@ TEST(PointSurface, tells_the_two_sides_of_a_thin_plate_apart) {
       mixed += right ? 0 : 1;
     }
     // Chance lets both sides look like one here and there.
-    EXPECT_LT(mixed, inside / 100) << noise;
+    EXPECT_LT(mixed, inside / 50) << noise;
   }
 }
 

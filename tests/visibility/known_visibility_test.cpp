@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// What sight lines through points say, against the exact surfaces the points were sampled from.
+#include <gtest/gtest.h>
+
+#include "octree/build.h"
+#include "octree/point_spacing.h"
+#include "tests/support/known_visibility.h"
+#include "visibility/point_visibility.h"
+
+namespace alidade {
+namespace {
+
+using test::KnownScene;
+
+std::vector<std::uint8_t> seen_from(const Occluders& occluders, const glm::dvec3& eye) {
+  Observer observer;
+  observer.position = eye;
+  const PointVisibility found = point_visibility(occluders, {&observer, 1}, {});
+  return {found.counts.begin(), found.counts.end()};
+}
+
+void expect_truth(const KnownScene& scene, double least) {
+  const Occluders occluders(build(scene.cloud), {});
+  for (const glm::dvec3& eye : scene.observers) {
+    const std::vector<std::uint8_t> truth = test::truth(scene, eye);
+    const test::Agreement agreement = test::agreement(seen_from(occluders, eye), truth,
+                                                      test::near_boundary(scene, occluders.octree(), truth));
+    EXPECT_GE(agreement.clear, least) << scene.name;
+    EXPECT_GT(agreement.precision, 0.9) << scene.name;
+    EXPECT_GT(agreement.recall, 0.75) << scene.name;
+  }
+}
+
+TEST(KnownVisibility, of_a_courtyard_is_told) {
+  expect_truth(test::known_courtyard(100000), 0.95);
+}
+
+TEST(KnownVisibility, of_a_fence_is_told) {
+  expect_truth(test::fence(), 0.985);
+}
+
+TEST(KnownVisibility, of_trees_is_told) {
+  expect_truth(test::canopy(), 0.98);
+}
+
+TEST(KnownVisibility, of_a_wall_of_two_densities_is_told) {
+  expect_truth(test::mixed_density(), 0.99);
+}
+
+TEST(KnownVisibility, of_ground_at_grazing_angles_is_told) {
+  expect_truth(test::grazing_slope(), 0.94);
+}
+
+TEST(KnownVisibility, of_a_thin_plate_is_told) {
+  // Both sides lie within two radii of each other, so all points are near a boundary.
+  const KnownScene scene = test::thin_plate();
+  const Occluders occluders(build(scene.cloud), {});
+  for (const glm::dvec3& eye : scene.observers) {
+    const test::Agreement agreement = test::agreement(seen_from(occluders, eye), test::truth(scene, eye),
+                                                      std::vector<std::uint8_t>(scene.cloud.size()));
+    EXPECT_GT(agreement.clear, 0.95);
+  }
+}
+
+}  // namespace
+}  // namespace alidade
