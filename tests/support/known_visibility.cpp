@@ -142,8 +142,8 @@ KnownScene mixed_density() {
   std::vector<shapes::Shape> all{box({-3, 0, 0}, {3, 0.3, 2.5}), box({-6, -4, -0.3}, {6, 6, 0})};
   for (const double x : {-4.0, -1.5, 1.5, 3.5}) all.emplace_back(box({x - 0.4, 2.0, 0}, {x + 0.4, 2.8, 1.0}));
   KnownScene scene = scene_of("wall of two densities", all);
-  // 5,000 points per square metre on one half of the wall, 50 on its other half, 1,500 on the boxes, 100 on the
-  // ground.
+  // 5,000 points per square metre on one half of the wall, 50 on its other half, 1,500 on the boxes, 100 on
+  // the ground.
   sample_evenly(scene, 5000.0, 0.003, random, [](const glm::dvec3& place, Random& chance) {
     if (place.z <= 0.0) return chance.unit() < 0.02;
     if (place.y < 1.0 && place.x > 0.0) return chance.unit() < 0.01;
