@@ -44,15 +44,16 @@ inline bool is_within(const SightEnd& end, const glm::dvec3& point, double radiu
   return glm::dot(offset, offset) <= radius * radius;
 }
 
-/// Radius of the disc of a point with this spacing, as Candidate::radius has it.
-inline double disc_of(const Occluders& occluders, double spacing) {
-  return occluders.options().radius ? *occluders.options().radius
-                                    : std::min(occluders.largest_radius(), k_disc_share * spacing);
+/// Radius that the queries of sight lines give a point with this spacing: Candidate::radius.
+inline double candidate_radius(const Occluders& occluders, double spacing) {
+  if (occluders.options().radius) return *occluders.options().radius;
+  return std::min(occluders.largest_radius(),
+                  (occluders.has_surfaces() ? k_disc_share : k_sphere_share) * spacing);
 }
 
-/// Radius of the sphere of a point without a surface; radius: of its disc.
+/// Radius of the sphere of a point without a surface; radius: candidate_radius().
 inline double sphere_of(const Occluders& occluders, double radius) {
-  if (occluders.options().radius) return radius;
+  if (occluders.options().radius || !occluders.has_surfaces()) return radius;
   return std::min(k_sphere_share / k_disc_share * radius, occluders.largest_sphere());
 }
 

@@ -57,7 +57,8 @@ class Reaches {
     constexpr double k_more = 1.0 + 1e-6, k_less = 1.0 - 1e-6;
     const OccluderOptions& options = occluders_.options();
     if (options.counts && !options.counts(point.point_id)) return {};
-    const double radius = options.radius ? *options.radius : disc_of(occluders_, spacings_[point.point_id]);
+    const double radius =
+        options.radius ? *options.radius : candidate_radius(occluders_, spacings_[point.point_id]);
     const PointSurface surface =
         occluders_.has_surfaces() ? surface_of(occluders_.octree().view(), point.point_id) : PointSurface{};
     if (!surface.exists) {

@@ -52,7 +52,7 @@ std::string horizon_geojson(std::span<const HorizonDirection> horizon, const Hor
   assert(places.size() == horizon_places(horizon, facts).size());
   // One feature per line: for people, and for programs that look at differences.
   std::string text = "{\"type\": \"FeatureCollection\",\n";
-  if (!on_globe) text += "\"coordinates\": \"x and y of the cloud, not longitude and latitude\",\n";
+  if (!on_globe) text += "\"coordinate_system\": \"x and y of the cloud, not longitude and latitude\",\n";
   text += "\"features\": [\n";
   Json eye{{"kind", "observer"},
            {"z", facts.eye.z},

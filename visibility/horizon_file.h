@@ -28,7 +28,7 @@ std::vector<glm::dvec3> horizon_places(std::span<const HorizonDirection> horizon
 
 /// The line as GeoJSON (RFC 7946): the observer, with the sky-view factors, and every blocking point with
 /// azimuth, elevation, distance, point_id and z, as points; azimuths without a horizon have no geometry.
-/// Without longitudes and latitudes the coordinates are the cloud's, and a member "coordinates" of the
+/// Without longitudes and latitudes the coordinates are the cloud's, and a member "coordinate_system" of the
 /// collection says so.
 std::string horizon_geojson(std::span<const HorizonDirection> horizon, const HorizonFacts& facts,
                             const std::optional<std::vector<glm::dvec3>>& on_globe);

@@ -21,7 +21,7 @@ LowestSeen::LowestSeen(const Occluders& occluders, const ViewshedOptions& option
 }
 
 double LowestSeen::radius_of(std::uint64_t point_id) const {
-  return disc_of(occluders_, spacings_.empty() ? 0.0 : spacings_[point_id]);
+  return candidate_radius(occluders_, spacings_.empty() ? 0.0 : spacings_[point_id]);
 }
 
 void LowestSeen::aim(const MapObserver& observer, std::span<const MapTarget> targets) {

@@ -53,7 +53,7 @@ double sphere_radius_of(const Occluders& occluders, const PointHit& point) {
   // A point's spacing is the distance to its 8th neighbour.
   constexpr std::size_t k_with_neighbours = 9;
   const auto neighbours = find(occluders.octree(), point.position, {.k = k_with_neighbours});
-  return sphere_of(occluders, neighbours.back().distance);
+  return sphere_of(occluders, candidate_radius(occluders, neighbours.back().distance));
 }
 
 std::string remark_on(const Occluders& occluders, const Observer& observer) {

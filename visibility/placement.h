@@ -25,7 +25,8 @@ struct ChosenPlace {
 struct Placement {
   std::vector<ChosenPlace> places;  ///< in the order they were chosen; `covered` is the curve
   double total = 0.0;               ///< weight of all targets
-  /// No choice of as many places as asked for covers more; at least 1 - 1/e of it is covered.
+  /// No choice of as many places as asked for covers more. (What the best choice covers may be less than
+  /// this; of that at least 1 - 1/e is covered.)
   double best_possible = 0.0;
 };
 

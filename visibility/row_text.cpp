@@ -85,7 +85,8 @@ Row members_of(const RowFileHead& head) {
 Row geojson_head(const RowFileHead& head, bool on_earth) {
   Row members = {{"type", "FeatureCollection"}};
   members.update(members_of(head));
-  members["coordinates"] = on_earth ? "longitude, latitude (WGS 84), z of the cloud" : "those of the cloud";
+  members["coordinate_system"] =
+      on_earth ? "longitude, latitude (WGS 84), z of the cloud" : "those of the cloud";
   return members;
 }
 

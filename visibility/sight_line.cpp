@@ -52,7 +52,9 @@ std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> 
 
 RayQuery query_of(const Occluders& occluders, std::span<const SightLine> lines) {
   RayQuery query{.radius = occluders.largest_radius(), .measure = Measure::t};
-  if (!occluders.options().radius) query.spacing_factor = k_disc_share;
+  if (!occluders.options().radius) {
+    query.spacing_factor = occluders.has_surfaces() ? k_disc_share : k_sphere_share;
+  }
   query.filter = [&occluders, lines](const Candidate& candidate) {
     return crossing(occluders, lines[candidate.query_index], candidate).has_value();
   };
@@ -80,7 +82,10 @@ std::optional<Blocker> separate_blocker(const Occluders& occluders, const SightL
   std::vector<Crossing> crossings;
   for (const Hit& hit : hits) {
     const double radius = query.spacing_factor > 0.0 ? sphere_radius(query, hit) : query.radius;
-    crossings.push_back({blocker_of(occluders, line, hit), 2.0 * radius});
+    const bool is_disc =
+        occluders.has_surfaces() && surface_of(occluders.octree().view(), hit.point_id).exists;
+    crossings.push_back(
+        {blocker_of(occluders, line, hit), 2.0 * (is_disc ? radius : sphere_of(occluders, radius))});
   }
   std::ranges::sort(crossings, {}, [](const Crossing& crossing) {
     return std::pair(crossing.blocker.distance, crossing.blocker.point_id);

@@ -46,9 +46,9 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction,
 
 /// A point of the cloud as an end: on its sheet, lifted by the sheet's thickness towards the side that
 /// `seen_from` is on; where the line grazes the sheet by less than 0.02 (1.1 degrees), upwards. Its own
-/// surface are the discs whose planes pass within 3 thicknesses and whose points are near: within the widest
-/// radius, or 3 radii if all have the same. A point without a surface stands where it is. Requires: point_id
-/// has this position.
+/// surface are the discs whose planes pass within 3 thicknesses and whose points are near: within 3 of their
+/// radii or, where each has its own, 4 of the widest sphere's. A point without a surface stands where it is.
+/// Requires: point_id has this position.
 SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                       const glm::dvec3& seen_from);
 

@@ -71,7 +71,7 @@ TEST_F(SkyTest, horizon_writes_geojson_skyline_and_panorama) {
   const auto line = nlohmann::json::parse(read("line.geojson"));
   ASSERT_EQ(line["features"].size(), 181u);
   EXPECT_EQ(line["features"][0]["geometry"]["coordinates"][0], -3.0);
-  EXPECT_TRUE(line.contains("coordinates")) << "the cloud has no reference system";
+  EXPECT_TRUE(line.contains("coordinate_system")) << "the cloud has no reference system";
   const double factor = line["features"][0]["properties"]["sky_view_factor"];
   EXPECT_GT(factor, 0.9);
   EXPECT_LT(factor, 1.0);

@@ -59,7 +59,7 @@ std::vector<Hit> all_blockers(const Occluders& occluders, const PointCloud& clou
   std::vector<Hit> hits;
   for (std::size_t id = 0; id < cloud.size(); ++id) {
     const RayProjection projection = project(ray, cloud.world(id));
-    const double radius = disc_of(occluders, own_radii ? spacings[id] : 0.0);
+    const double radius = candidate_radius(occluders, own_radii ? spacings[id] : 0.0);
     if (!(projection.distance <= radius)) continue;
     const Candidate candidate{.point_id = id,
                               .position = cloud.world(id),
@@ -214,6 +214,18 @@ TEST(SightLine, is_blocked_only_by_points_that_count) {
   OccluderOptions options;
   options.counts = [](std::uint64_t id) { return id < 4000 || id >= 5500; };
   EXPECT_FALSE(first_blocker(Occluders(octree, options), line));
+}
+
+TEST(SightLine, spheres_are_as_large_whether_or_not_there_are_discs_too) {
+  const Octree octree = build(garden());
+  const Occluders mixed(octree, {}), spheres(octree, {.shape = OccluderShape::sphere});
+  ASSERT_EQ(mixed.largest_sphere(), spheres.largest_sphere());
+  for (const double share : {0.1, 0.9, 1.2, 1.9, 2.1, 5.0}) {
+    const double spacing = share * mixed.largest_sphere();
+    const double radius = sphere_of(mixed, candidate_radius(mixed, spacing));
+    EXPECT_NEAR(radius, std::min(0.5 * spacing, mixed.largest_sphere()), 1e-12);
+    EXPECT_NEAR(sphere_of(spheres, candidate_radius(spheres, spacing)), radius, 1e-12);
+  }
 }
 
 TEST(SightLine, refuses_bad_input) {

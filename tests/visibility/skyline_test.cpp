@@ -108,7 +108,7 @@ TEST(HorizonFile, geojson_has_points_on_the_globe_or_says_that_they_are_not) {
   ASSERT_EQ(horizon_places(line, facts).size(), 3u);
   const auto flat = nlohmann::json::parse(horizon_geojson(line, facts, {}));
   EXPECT_EQ(flat["type"], "FeatureCollection");
-  EXPECT_TRUE(flat.contains("coordinates"));
+  EXPECT_TRUE(flat.contains("coordinate_system"));
   ASSERT_EQ(flat["features"].size(), 4u);
   const auto& eye = flat["features"][0];
   EXPECT_EQ(eye["properties"]["kind"], "observer");
@@ -123,7 +123,7 @@ TEST(HorizonFile, geojson_has_points_on_the_globe_or_says_that_they_are_not) {
   facts.above_line.reset();
   const auto globe = nlohmann::json::parse(horizon_geojson(
       line, facts, std::vector<glm::dvec3>{{11.5, 48.0, 0.0}, {11.6, 48.1, 0.0}, {11.7, 48.2, 0.0}}));
-  EXPECT_FALSE(globe.contains("coordinates"));
+  EXPECT_FALSE(globe.contains("coordinate_system"));
   EXPECT_FALSE(globe["features"][0]["properties"].contains("sky_view_factor_above_line"));
   EXPECT_EQ(globe["features"][0]["geometry"]["coordinates"][0], 11.7);
   EXPECT_EQ(globe["features"][3]["geometry"]["coordinates"][1], 48.1);

@@ -119,7 +119,9 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud, co
                  .expected = "a smaller --step or a wider --horizontal-fov"});
   }
   view.facts.eye = view.observer.position;
-  if (width_of_view(observer) >= 360.0) view.facts.above_line = sky_above(view.line);
+  const bool all_round =
+      width_of_view(observer) >= 360.0 && observer.elevation_min <= 0.0 && observer.elevation_max >= 90.0;
+  if (all_round) view.facts.above_line = sky_above(view.line);
   view.facts.sky = sky_shares(occluders, view.eye, command.sky_directions, options.max_distance);
   return view;
 }
