@@ -72,8 +72,10 @@ TreeView tree_in(const IndexSections& sections) {
     tree.spacings = sections.values<std::uint16_t>(IndexSection::spacings).data();
     tree.slot_spacings = sections.values<std::uint16_t>(IndexSection::slot_spacings).data();
   }
-  if (sections.header().find(IndexSection::surfaces))
+  if (sections.header().find(IndexSection::surfaces)) {
     tree.surfaces = sections.values<std::uint32_t>(IndexSection::surfaces).data();
+    tree.sheet_edges = sections.values<std::uint8_t>(IndexSection::sheet_edges).data();
+  }
   return tree;
 }
 

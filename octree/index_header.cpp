@@ -201,10 +201,12 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
                  has_spacings ? "the section" : "none", is_there ? "the section" : "none");
   }
   const bool has_surfaces = header.tree.surface_unit > 0.0;
-  const bool surfaces_are_there = header.find(IndexSection::surfaces) != nullptr;
-  page.require(surfaces_are_there == has_surfaces, k_section_table,
-               "sections and header disagree about surfaces", has_surfaces ? "the section" : "none",
-               surfaces_are_there ? "the section" : "none");
+  for (const IndexSection needed : {IndexSection::surfaces, IndexSection::sheet_edges}) {
+    const bool is_there = header.find(needed) != nullptr;
+    page.require(is_there == has_surfaces, k_section_table,
+                 fmt::format("sections and header disagree about {}", name(needed)),
+                 has_surfaces ? "the section" : "none", is_there ? "the section" : "none");
+  }
   page.require(header.sections.back().end() == header.file_bytes, 24, "bytes behind the last section",
                fmt::format("{} bytes in all", header.sections.back().end()), header.file_bytes);
 }

@@ -28,6 +28,7 @@ std::uint32_t element_bytes(IndexSection kind) {
       return sizeof(std::uint32_t);
     case IndexSection::positions:
       return sizeof(LatticePosition);
+    case IndexSection::sheet_edges:
     case IndexSection::metadata:
     case IndexSection::record_data:
       return 1;
@@ -57,6 +58,8 @@ std::string name(IndexSection section) {
       return "slot spacings";
     case IndexSection::surfaces:
       return "surfaces";
+    case IndexSection::sheet_edges:
+      return "sheet edges";
     case IndexSection::metadata:
       return "metadata";
     case IndexSection::record_data:

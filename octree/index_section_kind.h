@@ -19,6 +19,7 @@ enum class IndexSection : std::uint32_t {
   spacings = 5,
   slot_spacings = 6,
   surfaces = 7,
+  sheet_edges = 8,
   first_column = 16,
   extra_dimensions = 27,
   metadata = 32,

@@ -84,14 +84,16 @@ LocalPlane fit_plane(const simd::Moments& moments) {
   // A row of points is flat in any direction across it.
   const double breadth = std::min(1.0, width / (0.1 * found.values[wide]));
   const glm::dvec3 normal = glm::normalize(found.vectors[thin]);
-  return {normal, flatness * support * breadth, -glm::dot(mean, normal),
-          std::sqrt(std::max(0.0, found.values[thin]))};
+  const double height = -glm::dot(mean, normal);
+  return {normal, flatness * support * breadth, height, std::sqrt(std::max(0.0, found.values[thin])),
+          glm::length(mean + height * normal)};
 }
 
 LocalPlane fit_plane(const simd::Moments& moments, double reach) {
   LocalPlane plane = fit_plane(moments);
   plane.height *= reach;
   plane.thickness *= reach;
+  plane.off_center *= reach;
   return plane;
 }
 

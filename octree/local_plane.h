@@ -14,6 +14,8 @@ struct LocalPlane {
   double trust = 0.0;                ///< 0: no surface here (foliage, lone points) .. 1: a plane
   double height = 0.0;               ///< of the place above the plane, along the normal, metres
   double thickness = 0.0;            ///< standard deviation of the points from the plane, metres
+  /// Distance of the points' mean from the place along the plane, metres: small in the midst of a surface.
+  double off_center = 0.0;
 };
 
 /// Fits a plane to the points within `reach` metres of a place, nearer ones weighing more. Requires reach >

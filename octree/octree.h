@@ -55,6 +55,8 @@ struct TreeView {
   /// surface_unit metres. Null if nobody fitted them.
   const std::uint32_t* surfaces = nullptr;
   double surface_unit = 0.0;
+  /// Where the sheet of each point ends (octree/sheet_edge.h), by point id, packed. Null without surfaces.
+  const std::uint8_t* sheet_edges = nullptr;
 
   /// Length of `positions`.
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }

@@ -13,6 +13,7 @@
 #include "octree/packed_normal.h"
 #include "octree/parallel_leaves.h"
 #include "octree/query.h"
+#include "octree/sheet_edge.h"
 #include "octree/simd/moments.h"
 #include "octree/spacing.h"
 
@@ -50,6 +51,13 @@ std::uint32_t nearest_length(double length) {
 std::uint32_t length_above(double length) {
   const auto above = std::ranges::lower_bound(k_lengths, length);
   return above == k_lengths.end() ? k_length_mask : static_cast<std::uint32_t>(above - k_lengths.begin());
+}
+
+PointSurface unpack(std::uint32_t packed, double unit) {
+  if ((packed & k_exists) == 0) return {};
+  const double height = unit * k_lengths[packed >> 5 & k_length_mask];
+  return {true, unpack_normal({packed >> 21 & 0x3ffu, packed >> 11 & 0x3ffu}, k_side_steps),
+          (packed & k_below) != 0 ? -height : height, unit * k_lengths[packed & k_length_mask]};
 }
 
 std::uint32_t pack(const PointSurface& surface, double unit) {
@@ -142,8 +150,15 @@ PointSurface surface_beside(const Octree& octree, const glm::dvec3& place, doubl
   return {true, sheet.normal, 0.0, sheet.thickness};
 }
 
-PointSurface fit_surface(const Octree& octree, const glm::dvec3& place, double spacing) {
+struct FittedSurface {
+  PointSurface surface;
+  bool may_end = true;  ///< whether an edge of the sheet may be near
+};
+
+FittedSurface fit_surface(const Octree& octree, const glm::dvec3& place, double spacing) {
   constexpr double k_reaches[] = {2.5, 1.5, 1.1, 5.0};
+  // Near an edge the mean of a sheet's points lies farther inward, in reaches, than it does by chance.
+  constexpr double k_centered = 0.1;
   if (!std::isfinite(spacing)) return {};
   for (const double factor : k_reaches) {
     const double reach = factor * spacing;
@@ -151,8 +166,9 @@ PointSurface fit_surface(const Octree& octree, const glm::dvec3& place, double s
     if (fitted.trust < k_least_trust) continue;
     // Few points look like two sheets by chance.
     const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(octree, place, reach, fitted);
-    return off_sheet(plane, reach) ? surface_beside(octree, place, reach, plane)
-                                   : PointSurface{true, plane.normal, plane.height, plane.thickness};
+    if (off_sheet(plane, reach)) return {surface_beside(octree, place, reach, plane)};
+    const bool may_end = factor != k_reaches[0] || plane.off_center > k_centered * reach;
+    return {{true, plane.normal, plane.height, plane.thickness}, may_end};
   }
   return {};
 }
@@ -160,6 +176,7 @@ PointSurface fit_surface(const Octree& octree, const glm::dvec3& place, double s
 struct Surfaces {
   std::shared_ptr<const void> octree;  ///< keeps its arrays alive
   HugeArray<std::uint32_t> points;
+  HugeArray<std::uint8_t> edges;
 };
 
 }  // namespace
@@ -170,26 +187,29 @@ Octree with_surfaces(const Octree& octree, const Progress& progress) {
   made->octree = octree.storage();
   TreeView tree = octree.view();
   made->points = HugeArray<std::uint32_t>(tree.point_count);
+  made->edges = HugeArray<std::uint8_t>(tree.point_count);
   tree.surface_unit = automatic_radius(octree);
   for_each_leaf_in_parallel(tree, progress, [&] {
     return [&](const Leaf& leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
         const glm::dvec3 place = to_world(tree.lattice, position_of(tree, leaf, i));
-        made->points[point_id(tree, leaf.place + i)] =
-            pack(fit_surface(octree, place, spacing_at(tree, leaf.place + i)), tree.surface_unit);
+        const double spacing = spacing_at(tree, leaf.place + i);
+        const std::uint64_t id = point_id(tree, leaf.place + i);
+        const FittedSurface fitted = fit_surface(octree, place, spacing);
+        const std::uint32_t packed = pack(fitted.surface, tree.surface_unit);
+        made->points[id] = packed;
+        made->edges[id] =
+            fitted.may_end ? fit_sheet_edge(octree, place, spacing, unpack(packed, tree.surface_unit)) : 0;
       }
     };
   });
   tree.surfaces = made->points.data();
+  tree.sheet_edges = made->edges.data();
   return Octree(tree, made, octree.instruction_set());
 }
 
 PointSurface surface_of(const TreeView& tree, std::uint64_t point_id) {
-  const std::uint32_t packed = tree.surfaces[point_id];
-  if ((packed & k_exists) == 0) return {};
-  const double height = tree.surface_unit * k_lengths[packed >> 5 & k_length_mask];
-  return {true, unpack_normal({packed >> 21 & 0x3ffu, packed >> 11 & 0x3ffu}, k_side_steps),
-          (packed & k_below) != 0 ? -height : height, tree.surface_unit * k_lengths[packed & k_length_mask]};
+  return unpack(tree.surfaces[point_id], tree.surface_unit);
 }
 
 }  // namespace alidade

@@ -147,7 +147,10 @@ void write_tree(IndexWriter& writer, const TreeView& tree) {
     writer.write(IndexSection::slot_spacings,
                  std::span(tree.slot_spacings, std::size_t{k_node_width} * tree.node_count));
   }
-  if (tree.surfaces) writer.write(IndexSection::surfaces, std::span(tree.surfaces, points));
+  if (tree.surfaces) {
+    writer.write(IndexSection::surfaces, std::span(tree.surfaces, points));
+    writer.write(IndexSection::sheet_edges, std::span(tree.sheet_edges, points));
+  }
 }
 
 void write_cloud(IndexWriter& writer, const PointCloud& cloud) {

@@ -27,7 +27,7 @@ double bytes_per_point(const IndexFile& index, std::uint64_t bytes) {
 std::uint64_t octree_bytes(const IndexFile& index) {
   std::uint64_t bytes = 0;
   for (const SectionEntry& section : index.header().sections) {
-    if (section.kind <= IndexSection::surfaces) bytes += section.bytes;
+    if (section.kind <= IndexSection::sheet_edges) bytes += section.bytes;
   }
   return bytes;
 }

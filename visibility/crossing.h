@@ -7,6 +7,7 @@
 
 #include "octree/candidate.h"
 #include "octree/point_surface.h"
+#include "octree/sheet_edge.h"
 #include "visibility/occluders.h"
 #include "visibility/sight_line.h"
 
@@ -17,6 +18,8 @@ namespace alidade {
 // Radii in spacings, where each point has its own. Discs of 0.92 spacings leave 0.1 % of a surface of random
 // points uncovered, exp(-8 * 0.92^2), and reach little beyond its edges.
 constexpr double k_disc_share = 0.92, k_sphere_share = 0.5;
+// Points without a surface among discs, mostly at edges, are spheres that need to close little.
+constexpr double k_lone_share = 0.35;
 
 /// Place where a line meets the plane of a point's disc, whatever the disc's width and the line's ends;
 /// metres from its start. Empty for a line in the plane.
@@ -54,7 +57,7 @@ inline double candidate_radius(const Occluders& occluders, double spacing) {
 /// Radius of the sphere of a point without a surface; radius: candidate_radius().
 inline double sphere_of(const Occluders& occluders, double radius) {
   if (occluders.options().radius || !occluders.has_surfaces()) return radius;
-  return std::min(k_sphere_share / k_disc_share * radius, occluders.largest_sphere());
+  return std::min(k_lone_share / k_disc_share * radius, occluders.largest_sphere());
 }
 
 /// Where a point blocks a line, metres from the line's start; empty if it does not.
@@ -79,6 +82,12 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   if (!place || !(*place >= 0.0 && *place <= line.length)) return std::nullopt;
   const glm::dvec3 offset = line.from.position + *place * line.direction - candidate.position;
   if (!(glm::dot(offset, offset) <= candidate.radius * candidate.radius)) return std::nullopt;
+  // Radii that are given are those of whole discs.
+  if (!occluders.options().radius) {
+    const SheetEdge edge = edge_of(occluders.octree().view(), candidate.point_id, surface.normal);
+    if (glm::dot(offset, edge.direction) * k_disc_share > edge.distance * candidate.radius)
+      return std::nullopt;
+  }
   if (is_own(line.from, candidate.position, candidate.radius, center, surface.normal)) return std::nullopt;
   if (!endless && is_own(line.to, candidate.position, candidate.radius, center, surface.normal))
     return std::nullopt;

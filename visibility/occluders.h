@@ -11,7 +11,8 @@
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
 // graze flat ground pass over it; spheres would make every surface thicker by their radius. A point without
-// a surface (foliage, wires) is a sphere, which blocks a line that passes it within a radius.
+// a surface (foliage, wires) is a sphere, which blocks a line that passes it within a radius. Discs that
+// would reach beyond the edge of their sheet (octree/sheet_edge.h) are cut off there.
 
 namespace alidade {
 
@@ -25,7 +26,8 @@ struct OccluderOptions {
   OccluderShape shape = OccluderShape::automatic;
   /// Metres, of all points, > 0. Empty: each point has its own, by its spacing, the distance to its 8th
   /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times what the
-  /// renderer's automatic radius would be; 0.5 of it for a sphere, at most that automatic radius.
+  /// renderer's automatic radius would be; 0.35 of it for a sphere among discs, 0.5 where all are spheres, at
+  /// most that automatic radius. Discs of a given radius are not cut off at edges.
   std::optional<double> radius{};
   /// So many separate crossings block, >= 1: 1 for solid things, more to see through foliage. Crossings
   /// within a point's diameter of the first of them are one.
@@ -39,7 +41,7 @@ class Occluders {
  public:
   /// Measures spacings (of 8 neighbours) and fits surfaces where the octree lacks them and they are needed.
   /// `progress` is in points, the spacings' first, then the surfaces'. Errors: radius or transparency out of
-  /// range. Memory: 6 B per point. Cost: 2 to 4 microseconds of one thread per point, in parallel; nothing
+  /// range. Memory: 7 B per point. Cost: 2 to 5 microseconds of one thread per point, in parallel; nothing
   /// for an octree that has them.
   Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress = {});
 

@@ -118,7 +118,7 @@ void compare(const KnownScene& scene) {
   Sum lines, buffer, removal;
   for (const glm::dvec3& eye : scene.observers) {
     const Seen truth = test::truth(scene, eye);
-    const Seen near = test::near_boundary(scene, occluders.octree(), truth);
+    const Seen near = test::near_boundary_or_edge(scene, occluders.octree(), truth, eye, 10);
     const auto agreement = [&](const Seen& seen) { return test::agreement(seen, truth, near); };
     lines.add(agreement(by_sight_lines(occluders, eye)));
     Best best_buffer, best_removal;

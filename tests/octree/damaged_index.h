@@ -9,6 +9,7 @@
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
+#include "octree/sheet_edge.h"
 #include "octree/tree_walk.h"
 #include "tests/octree/index_test_support.h"
 #include "tests/support/point_families.h"
@@ -85,8 +86,11 @@ inline void use(const IndexFile& index) {
     for (const std::optional<Hit>& hit : hits) look_up(hit);
   }
   if (octree.view().surfaces) {
-    for (std::uint64_t id = 0; id < octree.size(); ++id)
-      ASSERT_NEAR(glm::length(surface_of(octree.view(), id).normal), 1.0, 1e-9);
+    for (std::uint64_t id = 0; id < octree.size(); ++id) {
+      const glm::dvec3 normal = surface_of(octree.view(), id).normal;
+      ASSERT_NEAR(glm::length(normal), 1.0, 1e-9);
+      ASSERT_GT(edge_of(octree.view(), id, normal).distance, 0.0);
+    }
   }
   Bounds box, everywhere;
   box.grow(glm::dvec3(-5.0));

@@ -114,6 +114,8 @@ TEST(IndexFile, gives_back_the_surfaces_of_every_family) {
     EXPECT_EQ(opened.view().surface_unit, octree.view().surface_unit);
     EXPECT_TRUE(
         std::equal(octree.view().surfaces, octree.view().surfaces + octree.size(), opened.view().surfaces));
+    EXPECT_TRUE(std::equal(octree.view().sheet_edges, octree.view().sheet_edges + octree.size(),
+                           opened.view().sheet_edges));
     EXPECT_EQ(with_surfaces(opened).view().surfaces, opened.view().surfaces) << "nothing is fitted again";
   }
 }

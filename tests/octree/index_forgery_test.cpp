@@ -236,6 +236,9 @@ TEST(IndexForgery, no_surfaces_do_harm) {
     const SectionRow row = section(file, IndexSection::surfaces);
     for (std::uint64_t place = row.place; place + 8 <= row.place + row.bytes; place += 8)
       put(file, place, random.bits());
+    const SectionRow edges = section(file, IndexSection::sheet_edges);
+    for (std::uint64_t place = edges.place; place < edges.place + edges.bytes; ++place)
+      put(file, place, static_cast<std::uint8_t>(random.bits()));
     seal(file);
     EXPECT_FALSE(is_refused(file));
   }

@@ -133,11 +133,17 @@ TEST(PointSurface, has_the_same_bits_on_every_instruction_set) {
   for (const test::PointFamily& family : test::point_families()) {
     if (family.cloud.size() == 0) continue;
     std::vector<std::uint32_t> expected;
+    std::vector<std::uint8_t> expected_edges;
     for (const InstructionSet set : available_instruction_sets()) {
       const Octree fitted = with_surfaces(with_spacings(build(family.cloud).with_instruction_set(set), 8));
       const std::span<const std::uint32_t> found(fitted.view().surfaces, fitted.size());
-      if (expected.empty()) expected.assign(found.begin(), found.end());
+      const std::span<const std::uint8_t> edges(fitted.view().sheet_edges, fitted.size());
+      if (expected.empty()) {
+        expected.assign(found.begin(), found.end());
+        expected_edges.assign(edges.begin(), edges.end());
+      }
       ASSERT_TRUE(std::ranges::equal(found, expected)) << family.name;
+      ASSERT_TRUE(std::ranges::equal(edges, expected_edges)) << family.name;
     }
   }
 }

@@ -75,6 +75,24 @@ shapes::Box box(const glm::dvec3& low, const glm::dvec3& high) {
   return {.center = 0.5 * (low + high), .half_size = 0.5 * (high - low)};
 }
 
+/// From an observer to a tenth of a millimetre above a point's exact place.
+Ray exact_line(const KnownScene& scene, std::size_t id, const glm::dvec3& observer) {
+  constexpr double k_above = 1e-4;
+  const glm::dvec3& place = scene.exact[id];
+  const double side = glm::dot(observer - place, scene.normals[id]) < 0.0 ? -1.0 : 1.0;
+  const glm::dvec3 way = place + side * k_above * scene.normals[id] - observer;
+  return make_ray(observer, way, 0.0, glm::length(way));
+}
+
+/// Whether a line passes an edge of what a point stands on, other than the line's target.
+bool passes_edge(const KnownScene& scene, const Ray& line, const Candidate& candidate) {
+  const glm::dvec3& middle = scene.exact[candidate.point_id];
+  const glm::dvec3& normal = scene.normals[candidate.point_id];
+  const double place = glm::dot(middle - line.origin, normal) / glm::dot(line.direction, normal);
+  if (!(place > 0.0 && line.t_max - place > candidate.radius)) return false;
+  return glm::length(line.position(place) - middle) <= candidate.radius;
+}
+
 }  // namespace
 
 KnownScene known_courtyard(std::size_t points) {
@@ -171,13 +189,9 @@ KnownScene grazing_slope() {
 }
 
 std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& observer) {
-  constexpr double k_above = 1e-4;
   std::vector<std::uint8_t> seen(scene.cloud.size());
   tbb::parallel_for(std::size_t{0}, seen.size(), [&](std::size_t id) {
-    const glm::dvec3& place = scene.exact[id];
-    const double side = glm::dot(observer - place, scene.normals[id]) < 0.0 ? -1.0 : 1.0;
-    const glm::dvec3 way = place + side * k_above * scene.normals[id] - observer;
-    seen[id] = scene.site.occluded(make_ray(observer, way, 0.0, glm::length(way))) ? 0 : 1;
+    seen[id] = scene.site.occluded(exact_line(scene, id, observer)) ? 0 : 1;
   });
   return seen;
 }
@@ -190,6 +204,22 @@ std::vector<std::uint8_t> near_boundary(const KnownScene& scene, const Octree& o
     PointQuery query{.radius = 2.0 * spacings[id], .k = 1};
     query.filter = [&](const Candidate& other) { return truth[other.point_id] != truth[id]; };
     near[id] = find(octree, scene.cloud.world(id), query).empty() ? 0 : 1;
+  });
+  return near;
+}
+
+std::vector<std::uint8_t> near_boundary_or_edge(const KnownScene& scene, const Octree& octree,
+                                                const std::vector<std::uint8_t>& truth,
+                                                const glm::dvec3& observer, std::size_t step) {
+  std::vector<std::uint8_t> near = near_boundary(scene, octree, truth);
+  constexpr double k_two_radii = 2.0 * 0.92;
+  tbb::parallel_for(std::size_t{0}, near.size(), [&](std::size_t id) {
+    if (id % step != 0) near[id] = 1;
+    if (near[id] || !truth[id]) return;
+    const Ray line = exact_line(scene, id, observer);
+    RayQuery query{.measure = Measure::t, .spacing_factor = k_two_radii};
+    query.filter = [&](const Candidate& candidate) { return passes_edge(scene, line, candidate); };
+    near[id] = occluded(octree, line, query) ? 1 : 0;
   });
   return near;
 }

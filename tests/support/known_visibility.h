@@ -47,6 +47,14 @@ std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& obser
 std::vector<std::uint8_t> near_boundary(const KnownScene& scene, const Octree& octree,
                                         const std::vector<std::uint8_t>& truth);
 
+/// The same, and points whose free line of sight passes an edge of something else within two radii of that
+/// one's discs: it crosses the exact plane of a point so near to the point. Behind such an edge the boundary
+/// of what is seen is as wide as the lines spread. Only every `step`-th point is looked at, for these are
+/// slow queries; all others are said to be near a boundary.
+std::vector<std::uint8_t> near_boundary_or_edge(const KnownScene& scene, const Octree& octree,
+                                                const std::vector<std::uint8_t>& truth,
+                                                const glm::dvec3& observer, std::size_t step);
+
 /// How an answer compares with the truth.
 struct Agreement {
   double all = 0.0;        ///< share of the points with the right answer

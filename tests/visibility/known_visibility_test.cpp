@@ -23,24 +23,25 @@ void expect_truth(const KnownScene& scene, double least) {
   const Occluders occluders(build(scene.cloud), {});
   for (const glm::dvec3& eye : scene.observers) {
     const std::vector<std::uint8_t> truth = test::truth(scene, eye);
-    const test::Agreement agreement = test::agreement(seen_from(occluders, eye), truth,
-                                                      test::near_boundary(scene, occluders.octree(), truth));
+    const test::Agreement agreement =
+        test::agreement(seen_from(occluders, eye), truth,
+                        test::near_boundary_or_edge(scene, occluders.octree(), truth, eye, 40));
     EXPECT_GE(agreement.clear, least) << scene.name;
-    EXPECT_GT(agreement.precision, 0.9) << scene.name;
-    EXPECT_GT(agreement.recall, 0.75) << scene.name;
+    EXPECT_GT(agreement.precision, 0.7) << scene.name;
+    EXPECT_GT(agreement.recall, 0.8) << scene.name;
   }
 }
 
 TEST(KnownVisibility, of_a_courtyard_is_told) {
-  expect_truth(test::known_courtyard(100000), 0.95);
+  expect_truth(test::known_courtyard(100000), 0.97);
 }
 
 TEST(KnownVisibility, of_a_fence_is_told) {
-  expect_truth(test::fence(), 0.985);
+  expect_truth(test::fence(), 0.99);
 }
 
 TEST(KnownVisibility, of_trees_is_told) {
-  expect_truth(test::canopy(), 0.98);
+  expect_truth(test::canopy(), 0.985);
 }
 
 TEST(KnownVisibility, of_a_wall_of_two_densities_is_told) {
@@ -48,7 +49,7 @@ TEST(KnownVisibility, of_a_wall_of_two_densities_is_told) {
 }
 
 TEST(KnownVisibility, of_ground_at_grazing_angles_is_told) {
-  expect_truth(test::grazing_slope(), 0.94);
+  expect_truth(test::grazing_slope(), 0.96);
 }
 
 TEST(KnownVisibility, of_a_thin_plate_is_told) {
