@@ -7,7 +7,7 @@ install(EXPORT AlidadeTargets NAMESPACE alidade:: DESTINATION ${CMAKE_INSTALL_LI
 
 set(ALIDADE_HEADER_FOLDERS octree simulation)
 if(ALIDADE_BUILD_RENDERER)
-  list(APPEND ALIDADE_HEADER_FOLDERS renderer visibility)
+  list(APPEND ALIDADE_HEADER_FOLDERS renderer visibility compare)
 endif()
 install(DIRECTORY ${ALIDADE_HEADER_FOLDERS} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/alidade
         FILES_MATCHING PATTERN "*.h")

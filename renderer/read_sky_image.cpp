@@ -7,11 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <system_error>
 
 #include "octree/error.h"
 #include "renderer/deterministic_math.h"
+#include "renderer/image_trouble.h"
 
 namespace alidade {
 namespace {
@@ -22,33 +21,6 @@ constexpr float k_infinite_light = 65504.0f, k_most_light = 1e9f;
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem,
                        const std::string& expected = {}, const std::string& found = {}) {
   throw Error({.file = file.string(), .problem = problem, .expected = expected, .found = found});
-}
-
-/// What OpenImageIO has to say about a failure: its lines, without those that another one repeats and says
-/// more of.
-std::string reason(const std::string& said) {
-  std::vector<std::string> lines;
-  std::istringstream stream(said);
-  for (std::string line; std::getline(stream, line);) {
-    line.erase(line.find_last_not_of(" \r\t") + 1);
-    const auto holds_line = [&](const std::string& other) { return other.find(line) != std::string::npos; };
-    if (std::ranges::any_of(lines, holds_line)) continue;
-    std::erase_if(lines, [&](const std::string& other) { return line.find(other) != std::string::npos; });
-    lines.push_back(line);
-  }
-  std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
-  return text.empty() ? "no reason told" : text;
-}
-
-std::uint64_t size_of(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(file, error);
-  if (!std::filesystem::exists(status)) fail(file, "no such file");
-  if (!std::filesystem::is_regular_file(status)) fail(file, "not a regular file");
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) fail(file, "cannot be read");
-  return size;
 }
 
 std::string size_text(int width, int height) {
@@ -111,12 +83,12 @@ float light_of(float value, std::uint64_t& mended) {
 }  // namespace
 
 SkyPixels read_sky_image(const std::filesystem::path& file) {
-  const std::uint64_t file_size = size_of(file);
+  const std::uint64_t file_size = picture_file_size(file);
   // Alpha is not looked at, so it must not be multiplied in either.
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) fail(file, "not a picture that can be read: " + reason(OIIO::geterror()));
+  if (!input) fail(file, "not a picture that can be read: " + image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
   check(spec, file_size, file);
 
@@ -127,7 +99,7 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
                                          OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb));
   // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
   if (!is_read || input->has_error())
-    fail(file, "a picture with pixels missing: " + reason(input->geterror()));
+    fail(file, "a picture with pixels missing: " + image_trouble(input->geterror()));
   if (channels.count == 1)
     for (Rgb& value : pixels.values) value = Rgb(value.r);
 

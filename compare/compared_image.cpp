@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+#include "compare/compared_image.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "compare/srgb_curve.h"
+
+namespace alidade {
+namespace {
+
+std::string text_of(const ComparedImage& image) {
+  std::string text = std::to_string(image.width) + " x " + std::to_string(image.height);
+  if (image.origin_x != 0 || image.origin_y != 0)
+    text += " at " + std::to_string(image.origin_x) + "," + std::to_string(image.origin_y);
+  return text;
+}
+
+std::vector<float> through(const CurveTable& curve, const std::vector<float>& values) {
+  std::vector<float> result(values.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), 65536), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) result[i] = curve.at(values[i]);
+  });
+  return result;
+}
+
+template <typename Value>
+std::vector<Value> part(const std::vector<Value>& values, int width, const PixelRectangle& rectangle,
+                        int components) {
+  std::vector<Value> result;
+  if (values.empty()) return result;
+  const auto columns = static_cast<std::ptrdiff_t>(rectangle.right - rectangle.left) * components;
+  result.reserve(static_cast<std::size_t>(columns) *
+                 static_cast<std::size_t>(rectangle.bottom - rectangle.top));
+  for (int y = rectangle.top; y < rectangle.bottom; ++y) {
+    const auto begin =
+        values.begin() + (static_cast<std::ptrdiff_t>(y) * width + rectangle.left) * components;
+    result.insert(result.end(), begin, begin + columns);
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<float> linear_color(const ComparedImage& image) {
+  return image.encoding == ColorEncoding::linear ? image.color
+                                                 : through(linear_from_srgb_table(), image.color);
+}
+
+std::vector<float> display_color(const ComparedImage& image) {
+  return image.encoding == ColorEncoding::display ? image.color
+                                                  : through(srgb_from_linear_table(), image.color);
+}
+
+void require_same_size(const ComparedImage& reference, const ComparedImage& test) {
+  if (reference.width == test.width && reference.height == test.height &&
+      reference.origin_x == test.origin_x && reference.origin_y == test.origin_y)
+    return;
+  throw SizeMismatch({.file = test.file.string(),
+                      .problem = "not the size of the reference " + reference.file.string(),
+                      .expected = text_of(reference),
+                      .found = text_of(test)});
+}
+
+ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangle) {
+  const bool is_inside = rectangle.left >= 0 && rectangle.top >= 0 && rectangle.right <= image.width &&
+                         rectangle.bottom <= image.height;
+  if (!is_inside || rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom) {
+    throw Error({.file = image.file.string(),
+                 .problem = "the rectangle to be cut out has no pixels or reaches beyond the image",
+                 .expected = "one inside " + text_of(image),
+                 .found = "columns " + std::to_string(rectangle.left) + " to " +
+                          std::to_string(rectangle.right) + ", rows " + std::to_string(rectangle.top) +
+                          " to " + std::to_string(rectangle.bottom)});
+  }
+  ComparedImage result;
+  result.file = image.file;
+  result.width = rectangle.right - rectangle.left;
+  result.height = rectangle.bottom - rectangle.top;
+  result.origin_x = image.origin_x + rectangle.left;
+  result.origin_y = image.origin_y + rectangle.top;
+  result.encoding = image.encoding;
+  result.color_channels = image.color_channels;
+  result.largest_code = image.largest_code;
+  result.color = part(image.color, image.width, rectangle, 3);
+  result.alpha = part(image.alpha, image.width, rectangle, 1);
+  result.depth = part(image.depth, image.width, rectangle, 1);
+  result.normals = part(image.normals, image.width, rectangle, 3);
+  result.ids = part(image.ids, image.width, rectangle, 1);
+  result.metadata = image.metadata;
+  return result;
+}
+
+}  // namespace alidade

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "octree/error.h"
+
+namespace alidade {
+
+/// What the numbers of an image file mean: files of whole numbers (8, 16 bits) hold sRGB codes, files of
+/// half or float numbers hold linear light.
+enum class ColorEncoding { display, linear };
+
+/// An image as it is compared: row by row from the top, pixel (0, 0) top left. Layers that the file does not
+/// have are empty. Memory per pixel: colour 12 bytes, alpha 4, depth 4, normals 12, ids 4.
+struct ComparedImage {
+  std::filesystem::path file;
+  int width = 0, height = 0;
+  int origin_x = 0, origin_y = 0;  ///< where an EXR's data window begins in its display window
+  ColorEncoding encoding = ColorEncoding::display;
+  int color_channels = 0;          ///< as stored: 1 (grey, copied to three) or 3; 0: layers only
+  int largest_code = 0;            ///< of a display image: 255, 65535; 0: not whole numbers (linear, resized)
+  std::vector<float> color;        ///< 3 per pixel; display: code / largest code; linear: as stored
+  std::vector<float> alpha;        ///< 1 per pixel, not multiplied into display colours
+  std::vector<float> depth;        ///< layer Z, metres; infinite where there is nothing
+  std::vector<float> normals;      ///< layer N, 3 per pixel; 0 0 0 where there is nothing
+  std::vector<std::uint32_t> ids;  ///< layer id: point id + 1; 0 where there is nothing
+  std::vector<std::pair<std::string, std::string>> metadata;  ///< of our own pictures and of EXIF, as texts
+
+  std::size_t pixels() const { return static_cast<std::size_t>(width) * static_cast<std::size_t>(height); }
+};
+
+/// Columns left .. right - 1 and rows top .. bottom - 1.
+struct PixelRectangle {
+  int left = 0, top = 0, right = 0, bottom = 0;
+};
+
+/// The two images have not the same size (or not the same place in their display windows).
+class SizeMismatch : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Most pixels of an image that is read: 2^28, 16384 x 16384.
+constexpr std::uint64_t k_most_compared_pixels = std::uint64_t{1} << 28;
+
+/// Reads an image of any format that OpenImageIO knows: the channels R G B, or a single one as grey, A, Z,
+/// N.X N.Y N.Z (also Nx Ny Nz) and id; others are not looked at. EXIF orientation is obeyed, CMYK turned into
+/// RGB, of several images in a file the first is taken. NaN and infinite values stay: the metrics count them.
+/// Errors: no such file, not a picture, no pixels or more than k_most_compared_pixels, more than 4096 pixels
+/// per byte of the file (no format packs so many), deep or 3D, pixels missing, none of the channels above.
+ComparedImage read_compared_image(const std::filesystem::path& file);
+
+/// Three values of linear light per pixel: the sRGB curve (IEC 61966-2-1) undone where needed.
+std::vector<float> linear_color(const ComparedImage& image);
+/// Three sRGB values in 0 .. 1 per pixel; linear light is clamped to 0 .. 1 first (NaN becomes 0).
+std::vector<float> display_color(const ComparedImage& image);
+
+/// Throws SizeMismatch naming the files and sizes unless width, height and origin are the same.
+void require_same_size(const ComparedImage& reference, const ComparedImage& test);
+
+/// The part of all layers inside the rectangle. Errors: it is empty or reaches beyond the image.
+ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangle);
+
+}  // namespace alidade

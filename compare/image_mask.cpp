@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+#include "compare/image_mask.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace alidade {
+namespace {
+
+/// Leaves the pixels of which `stays(pixel)` is true.
+template <typename Stays>
+void keep(ImageMask& mask, std::size_t pixels, const Stays& stays) {
+  if (mask.counts.empty()) mask.counts.assign(pixels, 1);
+  for (std::size_t pixel = 0; pixel < pixels; ++pixel)
+    if (mask.counts[pixel] != 0 && !stays(pixel)) mask.counts[pixel] = 0;
+}
+
+[[noreturn]] void fail_layer(const std::string& wish, const std::string& layer,
+                             const ComparedImage& reference, const ComparedImage& test) {
+  throw Error({.problem = wish + ", but neither picture has the layer",
+               .expected = layer + " in " + reference.file.string() + " or " + test.file.string()});
+}
+
+bool has_color(const ComparedImage& image) {
+  return image.color_channels > 0;
+}
+
+bool is_finite(const ComparedImage& image, std::size_t pixel) {
+  if (!has_color(image)) return true;
+  const float* const color = image.color.data() + 3 * pixel;
+  return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
+}
+
+bool tells_sky(const ComparedImage& image) {
+  return !image.ids.empty() || !image.depth.empty();
+}
+
+bool is_sky(const ComparedImage& image, std::size_t pixel) {
+  return image.ids.empty() ? std::isinf(image.depth[pixel]) : image.ids[pixel] == 0;
+}
+
+std::vector<std::uint8_t> inside(const ComparedImage& image, std::span<const PixelRectangle> rectangles) {
+  std::vector<std::uint8_t> covered(image.pixels(), 0);
+  for (const PixelRectangle& rectangle : rectangles) {
+    const int left = std::clamp(rectangle.left, 0, image.width);
+    const int right = std::clamp(rectangle.right, left, image.width);
+    for (int y = std::max(rectangle.top, 0); y < std::min(rectangle.bottom, image.height); ++y) {
+      const auto row = covered.begin() + static_cast<std::ptrdiff_t>(y) * image.width;
+      std::fill(row + left, row + right, std::uint8_t{1});
+    }
+  }
+  return covered;
+}
+
+}  // namespace
+
+std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels) {
+  if (mask.counts.empty()) return pixels;
+  return static_cast<std::uint64_t>(
+      std::ranges::count_if(mask.counts, [](std::uint8_t counts) { return counts != 0; }));
+}
+
+void keep_light(ImageMask& mask, const ComparedImage& mask_image, const ComparedImage& image) {
+  require_same_size(image, mask_image);
+  if (!has_color(mask_image)) {
+    throw Error({.file = mask_image.file.string(),
+                 .problem = "a mask without colour",
+                 .expected = "light pixels where the comparison counts, dark ones elsewhere"});
+  }
+  const std::vector<float> color = display_color(mask_image);
+  keep(mask, image.pixels(), [&](std::size_t pixel) {
+    return color[3 * pixel] + color[3 * pixel + 1] + color[3 * pixel + 2] > 1.5f;
+  });
+}
+
+void keep_alpha(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test, float least) {
+  if (reference.alpha.empty() && test.alpha.empty())
+    fail_layer("alpha shall say which pixels count", "alpha", reference, test);
+  for (const ComparedImage* const image : {&reference, &test}) {
+    if (image->alpha.empty()) continue;
+    keep(mask, image->pixels(), [&](std::size_t pixel) { return image->alpha[pixel] >= least; });
+  }
+}
+
+void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
+  if (reference.depth.empty() && test.depth.empty())
+    fail_layer("only pixels with a depth shall count", "depth (channel Z)", reference, test);
+  for (const ComparedImage* const image : {&reference, &test}) {
+    if (image->depth.empty()) continue;
+    keep(mask, image->pixels(),
+         [&](std::size_t pixel) { return std::isfinite(image->depth[pixel]) && image->depth[pixel] > 0.0f; });
+  }
+}
+
+void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
+  const bool reference_tells = tells_sky(reference), test_tells = tells_sky(test);
+  if (!reference_tells && !test_tells)
+    fail_layer("the sky shall not count", "ids (channel id) or depth (channel Z)", reference, test);
+  keep(mask, reference.pixels(), [&](std::size_t pixel) {
+    return (reference_tells && !is_sky(reference, pixel)) || (test_tells && !is_sky(test, pixel));
+  });
+}
+
+void keep_rectangles(ImageMask& mask, const ComparedImage& image,
+                     std::span<const PixelRectangle> rectangles) {
+  if (rectangles.empty()) return;
+  const std::vector<std::uint8_t> covered = inside(image, rectangles);
+  keep(mask, image.pixels(), [&](std::size_t pixel) { return covered[pixel] != 0; });
+}
+
+void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
+                       std::span<const PixelRectangle> rectangles) {
+  if (rectangles.empty()) return;
+  const std::vector<std::uint8_t> covered = inside(image, rectangles);
+  keep(mask, image.pixels(), [&](std::size_t pixel) { return covered[pixel] == 0; });
+}
+
+std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
+  // Whole numbers are always finite.
+  if (reference.encoding == ColorEncoding::display && test.encoding == ColorEncoding::display) return 0;
+  std::uint64_t taken = 0;
+  ImageMask result = mask;
+  keep(result, reference.pixels(), [&](std::size_t pixel) {
+    const bool stays = is_finite(reference, pixel) && is_finite(test, pixel);
+    if (!stays) ++taken;
+    return stays;
+  });
+  if (taken > 0) mask = std::move(result);
+  return taken;
+}
+
+}  // namespace alidade

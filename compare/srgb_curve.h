@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace alidade {
+
+/// A curve over 0 .. 1 by straight lines between 65536 equal steps. Exact (to float) at codes of 8 and 16
+/// bits.
+class CurveTable {
+ public:
+  explicit CurveTable(double (*curve)(double));
+
+  /// `value` is clamped to 0 .. 1; NaN counts as 0.
+  float at(float value) const {
+    constexpr float k_steps = 65535.0f;
+    const float place = value > 0.0f ? (value < 1.0f ? value * k_steps : k_steps) : 0.0f;
+    const int step = static_cast<int>(place);
+    const float low = values_[static_cast<std::size_t>(step)];
+    return low + (place - static_cast<float>(step)) * (values_[static_cast<std::size_t>(step) + 1] - low);
+  }
+
+ private:
+  std::vector<float> values_;
+};
+
+/// sRGB value -> linear light (IEC 61966-2-1). Error below 1e-7. The table is made at the first call.
+const CurveTable& linear_from_srgb_table();
+/// Linear light -> sRGB value, the inverse. Error below 2e-7.
+const CurveTable& srgb_from_linear_table();
+
+}  // namespace alidade
