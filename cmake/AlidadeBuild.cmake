@@ -26,6 +26,19 @@ function(alidade_library name)
   set_property(GLOBAL APPEND PROPERTY ALIDADE_LIBRARIES alidade_${name})
 endfunction()
 
+# alidade_choose_lanes(TARGET) compiles a target that has lanes as ALIDADE_SCALAR says.
+function(alidade_choose_lanes target)
+  if(ALIDADE_SCALAR)
+    # Highway's two ways to do without SIMD: its portable vectors where the compiler gets them right (gcc from 12.3
+    # on, clang), otherwise one lane. Without the option it chooses likewise, so both are worth testing.
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 12.3)
+      target_compile_definitions(${target} PRIVATE HWY_COMPILE_ONLY_SCALAR)
+    else()
+      target_compile_definitions(${target} PRIVATE HWY_COMPILE_ONLY_EMU128)
+    endif()
+  endif()
+endfunction()
+
 # alidade_test(NAME LIBRARIES... SOURCES files...) declares one GoogleTest program, one CTest entry per test program.
 function(alidade_test name)
   cmake_parse_arguments(TEST "" "" "LIBRARIES;SOURCES" ${ARGN})

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: MIT
+#include "compare/error_metrics.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "compare/float_ranks.h"
+#include "compare/logarithm.h"
+#include "compare/srgb_curve.h"
+
+namespace alidade {
+namespace {
+
+/// Of one row. Differences of whole numbers are added as such, others as double.
+template <class Number>
+struct RowErrors {
+  Number sum = 0, sum_abs = 0, sum_squares = 0, most = 0;
+  std::uint64_t values = 0, excluded = 0;
+  std::size_t most_at = 0;
+};
+
+/// What there is to compare: pair(i) gives the test's value less the reference's, as Number.
+template <class Number, class Difference>
+class Errors {
+ public:
+  Errors(const Difference& difference, int channels, int width, std::size_t pixels, const ImageMask& mask)
+      : difference_(difference),
+        channels_(static_cast<std::size_t>(channels)),
+        width_(static_cast<std::size_t>(width)),
+        pixels_(pixels),
+        mask_(mask) {}
+
+  /// `unit`: what a difference of 1 means.
+  ErrorMetrics measure(double unit) const {
+    const std::size_t height = pixels_ / width_;
+    std::vector<RowErrors<Number>> rows(height);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, height, 16), [&](const auto& range) {
+      for (std::size_t y = range.begin(); y != range.end(); ++y) rows[y] = row(y);
+    });
+    RowErrors<Number> all;
+    for (const RowErrors<Number>& one : rows) {
+      all.sum += one.sum;
+      all.sum_abs += one.sum_abs;
+      all.sum_squares += one.sum_squares;
+      all.values += one.values;
+      all.excluded += one.excluded;
+      if (one.most > all.most) {
+        all.most = one.most;
+        all.most_at = one.most_at;
+      }
+    }
+    return metrics(all, unit);
+  }
+
+ private:
+  bool counts(std::size_t pixel) const { return mask_.at(pixel); }
+
+  /// The pixel's differences are numbers. Whole numbers always are.
+  bool is_finite(std::size_t pixel) const {
+    if constexpr (std::is_floating_point_v<Number>) {
+      for (std::size_t i = 0; i < channels_; ++i)
+        if (!std::isfinite(difference_(channels_ * pixel + i))) return false;
+    }
+    return true;
+  }
+
+  RowErrors<Number> row(std::size_t y) const {
+    RowErrors<Number> row;
+    for (std::size_t pixel = y * width_; pixel < (y + 1) * width_; ++pixel) {
+      if (!counts(pixel)) continue;
+      if (!is_finite(pixel)) {
+        ++row.excluded;
+        continue;
+      }
+      for (std::size_t i = channels_ * pixel; i < channels_ * (pixel + 1); ++i) {
+        const Number difference = difference_(i), size = difference < 0 ? -difference : difference;
+        row.sum += difference;
+        row.sum_abs += size;
+        row.sum_squares += difference * difference;
+        if (size > row.most) {
+          row.most = size;
+          row.most_at = i;
+        }
+      }
+      row.values += channels_;
+    }
+    return row;
+  }
+
+  ErrorMetrics metrics(const RowErrors<Number>& all, double unit) const {
+    ErrorMetrics metrics{.values = all.values, .excluded = all.excluded};
+    metrics.psnr = std::numeric_limits<double>::quiet_NaN();
+    if (all.values == 0) return metrics;
+    const auto count = static_cast<double>(all.values);
+    metrics.mean = static_cast<double>(all.sum) / count * unit;
+    metrics.mean_abs = static_cast<double>(all.sum_abs) / count * unit;
+    const double mean_square = static_cast<double>(all.sum_squares) / count;
+    metrics.rmse = std::sqrt(mean_square) * unit;
+    metrics.psnr = metrics.rmse > 0.0
+                       ? -20.0 * binary_logarithm(metrics.rmse) / (std::numbers::log2e * std::numbers::ln10)
+                       : std::numeric_limits<double>::infinity();
+    if (all.most > 0) {
+      metrics.max_abs = static_cast<double>(all.most) * unit;
+      const std::size_t pixel = all.most_at / channels_;
+      metrics.max_x = static_cast<int>(pixel % width_);
+      metrics.max_y = static_cast<int>(pixel / width_);
+      metrics.max_channel = static_cast<int>(all.most_at % channels_);
+    }
+    metrics.percentile_95 = percentile(all.values) * unit;
+    return metrics;
+  }
+
+  double percentile(std::uint64_t values) const {
+    const std::size_t size = pixels_ * channels_;
+    const auto value_at = [&](std::size_t i) {
+      const std::size_t pixel = i / channels_;
+      if (!counts(pixel) || !is_finite(pixel)) return -1.0f;
+      return std::fabs(static_cast<float>(difference_(i)));
+    };
+    // The smallest whole number that is not below 95 % of the values, counted from 0.
+    const std::uint64_t rank = values - values / 20 - 1;
+    return value_of_rank(size, value_at, count_upper_halves(size, value_at), rank);
+  }
+
+  const Difference& difference_;
+  const std::size_t channels_, width_, pixels_;
+  const ImageMask& mask_;
+};
+
+template <class Number, class Difference>
+ErrorMetrics measure(const Difference& difference, double unit, int channels, int width, std::size_t pixels,
+                     const ImageMask& mask) {
+  return Errors<Number, Difference>(difference, channels, width, pixels, mask).measure(unit);
+}
+
+/// A curve, or none.
+const CurveTable* curve_of(const ComparedImage& image, ColorEncoding encoding) {
+  if (image.encoding == encoding) return nullptr;
+  return encoding == ColorEncoding::linear ? &linear_from_srgb_table() : &srgb_from_linear_table();
+}
+
+}  // namespace
+
+ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
+                           int width, const ImageMask& mask) {
+  const auto difference = [&](std::size_t i) {
+    return static_cast<double>(test[i]) - static_cast<double>(reference[i]);
+  };
+  return measure<double>(difference, 1.0, channels, width,
+                         reference.size() / static_cast<std::size_t>(channels), mask);
+}
+
+ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& test, ColorEncoding encoding,
+                           const ImageMask& mask) {
+  require_same_size(reference, test);
+  for (const ComparedImage* const image : {&reference, &test})
+    if (image->color_channels == 0)
+      throw Error(
+          {.file = image->file.string(), .problem = "no colour to compare", .expected = "channels R G B"});
+  const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
+  // Colours are stored three per pixel; of grey pictures the first says all.
+  const std::size_t step = channels == 1 ? 3 : 1;
+  const float* const from = reference.color.data();
+  const float* const to = test.color.data();
+  const bool are_codes = encoding == ColorEncoding::display && reference.encoding == encoding &&
+                         test.encoding == encoding && reference.largest_code > 0 &&
+                         reference.largest_code == test.largest_code;
+  if (are_codes) {
+    const auto largest = static_cast<float>(reference.largest_code);
+    const auto code = [&](float value) { return static_cast<std::int64_t>(value * largest + 0.5f); };
+    const auto difference = [&](std::size_t i) { return code(to[i * step]) - code(from[i * step]); };
+    return measure<std::int64_t>(difference, 1.0 / reference.largest_code, channels, reference.width,
+                                 reference.pixels(), mask);
+  }
+  const CurveTable* const from_curve = curve_of(reference, encoding);
+  const CurveTable* const to_curve = curve_of(test, encoding);
+  const auto difference = [&](std::size_t i) {
+    const float before = from[i * step], after = to[i * step];
+    // The curve would make a number of what is none.
+    if (!std::isfinite(before) || !std::isfinite(after)) return std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(to_curve ? to_curve->at(after) : after) -
+           static_cast<double>(from_curve ? from_curve->at(before) : before);
+  };
+  return measure<double>(difference, 1.0, channels, reference.width, reference.pixels(), mask);
+}
+
+}  // namespace alidade
