@@ -22,6 +22,19 @@ struct RowErrors {
   Number sum = 0, sum_abs = 0, sum_squares = 0, most = 0;
   std::uint64_t values = 0, excluded = 0;
   std::size_t most_at = 0;
+
+  /// What comes later in reading order.
+  void add(const RowErrors& other) {
+    sum += other.sum;
+    sum_abs += other.sum_abs;
+    sum_squares += other.sum_squares;
+    values += other.values;
+    excluded += other.excluded;
+    if (other.most > most) {
+      most = other.most;
+      most_at = other.most_at;
+    }
+  }
 };
 
 /// What there is to compare: pair(i) gives the test's value less the reference's, as Number.
@@ -43,51 +56,45 @@ class Errors {
       for (std::size_t y = range.begin(); y != range.end(); ++y) rows[y] = row(y);
     });
     RowErrors<Number> all;
-    for (const RowErrors<Number>& one : rows) {
-      all.sum += one.sum;
-      all.sum_abs += one.sum_abs;
-      all.sum_squares += one.sum_squares;
-      all.values += one.values;
-      all.excluded += one.excluded;
-      if (one.most > all.most) {
-        all.most = one.most;
-        all.most_at = one.most_at;
-      }
-    }
+    for (const RowErrors<Number>& one : rows) all.add(one);
     return metrics(all, unit);
   }
 
  private:
-  bool counts(std::size_t pixel) const { return mask_.at(pixel); }
+  static bool is_finite(Number number) {
+    // Whole numbers always are.
+    if constexpr (std::is_floating_point_v<Number>) return std::isfinite(number);
+    return true;
+  }
 
-  /// The pixel's differences are numbers. Whole numbers always are.
-  bool is_finite(std::size_t pixel) const {
-    if constexpr (std::is_floating_point_v<Number>) {
-      for (std::size_t i = 0; i < channels_; ++i)
-        if (!std::isfinite(difference_(channels_ * pixel + i))) return false;
-    }
+  bool is_finite_pixel(std::size_t pixel) const {
+    for (std::size_t i = 0; i < channels_; ++i)
+      if (!is_finite(difference_(channels_ * pixel + i))) return false;
     return true;
   }
 
   RowErrors<Number> row(std::size_t y) const {
     RowErrors<Number> row;
     for (std::size_t pixel = y * width_; pixel < (y + 1) * width_; ++pixel) {
-      if (!counts(pixel)) continue;
-      if (!is_finite(pixel)) {
+      if (!mask_.at(pixel)) continue;
+      RowErrors<Number> of_pixel;
+      for (std::size_t i = channels_ * pixel; i < channels_ * (pixel + 1); ++i) {
+        const Number difference = difference_(i), size = difference < 0 ? -difference : difference;
+        of_pixel.sum += difference;
+        of_pixel.sum_abs += size;
+        of_pixel.sum_squares += difference * difference;
+        if (size > of_pixel.most) {
+          of_pixel.most = size;
+          of_pixel.most_at = i;
+        }
+      }
+      // A value that is no number makes none of the sum.
+      if (!is_finite(of_pixel.sum_abs)) {
         ++row.excluded;
         continue;
       }
-      for (std::size_t i = channels_ * pixel; i < channels_ * (pixel + 1); ++i) {
-        const Number difference = difference_(i), size = difference < 0 ? -difference : difference;
-        row.sum += difference;
-        row.sum_abs += size;
-        row.sum_squares += difference * difference;
-        if (size > row.most) {
-          row.most = size;
-          row.most_at = i;
-        }
-      }
       row.values += channels_;
+      row.add(of_pixel);
     }
     return row;
   }
@@ -111,19 +118,22 @@ class Errors {
       metrics.max_y = static_cast<int>(pixel / width_);
       metrics.max_channel = static_cast<int>(all.most_at % channels_);
     }
-    metrics.percentile_95 = percentile(all.values) * unit;
+    metrics.percentile_95 = percentile(all) * unit;
     return metrics;
   }
 
-  double percentile(std::uint64_t values) const {
+  double percentile(const RowErrors<Number>& all) const {
     const std::size_t size = pixels_ * channels_;
+    const bool do_all_count = mask_.counts.empty() && all.excluded == 0;
     const auto value_at = [&](std::size_t i) {
-      const std::size_t pixel = i / channels_;
-      if (!counts(pixel) || !is_finite(pixel)) return -1.0f;
+      if (!do_all_count) {
+        const std::size_t pixel = i / channels_;
+        if (!mask_.at(pixel) || (all.excluded > 0 && !is_finite_pixel(pixel))) return -1.0f;
+      }
       return std::fabs(static_cast<float>(difference_(i)));
     };
     // The smallest whole number that is not below 95 % of the values, counted from 0.
-    const std::uint64_t rank = values - values / 20 - 1;
+    const std::uint64_t rank = all.values - all.values / 20 - 1;
     return value_of_rank(size, value_at, count_upper_halves(size, value_at), rank);
   }
 

@@ -14,7 +14,7 @@ struct ExposureRange {
   double start = 0.0, stop = 0.0;
   int count = 1;
 
-  double exposure(int i) const { return count == 1 ? start : start + i * (stop - start) / (count - 1); }
+  double exposure(int i) const { return i == count - 1 ? stop : start + i * (stop - start) / (count - 1); }
 };
 
 /// The curve of a tone mapper at an exposure in stops.

@@ -13,7 +13,7 @@ namespace alidade {
 inline double exponential(double x) {
   const double part = x / 1024.0;
   double sum = 1.0;
-  for (int n = 14; n >= 1; --n) sum = 1.0 + sum * part / n;
+  for (int n = 20; n >= 1; --n) sum = 1.0 + sum * part / n;
   for (int i = 0; i < 10; ++i) sum *= sum;
   return sum;
 }

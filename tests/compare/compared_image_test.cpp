@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <limits>
 
@@ -160,6 +161,28 @@ TEST_F(ComparedImageTest, every_exif_orientation_gives_the_upright_picture) {
     EXPECT_EQ(image.width, 3) << stored.orientation;
     EXPECT_EQ(upright, "abcdef") << stored.orientation;
   }
+}
+
+// 8 x 8 pixels of cyan 55, magenta 155, yellow 255 and black 205 of 255, which Adobe's files count from full
+// ink to none: each ink lets through its value, black 205 / 255 of that: 44.2, 124.6 and 205. Quantised by
+// the compression.
+TEST_F(ComparedImageTest, cmyk_becomes_rgb) {
+  const std::string digits =
+      "ffd8ffee000e41646f626500640000000000ffdb004300100b0c0e0c0a100e0d0e1211101318281a"
+      "181616183123251d283a333d3c3933383740485c4e404457453738506d51575f626768673e4d7179"
+      "7064785c656763ffc000140800080008044311004d11005911004b1100ffc4001600010101000000"
+      "00000000000000000000060407ffc40014100100000000000000000000000000000000ffda000e04"
+      "43004d0059004b00003f0034b9a013bfffd9";
+  const std::filesystem::path file = folder_ / "inks.jpg";
+  std::ofstream stream(file, std::ios::binary);
+  for (std::size_t i = 0; i < digits.size(); i += 2)
+    stream.put(static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16)));
+  stream.close();
+  const ComparedImage image = read_compared_image(file);
+  EXPECT_EQ(image.color_channels, 3);
+  EXPECT_EQ(image.pixels(), 64u);
+  constexpr double k_expected[] = {44.2, 124.6, 205.0};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(image.color[3 * 27 + i] * 255.0, k_expected[i], 2.0);
 }
 
 TEST_F(ComparedImageTest, what_is_no_picture_is_an_error_that_names_the_file) {
