@@ -27,7 +27,7 @@ class CurveTable {
 
 /// sRGB value -> linear light (IEC 61966-2-1). Error below 2e-7. The table is made at the first call.
 const CurveTable& linear_from_srgb_table();
-/// Linear light -> sRGB value, the inverse. Error below 2e-7.
+/// Linear light -> sRGB value, the inverse. Error below 5e-7.
 const CurveTable& srgb_from_linear_table();
 
 }  // namespace alidade
