@@ -24,7 +24,7 @@ struct ErrorMetrics {
 };
 
 /// `channels` values per pixel, `width` pixels per row. Without values everything is 0 and PSNR NaN.
-/// The same bits on any number of threads. Cost on 2 cores: about 10 ms per million pixels.
+/// The same bits on any number of threads. Cost on 2 cores: about 0.03 s per million pixels.
 ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
                            int width, const ImageMask& mask = {});
 

@@ -16,7 +16,6 @@
 namespace alidade {
 namespace {
 
-constexpr int k_window = 2 * k_ssim_reach + 1;
 constexpr int k_scales = 5;
 constexpr int k_shortest_side = 161;  ///< 161, 81, 41, 21, 11
 
