@@ -18,6 +18,43 @@ double distance_between(const glm::dvec3& from, const glm::dvec3& to) {
   return glm::length(glm::dvec2(to) - glm::dvec2(from));
 }
 
+/// Part of the way from one place to another, as shares of it.
+struct Stretch {
+  double begin = 0.0, end = 1.0;
+};
+
+/// The part that lies over an area; none: it ends before it begins.
+Stretch stretch_over(const Bounds& area, const glm::dvec3& from, const glm::dvec3& to) {
+  constexpr Stretch k_none{1.0, 0.0};
+  Stretch stretch;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double way = to[axis] - from[axis];
+    if (way == 0.0) {
+      if (from[axis] < area.min[axis] || from[axis] > area.max[axis]) return k_none;
+      continue;
+    }
+    const double one = (area.min[axis] - from[axis]) / way, other = (area.max[axis] - from[axis]) / way;
+    stretch.begin = std::max(stretch.begin, std::min(one, other));
+    stretch.end = std::min(stretch.end, std::max(one, other));
+  }
+  return stretch;
+}
+
+/// Chords of a line: the first, and the one behind the last.
+struct ChordRange {
+  std::int64_t begin = 0, end = 0;
+};
+
+/// Those of `count` chords that may lie over a stretch of the line; each reaches over its ends by a share.
+ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overlap) {
+  if (!(stretch.begin <= stretch.end)) return {};
+  const auto chords = static_cast<double>(count);
+  const auto place = [chords](double chord) { return std::clamp(chord, 0.0, chords); };
+  // One more at either end, for the rounding of the shares.
+  return {static_cast<std::int64_t>(place(std::floor((stretch.begin - overlap) * chords) - 1.0)),
+          static_cast<std::int64_t>(place(std::ceil((stretch.end + overlap) * chords) + 1.0))};
+}
+
 bool is_crossed(std::uint8_t answer) {
   return answer != 0;
 }
@@ -39,9 +76,11 @@ SightCurve::SightCurve(double coefficient, double unit) : coefficient_(coefficie
   longest_chord_ = std::sqrt(4.0 * (k_most_sag / unit) / per_square_);
 }
 
-int SightCurve::chord_count(double distance) const {
+std::int64_t SightCurve::chord_count(double distance) const {
+  // Shares of more chords would not differ any more.
+  constexpr double k_most = 1e15;
   if (longest_chord_ == 0.0) return 1;
-  return std::max(1, static_cast<int>(std::ceil(distance / longest_chord_)));
+  return static_cast<std::int64_t>(std::clamp(std::ceil(distance / longest_chord_), 1.0, k_most));
 }
 
 glm::dvec3 SightCurve::place(const glm::dvec3& from, const glm::dvec3& to, double share) const {
@@ -50,7 +89,11 @@ glm::dvec3 SightCurve::place(const glm::dvec3& from, const glm::dvec3& to, doubl
   return place;
 }
 
-SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve) : curve_(curve) {
+SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve)
+    : curve_(curve), reach_(occluders.octree().bounds()) {
+  // A line is blocked within a point's radius of the point.
+  reach_.min -= occluders.largest_radius();
+  reach_.max += occluders.largest_radius();
   OccluderOptions options = occluders.options();
   const int transparency = options.transparency;
   // Straight lines are asked for all their crossings at once.
@@ -63,20 +106,26 @@ SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve) : cu
 }
 
 void SightBatch::add(const SightEnd& from, const SightEnd& to) {
-  const int count = curve_.chord_count(distance_between(from.position, to.position));
   const double length = glm::length(to.position - from.position);
+  if (!std::isfinite(length)) throw Error({.problem = "end of a sight line is not finite"});
+  const std::int64_t count = curve_.chord_count(distance_between(from.position, to.position));
   // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide. Where
   // crossings are counted, it would count twice instead.
-  const Occluders& last = occluders_.back();
-  const double overlap = occluders_.size() == 1 ? 2.0 * std::max(last.largest_sphere(), 0.0) / length : 0.0;
-  for (int i = 0; i < count; ++i) {
-    const double begin = std::max(0.0, static_cast<double>(i) / count - overlap),
-                 end = std::min(1.0, static_cast<double>(i + 1) / count + overlap);
+  const double widest = occluders_.back().largest_sphere();
+  const double overlap = occluders_.size() == 1 ? 2.0 * std::max(widest, 0.0) / length : 0.0;
+  const ChordRange asked =
+      count == 1 ? ChordRange{0, 1}
+                 : chords_over(stretch_over(reach_, from.position, to.position), count, overlap);
+  const auto chords = static_cast<double>(count);
+  for (std::int64_t i = asked.begin; i < asked.end; ++i) {
+    const double begin = std::max(0.0, static_cast<double>(i) / chords - overlap),
+                 end = std::min(1.0, static_cast<double>(i + 1) / chords + overlap);
     const SightEnd chord_from = i == 0 ? from : SightEnd{curve_.place(from.position, to.position, begin)};
     const SightEnd chord_to = i + 1 == count ? to : SightEnd{curve_.place(from.position, to.position, end)};
     chords_.push_back(sight_line(chord_from, chord_to));
     chord_starts_.push_back(i == 0 ? 0.0 : begin * length);
   }
+  all_straight_ = all_straight_ && count == 1;
   begin_.push_back(chords_.size());
 }
 
@@ -84,6 +133,7 @@ void SightBatch::clear() {
   chords_.clear();
   chord_starts_.clear();
   begin_.resize(1);
+  all_straight_ = true;
 }
 
 template <class Crossed>
@@ -101,7 +151,7 @@ std::optional<SightBatch::Place> SightBatch::blocked_at(
 
 std::span<const std::uint8_t> SightBatch::blocked() {
   answers_.resize(size());
-  if (chord_count() == size()) {
+  if (all_straight_) {
     alidade::blocked(occluders_.back(), chords_, answers_);
     return answers_;
   }
@@ -116,7 +166,7 @@ std::span<const std::uint8_t> SightBatch::blocked() {
 
 std::span<const std::optional<Blocker>> SightBatch::first_blockers() {
   blockers_.assign(size(), std::nullopt);
-  if (chord_count() == size()) {
+  if (all_straight_) {
     alidade::first_blockers(occluders_.back(), chords_, blockers_);
     return blockers_;
   }

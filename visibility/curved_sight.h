@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "octree/bounds.h"
 #include "visibility/earth.h"
 #include "visibility/sight_line.h"
 
@@ -35,8 +36,8 @@ class SightCurve {
   double coefficient() const { return coefficient_; }
   /// How far a place at this distance along the ground stands too high, in units of the cloud.
   double drop(double distance) const { return per_square_ * distance * distance; }
-  /// Chords that a line over this distance along the ground is made of.
-  int chord_count(double distance) const;
+  /// Chords that a line over this distance along the ground is made of; finite.
+  std::int64_t chord_count(double distance) const;
   /// The place at a share [0, 1] of the way.
   glm::dvec3 place(const glm::dvec3& from, const glm::dvec3& to, double share) const;
 
@@ -46,7 +47,8 @@ class SightCurve {
   double longest_chord_ = 0.0;  ///< 0: no limit
 };
 
-/// Lines of sight to be answered together, each bent into one or more chords.
+/// Lines of sight to be answered together, each bent into one or more chords. Chords over land where there
+/// are no points are left out, since nothing blocks there: so lines to an observer far away cost little.
 class SightBatch {
  public:
   SightBatch(const Occluders& occluders, const SightCurve& curve);
@@ -54,6 +56,7 @@ class SightBatch {
   std::size_t size() const { return begin_.size() - 1; }
   /// Chords of all lines, what the work and memory go with.
   std::size_t chord_count() const { return chords_.size(); }
+  /// Errors: ends not finite, or so far apart that their distance is not.
   void add(const SightEnd& from, const SightEnd& to);
   void clear();
 
@@ -77,6 +80,8 @@ class SightBatch {
 
   std::vector<Occluders> occluders_;  ///< for 1, 2, .. crossings
   SightCurve curve_;
+  Bounds reach_;              ///< over which anything can block
+  bool all_straight_ = true;  ///< every line is one chord
   std::vector<SightLine> chords_;
   std::vector<double> chord_starts_;   ///< distance of each chord from its line's start
   std::vector<std::size_t> begin_{0};  ///< first chord of each line, and the end

@@ -27,7 +27,7 @@ double LowestSeen::radius_of(std::uint64_t point_id) const {
 void LowestSeen::aim(const MapObserver& observer, std::span<const MapTarget> targets) {
   batch_.clear();
   for (const Search& search : searches_)
-    batch_.add(observer.eye, raised(targets[search.target].foot, search.tried));
+    batch_.add(observer.eye(), raised(targets[search.target].foot, search.tried));
   line_count_ += batch_.size();
 }
 
@@ -45,11 +45,12 @@ void LowestSeen::climb(const MapObserver& observer, std::span<const MapTarget> t
       }
       const glm::dvec3 place = raised(targets[search.target].foot, search.tried).position;
       const double magnified =
-          glm::length(place - observer.eye.position) / std::max(blockers[i]->distance, k_finest);
+          glm::length(place - observer.eye().position) / std::max(blockers[i]->distance, k_finest);
       search.blocked = search.tried;
       search.tried += std::max(k_finest, radius_of(blockers[i]->point_id) * std::max(magnified, 1.0));
+      search.tried = std::min(search.tried, search.highest);
       // Higher than what another observer sees, it does not matter.
-      if (search.tried < heights[search.target]) searches_[left++] = search;
+      if (search.tried > search.blocked && search.tried < heights[search.target]) searches_[left++] = search;
     }
     searches_.resize(left);
   }
@@ -64,7 +65,8 @@ void LowestSeen::halve(const MapObserver& observer, std::span<const MapTarget> t
       heights[search.target] = std::min(heights[search.target], search.tried);
       if (search.tried - search.blocked <= k_finest) continue;
       seen_[left++] = search;
-      searches_.push_back({search.target, search.blocked, 0.5 * (search.blocked + search.tried)});
+      searches_.push_back(
+          {search.target, search.blocked, 0.5 * (search.blocked + search.tried), search.tried});
     }
     seen_.resize(left);
     aim(observer, targets);
@@ -83,11 +85,13 @@ void LowestSeen::look(const MapObserver& observer, std::span<const MapTarget> ta
   searches_.clear();
   seen_.clear();
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (!observer.looks_at(raised(targets[i].foot, options_.target_height).position)) continue;
+    const std::optional<HeightRange> range =
+        observer.heights_in_view(targets[i].foot.position, {options_.target_height, options_.highest});
+    if (!range) continue;
     heights[i] = std::min(heights[i], options_.highest);
-    if (options_.target_height >= heights[i]) continue;
+    if (range->low >= heights[i]) continue;
     // What is seen at once has nothing below it to halve into.
-    searches_.push_back({i, options_.target_height, options_.target_height});
+    searches_.push_back({i, range->low, range->low, range->high});
   }
   climb(observer, targets, heights);
   halve(observer, targets, heights);

@@ -28,6 +28,7 @@ class LowestSeen {
     std::size_t target;
     double blocked;  ///< highest that is not seen
     double tried;    ///< to look at next
+    double highest;  ///< that the observer looks at
   };
 
   void climb(const MapObserver& observer, std::span<const MapTarget> targets, std::span<double> heights);

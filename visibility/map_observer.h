@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/geometric.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,22 +11,35 @@
 
 namespace alidade {
 
-/// An observer ready for many lines of sight.
-struct MapObserver {
-  SightEnd eye;
-  FieldOfView view;
-  double max_distance_sq;
+/// Heights above the ground, limits inclusive.
+struct HeightRange {
+  double low = 0.0, high = 0.0;
+};
 
-  MapObserver(const Occluders& occluders, const Observer& observer)
-      : eye(end_near_surface(occluders, observer.position)),
-        view(observer),
-        max_distance_sq(observer.max_distance * observer.max_distance) {}
+/// An observer ready for many lines of sight.
+class MapObserver {
+ public:
+  MapObserver(const Occluders& occluders, const Observer& observer);
+
+  const SightEnd& eye() const { return eye_; }
 
   /// Whether it looks at a place at all.
   bool looks_at(const glm::dvec3& place) const {
-    const glm::dvec3 offset = place - eye.position;
-    return glm::dot(offset, offset) <= max_distance_sq && (view.is_everything() || view.contains(offset));
+    const glm::dvec3 offset = place - eye_.position;
+    return glm::dot(offset, offset) <= max_distance_ * max_distance_ &&
+           (view_.is_everything() || view_.contains(offset));
   }
+
+  /// The heights in `asked` above a place that it looks at: those between the lower and the upper limit of
+  /// its field of view there, not farther away than its distance. Its lower end is that of `asked` if the
+  /// observer looks at that, by looks_at(). Empty: it looks at none. The same on every machine.
+  std::optional<HeightRange> heights_in_view(const glm::dvec3& foot, const HeightRange& asked) const;
+
+ private:
+  SightEnd eye_;
+  FieldOfView view_, azimuths_;
+  double max_distance_;
+  double lower_slope_, upper_slope_;  ///< rise per length of the ground at the limits of the view
 };
 
 inline std::vector<MapObserver> map_observers(const Occluders& occluders,

@@ -14,16 +14,25 @@
 namespace alidade {
 namespace {
 
-constexpr int k_block_levels = 7, k_block_side = 1 << k_block_levels;
+constexpr std::size_t k_most_places = 1 << 18;  // of a block
 
-int blocks_along(int cells) {
-  return (cells + k_block_side - 1) / k_block_side;
+/// Levels of the widest block that has not too many places, and not so many cells that few threads find work.
+int levels_of_block(int places_across) {
+  const auto per_cell = static_cast<std::size_t>(places_across) * static_cast<std::size_t>(places_across);
+  int levels = 8;
+  while (levels > 0 && (per_cell << (2 * levels)) > k_most_places) --levels;
+  return levels;
+}
+
+std::size_t blocks_along(int cells, int levels) {
+  return (static_cast<std::size_t>(cells) + (std::size_t{1} << levels) - 1) >> levels;
 }
 
 /// Every second bit of a number, from its lowest: one coordinate of a place on the Z curve.
 int every_second_bit(std::uint32_t number) {
+  constexpr int k_most_bits = 16;
   int coordinate = 0;
-  for (int bit = 0; bit < k_block_levels; ++bit)
+  for (int bit = 0; bit < k_most_bits; ++bit)
     coordinate |= static_cast<int>((number >> (2 * bit)) & 1u) << bit;
   return coordinate;
 }
@@ -57,44 +66,51 @@ SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place) {
 
 MapTargets::MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
                        int places_across)
-    : occluders_(occluders), ground_(ground), grid_(grid), places_across_(places_across) {}
+    : occluders_(occluders),
+      ground_(ground),
+      grid_(grid),
+      places_across_(places_across),
+      block_levels_(levels_of_block(places_across)) {}
 
 std::size_t MapTargets::block_count() const {
-  return static_cast<std::size_t>(blocks_along(grid_.columns)) *
-         static_cast<std::size_t>(blocks_along(grid_.rows));
+  return blocks_along(grid_.columns, block_levels_) * blocks_along(grid_.rows, block_levels_);
 }
 
-void MapTargets::block(std::size_t number, std::vector<MapTarget>& targets) const {
-  const auto blocks = static_cast<std::size_t>(blocks_along(grid_.columns));
-  const int first_column = static_cast<int>(number % blocks) * k_block_side,
-            first_row = static_cast<int>(number / blocks) * k_block_side;
-  struct Place {
-    std::size_t cell;
-    glm::dvec2 place;
-  };
-  std::vector<Place> places;
-  for (std::uint32_t i = 0; i < k_block_side * k_block_side; ++i) {
-    const int column = first_column + every_second_bit(i), row = first_row + every_second_bit(i >> 1);
-    if (column >= grid_.columns || row >= grid_.rows) continue;
-    const glm::dvec2 middle = grid_.center(column, row);
-    for (int y = 0; y < places_across_; ++y) {
-      for (int x = 0; x < places_across_; ++x) {
-        const glm::dvec2 share =
-            (glm::dvec2(x, y) + 0.5) / static_cast<double>(places_across_) - glm::dvec2(0.5);
-        places.push_back({grid_.index(column, row), middle + share * grid_.cell_size});
-      }
-    }
+std::vector<std::size_t> MapTargets::cells(std::size_t number) const {
+  const std::size_t blocks = blocks_along(grid_.columns, block_levels_);
+  const int first_column = static_cast<int>(number % blocks) << block_levels_,
+            first_row = static_cast<int>(number / blocks) << block_levels_;
+  std::vector<std::size_t> cells;
+  for (std::uint32_t i = 0; i < (std::uint32_t{1} << (2 * block_levels_)); ++i) {
+    // Sums of two numbers below 2^31: they must not be looked at as int.
+    const std::int64_t column = std::int64_t{first_column} + every_second_bit(i),
+                       row = std::int64_t{first_row} + every_second_bit(i >> 1);
+    if (column < grid_.columns && row < grid_.rows)
+      cells.push_back(grid_.index(static_cast<int>(column), static_cast<int>(row)));
   }
-  std::vector<std::optional<MapTarget>> found(places.size());
-  tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t i) {
-    const glm::dvec2& place = places[i].place;
+  return cells;
+}
+
+MapBlock MapTargets::block(std::size_t number) const {
+  MapBlock block{cells(number), {}};
+  const auto across = static_cast<std::size_t>(places_across_), per_cell = across * across;
+  const auto columns = static_cast<std::size_t>(grid_.columns);
+  std::vector<std::optional<MapTarget>> found(block.cells.size() * per_cell);
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+    const std::size_t cell = i / per_cell, part = i % per_cell;
+    const glm::dvec2 middle = grid_.center(static_cast<int>(block.cells[cell] % columns),
+                                           static_cast<int>(block.cells[cell] / columns));
+    const glm::dvec2 share =
+        (glm::dvec2(part % across, part / across) + 0.5) / static_cast<double>(places_across_) -
+        glm::dvec2(0.5);
+    const glm::dvec2 place = middle + share * grid_.cell_size;
     if (const std::optional<double> height = ground_.at(place))
-      found[i] = MapTarget{places[i].cell, end_on_ground(occluders_, {place.x, place.y, *height})};
+      found[i] = MapTarget{cell, end_on_ground(occluders_, {place.x, place.y, *height})};
   });
-  targets.clear();
   for (const std::optional<MapTarget>& target : found) {
-    if (target) targets.push_back(*target);
+    if (target) block.targets.push_back(*target);
   }
+  return block;
 }
 
 }  // namespace alidade

@@ -11,6 +11,8 @@
 
 namespace alidade {
 
+constexpr int k_most_places_across = 100;
+
 /// A place on the ground as an end of sight lines. Heights of the ground come from several points, so that a
 /// place may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to the
 /// lower face of that sheet (one standard deviation) if it lies deeper, and lifted by the sheet's thickness,
@@ -27,26 +29,36 @@ inline SightEnd raised(SightEnd end, double height) {
 
 /// A place that is looked at.
 struct MapTarget {
-  std::size_t cell = 0;
-  SightEnd foot;  ///< on the ground
+  std::size_t cell = 0;  ///< number of its cell in the block
+  SightEnd foot;         ///< on the ground
 };
 
-/// The places of a map, block by block, so that a map of any size takes little memory.
+/// A square part of a map.
+struct MapBlock {
+  std::vector<std::size_t> cells;  ///< their numbers in the map, neighbours near each other
+  std::vector<MapTarget> targets;  ///< the places that have ground, in the order of the cells
+};
+
+/// The places of a map, block by block, so that a map of any size and with any number of places takes little
+/// memory: a block has at most 2^18 places, some 40 MB.
 class MapTargets {
  public:
-  /// places_across: every cell has its square of places, evenly spread; 1 is the middle. Requires >= 1. The
-  /// references must outlive this.
+  /// places_across: every cell has its square of places, evenly spread; 1 is the middle. Requires 1 ..
+  /// k_most_places_across. The references must outlive this.
   MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid, int places_across);
 
   std::size_t block_count() const;
-  /// The places of a block that have ground, neighbours near each other; in parallel. Replaces `targets`.
-  void block(std::size_t number, std::vector<MapTarget>& targets) const;
+  /// The cells of a block, as MapBlock has them.
+  std::vector<std::size_t> cells(std::size_t number) const;
+  /// A block with its places; in parallel.
+  MapBlock block(std::size_t number) const;
 
  private:
   const Occluders& occluders_;
   const Ground& ground_;
   RasterGrid grid_;
   int places_across_;
+  int block_levels_;  ///< a block is 2^this cells wide
 };
 
 }  // namespace alidade

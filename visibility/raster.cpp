@@ -96,4 +96,9 @@ void check_memory(std::uint64_t bytes, const char* what) {
                .found = fmt::format("{:.1f} GB free", static_cast<double>(*available) / k_gigabyte)});
 }
 
+void check_map_memory(const RasterGrid& grid, int bands) {
+  constexpr std::uint64_t k_bytes = 12;
+  check_memory(k_bytes * static_cast<std::uint64_t>(bands) * grid.size(), "the map");
+}
+
 }  // namespace alidade

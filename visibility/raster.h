@@ -66,4 +66,8 @@ Bounds cropped(const Bounds& area, const Bounds& to);
 /// moment; `what` they are for is named. Where the system does not tell, nothing is refused.
 void check_memory(std::uint64_t bytes, const char* what);
 
+/// The same for a map of so many bands of up to 4 bytes, with what making and writing it takes: 12 B per cell
+/// and band.
+void check_map_memory(const RasterGrid& grid, int bands);
+
 }  // namespace alidade

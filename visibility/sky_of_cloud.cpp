@@ -9,6 +9,7 @@
 #include <string>
 
 #include "octree/error.h"
+#include "visibility/map_targets.h"
 #include "visibility/point_blocks.h"
 
 namespace alidade {
@@ -51,7 +52,8 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
   });
 }
 
-/// Calls answer(targets, cells) for all cells that have ground, a block at a time; cells by their index.
+/// Calls answer(targets, cells) for all cells that have ground, a block at a time; cells by their number in
+/// the map.
 template <class Answer>
 void for_each_ground_target(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
                             double height, const Progress& progress, const Answer& answer) {
@@ -60,32 +62,23 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
                  .expected = "0 or more",
                  .found = std::to_string(height)});
   }
-  std::vector<glm::dvec3> places;
-  std::vector<std::size_t> cells;
+  const MapTargets places(occluders, ground, grid, 1);
   std::vector<SkyTarget> targets;
+  std::vector<std::size_t> cells;
   std::uint64_t done = 0;
   report(progress, done, grid.size());
-  const auto work = [&] {
-    targets.resize(places.size());
-    tbb::parallel_for(std::size_t{0}, places.size(),
-                      [&](std::size_t i) { targets[i] = target_in_open(occluders, places[i]); });
-    answer(std::span<SkyTarget>(targets), std::span<const std::size_t>(cells));
-    places.clear();
+  for (std::size_t number = 0; number < places.block_count(); ++number) {
+    const MapBlock block = places.block(number);
+    targets.clear();
     cells.clear();
-    report(progress, done, grid.size());
-  };
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      const glm::dvec2 center = grid.center(column, row);
-      const std::optional<double> foot = ground.at(center);
-      if (!foot) continue;
-      places.emplace_back(center, *foot + height);
-      cells.push_back(grid.index(column, row));
+    for (const MapTarget& target : block.targets) {
+      targets.push_back(target_in_open(raised(target.foot, height)));
+      cells.push_back(block.cells[target.cell]);
     }
-    done += static_cast<std::uint64_t>(grid.columns);
-    if (places.size() >= k_targets_at_once) work();
+    answer(std::span<SkyTarget>(targets), std::span<const std::size_t>(cells));
+    done += block.cells.size();
+    report(progress, done, grid.size());
   }
-  work();
 }
 
 }  // namespace
@@ -123,6 +116,7 @@ std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<cons
 
 Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
                                double height, const SkyViewOptions& options, const Progress& progress) {
+  check_map_memory(grid, 1);
   Raster<float> views(grid, k_nothing);
   SkyViewOptions facing_up = options;
   facing_up.receiver = SkyReceiver::horizontal;
@@ -140,6 +134,7 @@ Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
 SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
                          double height, std::span<const SunBin> bins, const SunHoursOptions& options,
                          const Progress& progress) {
+  check_map_memory(grid, 2);
   SunMaps maps{Raster<float>(grid, k_nothing), Raster<float>(grid, k_nothing)};
   std::vector<SunHours> of_block;
   for_each_ground_target(occluders, ground, grid, height, progress,

@@ -31,13 +31,14 @@ std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<cons
                                       std::span<const SunBin> bins, const SunHoursOptions& options,
                                       const Progress& progress = {});
 
-/// Sky-view factor in the middle of every cell, `height` above the ground, which faces up there
-/// (options.receiver does not matter); NaN where there is no ground. `progress` is in cells. Memory: 4 B per
-/// cell and some 20 MB. Errors: as sky_views; height negative or not finite.
+/// Sky-view factor in the middle of every cell, `height` above the ground as a viewshed has it
+/// (visibility/map_targets.h), which faces up there (options.receiver does not matter); NaN where there is no
+/// ground. `progress` is in cells. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band.
+/// Errors: as sky_views; height negative or not finite; not enough memory.
 Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
                                double height, const SkyViewOptions& options, const Progress& progress = {});
 
-/// Direct sun of every cell, likewise on the horizontal.
+/// Direct sun of every cell, likewise on the horizontal; two bands.
 struct SunMaps {
   Raster<float> hours, kilowatt_hours;
 };

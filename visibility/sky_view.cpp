@@ -102,9 +102,9 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
   return target;
 }
 
-SkyTarget target_in_open(const Occluders& occluders, const glm::dvec3& position) {
+SkyTarget target_in_open(const SightEnd& place) {
   SkyTarget target;
-  target.front = target.back = end_near_surface(occluders, position);
+  target.front = target.back = place;
   return target;
 }
 

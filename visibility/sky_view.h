@@ -35,7 +35,7 @@ SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, co
                           const std::optional<glm::dvec3>& outward);
 
 /// A place on or above the ground, which looks to all sides.
-SkyTarget target_in_open(const Occluders& occluders, const glm::dvec3& position);
+SkyTarget target_in_open(const SightEnd& place);
 
 enum class SkyReceiver {
   horizontal,  ///< faces up: light from straight above counts most

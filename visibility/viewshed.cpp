@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <vector>
 
 #include "octree/error.h"
@@ -18,11 +21,10 @@ namespace {
 constexpr std::size_t k_batch = 1 << 16;
 
 void check(std::span<const Observer> observers, const ViewshedOptions& options) {
-  constexpr int k_most_across = 100;
   if (observers.empty()) throw Error({.problem = "a viewshed needs an observer"});
-  if (options.places_across < 1 || options.places_across > k_most_across) {
+  if (options.places_across < 1 || options.places_across > k_most_places_across) {
     throw Error({.problem = "bad number of places across a cell",
-                 .expected = "1 to 100",
+                 .expected = fmt::format("1 to {}", k_most_places_across),
                  .found = fmt::format("{}", options.places_across)});
   }
   if (!(options.target_height >= 0.0) || !std::isfinite(options.target_height)) {
@@ -38,33 +40,53 @@ void check(std::span<const Observer> observers, const ViewshedOptions& options) 
   }
 }
 
-/// Counts what is seen of every cell.
+/// Says how far the whole map is, in pairs of observer and place.
+class PairCounter {
+ public:
+  PairCounter(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
+  void add(std::uint64_t pairs) { report(progress_, done_ += pairs, total_); }
+
+ private:
+  const Progress& progress_;
+  std::uint64_t total_, done_ = 0;
+};
+
+/// Counts what is seen of the cells of a block.
 class SeenCounter {
  public:
-  SeenCounter(const Occluders& occluders, const ViewshedOptions& options, Raster<float>& values)
-      : options_(options),
-        values_(values),
-        looks_(values.values.size(), 0),
-        batch_(occluders, options.curve) {}
+  SeenCounter(const Occluders& occluders, const ViewshedOptions& options)
+      : options_(options), batch_(occluders, options.curve) {}
 
-  void look(const MapObserver& observer, std::span<const MapTarget> targets) {
-    for (const MapTarget& target : targets) {
-      // Who is seen already need not be seen again.
-      if (options_.mode == ViewshedMode::visible && values_.values[target.cell] > 0.0f) continue;
-      const SightEnd end = raised(target.foot, options_.target_height);
-      if (!observer.looks_at(end.position)) continue;
-      batch_.add(observer.eye, end);
-      cells_.push_back(target.cell);
-      if (batch_.chord_count() >= k_batch) count();
+  std::vector<float> look(std::span<const MapObserver> observers, const MapBlock& block, PairCounter& pairs) {
+    looks_.assign(block.cells.size(), 0);
+    seen_.assign(block.cells.size(), 0);
+    for (const MapObserver& observer : observers) {
+      for (const MapTarget& target : block.targets) aim(observer, target);
+      pairs.add(block.targets.size());
     }
+    count();
+    std::vector<float> values(block.cells.size(), k_no_ground);
+    for (const MapTarget& target : block.targets) values[target.cell] = value_of(target.cell);
+    return values;
+  }
+
+  std::uint64_t line_count() const { return line_count_; }
+
+ private:
+  void aim(const MapObserver& observer, const MapTarget& target) {
+    // Who is seen already need not be seen again.
+    if (options_.mode == ViewshedMode::visible && seen_[target.cell] > 0) return;
+    const SightEnd end = raised(target.foot, options_.target_height);
+    if (!observer.looks_at(end.position)) return;
+    batch_.add(observer.eye(), end);
+    cells_.push_back(target.cell);
+    if (batch_.chord_count() >= k_batch || cells_.size() >= k_batch) count();
   }
 
   void count() {
     const std::span<const std::uint8_t> blocked = batch_.blocked();
     for (std::size_t i = 0; i < cells_.size(); ++i) {
-      float& value = values_.values[cells_[i]];
-      if (value == k_out_of_range) value = 0.0f;
-      value += blocked[i] ? 0.0f : 1.0f;
+      seen_[cells_[i]] += blocked[i] ? 0 : 1;
       ++looks_[cells_[i]];
     }
     line_count_ += cells_.size();
@@ -72,83 +94,65 @@ class SeenCounter {
     cells_.clear();
   }
 
-  /// Makes of the counts what was asked for.
-  void finish() {
-    count();
-    for (std::size_t i = 0; i < looks_.size(); ++i) {
-      float& value = values_.values[i];
-      if (!(value > 0.0f)) continue;
-      if (options_.mode == ViewshedMode::visible) value = 1.0f;
-      if (options_.mode == ViewshedMode::fraction) value /= static_cast<float>(looks_[i]);
-    }
+  float value_of(std::size_t cell) const {
+    if (looks_[cell] == 0) return k_out_of_range;
+    const auto seen = static_cast<float>(seen_[cell]);
+    if (options_.mode == ViewshedMode::visible) return seen > 0.0f ? 1.0f : 0.0f;
+    return options_.mode == ViewshedMode::count ? seen : seen / static_cast<float>(looks_[cell]);
   }
 
-  std::uint64_t line_count() const { return line_count_; }
-
- private:
   const ViewshedOptions& options_;
-  Raster<float>& values_;
-  std::vector<std::uint32_t> looks_;  ///< at each cell
+  std::vector<std::uint64_t> looks_, seen_;  ///< of each cell
   SightBatch batch_;
   std::vector<std::size_t> cells_;  ///< of the batch's lines
   std::uint64_t line_count_ = 0;
 };
 
-/// Looks at one block of the map with every observer.
-using LookAtBlock = std::function<void(std::span<const MapTarget>)>;
-
-void for_each_block(const MapTargets& targets, Raster<float>& values, const LookAtBlock& look) {
-  std::vector<MapTarget> block;
-  for (std::size_t number = 0; number < targets.block_count(); ++number) {
-    targets.block(number, block);
-    for (const MapTarget& target : block) values.values[target.cell] = k_out_of_range;
-    look(block);
+/// Finds the lowest heights over the cells of a block.
+std::vector<float> lowest_heights(LowestSeen& lowest, std::span<const MapObserver> observers,
+                                  const MapBlock& block, PairCounter& pairs) {
+  // Bent lines are made of many chords, which all stay in memory.
+  constexpr std::size_t k_targets_at_once = 1 << 13;
+  std::vector<double> heights(block.targets.size(), std::numeric_limits<double>::infinity());
+  const std::span<const MapTarget> targets(block.targets);
+  for (std::size_t begin = 0; begin < targets.size(); begin += k_targets_at_once) {
+    const std::size_t count = std::min(k_targets_at_once, targets.size() - begin);
+    for (const MapObserver& observer : observers) {
+      lowest.look(observer, targets.subspan(begin, count), std::span(heights).subspan(begin, count));
+      pairs.add(count);
+    }
   }
+  std::vector<float> values(block.cells.size(), k_no_ground);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    values[targets[i].cell] = std::isfinite(heights[i]) ? static_cast<float>(heights[i]) : k_out_of_range;
+  }
+  return values;
 }
 
 }  // namespace
 
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const RasterGrid& grid, const ViewshedOptions& options) {
-  constexpr std::uint64_t k_bytes_per_cell = 12;  // with what writing it takes
   check(observers, options);
-  check_memory(k_bytes_per_cell * grid.size(), "the map");
-  const bool by_height = options.mode == ViewshedMode::height;
-  const int places_across = options.mode == ViewshedMode::fraction ? options.places_across : 1;
+  check_map_memory(grid, 1);
   Viewshed result{Raster<float>(grid, k_no_ground)};
+  const int places_across = options.mode == ViewshedMode::fraction ? options.places_across : 1;
   const std::vector<MapObserver> eyes = map_observers(occluders, observers);
   const MapTargets targets(occluders, ground, grid, places_across);
-  const std::uint64_t pairs =
+  const std::uint64_t total =
       grid.size() * eyes.size() * static_cast<std::uint64_t>(places_across * places_across);
-  std::uint64_t done = 0;
-  const auto report_block = [&](std::size_t count) { report(options.progress, done += count, pairs); };
-
-  if (by_height) {
-    LowestSeen lowest(occluders, options);
-    std::vector<double> heights;
-    for_each_block(targets, result.values, [&](std::span<const MapTarget> block) {
-      heights.assign(block.size(), std::numeric_limits<double>::infinity());
-      for (const MapObserver& eye : eyes) {
-        lowest.look(eye, block, heights);
-        report_block(block.size());
-      }
-      for (std::size_t i = 0; i < block.size(); ++i) {
-        if (std::isfinite(heights[i])) result.values.values[block[i].cell] = static_cast<float>(heights[i]);
-      }
-    });
-    result.line_count = lowest.line_count();
-  } else {
-    SeenCounter counter(occluders, options, result.values);
-    for_each_block(targets, result.values, [&](std::span<const MapTarget> block) {
-      for (const MapObserver& eye : eyes) {
-        counter.look(eye, block);
-        report_block(block.size());
-      }
-    });
-    counter.finish();
-    result.line_count = counter.line_count();
+  PairCounter pairs(options.progress, total);
+  SeenCounter counter(occluders, options);
+  std::optional<LowestSeen> lowest;
+  if (options.mode == ViewshedMode::height) lowest.emplace(occluders, options);
+  for (std::size_t number = 0; number < targets.block_count(); ++number) {
+    const MapBlock block = targets.block(number);
+    const std::vector<float> values =
+        lowest ? lowest_heights(*lowest, eyes, block, pairs) : counter.look(eyes, block, pairs);
+    for (std::size_t i = 0; i < values.size(); ++i) result.values.values[block.cells[i]] = values[i];
   }
-  report(options.progress, pairs, pairs);
+  result.line_count = lowest ? lowest->line_count() : counter.line_count();
+  report(options.progress, total, total);
   return result;
 }
 

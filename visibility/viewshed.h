@@ -32,7 +32,8 @@ struct ViewshedOptions {
   /// at.
   double target_height = 0.0;
   SightCurve curve{};     ///< straight unless given
-  int places_across = 3;  ///< of `fraction`: so many times so many places in every cell, 1 .. 100
+  int places_across = 3;  ///< of `fraction`: so many times so many places in every cell, 1 ..
+                          ///< k_most_places_across
   /// Of `height`: nothing higher is tried, and this stands for "not even there". In the unit of the cloud.
   double highest = 200.0;
   Progress progress{};  ///< in pairs of observer and place
@@ -55,11 +56,13 @@ struct Viewshed {
 /// `height`: from the target height up, lines are tried until one is free, each raised by the radius of the
 /// point that blocked the one before, as it projects on the cell (at least 0.01); then the height is halved
 /// in to 0.01. So it is the lowest at which there is sight, also below a bridge or a crown, but for openings
-/// lower than the points' own distances. Of several observers the lowest counts.
+/// lower than the points' own distances. Of several observers the lowest counts. Only heights between the
+/// target height and `highest` that lie in an observer's field of view and within its distance are tried: a
+/// cell whose ground lies below the view has the height at which the view begins, if that is seen, and
+/// `highest` if nothing in the view is. Out of range are cells with no such height.
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
-/// where much is hidden. Memory: 8 B per cell; 12 B are asked for beforehand, as writing
-/// takes.
+/// where much is hidden. Memory: 4 B per cell and some 100 MB; check_map_memory() of one band.
 /// Errors: no observer; places_across, target height or highest out of range.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const RasterGrid& grid, const ViewshedOptions& options);

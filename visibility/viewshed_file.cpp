@@ -109,8 +109,10 @@ ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const Se
   return result;
 }
 
-MapPicture viewshed_picture(const Viewshed& viewshed, ViewshedMode mode, std::span<const Observer> observers,
-                            const std::string& length_unit, double highest) {
+MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
+                            std::span<const Observer> observers, const std::string& length_unit) {
+  const ViewshedMode mode = options.mode;
+  const double lowest = options.target_height, highest = options.highest;
   MapPicture picture{.title = title_of(mode, observers.size()), .values = viewshed.values};
   picture.unit = length_unit;
   for (const Observer& observer : observers)
@@ -135,11 +137,12 @@ MapPicture viewshed_picture(const Viewshed& viewshed, ViewshedMode mode, std::sp
       break;
     case ViewshedMode::height:
       picture.swatches = {
-          {0.0f, k_seen, "seen on the ground"},
+          {static_cast<float>(lowest), k_seen,
+           lowest > 0.0 ? fmt::format("seen at {:g}{}", lowest, unit_text) : "seen on the ground"},
           {static_cast<float>(highest), k_hidden, fmt::format("not up to {:g}{}", highest, unit_text)},
           beyond};
       picture.scale = {ColorMap::viridis,
-                       {0.0, std::max(0.01, static_cast<double>(largest))},
+                       {lowest, std::max(lowest + 0.01, static_cast<double>(largest))},
                        length_unit.empty() ? "height" : "height, " + length_unit};
       break;
     case ViewshedMode::fraction:
@@ -148,6 +151,18 @@ MapPicture viewshed_picture(const Viewshed& viewshed, ViewshedMode mode, std::sp
       break;
   }
   return picture;
+}
+
+SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options) {
+  const auto lowest = static_cast<float>(options.target_height);
+  std::uint64_t seen = 0, looked_at = 0;
+  for (const float value : viewshed.values.values) {
+    if (!has_value(value)) continue;
+    ++looked_at;
+    seen += options.mode == ViewshedMode::height ? value == lowest : value > 0.0f;
+  }
+  return {looked_at == 0 ? 0.0 : 100.0 * static_cast<double>(seen) / static_cast<double>(looked_at),
+          viewshed.values.values.size() - looked_at};
 }
 
 }  // namespace alidade

@@ -40,8 +40,15 @@ struct ViewshedBand {
 ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const SeenValues& seen_values,
                            std::size_t observer_count, const std::string& length_unit);
 
-/// The map for people; seen cells are bright, hidden ones dark. highest: that of ViewshedOptions.
-MapPicture viewshed_picture(const Viewshed& viewshed, ViewshedMode mode, std::span<const Observer> observers,
-                            const std::string& length_unit, double highest);
+/// The map for people; seen cells are bright, hidden ones dark. `options` are those of the viewshed.
+MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
+                            std::span<const Observer> observers, const std::string& length_unit);
+
+/// How much is seen, of `height` at the target height.
+struct SeenShare {
+  double percent = 0.0;       ///< of the cells that an observer looks at
+  std::uint64_t without = 0;  ///< cells without ground, or that nobody looks at
+};
+SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options);
 
 }  // namespace alidade

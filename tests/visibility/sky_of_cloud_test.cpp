@@ -7,6 +7,7 @@
 
 #include "octree/error.h"
 #include "tests/visibility/sampled_shapes.h"
+#include "visibility/map_targets.h"
 
 namespace alidade::test {
 namespace {
@@ -87,6 +88,31 @@ TEST(GroundSkyViews, fall_towards_a_wall_and_are_nothing_without_ground) {
   const Raster<float> above = ground_sky_views(occluders, ground, grid, 4.5, {.directions = 64});
   EXPECT_GT(above.at(0, 0), 0.99f);
   EXPECT_THROW(ground_sky_views(occluders, ground, grid, -1.0, {}), Error);
+}
+
+TEST(GroundSkyViews, are_seen_from_the_places_that_a_viewshed_looks_at) {
+  const Occluders occluders(octree_of(yard()), {});
+  const Ground ground = make_ground(occluders.octree(), {}, {.cell_size = 0.5, .reach = 1.0});
+  const RasterGrid grid = grid_over({{-4, -4, 0}, {4, 4, 0}}, 1.0);
+  const Raster<float> views = ground_sky_views(occluders, ground, grid, 0.25, {.directions = 32});
+  for (int row = 0; row < grid.rows; ++row) {
+    const glm::dvec2 place = grid.center(3, row);
+    const SkyTarget target =
+        target_in_open(raised(end_on_ground(occluders, {place.x, place.y, *ground.at(place)}), 0.25));
+    float view = 0.0f;
+    sky_views(occluders, {&target, 1}, {.directions = 32, .receiver = SkyReceiver::horizontal}, {&view, 1});
+    EXPECT_EQ(views.at(3, row), view) << row;
+  }
+}
+
+TEST(GroundSkyViews, of_more_cells_than_fit_into_the_memory_are_refused_beforehand) {
+  const Occluders occluders(octree_of(yard()), {});
+  const Ground ground = make_ground(occluders.octree(), {}, {.cell_size = 0.5, .reach = 1.0});
+  RasterGrid grid;
+  grid.columns = 2'000'000'000;
+  grid.rows = 1'000'000;
+  EXPECT_THROW(ground_sky_views(occluders, ground, grid, 0.0, {}), Error);
+  EXPECT_THROW(ground_sun_hours(occluders, ground, grid, 0.0, bins(), {}), Error);
 }
 
 TEST(GroundSunHours, fall_in_the_shadow_of_a_wall) {

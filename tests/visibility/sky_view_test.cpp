@@ -52,7 +52,7 @@ TEST(SkyView, of_a_street_canyon_is_its_formula) {
   const Occluders occluders(octree_of(points), {.radius = k_radius});
   const double expected = std::cos(std::atan2(k_height, k_half_width));
   const SkyTarget on_ground = target_near(occluders, points, {0, 0, 0});
-  const SkyTarget above = target_in_open(occluders, {0.03, 0.02, 0.05});
+  const SkyTarget above = target_in_open(end_near_surface(occluders, {0.03, 0.02, 0.05}));
   for (const SkyReceiver receiver : {SkyReceiver::horizontal, SkyReceiver::surface}) {
     EXPECT_NEAR(view_of(occluders, on_ground, {512, receiver}), expected, k_tolerance);
     EXPECT_NEAR(view_of(occluders, on_ground, {.receiver = receiver}), expected, 0.035);
@@ -72,7 +72,7 @@ TEST(SkyView, beside_an_infinite_wall_is_that_of_a_half_plane) {
   Points points;
   add_rectangle(points, {-120, k_distance, 0}, {240, 0, 0}, {0, 0, k_height}, 0.15);
   const Occluders occluders(octree_of(points), {.radius = k_radius});
-  const SkyTarget target = target_in_open(occluders, {0, 0, 0});
+  const SkyTarget target = target_in_open(end_near_surface(occluders, {0, 0, 0}));
   const double angle = std::atan2(k_height, k_distance);
   EXPECT_NEAR(view_of(occluders, target, {512, SkyReceiver::horizontal}), 0.5 * (1.0 + std::cos(angle)),
               k_tolerance);

@@ -181,7 +181,7 @@ TEST(SunHours, in_front_of_a_wall_end_when_its_shadow_comes) {
   // 2 m north of the wall, on the ground: the sun must stand over the wall's top edge, or beside the wall.
   const Points points = wall();
   const Occluders occluders(octree_of(points), {});
-  const SkyTarget ground = target_in_open(occluders, {0, 2.2, 0});
+  const SkyTarget ground = target_in_open(end_near_surface(occluders, {0, 2.2, 0}));
   const std::vector<SunStep> steps = sun_steps(schedule("2026-03-20T00:00Z", "2026-03-21T00:00Z", 1.0));
   double hours = 0.0;
   for (const SunStep& step : steps) {
@@ -251,7 +251,7 @@ TEST(SunHours, of_a_years_bins_are_near_those_of_its_steps) {
   const Occluders occluders(octree_of(points), {});
   const std::vector<SunStep> steps = sun_steps(schedule("2026-01-01T00:00Z", "2027-01-01T00:00Z", 20.0));
   for (const double y : {1.0, 3.0, 6.0}) {
-    const SkyTarget ground = target_in_open(occluders, {0, y, 0});
+    const SkyTarget ground = target_in_open(end_near_surface(occluders, {0, y, 0}));
     const SunHours exact = at(occluders, ground, sun_bins(steps, 0.0)),
                    binned = at(occluders, ground, sun_bins(steps, 3.0));
     EXPECT_NEAR(binned.hours, exact.hours, 0.02 * hours_of(steps)) << y;

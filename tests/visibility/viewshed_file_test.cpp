@@ -55,14 +55,37 @@ TEST(ViewshedBandTest, heights_and_shares_are_floats_and_heights_have_a_unit) {
 TEST(ViewshedPictureTest, every_value_has_a_colour_and_the_scale_ends_at_the_largest) {
   Observer observer;
   observer.name.assign("tower");
-  const MapPicture count = viewshed_picture(viewshed(), ViewshedMode::count, {&observer, 1}, "m", 200.0);
+  const MapPicture count = viewshed_picture(viewshed(), {.mode = ViewshedMode::count}, {&observer, 1}, "m");
   ASSERT_TRUE(count.scale);
   EXPECT_EQ(count.scale->range, (ValueRange{1.0, 7.0}));
   EXPECT_EQ(count.marks.at(0).name, "tower");
-  EXPECT_FALSE(viewshed_picture(viewshed(), ViewshedMode::visible, {&observer, 1}, "m", 200.0).scale);
+  EXPECT_FALSE(viewshed_picture(viewshed(), {}, {&observer, 1}, "m").scale);
   // What is not seen up to the highest place is no height.
-  const MapPicture height = viewshed_picture(viewshed(), ViewshedMode::height, {&observer, 1}, "m", 7.0);
+  const MapPicture height =
+      viewshed_picture(viewshed(), {.mode = ViewshedMode::height, .highest = 7.0}, {&observer, 1}, "m");
   EXPECT_EQ(height.scale->range, (ValueRange{0.0, 1.0}));
+  EXPECT_EQ(height.swatches.at(0).label, "seen on the ground");
+}
+
+TEST(ViewshedPictureTest, heights_begin_with_that_of_what_is_looked_at) {
+  const ViewshedOptions options{.mode = ViewshedMode::height, .target_height = 1.0, .highest = 200.0};
+  const Observer observer;
+  const MapPicture picture = viewshed_picture(viewshed(), options, {&observer, 1}, "m");
+  EXPECT_EQ(picture.swatches.at(0).value, 1.0f);
+  EXPECT_EQ(picture.swatches.at(0).label, "seen at 1 m");
+  EXPECT_EQ(picture.scale->range, (ValueRange{1.0, 7.0}));
+}
+
+TEST(SeenShareTest, is_of_the_cells_that_are_looked_at_and_of_heights_counts_the_lowest) {
+  const SeenShare any = seen_share(viewshed(), {});
+  EXPECT_NEAR(any.percent, 200.0 / 3.0, 1e-9);
+  EXPECT_EQ(any.without, 2u);
+  EXPECT_NEAR(seen_share(viewshed(), {.mode = ViewshedMode::height}).percent, 100.0 / 3.0, 1e-9);
+  // 0.1 is no float: what is stored is the nearest.
+  Viewshed lifted = viewshed();
+  lifted.values.values = {0.1f, 0.1f, 0.2f, k_no_ground, k_out_of_range};
+  EXPECT_NEAR(seen_share(lifted, {.mode = ViewshedMode::height, .target_height = 0.1}).percent, 200.0 / 3.0,
+              1e-9);
 }
 
 TEST(ViewshedAreaTest, only_what_an_observer_reaches_is_in_the_map) {

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <vector>
 
@@ -220,6 +222,81 @@ TEST(ViewshedTest, cells_without_ground_have_no_value) {
   EXPECT_TRUE(std::isnan(seen.values.at(19, 0)));
 }
 
+TEST(ViewshedTest, heights_begin_where_the_field_of_view_does) {
+  // Looking up by 10 degrees and more, an eye over open ground sees a thing as soon as it reaches up there.
+  Place place;
+  Observer eye = at(0, 0, 2);
+  eye.elevation_min = 10.0;
+  eye.max_distance = 20.0;
+  const double slope = std::tan(10.0 * std::numbers::pi / 180.0);
+  const Viewshed seen = place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = 4.5});
+  int in_view = 0;
+  for_cells(seen, [&](float value, const glm::dvec2& cell) {
+    const double run = glm::length(cell), lowest = 2.0 + slope * run;
+    if (run * std::hypot(1.0, slope) > 19.9 || lowest > 4.49) {
+      // The rest of the view lies beyond the distance or above what is tried.
+      if (run > 20.1 || lowest > 4.51) {
+        EXPECT_EQ(value, k_out_of_range) << cell.x << " " << cell.y;
+      }
+      return;
+    }
+    ++in_view;
+    EXPECT_NEAR(value, lowest, 1e-3) << cell.x << " " << cell.y;
+  });
+  EXPECT_GT(in_view, 100);
+}
+
+TEST(ViewshedTest, what_is_first_free_above_the_field_of_view_is_not_seen) {
+  Place place;
+  place.wall(0, -28, 28, 0, 3);
+  Observer eye = at(-10, 0, 1.5);
+  // The line over the wall's edge rises by 8.5 degrees, and by at most 12 with the discs that stand over it.
+  for (const auto& [most, sees] : {std::pair(5.0, false), {15.0, true}}) {
+    eye.elevation_max = most;
+    const Viewshed seen = place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = 50.0});
+    const auto cell = *cell_at(Place::grid(), {11, 1});
+    const float value = seen.values.at(cell.x, cell.y);
+    EXPECT_EQ(value < 50.0f, sees) << most;
+    if (sees) {
+      EXPECT_LE(value, 1.5 + 21.0 * std::tan(most * std::numbers::pi / 180.0) + 0.1);
+    }
+  }
+}
+
+TEST(ViewshedTest, heights_are_those_at_which_the_plain_map_sees) {
+  // With any field of view, the cell is seen at its height, and at none of some below it.
+  Place place;
+  place.wall(0, -28, 28, 0, 3);
+  place.wall(8, -28, 28, 0, 6);
+  Observer eye = at(-10, 0, 4);
+  eye.elevation_min = -14.0;
+  eye.elevation_max = 5.0;
+  eye.max_distance = 30.0;
+  constexpr double k_highest = 12.0;
+  const Viewshed heights = place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = k_highest});
+  std::vector<Viewshed> maps;
+  for (int step = 0; step < 24; ++step) maps.push_back(place.seen({&eye, 1}, {.target_height = 0.5 * step}));
+  int told = 0, never = 0, out_of_range = 0;
+  for (std::size_t i = 0; i < heights.values.values.size(); ++i) {
+    const float height = heights.values.values[i];
+    bool looked_at = false;
+    for (int step = 0; step < 24; ++step) {
+      const float value = maps[static_cast<std::size_t>(step)].values.values[i];
+      looked_at = looked_at || value != k_out_of_range;
+      if (height >= 0.0f && 0.5 * step < height - 0.011) {
+        EXPECT_LE(value, 0.0f) << i << " at " << 0.5 * step;
+      }
+    }
+    EXPECT_TRUE(!looked_at || height != k_out_of_range) << i;
+    told += height > 0.0f && height < k_highest;
+    never += height == k_highest;
+    out_of_range += height == k_out_of_range;
+  }
+  EXPECT_GT(told, 50);
+  EXPECT_GT(never, 20);
+  EXPECT_GT(out_of_range, 20);
+}
+
 TEST(ViewshedTest, targets_above_the_wall_are_seen) {
   Place place;
   place.wall(0, -28, 28, 0, 3);
@@ -227,6 +304,50 @@ TEST(ViewshedTest, targets_above_the_wall_are_seen) {
   const auto cell = *cell_at(Place::grid(), {5, 1});
   EXPECT_EQ(place.seen({&eye, 1}, {.target_height = 3.0}).values.at(cell.x, cell.y), 0.0f);
   EXPECT_EQ(place.seen({&eye, 1}, {.target_height = 5.0}).values.at(cell.x, cell.y), 1.0f);
+}
+
+TEST(MapTargetsTest, blocks_hold_every_cell_once_and_never_many_places) {
+  Place place;
+  const RasterGrid grid = grid_over({{-28, -28, 0}, {28, 28, 0}}, 0.15);
+  for (const int across : {1, 7, k_most_places_across}) {
+    const MapTargets targets(place.occluders(), place.ground(), grid, across);
+    std::vector<int> found(grid.size(), 0);
+    std::size_t most = 0;
+    for (std::size_t number = 0; number < targets.block_count(); ++number) {
+      const std::vector<std::size_t> cells = targets.cells(number);
+      for (const std::size_t cell : cells) ++found[cell];
+      most = std::max(most, cells.size() * static_cast<std::size_t>(across * across));
+    }
+    EXPECT_EQ(std::ranges::count(found, 1), static_cast<std::ptrdiff_t>(grid.size())) << across;
+    EXPECT_LE(most, std::size_t{1} << 18) << across;
+  }
+  const MapBlock block = MapTargets(place.occluders(), place.ground(), grid, 2).block(0);
+  ASSERT_EQ(block.targets.size(), 4 * block.cells.size());
+  EXPECT_EQ(block.targets[4 * 17 + 3].cell, 17u);
+}
+
+TEST(ViewshedTest, many_places_of_a_cell_are_those_of_a_map_of_finer_cells) {
+  Place place;
+  place.wall(0, -28, 28, 0, 3);
+  const Observer eye = at(-10, 0, 7);
+  const Bounds area{{0, -16, 0}, {16, 0, 0}};
+  const RasterGrid coarse = grid_over(area, 16.0), fine = grid_over(area, 0.25);
+  const auto share = viewshed(place.occluders(), place.ground(), {&eye, 1}, coarse,
+                              {.mode = ViewshedMode::fraction, .places_across = 64});
+  const auto seen = viewshed(place.occluders(), place.ground(), {&eye, 1}, fine, {});
+  const auto count = std::ranges::count(seen.values.values, 1.0f);
+  EXPECT_GT(count, 0);
+  EXPECT_LT(count, 64 * 64);
+  EXPECT_EQ(share.values.at(0, 0), static_cast<float>(count) / (64.0f * 64.0f));
+}
+
+TEST(ViewshedTest, a_map_too_large_for_the_memory_is_refused_before_anything_is_laid_down) {
+  Place place;
+  const Observer eye = at(0, 0, 2);
+  RasterGrid grid;
+  grid.columns = 2'000'000'000;
+  grid.rows = 1'000'000;
+  EXPECT_THROW(viewshed(place.occluders(), place.ground(), {&eye, 1}, grid, {}), Error);
 }
 
 TEST(ViewshedTest, the_map_is_the_same_on_any_number_of_threads) {
