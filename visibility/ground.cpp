@@ -43,14 +43,14 @@ void widen(std::vector<std::uint8_t>& set, const RasterGrid& grid, double reach)
   widen(set, rows, columns, columns, 1, cells);
 }
 
-GroundSource chosen_source(GroundSource asked, std::uint64_t ground_points) {
-  if (asked == GroundSource::classified && ground_points == 0) {
+GroundSource chosen_source(GroundSource asked, bool is_classified) {
+  if (asked == GroundSource::classified && !is_classified) {
     throw Error({.problem = "the ground cannot be made of class 2",
                  .expected = "points of class 2",
                  .found = "none in the cloud"});
   }
   if (asked != GroundSource::automatic) return asked;
-  return ground_points > 0 ? GroundSource::classified : GroundSource::lowest;
+  return is_classified ? GroundSource::classified : GroundSource::lowest;
 }
 
 /// Mean distance of `count` points over the bounds.
@@ -100,10 +100,13 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   if (!(options.reach >= 0.0) || !std::isfinite(options.reach))
     throw Error({.problem = "the ground reaches by a length of at least 0",
                  .found = fmt::format("{}", options.reach)});
-  const auto ground_points = static_cast<std::uint64_t>(std::ranges::count(classifications, k_ground_class));
-  const GroundSource source = chosen_source(options.source, ground_points);
+  const GroundSource source = chosen_source(
+      options.source, std::ranges::find(classifications, k_ground_class) != classifications.end());
   const bool by_class = source == GroundSource::classified;
-  const double distance = mean_distance(octree.bounds(), by_class ? ground_points : octree.size());
+  const auto count = by_class
+                         ? static_cast<std::uint64_t>(std::ranges::count_if(classifications, is_on_ground))
+                         : octree.size();
+  const double distance = mean_distance(octree.bounds(), count);
   const RasterGrid grid = grid_over(
       octree.bounds(), options.cell_size.value_or(by_class ? distance : k_lowest_distances * distance));
   check_memory(k_bytes_per_cell * grid.size(), "the heights of the ground");

@@ -19,14 +19,14 @@ namespace alidade {
 
 enum class GroundSource {
   automatic,   ///< by class if the cloud has points of class 2, otherwise lowest points
-  classified,  ///< points of ASPRS class 2, ground
+  classified,  ///< points of the ASPRS classes 2, ground, 9, water, and 11, road surface
   lowest,  ///< the lowest point of each cell: where nothing of the ground was seen, it is a roof or a crown
 };
 
 struct GroundOptions {
   GroundSource source = GroundSource::automatic;
-  /// Side of the grid's cells. Empty: for points of class 2 their mean distance, for lowest points four times
-  /// that of all points, so that most cells have one that reached the ground.
+  /// Side of the grid's cells. Empty: for points of these classes their mean distance, for lowest points four
+  /// times that of all points, so that most cells have one that reached the ground.
   std::optional<double> cell_size{};
   /// Gaps are closed as far as this from the nearest cell with a point of any class; beyond, the cloud does
   /// not reach and there is no ground. In the unit of the cloud.

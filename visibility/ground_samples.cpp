@@ -96,7 +96,9 @@ glm::dvec2 slope_around(const Raster<GroundSample>& samples, int column, int row
   // by half a cell in every direction.
   constexpr double k_least_spread = 0.25;
   const double determinant = xx * yy - xy * xy;
-  if (!(determinant >= k_least_spread * grid.cell_size * grid.cell_size * (xx + yy))) return glm::dvec2(0.0);
+  const double spread = xx + yy;
+  if (!(spread > 0.0 && determinant >= k_least_spread * grid.cell_size * grid.cell_size * spread))
+    return glm::dvec2(0.0);
   return {(yy * xz - xy * yz) / determinant, (xx * yz - xy * xz) / determinant};
 }
 
@@ -116,7 +118,7 @@ GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> 
   const double base = octree.bounds().min.z;
   for_each_point(octree, grid, progress, [&](const glm::ivec2& cell, std::uint64_t id, const glm::dvec3& p) {
     result.covered[grid.index(cell.x, cell.y)] = 1;
-    if (classifications[id] != k_ground_class) return;
+    if (!is_on_ground(classifications[id])) return;
     const GroundSample sample = sample_at(grid, cell, p);
     Sum& sum = sums.at(cell.x, cell.y);
     sum.offset += glm::dvec2(sample.offset);

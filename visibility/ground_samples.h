@@ -14,7 +14,15 @@
 
 namespace alidade {
 
+/// Class of ASPRS.
 constexpr std::uint8_t k_ground_class = 2;
+
+/// Whether points of a class lie on the ground: ground, water, road surface. Where ground was classified,
+/// roads and water are mostly classes of their own, and would be holes in it.
+constexpr bool is_on_ground(std::uint8_t point_class) {
+  constexpr std::uint8_t k_water = 9, k_road = 11;
+  return point_class == k_ground_class || point_class == k_water || point_class == k_road;
+}
 
 /// A height that was measured somewhere in a cell.
 struct GroundSample {
@@ -29,7 +37,7 @@ struct GroundSamples {
   std::vector<std::uint8_t> covered;  ///< cells with points of any class
 };
 
-/// Of every cell the mean of its points of class 2.
+/// Of every cell the mean of its points of classes on the ground.
 GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> classifications,
                             const RasterGrid& grid, const Progress& progress);
 

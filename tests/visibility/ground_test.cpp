@@ -62,11 +62,43 @@ TEST(GroundTest, points_of_class_2_are_the_ground_if_there_are_any) {
   for (double x = 3; x < 38; x += 3.7) EXPECT_NEAR(at(ground, x, 41 - x), plane(x, 41 - x), 0.01);
 }
 
+TEST(GroundTest, roads_and_water_between_points_of_class_2_are_ground_too) {
+  for (const std::uint8_t point_class : {std::uint8_t{9}, std::uint8_t{11}}) {
+    Site site;
+    // A strip of its own class on a low dam, which a membrane would cut off.
+    const auto is_road = [](double x) { return x > 15.0 && x < 25.0; };
+    const auto dam = [&](double x, double y) { return plane(x, y) + (is_road(x) ? 0.5 : 0.0); };
+    for (int i = 0; i < 4096; ++i) {
+      const double x = 0.3 + 0.61 * (i % 64), y = 0.3 + 0.61 * (i / 64);
+      site.add(x, y, dam(x, y), is_road(x) ? point_class : std::uint8_t{2});
+    }
+    const Ground ground = site.ground();
+    EXPECT_EQ(ground.source(), GroundSource::classified);
+    EXPECT_NEAR(at(ground, 20, 20), dam(20, 20), 0.01) << int{point_class};
+    EXPECT_NEAR(at(ground, 10, 20), dam(10, 20), 0.01) << int{point_class};
+  }
+  Site site;
+  site.scatter(4000, 40, plane, 11);
+  EXPECT_EQ(site.ground().source(), GroundSource::lowest) << "roads alone are no classified ground";
+}
+
 TEST(GroundTest, planes_are_exact_where_cells_have_points) {
   Site site;
   site.scatter(20000, 40, plane, 2);
   const Ground ground = site.ground({.cell_size = 1.0});
   for (double x = 3; x < 38; x += 3.7) EXPECT_NEAR(at(ground, x, 41 - x), plane(x, 41 - x), 0.001);
+}
+
+TEST(GroundTest, points_whose_neighbours_are_in_no_cell_beside_theirs_count) {
+  Site site;
+  const auto roof = [](double x, double) { return 500.0 + 2.0 * std::fabs(x - 20.0); };
+  for (int i = 0; i < 20 * 20; ++i) {
+    const double x = 1.0 + 2.0 * (i % 20), y = 1.0 + 2.0 * (i / 20);
+    site.add(x, y, roof(x, y), 2);
+  }
+  const Ground ground = site.ground({.cell_size = 0.5});
+  EXPECT_EQ(ground.measured_cells(), 400u);
+  for (int i = 0; i < 20; ++i) EXPECT_NEAR(at(ground, 1.0 + 2.0 * i, 21.0), roof(1.0 + 2.0 * i, 0), 1.2) << i;
 }
 
 TEST(GroundTest, lowest_points_are_the_ground_below_trees) {
