@@ -89,6 +89,7 @@ class VisibilityRasterTest : public ProgramTest {
     const ProgramResult result = raster(more);
     EXPECT_EQ(result.exit_code, 2) << message;
     EXPECT_TRUE(contains(result.err, message)) << result.err;
+    EXPECT_FALSE(contains(result.err, "discs block")) << "surfaces were measured before: " << message;
     EXPECT_FALSE(std::filesystem::exists(folder / "seen.tif")) << message;
   }
 };
@@ -135,7 +136,7 @@ TEST_F(VisibilityRasterTest, what_was_used_is_printed_and_stored) {
   }
   EXPECT_EQ(map.metadata.at("alidade_observer_count"), "1");
   EXPECT_TRUE(contains(map.metadata.at("alidade_observers"), "observer 1: 690005 5325010 601.5"));
-  EXPECT_TRUE(contains(map.metadata.at("alidade_ground"), "class 2"));
+  EXPECT_TRUE(contains(map.metadata.at("alidade_ground"), "classes 2, 9 and 11"));
   EXPECT_TRUE(contains(map.metadata.at("alidade_command"), "alidade visibility raster garden.las"));
   EXPECT_EQ(map.metadata.at("AREA_OR_POINT"), "Area");
 }
@@ -183,6 +184,16 @@ TEST_F(VisibilityRasterTest, modes_have_their_own_values) {
   EXPECT_EQ(height.at(3, 10), 0.0);
   // The line over the wall, 1.3 higher than the eye and 5 away, is 4.43 high in the middle of this cell.
   EXPECT_NEAR(height.at(15, 10), 1.7 + 1.3 * 10.5 / 5.0, 1.5);
+}
+
+TEST_F(VisibilityRasterTest, heights_are_told_from_that_of_what_is_looked_at) {
+  // From below the horizontal nothing is seen at the eye's own height: the ground is, up to the wall.
+  const ProgramResult result =
+      raster(with(k_eye, {"--mode", "height", "--tz", "0.4", "--area", "690000,5325000,690009,5325020"}));
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_TRUE(contains(result.err, "seen at 0.4 above the ground 100.0 % of the cells")) << result.err;
+  const ReadMap map = read_map("seen.tif");
+  for (const double value : map.values) EXPECT_FLOAT_EQ(static_cast<float>(value), 0.4f);
 }
 
 TEST_F(VisibilityRasterTest, the_preview_is_a_picture) {

@@ -114,7 +114,7 @@ TEST_F(SkyTest, sky_gives_every_point_its_factor) {
 TEST_F(SkyTest, sky_and_sun_write_maps_of_the_ground) {
   ASSERT_EQ(visibility("sky", {"-o", "sky.tif", "--resolution", "0.5", "--directions", "32"}).exit_code, 0);
   ASSERT_EQ(visibility("sun", {"-o", "sun.tif", "--from", "2026-06-21", "--place", "48,11", "--step", "60",
-                               "--target-height", "0.1", "--preview", "sun.png"})
+                               "--resolution", "0.5", "--target-height", "0.1", "--preview", "sun.png"})
                 .exit_code,
             0);
   for (const char* const file : {"sky.tif", "sun.tif"}) EXPECT_TRUE(read(file).starts_with("II*")) << file;

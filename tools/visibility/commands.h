@@ -12,7 +12,7 @@ Command add_visibility_place(CLI::App& visibility, const CommandLine& command_li
 Command add_visibility_points(CLI::App& visibility);
 Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_line);
 Command add_visibility_horizon(CLI::App& visibility, const CommandLine& words);
-Command add_visibility_sky(CLI::App& visibility);
-Command add_visibility_sun(CLI::App& visibility);
+Command add_visibility_sky(CLI::App& visibility, const CommandLine& words);
+Command add_visibility_sun(CLI::App& visibility, const CommandLine& words);
 
 }  // namespace alidade

@@ -91,7 +91,8 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
     };
   }
   cloud.occluders.emplace(measured(cloud.cloud.octree, options, verbosity), options);
-  if (verbosity != Verbosity::quiet) say_note(description_of(*cloud.occluders, request, has_ignored));
+  cloud.what_blocks = description_of(*cloud.occluders, request, has_ignored);
+  if (verbosity != Verbosity::quiet) say_note(cloud.what_blocks);
 }
 
 std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<std::filesystem::path>& files,

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "octree/indexed_cloud.h"
@@ -18,6 +19,7 @@ struct VisibilityCloud {
   IndexedCloud cloud;
   AttributeColumns columns;            ///< of `cloud`, which therefore stays in its place
   std::optional<Occluders> occluders;  ///< empty until they are measured
+  std::string what_blocks;             ///< the same in words
 
   const Octree& octree() const { return occluders ? occluders->octree() : cloud.octree; }
 };

@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
 #include "octree/error.h"
 #include "tools/message.h"
-#include "tools/picture_command.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/raster_options.h"
@@ -19,8 +17,6 @@ namespace {
 
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction"};
 
-using Metadata = std::vector<std::pair<std::string, std::string>>;
-
 ViewshedMode mode_of(const RasterCommand& command) {
   return command.mode.value_or(ViewshedMode::visible);
 }
@@ -28,19 +24,12 @@ ViewshedMode mode_of(const RasterCommand& command) {
 /// Errors that need no cloud.
 void check_options(const RasterCommand& command) {
   check_raster_name(command.output);
-  std::vector<std::filesystem::path> inputs = command.files;
-  if (!command.observers.file.empty()) inputs.push_back(command.observers.file);
-  check_writable(command.output, command.overwrite, inputs);
-  if (!command.preview.empty()) {
-    if (command.preview.extension() != ".png") {
-      throw Error({.file = command.preview.string(),
-                   .problem = "previews are written as PNG",
-                   .expected = "a name ending in .png"});
-    }
-    inputs.push_back(command.output);
-    check_writable(command.preview, command.overwrite, inputs);
-  }
-  if (command.highest <= command.target_height.value_or(0.0) && mode_of(command) == ViewshedMode::height)
+  std::vector<std::filesystem::path> others = command.files;
+  if (!command.observers.file.empty()) others.push_back(command.observers.file);
+  check_writable(command.output, command.overwrite, others);
+  others.push_back(command.output);
+  check_map_writing(command.map, command.overwrite, others);
+  if (mode_of(command) == ViewshedMode::height && command.highest <= command.map.target_height.value_or(0.0))
     throw Error({.problem = "--highest must be above --target-height"});
 }
 
@@ -59,107 +48,56 @@ SightCurve curve_of(const RasterCommand& command, MapUnit unit) {
   return SightCurve(command.curvature.value_or(usual ? k_usual_curvature : 0.0), metres_per_unit(unit));
 }
 
-Ground find_ground(const RasterCommand& command, const VisibilityCloud& cloud) {
-  ProgressLine line("finding the ground", "points", command.verbosity.verbosity());
-  GroundOptions options = command.ground;
-  options.source = command.ground_source.value_or(GroundSource::automatic);
-  options.progress = line.callback();
-  Ground ground = make_ground(cloud.octree(), cloud.columns.classifications, options);
-  line.finish();
-  return ground;
+ViewshedOptions options_of(const RasterCommand& command, MapUnit unit) {
+  ViewshedOptions options;
+  options.mode = mode_of(command);
+  options.target_height = command.map.target_height.value_or(0.0);
+  options.curve = curve_of(command, unit);
+  options.places_across = command.places_across;
+  options.highest = command.highest;
+  return options;
 }
 
-std::string unit_text(MapUnit unit) {
-  return unit == MapUnit::metre ? "m" : unit == MapUnit::foot ? "ft" : "";
-}
-
-/// What the map was made with, for people and for its metadata.
-struct Parameters {
-  std::string ground, sight;
-};
-
-Parameters parameters_of(const RasterCommand& command, const ViewshedOptions& options, const Ground& ground) {
-  Parameters parameters;
-  const std::uint64_t cells = ground.heights().grid.size();
-  parameters.ground =
-      fmt::format("{} in cells of {:.4g}, {:.1f} % of them measured",
-                  ground.source() == GroundSource::classified ? "points of class 2" : "lowest points",
-                  ground.heights().grid.cell_size,
-                  100.0 * static_cast<double>(ground.measured_cells()) / static_cast<double>(cells));
+/// How it is looked, for people and for the map's metadata.
+std::string sight_text(const RasterCommand& command, const ViewshedOptions& options) {
   const ObserverDefaults& defaults = command.observers.defaults;
-  parameters.sight = fmt::format(
+  std::string text = fmt::format(
       "defaults like {}; observers {:g} above the ground, {:g} above a z of their own; targets {:g} above "
-      "the "
-      "ground; "
-      "curvature {:g}; maximum distance {:g}; azimuth {:g} to {:g}, elevation {:g} to {:g}",
+      "the ground; curvature {:g}; maximum distance {:g}; azimuth {:g} to {:g}, elevation {:g} to {:g}",
       default_set(command) == DefaultSet::gdal ? "gdal_viewshed" : "r.viewshed",
       defaults.height.value_or(defaults.height_on_ground), defaults.height.value_or(0.0),
       options.target_height, options.curve.coefficient(), defaults.max_distance, defaults.azimuth_min,
       defaults.azimuth_max, defaults.elevation_min, defaults.elevation_max);
-  if (mode_of(command) == ViewshedMode::visible) {
+  if (options.mode == ViewshedMode::visible) {
     const SeenValues values = seen_values_of(command);
-    parameters.sight +=
-        fmt::format("; values {} seen, {} not, {} out of range", values.visible, values.invisible,
-                    values.out_of_range ? std::to_string(*values.out_of_range) : "no data");
+    text += fmt::format("; values {} seen, {} not, {} out of range", values.visible, values.invisible,
+                        values.out_of_range ? std::to_string(*values.out_of_range) : "no data");
   }
-  if (mode_of(command) == ViewshedMode::height)
-    parameters.sight += fmt::format("; up to {:g}", options.highest);
-  if (mode_of(command) == ViewshedMode::fraction)
-    parameters.sight += fmt::format("; {0} x {0} places per cell", options.places_across);
-  return parameters;
+  if (options.mode == ViewshedMode::height) text += fmt::format("; up to {:g}", options.highest);
+  if (options.mode == ViewshedMode::fraction)
+    text += fmt::format("; {0} x {0} places per cell", options.places_across);
+  return text;
 }
 
-Metadata metadata_of(const RasterCommand& command, const Parameters& parameters,
-                     std::span<const Observer> observers, const Occluders& occluders,
-                     const CommandLine& words) {
+/// What this map says beside what all maps say.
+void add_observers(std::span<const Observer> observers, MapMetadata& metadata) {
   constexpr std::size_t k_most_observers = 100;
-  Metadata metadata{{"alidade_command", picture_command(words)},
-                    {"alidade_mode", k_mode_words[static_cast<std::size_t>(mode_of(command))]},
-                    {"alidade_sight", parameters.sight},
-                    {"alidade_ground", parameters.ground}};
-  std::string files, places;
-  for (const std::filesystem::path& file : command.files)
-    files += (files.empty() ? "" : "\n") + file.string();
-  metadata.emplace_back("alidade_cloud_files", files);
-  metadata.emplace_back("alidade_observer_count", std::to_string(observers.size()));
+  std::string places;
   for (const Observer& one : observers.first(std::min(observers.size(), k_most_observers))) {
     places += fmt::format("{}{}: {:.17g} {:.17g} {:.17g}", places.empty() ? "" : "\n", one.name,
                           one.position.x, one.position.y, one.position.z);
   }
+  metadata.emplace_back("alidade_observer_count", std::to_string(observers.size()));
   metadata.emplace_back("alidade_observers", places);
-  const OccluderOptions& blocks = occluders.options();
-  constexpr const char* k_shapes[] = {"auto", "disc", "sphere"};
-  metadata.emplace_back("alidade_occluder", k_shapes[static_cast<std::size_t>(blocks.shape)]);
-  metadata.emplace_back("alidade_radius", blocks.radius ? fmt::format("{:.17g}", *blocks.radius) : "auto");
-  metadata.emplace_back("alidade_transparency", std::to_string(blocks.transparency));
-  return metadata;
 }
 
-RasterGrid grid_of(const RasterCommand& command, const VisibilityCloud& cloud,
-                   std::span<const Observer> observers) {
-  Bounds area = cloud.octree().bounds();
-  if (command.area) {
-    area = cropped(area, *command.area);
-    if (area.empty()) throw Error({.problem = "--area holds nothing of the cloud"});
-  }
-  area = area_in_reach(area, observers);
-  return grid_over(area, command.resolution.value_or(usual_resolution(area)));
-}
-
-struct SeenShare {
-  double percent = 0.0;       ///< of the cells with a value
-  std::uint64_t without = 0;  ///< cells that have none
-};
-
-SeenShare seen_share(const Viewshed& viewshed, ViewshedMode mode) {
-  std::uint64_t seen = 0, looked_at = 0;
-  for (const float value : viewshed.values.values) {
-    if (std::isnan(value) || value == k_out_of_range) continue;
-    ++looked_at;
-    seen += mode == ViewshedMode::height ? value == 0.0f : value > 0.0f;
-  }
-  return {looked_at == 0 ? 0.0 : 100.0 * static_cast<double>(seen) / static_cast<double>(looked_at),
-          viewshed.values.values.size() - looked_at};
+Viewshed look(const VisibilityCloud& cloud, const Ground& ground, std::span<const Observer> observers,
+              const RasterGrid& grid, ViewshedOptions options, Verbosity verbosity) {
+  ProgressLine line("looking", "sight lines", verbosity);
+  options.progress = line.callback();
+  Viewshed seen = viewshed(*cloud.occluders, ground, observers, grid, options);
+  line.finish();
+  return seen;
 }
 
 ExitCode run(RasterCommand command, const CommandLine& words) {
@@ -171,51 +109,46 @@ ExitCode run(RasterCommand command, const CommandLine& words) {
   };
   if (default_set(command) == DefaultSet::grass)
     command.observers.defaults.height_on_ground = k_grass_observer;
-  const auto cloud = load_visibility_cloud(command.files, command.occluders, AttributeSet(), verbosity);
+  const auto cloud = load_cloud_alone(command.files, AttributeSet(), verbosity);
   const Crs& crs = cloud->cloud.cloud.crs;
-  const MapUnit unit = map_unit(crs);
-  ViewshedOptions options;
-  options.mode = mode_of(command);
-  options.target_height = command.target_height.value_or(0.0);
-  options.curve = curve_of(command, unit);
-  options.places_across = command.places_across;
-  options.highest = command.highest;
-
-  const Ground ground = find_ground(command, *cloud);
+  const std::string unit = map_unit_text(crs);
+  const ViewshedOptions options = options_of(command, map_unit(crs));
+  const Ground ground = find_map_ground(command.map, *cloud, verbosity);
   const std::vector<Observer> observers = load_observers(
       command.observers, *cloud, verbosity, [&](const glm::dvec2& place) { return ground.at(place); });
-  const RasterGrid grid = grid_of(command, *cloud, observers);
-  const Parameters parameters = parameters_of(command, options, ground);
-  say("ground: " + parameters.ground);
-  say("sight: " + parameters.sight);
-  say(fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
-                  unit_text(unit).empty() ? "" : " ", unit_text(unit)));
+  const RasterGrid grid =
+      map_grid(command.map, area_in_reach(map_area(command.map, *cloud), observers), 1, unit, verbosity);
+  const std::string sight = sight_text(command, options);
+  say("sight: " + sight);
+  measure_occluders(*cloud, command.occluders, verbosity);
+  say_observer_remarks(observers, *cloud, verbosity);
 
-  ProgressLine line("looking", "sight lines", verbosity);
-  options.progress = line.callback();
   const auto start = std::chrono::steady_clock::now();
-  const Viewshed seen = viewshed(*cloud->occluders, ground, observers, grid, options);
+  const Viewshed seen = look(*cloud, ground, observers, grid, options, verbosity);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  line.finish();
-
   const ViewshedBand band =
-      viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit_text(unit));
-  const RasterContents contents{
-      .grid = grid,
-      .bands = {band.band()},
-      .crs = crs,
-      .metadata = metadata_of(command, parameters, observers, *cloud->occluders, words)};
+      viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit);
+  RasterContents contents{.grid = grid,
+                          .bands = {band.band()},
+                          .crs = crs,
+                          .metadata = map_metadata(words, command.files, *cloud, ground)};
+  contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
+  contents.metadata.emplace_back("alidade_sight", sight);
+  add_observers(observers, contents.metadata);
   load_raster_writer()(command.output, contents, command.overwrite);
-  if (!command.preview.empty()) {
-    MapPicture picture = viewshed_picture(seen, options.mode, observers, unit_text(unit), options.highest);
-    load_map_drawer()(picture, ground, command.preview, command.overwrite);
+  if (!command.map.preview.empty()) {
+    load_map_drawer()(viewshed_picture(seen, options, observers, unit), ground, command.map.preview,
+                      command.overwrite);
   }
-  const SeenShare share = seen_share(seen, options.mode);
+  const SeenShare share = seen_share(seen, options);
+  const std::string at_height = options.mode == ViewshedMode::height
+                                    ? fmt::format("at {:g} above the ground ", options.target_height)
+                                    : "";
   say(fmt::format(
-      "{} sight lines in {:.1f} s ({}/s); seen {:.1f} % of the cells in range, {} cells without a value; "
+      "{} sight lines in {:.1f} s ({}/s); seen {}{:.1f} % of the cells in range, {} cells without a value; "
       "wrote {}",
       short_count(static_cast<double>(seen.line_count)), seconds,
-      short_count(static_cast<double>(seen.line_count) / seconds), share.percent, share.without,
+      short_count(static_cast<double>(seen.line_count) / seconds), at_height, share.percent, share.without,
       command.output.string()));
   return ExitCode::done;
 }
@@ -239,8 +172,10 @@ Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_l
       "  visible   byte    255 seen, 0 not seen or out of range, 254 no data; with --like grass 1, 0, 255 no "
       "data\n"
       "  count     uint16  0 .. observers; 65535 no data or out of range (uint32 from 65535 observers on)\n"
-      "  height    float   in the unit of the cloud; --highest where it is not seen even there; -9999 no "
-      "data\n"
+      "  height    float   in the unit of the cloud; --highest where nothing up to there is seen; -9999 no "
+      "data or out\n"
+      "                    of range. Only heights in the field of view and within the distance are looked "
+      "at\n"
       "  fraction  float   0 .. 1; -9999 no data or out of range\n"
       "\n"
       "Lengths are in metres (the unit of the cloud's CRS); angles in degrees. The map is the same on any "

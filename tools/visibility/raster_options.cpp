@@ -1,47 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/raster_options.h"
 
-#include <array>
 #include <string>
+
+#include "visibility/map_targets.h"
 
 namespace alidade {
 namespace {
 
-Bounds parse_area(const std::string& text) {
-  std::array<double, 4> numbers{};
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    const bool last = i + 1 == numbers.size();
-    const std::size_t end = last ? text.size() : text.find(',', begin);
-    if (end == std::string::npos)
-      throw CLI::ValidationError("expected XMIN,YMIN,XMAX,YMAX, found '" + text + "'");
-    numbers[i] = parse_number(text.substr(begin, end - begin));
-    begin = end + 1;
-  }
-  const Bounds area{{numbers[0], numbers[1], 0.0}, {numbers[2], numbers[3], 0.0}};
-  if (area.empty())
-    throw CLI::ValidationError("expected XMIN,YMIN,XMAX,YMAX with min <= max, found '" + text + "'");
-  return area;
-}
-
-void add_map(CLI::App& raster, RasterCommand& command) {
-  const char* const group = "Map";
+void add_output(CLI::App& raster, RasterCommand& command) {
   raster.add_option("-o,--output", command.output, "map to write: cloud-optimised GeoTIFF")
       ->option_text("FILE.tif")
       ->required()
-      ->group(group);
-  raster.add_option("--preview", command.preview, "also draw it: relief, observers, scale bar, legend")
-      ->option_text("FILE.png")
-      ->group(group);
-  add_value(raster, "--resolution", "LENGTH",
-            "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side)",
-            [&command](const std::string& text) { command.resolution = parse_number(text, 1e-6, 1e9); })
-      ->group(group);
-  add_value(raster, "--area", "XMIN,YMIN,XMAX,YMAX",
-            "only this part of the cloud (default: all of it, as far as --max-distance reaches)",
-            [&command](const std::string& text) { command.area = parse_area(text); })
-      ->group(group);
-  raster.add_flag("--overwrite", command.overwrite, "replace existing files")->group(group);
+      ->group(k_map_group);
+  raster.add_flag("--overwrite", command.overwrite, "replace existing files")->group(k_map_group);
 }
 
 void add_values(CLI::App& raster, RasterCommand& command) {
@@ -77,7 +49,7 @@ void add_values(CLI::App& raster, RasterCommand& command) {
       ->group(group);
   add_value(raster, "--places", "N", "of --mode fraction: N x N places in every cell (default: 3)",
             [&command](const std::string& text) {
-              command.places_across = static_cast<int>(parse_count(text, 1, 100));
+              command.places_across = static_cast<int>(parse_count(text, 1, k_most_places_across));
             })
       ->group(group);
 }
@@ -98,28 +70,6 @@ void add_sight(CLI::App& raster, RasterCommand& command) {
       ->group(group);
 }
 
-void add_ground(CLI::App& raster, RasterCommand& command) {
-  const char* const group = "Ground";
-  add_choice<GroundSource>(
-      raster, "--ground",
-      "what cells stand on: points of class 2, or the lowest points (default: auto, class 2 if there is any)",
-      command.ground_source,
-      {{"auto", GroundSource::automatic},
-       {"class", GroundSource::classified},
-       {"lowest", GroundSource::lowest}})
-      ->group(group);
-  add_value(
-      raster, "--ground-cell", "LENGTH",
-      "side of the cells whose ground is found (default: the mean distance of the points of class 2, or "
-      "four times that of all points)",
-      [&command](const std::string& text) { command.ground.cell_size = parse_number(text, 1e-6, 1e9); })
-      ->group(group);
-  add_value(raster, "--ground-reach", "LENGTH",
-            "no ground farther than this from the cloud's points (default: 10)",
-            [&command](const std::string& text) { command.ground.reach = parse_number(text, 0.0, 1e9); })
-      ->group(group);
-}
-
 }  // namespace
 
 std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster) {
@@ -128,13 +78,13 @@ std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster) {
       .add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
       ->option_text("CLOUD...")
       ->required();
-  add_map(raster, *command);
+  add_output(raster, *command);
+  add_map_options(raster, command->map);
   add_values(raster, *command);
   add_observer_options(raster, command->observers);
-  add_target_height(raster, command->target_height);
+  add_target_height(raster, command->map.target_height);
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);
-  add_ground(raster, *command);
   add_threads(raster, command->threads);
   add_verbosity(raster, command->verbosity);
   return command;

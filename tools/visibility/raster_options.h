@@ -7,11 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "octree/bounds.h"
 #include "tools/options.h"
+#include "tools/visibility/map_options.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/occluder_options.h"
-#include "visibility/ground.h"
 #include "visibility/viewshed.h"
 #include "visibility/viewshed_file.h"
 
@@ -25,16 +24,14 @@ struct RasterCommand {
   std::vector<std::filesystem::path> files;
   ObserverOptions observers;
   OccluderRequest occluders;
-  GroundOptions ground;
-  std::optional<GroundSource> ground_source;
+  MapOptions map;
   std::optional<DefaultSet> like;    ///< empty: gdal
   std::optional<ViewshedMode> mode;  ///< empty: visible
-  std::optional<double> target_height, curvature, resolution;
+  std::optional<double> curvature;
   double highest = 200.0;
   int places_across = 3;
-  std::optional<Bounds> area;
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
-  std::filesystem::path output, preview;
+  std::filesystem::path output;
   bool overwrite = false;
   std::optional<int> threads;
   VerbosityOptions verbosity;

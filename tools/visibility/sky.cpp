@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "tools/message.h"
-#include "tools/visibility/check_map_unit.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/sky_outputs.h"
 #include "visibility/sky_of_cloud.h"
@@ -24,21 +23,21 @@ SkyViewOptions sky_options(const SkyCommand& command) {
 }
 
 /// Answers what was found, for people.
-std::string map_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
+std::string map_sky(const SkyCommand& command, const CommandLine& words, const SkySite& site) {
   const SkyRequest& request = command.request;
-  const SkyGround site = load_sky_ground(request, cloud);
   ProgressLine line("looking at the sky", "cells", request.verbosity.verbosity());
-  const Raster<float> views =
-      ground_sky_views(*cloud.occluders, site.ground, site.grid, request.height.value_or(0.0),
-                       sky_options(command), line.callback());
+  Raster<float> views =
+      ground_sky_views(*site.cloud->occluders, *site.ground, site.grid,
+                       request.map.target_height.value_or(0.0), sky_options(command), line.callback());
   line.finish();
-  const SkyBand band{views.values, "SkyView", ""};
-  write_sky_map(request, cloud, site.grid, std::span(&band, 1),
-                {{"directions", std::to_string(command.directions)},
-                 {"target_height", fmt::format("{:g}", request.height.value_or(0.0))}});
-  write_sky_preview(request, cloud, site.ground, views,
-                    {.title = "How much of the sky is seen", .label = "sky-view factor"});
-  return range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
+  const std::string found =
+      range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
+  const SkyBand band{views, "SkyView", ""};
+  write_sky_map(request, words, site, std::span(&band, 1),
+                {{"alidade_sky",
+                  fmt::format("sky-view factor of a horizontal place, {} directions", command.directions)}},
+                {.title = "How much of the sky is seen", .label = "sky-view factor"});
+  return found;
 }
 
 std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
@@ -54,16 +53,12 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
   return range_and_mean(value, views.size());
 }
 
-ExitCode run(const SkyCommand& command) {
+ExitCode run(const SkyCommand& command, const CommandLine& words) {
   const SkyRequest& request = command.request;
-  check_sky_request(request);
-  load_sky_writers(request);
-  const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
-  const Verbosity verbosity = request.verbosity.verbosity();
-  const auto cloud = load_cloud_alone(request.files, attributes, verbosity);
-  check_map_unit(cloud->cloud.cloud);
-  measure_occluders(*cloud, request.occluders, verbosity);
-  const std::string found = request.is_map() ? map_sky(command, *cloud) : point_sky(command, *cloud);
+  const SkySite site = load_sky_site(request, 1);
+  measure_occluders(*site.cloud, request.occluders, request.verbosity.verbosity());
+  const std::string found =
+      request.is_map() ? map_sky(command, words, site) : point_sky(command, *site.cloud);
   if (!request.verbosity.quiet)
     say_note(fmt::format("sky-view factors {}; wrote {}", found, request.output.string()));
   return ExitCode::done;
@@ -71,7 +66,7 @@ ExitCode run(const SkyCommand& command) {
 
 }  // namespace
 
-Command add_visibility_sky(CLI::App& visibility) {
+Command add_visibility_sky(CLI::App& visibility, const CommandLine& words) {
   auto command = std::make_shared<SkyCommand>();
   CLI::App* const sky =
       visibility.add_subcommand("sky", "Say how much of the sky every point or place on the ground sees");
@@ -82,8 +77,6 @@ Command add_visibility_sky(CLI::App& visibility) {
               command->directions = static_cast<int>(parse_count(text, 1, k_most_sky_directions));
             })
       ->group("Answers");
-  add_threads(*sky, command->request.threads);
-  add_verbosity(*sky, command->request.verbosity);
   sky->footer(
       "Form:\n"
       "  alidade visibility sky CLOUD... -o FILE.las|FILE.ply|FILE.tif [OPTIONS]\n"
@@ -102,9 +95,9 @@ Command add_visibility_sky(CLI::App& visibility) {
       "Examples:\n"
       "  alidade visibility sky site.las -o sky.las\n"
       "  alidade visibility sky site.alidade --resolution 1 --directions 256 -o sky.tif\n");
-  return {sky, [command] {
+  return {sky, [command, words] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->request.threads, [&] { code = run(*command); });
+            with_threads(command->request.threads, [&] { code = run(*command, words); });
             return code;
           }};
 }

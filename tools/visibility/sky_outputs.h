@@ -10,6 +10,7 @@
 #include "renderer/color/color_map.h"
 #include "tools/options.h"
 #include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/map_options.h"
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/write_points.h"
 #include "visibility/ground.h"
@@ -23,10 +24,10 @@ namespace alidade {
 struct SkyRequest {
   std::vector<std::filesystem::path> files;
   OccluderRequest occluders;
-  std::optional<SkyReceiver> receiver;      ///< points only
-  std::optional<double> cell_size, height;  ///< maps only
+  std::optional<SkyReceiver> receiver;  ///< points only
+  MapOptions map;                       ///< maps only
   double max_distance = std::numeric_limits<double>::infinity();
-  std::filesystem::path output, preview;  ///< preview: maps only; empty: none
+  std::filesystem::path output;
   bool overwrite = false;
   std::optional<int> threads;
   VerbosityOptions verbosity;
@@ -35,35 +36,32 @@ struct SkyRequest {
   bool is_map() const;
 };
 
-/// Declares all of that but for what stands at the end: add_threads, add_verbosity.
+/// Declares all of that.
 void add_sky_request(CLI::App& command, SkyRequest& request);
 
-/// Errors that need no cloud: the output's name or place; options that mean nothing for this kind of output.
-void check_sky_request(const SkyRequest& request);
-
-/// Fails before the work if what it ends in cannot be written here: errors of load_module_function().
-void load_sky_writers(const SkyRequest& request);
-
-/// The ground, and the cells asked for.
-struct SkyGround {
-  Ground ground;
+/// A cloud, and if a map is asked for, its ground and cells.
+struct SkySite {
+  std::unique_ptr<VisibilityCloud> cloud;
+  std::optional<Ground> ground;
   RasterGrid grid;
 };
-SkyGround load_sky_ground(const SkyRequest& request, const VisibilityCloud& cloud);
+
+/// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: the
+/// output's name or place; options that mean nothing for this kind of output; what it ends in cannot be
+/// written here; those of load_cloud_alone(), check_map_unit(), map_grid().
+SkySite load_sky_site(const SkyRequest& request, int bands);
 
 /// Numbers by point id as a column of LAS or PLY; they must outlive it. `value` answers that of a point.
 ResultColumn float_column(const std::string& name, const std::string& description,
                           std::function<float(std::size_t id)> value);
 
-/// A map as GeoTIFF, nothing where a value is not a number.
+/// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {
-  std::span<const float> values;
+  Raster<float>& values;
   std::string description, unit;
 };
-void write_sky_map(const SkyRequest& request, const VisibilityCloud& cloud, const RasterGrid& grid,
-                   std::span<const SkyBand> bands, std::vector<std::pair<std::string, std::string>> metadata);
 
-/// The picture of a map, if one is asked for: colours over the relief of the ground, from 0 to `highest`.
+/// The picture of a map: colours over the relief of the ground, from 0 to `highest`.
 struct SkyPicture {
   std::string title;
   std::string label;  ///< what the numbers are
@@ -71,8 +69,11 @@ struct SkyPicture {
   double highest = 1.0;
   std::vector<std::string> notes{};
 };
-void write_sky_preview(const SkyRequest& request, const VisibilityCloud& cloud, const Ground& ground,
-                       const Raster<float>& values, const SkyPicture& picture);
+
+/// Writes a map as GeoTIFF, and the picture of its first band if one is asked for. `metadata`: beside what
+/// all maps say. Afterwards k_no_float stands in the bands.
+void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,
+                   std::span<const SkyBand> bands, const MapMetadata& metadata, const SkyPicture& picture);
 
 /// "0.02 to 0.97, mean 0.61": of the values that are numbers.
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count);

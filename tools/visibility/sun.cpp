@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "tools/message.h"
-#include "tools/visibility/check_map_unit.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/sky_module.h"
 #include "tools/visibility/sky_outputs.h"
@@ -86,30 +85,38 @@ void say_sun(const SunCommand& command, const SunSky& sun) {
   if (sun.bins.empty()) say_warning("the sun is below the horizon all the time");
 }
 
-std::string map_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun) {
+/// How the sun was followed, for a map's metadata.
+MapMetadata sun_metadata(const SunSky& sun) {
+  const SunSchedule& schedule = sun.schedule;
+  return {{"alidade_sun_from", date_time_text(schedule.from)},
+          {"alidade_sun_to", date_time_text(schedule.to)},
+          {"alidade_sun_step_minutes", fmt::format("{:g}", schedule.step_minutes)},
+          {"alidade_sun_directions", std::to_string(sun.bins.size())},
+          {"alidade_sun_bin_degrees", sun.bin > 0.0 ? fmt::format("{:g}", sun.bin) : "exact"},
+          {"alidade_place", fmt::format("latitude {:.6f}, longitude {:.6f}, grid north {:.6f}",
+                                        schedule.latitude, schedule.longitude, schedule.grid_north)},
+          {"alidade_clear_sky", model_text(sun)}};
+}
+
+std::string map_sun(const SunCommand& command, const CommandLine& words, const SkySite& site,
+                    const SunSky& sun) {
   const SkyRequest& request = command.request;
-  const SkyGround site = load_sky_ground(request, cloud);
   ProgressLine line("looking at the sun", "cells", request.verbosity.verbosity());
-  const SunMaps maps =
-      ground_sun_hours(*cloud.occluders, site.ground, site.grid, request.height.value_or(0.0), sun.bins,
-                       {.max_distance = request.max_distance}, line.callback());
+  SunMaps maps = ground_sun_hours(*site.cloud->occluders, *site.ground, site.grid,
+                                  request.map.target_height.value_or(0.0), sun.bins,
+                                  {.max_distance = request.max_distance}, line.callback());
   line.finish();
-  const SkyBand bands[] = {{maps.hours.values, "SunHours", "h"},
-                           {maps.kilowatt_hours.values, "SunEnergy", "kWh/m2"}};
-  write_sky_map(request, cloud, site.grid, bands,
-                {{"from", date_time_text(sun.schedule.from)},
-                 {"to", date_time_text(sun.schedule.to)},
-                 {"step_minutes", fmt::format("{:g}", sun.schedule.step_minutes)},
-                 {"model", model_text(sun)},
-                 {"target_height", fmt::format("{:g}", request.height.value_or(0.0))}});
-  write_sky_preview(request, cloud, site.ground, maps.hours,
-                    {.title = "Hours of direct sun",
-                     .label = "hours",
-                     .colors = ColorMap::inferno,
-                     .highest = std::max(sun.hours, 1.0),
-                     .notes = {fmt::format("{} to {}", date_time_text(sun.schedule.from),
-                                           date_time_text(sun.schedule.to))}});
-  return range_and_mean([&](std::size_t i) { return maps.hours.values[i]; }, maps.hours.values.size());
+  const std::string found =
+      range_and_mean([&](std::size_t i) { return maps.hours.values[i]; }, maps.hours.values.size());
+  const SkyBand bands[] = {{maps.hours, "SunHours", "h"}, {maps.kilowatt_hours, "SunEnergy", "kWh/m2"}};
+  write_sky_map(request, words, site, bands, sun_metadata(sun),
+                {.title = "Hours of direct sun",
+                 .label = "hours",
+                 .colors = ColorMap::inferno,
+                 .highest = std::max(sun.hours, 1.0),
+                 .notes = {fmt::format("{} to {}", date_time_text(sun.schedule.from),
+                                       date_time_text(sun.schedule.to))}});
+  return found;
 }
 
 std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun) {
@@ -129,19 +136,14 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
   return range_and_mean([&](std::size_t id) { return hours[id].hours; }, hours.size());
 }
 
-ExitCode run(const SunCommand& command) {
+ExitCode run(const SunCommand& command, const CommandLine& words) {
   const SkyRequest& request = command.request;
-  check_sky_request(request);
-  load_sky_writers(request);
-  const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
-  const Verbosity verbosity = request.verbosity.verbosity();
-  const auto cloud = load_cloud_alone(request.files, attributes, verbosity);
-  check_map_unit(cloud->cloud.cloud);
-  const SunSky sun = sun_of(command, *cloud);
+  const SkySite site = load_sky_site(request, 2);
+  const SunSky sun = sun_of(command, *site.cloud);
   say_sun(command, sun);
-  measure_occluders(*cloud, request.occluders, verbosity);
+  measure_occluders(*site.cloud, request.occluders, request.verbosity.verbosity());
   const std::string found =
-      request.is_map() ? map_sun(command, *cloud, sun) : point_sun(command, *cloud, sun);
+      request.is_map() ? map_sun(command, words, site, sun) : point_sun(command, *site.cloud, sun);
   if (!request.verbosity.quiet)
     say_note(fmt::format("hours of sun {}; wrote {}", found, request.output.string()));
   return ExitCode::done;
@@ -195,14 +197,12 @@ void add_time(CLI::App& sun, SunCommand& command) {
 
 }  // namespace
 
-Command add_visibility_sun(CLI::App& visibility) {
+Command add_visibility_sun(CLI::App& visibility, const CommandLine& words) {
   auto command = std::make_shared<SunCommand>();
   CLI::App* const sun = visibility.add_subcommand(
       "sun", "Count the hours and the energy of direct sun on every point or place on the ground");
   add_sky_request(*sun, command->request);
   add_time(*sun, *command);
-  add_threads(*sun, command->request.threads);
-  add_verbosity(*sun, command->request.verbosity);
   sun->footer(
       "Form:\n"
       "  alidade visibility sun CLOUD... --from DATE [--to DATE] -o FILE.las|FILE.ply|FILE.tif [OPTIONS]\n"
@@ -220,9 +220,9 @@ Command add_visibility_sun(CLI::App& visibility) {
       "  alidade visibility sun site.alidade --from 2026-01-01 --to 2026-12-31 --resolution 1 -o year.tif\n"
       "  alidade visibility sun room.ply --place 48.1,11.6 --from 2026-03-01T08:00+01:00 --to "
       "2026-03-01T12:00+01:00 -o morning.ply\n");
-  return {sun, [command] {
+  return {sun, [command, words] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->request.threads, [&] { code = run(*command); });
+            with_threads(command->request.threads, [&] { code = run(*command, words); });
             return code;
           }};
 }

@@ -11,8 +11,8 @@ Command add_visibility(CLI::App& program, const CommandLine& command_line) {
   const std::vector<Command> parts = {add_visibility_points(*visibility),
                                       add_visibility_raster(*visibility, command_line),
                                       add_visibility_horizon(*visibility, command_line),
-                                      add_visibility_sky(*visibility),
-                                      add_visibility_sun(*visibility),
+                                      add_visibility_sky(*visibility, command_line),
+                                      add_visibility_sun(*visibility, command_line),
                                       add_visibility_lines(*visibility, command_line),
                                       add_visibility_place(*visibility, command_line)};
   return {visibility, [parts] { return run_chosen(parts); }, parts};

@@ -11,6 +11,7 @@
 #include "octree/tree_walk.h"
 #include "tools/cloud_description.h"
 #include "tools/message.h"
+#include "tools/visibility/file_ending.h"
 
 namespace alidade {
 namespace {
@@ -91,7 +92,8 @@ void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud
 }  // namespace
 
 void check_points_name(const std::filesystem::path& file) {
-  if (file.extension() == ".las" || file.extension() == ".ply") return;
+  const std::string ending = lower_ending(file);
+  if (ending == ".las" || ending == ".ply") return;
   throw Error({.file = file.string(),
                .problem = "the name does not tell a form that points are written in",
                .expected = "a name that ends in .las or .ply"});
@@ -107,7 +109,7 @@ void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
           fmt::format("{}: the cloud's own {} gives way to that of this command", file.string(), name));
   }
   ProgressLine line("writing", "points", verbosity);
-  if (file.extension() == ".las") {
+  if (lower_ending(file) == ".las") {
     write_las_rows(file, cloud, rows, overwrite, line.callback());
   } else {
     PlyWriteOptions options;

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// The files of all maps, as GDAL describes them.
+#include <gdal.h>
+#include <gdal_utils.h>
+
+#include <nlohmann/json.hpp>
+
+#include "octree/cloud/write_las.h"
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Words = std::vector<std::string>;
+using nlohmann::json;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// What `gdalinfo -json` says of a file; null if it is none.
+json map_info(const std::filesystem::path& file) {
+  const GDALDatasetH dataset = GDALOpen(file.c_str(), GA_ReadOnly);
+  if (dataset == nullptr) return nullptr;
+  std::array<char, 6> option{"-json"};
+  std::array<char*, 2> options{option.data(), nullptr};
+  GDALInfoOptions* const parsed = GDALInfoOptionsNew(options.data(), nullptr);
+  char* const text = GDALInfo(dataset, parsed);
+  json info = json::parse(text);
+  VSIFree(text);
+  GDALInfoOptionsFree(parsed);
+  GDALClose(dataset);
+  return info;
+}
+
+/// 260 x 260 of ground in UTM zone 32, 2 between points, with a wall of 20 x 4 on it.
+PointCloud field() {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.001), .offset = {690000, 5325000, 600}};
+  for (int x = 0; x <= 130; ++x) {
+    for (int y = 0; y <= 130; ++y) cloud.positions.emplace_back(2000 * x, 2000 * y, 0);
+  }
+  for (int x = 0; x <= 20; ++x) {
+    for (int z = 1; z <= 4; ++z) cloud.positions.emplace_back(100000 + 1000 * x, 120000, 1000 * z);
+  }
+  for (const LatticePosition& position : cloud.positions)
+    cloud.classifications.push_back(position.z > 0 ? 6 : 2);
+  // GeoTIFF 1.1, chapter 7: version, revision, count; then projected type, raster type, EPSG 32632, metres.
+  cloud.crs.geotiff_keys = {1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32632, 3076, 0, 1, 9001};
+  return cloud;
+}
+
+class VisibilityMapsTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    GDALAllRegister();
+    write_las(folder / "field.las", field());
+  }
+
+  /// `alidade visibility COMMAND field.las -o NAME WORDS...`, which must end well, and what it wrote.
+  json map_of(const std::string& command, const std::string& name, const Words& more) {
+    Words words{"visibility", command, "field.las", "-o", name};
+    words.insert(words.end(), more.begin(), more.end());
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return map_info(folder / name);
+  }
+
+  /// The same with a command that must fail before surfaces are measured, and write nothing.
+  void expect_refused_early(const std::string& command, const Words& more, const std::string& message) {
+    Words words{"visibility", command, "field.las"};
+    words.insert(words.end(), more.begin(), more.end());
+    const std::vector<std::string> before = names();
+    const ProgramResult result = run(words);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_TRUE(contains(result.err, message)) << result.err;
+    EXPECT_FALSE(contains(result.err, "discs block")) << "surfaces were measured before: " << result.err;
+    EXPECT_EQ(names(), before);
+  }
+};
+
+const Words k_cells = {"--resolution", "0.5", "--area", "690000,5325000,690260,5325260"};
+const Words k_eye = {"--observer", "690110,5325100,602"};
+const Words k_day = {"--from", "2026-06-21", "--step", "240"};
+
+Words with(Words words, const Words& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+/// What holds of every map of these cells.
+void expect_map(const json& info) {
+  ASSERT_TRUE(info.is_object()) << "no map";
+  EXPECT_EQ(info["driverShortName"], "GTiff");
+  EXPECT_EQ(info["size"], (json{520, 520}));
+  EXPECT_EQ(info["geoTransform"], (json{690000.0, 0.5, 0.0, 5325260.0, 0.0, -0.5}));
+  EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["LAYOUT"], "COG");
+  EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["COMPRESSION"], "DEFLATE");
+  EXPECT_EQ(info["bands"][0]["block"], (json{512, 512}));
+  EXPECT_EQ(info["bands"][0]["overviews"].size(), 1u);
+  EXPECT_TRUE(contains(info["coordinateSystem"]["wkt"], "32632"));
+  const json& metadata = info["metadata"][""];
+  EXPECT_EQ(metadata["AREA_OR_POINT"], "Area");
+  EXPECT_EQ(metadata["alidade_cloud_files"], "field.las");
+  EXPECT_EQ(metadata["alidade_occluder"], "auto");
+  EXPECT_EQ(metadata["alidade_transparency"], "1");
+  EXPECT_TRUE(contains(metadata["alidade_ground"], "classes 2, 9 and 11 in cells of"));
+  EXPECT_TRUE(contains(metadata["alidade_what_blocks"], "discs block"));
+  EXPECT_TRUE(contains(metadata["alidade_command"], "alidade visibility "));
+  EXPECT_TRUE(contains(metadata["TIFFTAG_SOFTWARE"], "Alidade"));
+}
+
+TEST_F(VisibilityMapsTest, a_viewshed_is_a_cloud_optimised_geotiff_that_tells_what_was_used) {
+  const json info = map_of("raster", "seen.TIF", with(k_cells, k_eye));
+  expect_map(info);
+  EXPECT_EQ(info["bands"].size(), 1u);
+  EXPECT_EQ(info["bands"][0]["type"], "Byte");
+  EXPECT_EQ(info["bands"][0]["noDataValue"], 254.0);
+  EXPECT_EQ(info["metadata"][""]["alidade_mode"], "visible");
+  EXPECT_TRUE(contains(info["metadata"][""]["alidade_observers"], "690110 5325100 602"));
+}
+
+TEST_F(VisibilityMapsTest, heights_are_floats_in_the_unit_of_the_cloud) {
+  const json info = map_of("raster", "height.tif",
+                           with(k_eye, {"--resolution", "4", "--mode", "height", "--preview", "height.PNG"}));
+  ASSERT_TRUE(info.is_object());
+  EXPECT_EQ(info["bands"][0]["type"], "Float32");
+  EXPECT_EQ(info["bands"][0]["noDataValue"], -9999.0);
+  EXPECT_EQ(info["bands"][0]["unit"], "m");
+  EXPECT_TRUE(read("height.PNG").starts_with("\x89PNG"));
+}
+
+TEST_F(VisibilityMapsTest, a_map_of_the_sky_is_one_of_the_same_kind) {
+  const json info =
+      map_of("sky", "sky.tiff", with(k_cells, {"--directions", "4", "--tz", "0.5", "--max-distance", "100"}));
+  expect_map(info);
+  EXPECT_EQ(info["bands"].size(), 1u);
+  EXPECT_EQ(info["bands"][0]["type"], "Float32");
+  EXPECT_EQ(info["bands"][0]["noDataValue"], -9999.0);
+  EXPECT_EQ(info["bands"][0]["description"], "SkyView");
+  const json& metadata = info["metadata"][""];
+  EXPECT_TRUE(contains(metadata["alidade_sky"], "4 directions"));
+  EXPECT_EQ(metadata["alidade_target_height"], "0.5");
+  EXPECT_EQ(metadata["alidade_max_distance"], "100");
+}
+
+TEST_F(VisibilityMapsTest, a_map_of_the_sun_has_hours_and_energy) {
+  const json info = map_of("sun", "sun.tif", with(k_cells, k_day));
+  expect_map(info);
+  ASSERT_EQ(info["bands"].size(), 2u);
+  const Words names{"SunHours", "SunEnergy"}, units{"h", "kWh/m2"};
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(info["bands"][i]["description"], names[i]);
+    EXPECT_EQ(info["bands"][i]["unit"], units[i]);
+    EXPECT_EQ(info["bands"][i]["noDataValue"], -9999.0);
+  }
+  const json& metadata = info["metadata"][""];
+  EXPECT_TRUE(contains(metadata["alidade_sun_from"], "2026-06-2"));
+  EXPECT_EQ(metadata["alidade_sun_step_minutes"], "240");
+  EXPECT_EQ(metadata["alidade_sun_bin_degrees"], "exact");
+  EXPECT_TRUE(contains(metadata["alidade_place"], "latitude 48.0"));
+  EXPECT_TRUE(contains(metadata["alidade_clear_sky"], "Linke turbidity 3"));
+}
+
+TEST_F(VisibilityMapsTest, cells_without_ground_have_no_data_in_any_map) {
+  // Points of a corner only; 10 beyond them the ground ends.
+  PointCloud corner = field();
+  corner.positions.clear();
+  corner.classifications.clear();
+  for (int i = 0; i < 400; ++i) corner.positions.emplace_back(500 * (i % 20), 500 * (i / 20), 0);
+  corner.positions.emplace_back(60000, 60000, 0);
+  corner.classifications.assign(corner.positions.size(), 2);
+  write_las(folder / "corner.las", corner);
+  for (const Words& words : {Words{"raster", "--observer", "690005,5325005,602", "--mode", "fraction"},
+                             Words{"sky", "--directions", "4"}, with({"sun"}, k_day)}) {
+    Words all = with({"visibility"}, words);
+    all = with(all, {"corner.las", "--resolution", "4", "--ground-cell", "1", "-o", words[0] + ".tif"});
+    const ProgramResult result = run(all);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const GDALDatasetH map = GDALOpen((folder / (words[0] + ".tif")).c_str(), GA_ReadOnly);
+    ASSERT_NE(map, nullptr);
+    for (int number = 1; number <= GDALGetRasterCount(map); ++number) {
+      std::vector<float> values(15 * 15);
+      ASSERT_EQ(GDALGetRasterXSize(map), 15);
+      ASSERT_EQ(GDALRasterIO(GDALGetRasterBand(map, number), GF_Read, 0, 0, 15, 15, values.data(), 15, 15,
+                             GDT_Float32, 0, 0),
+                CE_None);
+      EXPECT_EQ(values[15 * 7 + 7], -9999.0f) << words[0];
+      EXPECT_GT(values[15 * 13 + 1], 0.0f) << words[0];
+    }
+    GDALClose(map);
+  }
+}
+
+TEST_F(VisibilityMapsTest, what_a_user_got_wrong_is_said_before_surfaces_are_measured) {
+  const Words raster = with({"-o", "seen.tif"}, k_eye);
+  expect_refused_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");
+  expect_refused_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
+                       "no points of the cloud");
+  expect_refused_early("raster", with(raster, {"--resolution", "0.0001"}), "cells");
+  expect_refused_early("raster", with(raster, {"--area", "0,0,1,1"}), "--area");
+  expect_refused_early("raster", with(raster, {"--ground", "class", "--preview", "seen.jpg"}), ".png");
+  write("there.tif", "mine");
+  expect_refused_early("raster", with({"-o", "there.tif"}, k_eye), "there.tif");
+  expect_refused_early("sky", {"-o", "there.tif"}, "there.tif");
+  expect_refused_early("sky", {"-o", "sky.tif", "--area", "0,0,1,1"}, "--area");
+  expect_refused_early("sky", {"-o", "sky.tif", "--resolution", "0.001"}, "cells");
+  expect_refused_early("sky", {"-o", "sky.las", "--ground", "lowest"}, "--ground");
+  expect_refused_early("sun", with({"-o", "sun.las", "--area", "0,0,1,1"}, k_day), "--area");
+}
+
+TEST_F(VisibilityMapsTest, the_command_in_a_map_does_not_tell_where_it_was_written) {
+  ASSERT_EQ(map_of("sky", "one.tif", {"--resolution", "8", "--directions", "2", "-q"}).is_object(), true);
+  ASSERT_EQ(
+      map_of("sky", "two.tif", {"--resolution", "8", "--directions", "2", "--threads", "1"}).is_object(),
+      true);
+  EXPECT_TRUE(read("one.tif") == read("two.tif"));
+}
+
+}  // namespace
+}  // namespace alidade::test

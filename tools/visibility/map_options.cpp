@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "tools/visibility/map_options.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "octree/error.h"
+#include "renderer/legend/find_font.h"
+#include "tools/message.h"
+#include "tools/options.h"
+#include "tools/picture_command.h"
+#include "tools/visibility/file_ending.h"
+#include "tools/visibility/map_writer.h"
+#include "visibility/map_unit.h"
+#include "visibility/viewshed_area.h"
+
+namespace alidade {
+namespace {
+
+Bounds parse_area(const std::string& text) {
+  std::array<double, 4> numbers{};
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const bool last = i + 1 == numbers.size();
+    const std::size_t end = last ? text.size() : text.find(',', begin);
+    if (end == std::string::npos)
+      throw CLI::ValidationError("expected XMIN,YMIN,XMAX,YMAX, found '" + text + "'");
+    numbers[i] = parse_number(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  const Bounds area{{numbers[0], numbers[1], 0.0}, {numbers[2], numbers[3], 0.0}};
+  if (area.empty())
+    throw CLI::ValidationError("expected XMIN,YMIN,XMAX,YMAX with min <= max, found '" + text + "'");
+  return area;
+}
+
+void add_ground(CLI::App& command, MapOptions& map) {
+  const char* const group = "Ground";
+  add_choice<GroundSource>(
+      command, "--ground",
+      "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest "
+      "points (default: auto, by class if there is class 2)",
+      map.ground_source,
+      {{"auto", GroundSource::automatic},
+       {"class", GroundSource::classified},
+       {"lowest", GroundSource::lowest}})
+      ->group(group);
+  add_value(command, "--ground-cell", "LENGTH",
+            "side of the cells whose ground is found (default: the mean distance of the points of these "
+            "classes, or "
+            "four times that of all points)",
+            [&map](const std::string& text) { map.ground_cell = parse_number(text, 1e-6, 1e9); })
+      ->group(group);
+  add_value(command, "--ground-reach", "LENGTH",
+            "no ground farther than this from the cloud's points (default: 10)",
+            [&map](const std::string& text) { map.ground_reach = parse_number(text, 0.0, 1e9); })
+      ->group(group);
+}
+
+}  // namespace
+
+void add_map_options(CLI::App& command, MapOptions& map) {
+  command.add_option("--preview", map.preview, "also draw it: relief, marks, scale bar, legend")
+      ->option_text("FILE.png")
+      ->group(k_map_group);
+  add_value(command, "--resolution", "LENGTH",
+            "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side)",
+            [&map](const std::string& text) { map.resolution = parse_number(text, 1e-6, 1e9); })
+      ->group(k_map_group);
+  add_value(command, "--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)",
+            [&map](const std::string& text) { map.area = parse_area(text); })
+      ->group(k_map_group);
+  add_ground(command, map);
+}
+
+std::string given_map_option(const MapOptions& map) {
+  if (!map.preview.empty()) return "--preview";
+  if (map.resolution) return "--resolution";
+  if (map.area) return "--area";
+  if (map.target_height) return "--target-height";
+  if (map.ground_source) return "--ground";
+  if (map.ground_cell) return "--ground-cell";
+  return map.ground_reach ? "--ground-reach" : "";
+}
+
+void check_map_writing(const MapOptions& map, bool overwrite,
+                       std::span<const std::filesystem::path> other_files) {
+  load_raster_writer();
+  if (map.preview.empty()) return;
+  if (lower_ending(map.preview) != ".png") {
+    throw Error({.file = map.preview.string(),
+                 .problem = "previews are written as PNG",
+                 .expected = "a name ending in .png"});
+  }
+  check_writable(map.preview, overwrite, other_files);
+  load_map_drawer();
+  find_font();
+}
+
+Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity) {
+  ProgressLine line("finding the ground", "points", verbosity);
+  GroundOptions options;
+  options.source = map.ground_source.value_or(GroundSource::automatic);
+  options.cell_size = map.ground_cell;
+  options.reach = map.ground_reach.value_or(options.reach);
+  options.progress = line.callback();
+  Ground ground = make_ground(cloud.octree(), cloud.columns.classifications, options);
+  line.finish();
+  if (verbosity != Verbosity::quiet) say_note("ground: " + ground_text(ground));
+  return ground;
+}
+
+std::string ground_text(const Ground& ground) {
+  const RasterGrid& grid = ground.heights().grid;
+  return fmt::format(
+      "{} in cells of {:.4g}, {:.1f} % of them measured",
+      ground.source() == GroundSource::classified ? "points of classes 2, 9 and 11" : "lowest points",
+      grid.cell_size,
+      100.0 * static_cast<double>(ground.measured_cells()) / static_cast<double>(grid.size()));
+}
+
+Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
+  const Bounds all = cloud.octree().bounds();
+  if (!map.area) return all;
+  const Bounds area = cropped(all, *map.area);
+  if (area.empty()) throw Error({.problem = "--area holds nothing of the cloud"});
+  return area;
+}
+
+RasterGrid map_grid(const MapOptions& map, const Bounds& area, int bands, const std::string& unit,
+                    Verbosity verbosity) {
+  const RasterGrid grid = grid_over(area, map.resolution.value_or(usual_resolution(area)));
+  check_map_memory(grid, bands);
+  if (verbosity != Verbosity::quiet) {
+    say_note(fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
+                         unit.empty() ? "" : " ", unit));
+  }
+  return grid;
+}
+
+std::string map_unit_text(const Crs& crs) {
+  const MapUnit unit = map_unit(crs);
+  return unit == MapUnit::metre ? "m" : unit == MapUnit::foot ? "ft" : "";
+}
+
+MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesystem::path> files,
+                         const VisibilityCloud& cloud, const Ground& ground) {
+  constexpr const char* k_shapes[] = {"auto", "disc", "sphere"};
+  const OccluderOptions& blocks = cloud.occluders->options();
+  std::string names;
+  for (const std::filesystem::path& file : files) names += (names.empty() ? "" : "\n") + file.string();
+  return {{"alidade_command", picture_command(words)},
+          {"alidade_cloud_files", names},
+          {"alidade_ground", ground_text(ground)},
+          {"alidade_what_blocks", cloud.what_blocks},
+          {"alidade_occluder", k_shapes[static_cast<std::size_t>(blocks.shape)]},
+          {"alidade_radius", blocks.radius ? fmt::format("{:.17g}", *blocks.radius) : "auto"},
+          {"alidade_transparency", std::to_string(blocks.transparency)}};
+}
+
+}  // namespace alidade

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/command.h"
+#include "tools/visibility/load_visibility_cloud.h"
+#include "visibility/ground.h"
+#include "visibility/raster.h"
+
+// What all maps of the ground share, be they of what is seen, of the sky or of the sun.
+
+namespace alidade {
+
+/// What is asked of a map, whatever it shows.
+struct MapOptions {
+  std::optional<double> resolution, target_height;
+  std::optional<Bounds> area;
+  std::optional<GroundSource> ground_source;
+  std::optional<double> ground_cell, ground_reach;
+  std::filesystem::path preview;  ///< empty: none
+};
+
+constexpr const char* k_map_group = "Map";
+
+/// Declares the options in groups of their own; they fill `map`. The target height is add_target_height()'s.
+void add_map_options(CLI::App& command, MapOptions& map);
+
+/// Name of the first of these options that was given, as "--area"; empty: none.
+std::string given_map_option(const MapOptions& map);
+
+/// Lets a map fail before the work. Errors: a preview that is no PNG, exists and may not be replaced, or is
+/// one of the other files; what writes maps and pictures is not installed.
+void check_map_writing(const MapOptions& map, bool overwrite,
+                       std::span<const std::filesystem::path> other_files);
+
+/// The ground below the cloud, with progress; it is said how it was found.
+Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
+std::string ground_text(const Ground& ground);
+
+/// The part of the cloud that is asked for. Errors: --area holds nothing of it.
+Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
+
+/// The cells over an area, by default usual_resolution(); says them. Errors: too many of them, or too many
+/// for the memory with so many bands.
+RasterGrid map_grid(const MapOptions& map, const Bounds& area, int bands, const std::string& unit,
+                    Verbosity verbosity);
+
+/// "m", "ft", or empty where the reference system does not tell.
+std::string map_unit_text(const Crs& crs);
+
+/// Keys and texts of a map's file.
+using MapMetadata = std::vector<std::pair<std::string, std::string>>;
+
+/// What every map says of its making: command, cloud files, ground, what blocks. Requires measured occluders.
+MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesystem::path> files,
+                         const VisibilityCloud& cloud, const Ground& ground);
+
+/// What float bands have where there is no value.
+constexpr double k_no_float = -9999.0;
+
+}  // namespace alidade
