@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#include "compare/alignment.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/gradient_pyramid.h"
+
+namespace alidade {
+namespace {
+
+// When a shift is certain. Pictures of different things reach scores of 0.02, a render of a scan and its
+// photograph 0.5; where edges run in one direction only, the peak is a ridge.
+constexpr double k_least_score = 0.1, k_most_of_rival = 0.8, k_least_sharpness = 0.005;
+
+/// Whole pixels of a level.
+struct Shift {
+  int x = 0, y = 0;
+  auto operator<=>(const Shift&) const = default;
+};
+
+/// A shift and how well it does.
+struct Candidate {
+  Shift shift;
+  double score = 0.0;
+};
+
+struct OverlapSums {
+  std::int64_t product = 0, reference = 0, test = 0, pixels = 0;
+
+  OverlapSums& operator+=(const OverlapSums& other) {
+    product += other.product;
+    reference += other.reference;
+    test += other.test;
+    pixels += other.pixels;
+    return *this;
+  }
+};
+
+/// Scores of shifts between two levels of the same size; each is computed once.
+class ShiftScores {
+ public:
+  ShiftScores(const GradientLevel& reference, const GradientLevel& test)
+      : reference_(reference), test_(test) {}
+
+  double at(const Shift& shift) {
+    const auto [place, is_new] = known_.try_emplace(shift, 0.0);
+    if (is_new) place->second = score(shift);
+    return place->second;
+  }
+
+ private:
+  /// Sums along a part of a row, short enough for 32 bits.
+  OverlapSums part_sums(std::size_t r, std::size_t t, std::size_t count) const {
+    std::int32_t product = 0, reference = 0, test = 0, pixels = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::int32_t rx = reference_.x[r + i], ry = reference_.y[r + i];
+      const std::int32_t tx = test_.x[t + i], ty = test_.y[t + i];
+      const std::int32_t rc = reference_.counts[r + i], tc = test_.counts[t + i];
+      product += rx * tx + ry * ty;
+      reference += (rx * rx + ry * ry) * tc;
+      test += (tx * tx + ty * ty) * rc;
+      pixels += rc * tc;
+    }
+    return {product, reference, test, pixels};
+  }
+
+  double score(const Shift& shift) const {
+    constexpr std::size_t k_longest_part = 32768;
+    const int left = std::max(0, -shift.x), right = std::min(reference_.width, test_.width - shift.x);
+    const int top = std::max(0, -shift.y), bottom = std::min(reference_.height, test_.height - shift.y);
+    if (left >= right || top >= bottom) return 0.0;
+    const OverlapSums sums = tbb::parallel_reduce(
+        tbb::blocked_range<int>(top, bottom, 64), OverlapSums{},
+        [&](const auto& rows, OverlapSums sum) {
+          for (int y = rows.begin(); y != rows.end(); ++y) {
+            const auto width = static_cast<std::size_t>(reference_.width);
+            const auto count = static_cast<std::size_t>(right - left);
+            const std::size_t r = static_cast<std::size_t>(y) * width + static_cast<std::size_t>(left);
+            const std::size_t t =
+                static_cast<std::size_t>(y + shift.y) * width + static_cast<std::size_t>(left + shift.x);
+            for (std::size_t done = 0; done < count; done += k_longest_part)
+              sum += part_sums(r + done, t + done, std::min(k_longest_part, count - done));
+          }
+          return sum;
+        },
+        [](OverlapSums a, const OverlapSums& b) { return a += b; });
+    // Where hardly anything overlaps, anything can look alike.
+    const auto fewer = static_cast<std::int64_t>(std::min(reference_.counted_pixels, test_.counted_pixels));
+    if (4 * sums.pixels < fewer || sums.reference == 0 || sums.test == 0) return 0.0;
+    return static_cast<double>(sums.product) /
+           std::sqrt(static_cast<double>(sums.reference) * static_cast<double>(sums.test));
+  }
+
+  const GradientLevel &reference_, &test_;
+  std::map<Shift, double> known_;
+};
+
+bool is_within(const Shift& shift, int reach) {
+  return std::abs(shift.x) <= reach && std::abs(shift.y) <= reach;
+}
+
+bool is_better(const Candidate& a, const Candidate& b) {
+  return a.score != b.score ? a.score > b.score : a.shift < b.shift;
+}
+
+/// Shifts of all neighbours, none of which does better.
+std::vector<Candidate> local_maxima(ShiftScores& scores, int reach) {
+  std::vector<Candidate> maxima;
+  for (int y = -reach; y <= reach; ++y) {
+    for (int x = -reach; x <= reach; ++x) {
+      const Candidate here{{x, y}, scores.at({x, y})};
+      bool is_highest = true;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          const Shift beside{x + dx, y + dy};
+          if (beside != here.shift && is_within(beside, reach))
+            is_highest &= is_better(here, {beside, scores.at(beside)});
+        }
+      }
+      if (is_highest) maxima.push_back(here);
+    }
+  }
+  std::ranges::sort(maxima, is_better);
+  return maxima;
+}
+
+/// Uphill from a shift.
+Candidate climb(ShiftScores& scores, Shift from, int reach) {
+  from.x = std::clamp(from.x, -reach, reach);
+  from.y = std::clamp(from.y, -reach, reach);
+  Candidate best{from, scores.at(from)};
+  while (true) {
+    Candidate next = best;
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const Shift beside{best.shift.x + dx, best.shift.y + dy};
+        if (!is_within(beside, reach)) continue;
+        const Candidate other{beside, scores.at(beside)};
+        if (is_better(other, next)) next = other;
+      }
+    }
+    if (next.shift == best.shift) return best;
+    best = next;
+  }
+}
+
+/// The paraboloid a + b x + c y + d x^2 + e y^2 + f x y through the nine scores around a shift, by least
+/// squares.
+struct Peak {
+  double x = 0.0, y = 0.0;  ///< of the top, from the shift
+  double rise = 0.0;        ///< of the top above the middle
+  double sharpness = 0.0;   ///< how fast it falls in the flattest direction; at most 0: no top
+};
+
+Peak fit_peak(ShiftScores& scores, const Shift& shift) {
+  double b = 0.0, c = 0.0, d = 0.0, e = 0.0, f = 0.0;
+  for (int y = -1; y <= 1; ++y) {
+    for (int x = -1; x <= 1; ++x) {
+      const double score = scores.at({shift.x + x, shift.y + y});
+      b += score * x / 6.0;
+      c += score * y / 6.0;
+      d += score * (0.5 * x * x - 1.0 / 3.0);
+      e += score * (0.5 * y * y - 1.0 / 3.0);
+      f += score * x * y / 4.0;
+    }
+  }
+  Peak peak;
+  // Half the smaller eigenvalue of minus the matrix of second derivatives.
+  peak.sharpness = -0.5 * (d + e) - 0.5 * std::sqrt((d - e) * (d - e) + f * f);
+  if (!(peak.sharpness > 0.0)) return peak;
+  const double determinant = 4.0 * d * e - f * f;
+  peak.x = std::clamp((c * f - 2.0 * b * e) / determinant, -1.0, 1.0);
+  peak.y = std::clamp((b * f - 2.0 * c * d) / determinant, -1.0, 1.0);
+  peak.rise = 0.5 * (b * peak.x + c * peak.y);
+  return peak;
+}
+
+/// Score of the best shift that is another than the best one, not just a place on its slope; 0 if there is
+/// none.
+double best_rival(const std::vector<Candidate>& candidates) {
+  constexpr int k_slope = 3;
+  for (const Candidate& each : candidates) {
+    const Shift way{each.shift.x - candidates.front().shift.x, each.shift.y - candidates.front().shift.y};
+    if (!is_within(way, k_slope)) return each.score;
+  }
+  return 0.0;
+}
+
+/// Halvings after which the search reaches few pixels and the picture is still large enough.
+int level_count(const ComparedImage& image, int largest_shift) {
+  constexpr int k_least_side = 48, k_coarse_reach = 4;
+  int levels = 1;
+  int side = std::min(image.width, image.height), reach = largest_shift;
+  while (reach > k_coarse_reach && side >= 2 * k_least_side) {
+    side = (side + 1) / 2;
+    reach = (reach + 1) / 2;
+    ++levels;
+  }
+  return levels;
+}
+
+}  // namespace
+
+Alignment align(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
+                const AlignmentOptions& options) {
+  require_same_size(reference, test);
+  assert(reference.color.size() == 3 * reference.pixels() && test.color.size() == 3 * test.pixels());
+  constexpr int k_largest = 4096;
+  if (options.largest_shift < 1 || options.largest_shift > k_largest) {
+    throw Error({.problem = "largest shift to look for is out of range",
+                 .expected = "1 to " + std::to_string(k_largest) + " pixels",
+                 .found = std::to_string(options.largest_shift)});
+  }
+  const int levels = level_count(reference, options.largest_shift);
+  const std::vector<GradientLevel> of_reference = gradient_pyramid(reference, mask, levels);
+  const std::vector<GradientLevel> of_test = gradient_pyramid(test, mask, levels);
+
+  constexpr std::size_t k_most_candidates = 4;
+  std::vector<Candidate> candidates;
+  Alignment alignment;
+  for (int level = levels - 1; level >= 0; --level) {
+    const auto place = static_cast<std::size_t>(level);
+    ShiftScores scores(of_reference[place], of_test[place]);
+    const int reach = (options.largest_shift + (1 << level) - 1) >> level;
+    if (level == levels - 1) {
+      candidates = local_maxima(scores, reach);
+    } else {
+      for (Candidate& each : candidates) each = climb(scores, {2 * each.shift.x, 2 * each.shift.y}, reach);
+      std::ranges::sort(candidates, is_better);
+      const auto is_same = [](const Candidate& a, const Candidate& b) { return a.shift == b.shift; };
+      candidates.erase(std::unique(candidates.begin(), candidates.end(), is_same), candidates.end());
+    }
+    if (candidates.size() > k_most_candidates) candidates.resize(k_most_candidates);
+    if (level > 0) continue;
+
+    const Candidate& best = candidates.front();
+    alignment.score_unshifted = scores.at({0, 0});
+    if (!(best.score > 0.0)) continue;
+    const Peak peak = fit_peak(scores, best.shift);
+    alignment.shift_x = best.shift.x + peak.x;
+    alignment.shift_y = best.shift.y + peak.y;
+    alignment.score = best.score + peak.rise;
+    alignment.is_certain =
+        best.score >= k_least_score && best_rival(candidates) <= k_most_of_rival * best.score &&
+        peak.sharpness >= k_least_sharpness * best.score && is_within(best.shift, options.largest_shift - 1);
+  }
+  return alignment;
+}
+
+}  // namespace alidade

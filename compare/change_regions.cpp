@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include "compare/change_regions.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "compare/tidy_pixels.h"
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+/// Pixels [begin, end) of a row that hang together.
+struct Run {
+  int begin = 0, end = 0;
+  std::uint32_t part = 0;
+};
+
+/// Parts that turn out to hang together become one; its number is the least of theirs.
+class Parts {
+ public:
+  std::uint32_t add() {
+    parents_.push_back(static_cast<std::uint32_t>(parents_.size()));
+    return parents_.back();
+  }
+
+  std::uint32_t whole(std::uint32_t part) {
+    while (parents_[part] != part) {
+      parents_[part] = parents_[parents_[part]];
+      part = parents_[part];
+    }
+    return part;
+  }
+
+  void join(std::uint32_t a, std::uint32_t b) {
+    const auto [low, high] = std::minmax({whole(a), whole(b)});
+    parents_[high] = low;
+  }
+
+  std::size_t size() const { return parents_.size(); }
+
+ private:
+  std::vector<std::uint32_t> parents_;
+};
+
+/// Numbers the runs of a row like those of the row above that they touch.
+void number_runs(std::vector<Run>& runs, const std::vector<Run>& above, Parts& parts) {
+  std::size_t first = 0;
+  for (Run& run : runs) {
+    while (first < above.size() && above[first].end < run.begin) ++first;
+    bool is_new = true;
+    for (std::size_t i = first; i < above.size() && above[i].begin <= run.end; ++i) {
+      if (is_new)
+        run.part = above[i].part;
+      else
+        parts.join(run.part, above[i].part);
+      is_new = false;
+    }
+    if (is_new) run.part = parts.add();
+  }
+}
+
+std::vector<Run> runs_of(const std::uint8_t* row, int width) {
+  std::vector<Run> runs;
+  for (int x = 0; x < width; ++x) {
+    if (row[x] == 0) continue;
+    if (runs.empty() || runs.back().end != x)
+      runs.push_back({x, x + 1});
+    else
+      ++runs.back().end;
+  }
+  return runs;
+}
+
+/// 1 + the part of each changed pixel. Parts hang together through the pixels of `closed`.
+std::vector<std::uint32_t> part_labels(const std::vector<std::uint8_t>& changed,
+                                       const std::vector<std::uint8_t>& closed, int width, Parts& parts) {
+  std::vector<std::uint32_t> labels(changed.size(), 0);
+  std::vector<Run> above;
+  for (std::size_t first = 0; first < closed.size(); first += static_cast<std::size_t>(width)) {
+    std::vector<Run> runs = runs_of(closed.data() + first, width);
+    number_runs(runs, above, parts);
+    for (const Run& run : runs) {
+      for (int x = run.begin; x < run.end; ++x) {
+        const std::size_t pixel = first + static_cast<std::size_t>(x);
+        if (changed[pixel] != 0) labels[pixel] = run.part + 1;
+      }
+    }
+    above = std::move(runs);
+  }
+  return labels;
+}
+
+void measure_regions(ChangeRegions& changes, std::span<const float> map, int width) {
+  std::vector<std::uint64_t> finite(changes.regions.size(), 0);
+  for (ChangeRegion& region : changes.regions) region.left = width;
+  for (std::size_t pixel = 0; pixel < map.size(); ++pixel) {
+    if (changes.labels[pixel] == 0) continue;
+    ChangeRegion& region = changes.regions[changes.labels[pixel] - 1];
+    const int x = static_cast<int>(pixel % static_cast<std::size_t>(width)),
+              y = static_cast<int>(pixel / static_cast<std::size_t>(width));
+    if (region.pixels++ == 0) region.top = y;
+    region.left = std::min(region.left, x);
+    region.right = std::max(region.right, x + 1);
+    region.bottom = y + 1;
+    const double value = std::abs(static_cast<double>(map[pixel]));
+    if (std::isfinite(value)) {
+      region.mean += value;
+      ++finite[changes.labels[pixel] - 1];
+    }
+    if (value > region.strongest) {
+      region.strongest = value;
+      region.x = x;
+      region.y = y;
+    }
+  }
+  for (std::size_t i = 0; i < finite.size(); ++i)
+    if (finite[i] > 0) changes.regions[i].mean /= static_cast<double>(finite[i]);
+}
+
+void check_options(const ChangeOptions& options) {
+  constexpr int k_widest_gap = 64;
+  if (!(options.threshold >= 0.0)) {
+    throw Error({.problem = "threshold of change is out of range",
+                 .expected = "a number of at least 0",
+                 .found = std::to_string(options.threshold)});
+  }
+  if (!(options.least_density >= 0.0 && options.least_density <= 1.0)) {
+    throw Error({.problem = "density of changed pixels is out of range",
+                 .expected = "0 to 1",
+                 .found = std::to_string(options.least_density)});
+  }
+  if (options.gap < 0 || options.gap > k_widest_gap) {
+    throw Error({.problem = "gap to close between changed pixels is out of range",
+                 .expected = "0 to " + std::to_string(k_widest_gap) + " pixels",
+                 .found = std::to_string(options.gap)});
+  }
+}
+
+}  // namespace
+
+ChangeRegions change_regions(std::span<const float> map, int width, const ImageMask& mask,
+                             const ChangeOptions& options) {
+  check_options(options);
+  assert(width > 0 && map.size() % static_cast<std::size_t>(width) == 0);
+  ChangeRegions changes;
+  std::vector<std::uint8_t> changed(map.size());
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    changed[i] = mask.at(i) && std::abs(static_cast<double>(map[i])) > options.threshold;
+    changes.changed_pixels += changed[i];
+  }
+  if (options.least_density > 0.0) changed = drop_specks(changed, width, options.least_density);
+  Parts parts;
+  changes.labels = part_labels(changed, close_gaps(changed, width, options.gap), width, parts);
+
+  struct Size {
+    std::uint32_t part = 0;
+    std::uint64_t pixels = 0;
+  };
+  std::vector<std::uint32_t> pixels(parts.size(), 0);
+  for (const std::uint32_t label : changes.labels)
+    if (label > 0) ++pixels[parts.whole(label - 1)];
+  std::vector<Size> sizes;
+  for (std::uint32_t part = 0; part < pixels.size(); ++part) {
+    if (pixels[part] == 0) continue;
+    if (pixels[part] >= options.least_pixels)
+      sizes.push_back({part, pixels[part]});
+    else
+      ++changes.left_out_regions;
+  }
+  std::ranges::stable_sort(sizes, std::greater<>{}, &Size::pixels);
+  if (sizes.size() > options.most_regions) {
+    changes.left_out_regions += sizes.size() - options.most_regions;
+    sizes.resize(options.most_regions);
+  }
+
+  // The counts are done with; in their place, the new number of each whole.
+  std::ranges::fill(pixels, 0u);
+  for (std::size_t i = 0; i < sizes.size(); ++i) pixels[sizes[i].part] = static_cast<std::uint32_t>(i + 1);
+  for (std::uint32_t& label : changes.labels)
+    if (label > 0) label = pixels[parts.whole(label - 1)];
+  changes.regions.resize(sizes.size());
+  measure_regions(changes, map, width);
+  return changes;
+}
+
+}  // namespace alidade

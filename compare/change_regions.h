@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "compare/image_mask.h"
+
+// Where two pictures differ, as few places that a person can look at.
+
+namespace alidade {
+
+struct ChangeOptions {
+  double threshold = 0.2;  ///< in the unit of the map; pixels above it have changed
+  /// A pixel stays if at least this share of the 5 x 5 around it has changed as well, 0 .. 1; 0: all stay.
+  /// Drops the grain of path tracing and the seams between points.
+  double least_density = 0.3;
+  int gap = 3;  ///< pixels, 0 .. 64: gaps up to about twice as wide between changed pixels are closed
+  std::uint64_t least_pixels = 16;  ///< smaller regions are left out
+  std::size_t most_regions = 1000;  ///< the largest ones are kept
+};
+
+/// Changed pixels that hang together.
+struct ChangeRegion {
+  int left = 0, top = 0, right = 0, bottom = 0;  ///< box: [left, right) x [top, bottom)
+  std::uint64_t pixels = 0;                      ///< changed ones, without specks and closed gaps
+  double strongest = 0.0, mean = 0.0;            ///< magnitudes of these pixels; the mean of the finite ones
+  int x = 0, y = 0;                              ///< the strongest one, the first in reading order
+};
+
+struct ChangeRegions {
+  std::vector<ChangeRegion> regions;   ///< by size, the largest first; equal size: in reading order
+  std::vector<std::uint32_t> labels;   ///< per pixel: 1 + place in `regions`, where it has changed; else 0
+  std::uint64_t changed_pixels = 0;    ///< all above the threshold
+  std::uint64_t left_out_regions = 0;  ///< for being too small, or beyond most_regions
+};
+
+/// Regions of a map with one value per pixel, rows of `width` from the top. Pixels have changed if they count
+/// and the magnitude of their value is above the threshold (infinite: too; NaN: not). Specks are dropped,
+/// gaps closed by a square (tidy_pixels.h), and what touches then, also at corners, is one region. Errors:
+/// options out of range. Cost: some passes; memory: 7 bytes per pixel, and at worst, in pictures full of
+/// noise, 3 more.
+ChangeRegions change_regions(std::span<const float> map, int width, const ImageMask& mask,
+                             const ChangeOptions& options = {});
+
+}  // namespace alidade

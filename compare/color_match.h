@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "compare/compared_image.h"
+#include "compare/image_mask.h"
+
+// A photograph has another exposure and another white balance than a render. What is left when both are
+// fitted tells whether the scene differs or only the camera did.
+
+namespace alidade {
+
+enum class ColorModel {
+  exposure,  ///< a factor per channel: exposure and white balance
+  affine,    ///< a factor and an offset per channel: haze, flare and black level too
+};
+
+/// What the colours of the test are turned into, in linear light: matched = scale * test + offset.
+struct ColorMatch {
+  glm::dvec3 scale{1.0}, offset{0.0};
+  double inliers = 0.0;  ///< share of the blocks that follow the fit, the least of the three channels, 0 .. 1
+};
+
+/// Fits the test to the reference, per channel, by least trimmed squares: the half of the blocks that can be
+/// fitted best decides, so that up to half of the picture may show something else. Blocks are squares of
+/// pixels, about 64 of them along the longer side of the picture; a block's value is the mean, in linear
+/// light, of those of its pixels that count: in the mask, finite, opaque, and in display-encoded pictures not
+/// at the ends of the codes, where cameras clip. Means of blocks have little noise and bear a few pixels of
+/// misalignment. The fit is then repeated once over all blocks within 2.5 robust standard deviations, which
+/// are the inliers.
+/// Empty if fewer than 16 blocks are left, or if a channel does not vary enough to tell (black; for affine:
+/// of one value). Both pictures must have colours and the same size. Cost: one pass over the pixels, then
+/// some milliseconds per channel. The same result on any number of threads. Source: P. J. Rousseeuw, K. Van
+/// Driessen, Computing LTS Regression for Large Data Sets, Data Mining and Knowledge Discovery 12 (2006):
+/// random starts, concentration steps, reweighted least squares.
+std::optional<ColorMatch> match_color(const ComparedImage& reference, const ComparedImage& test,
+                                      const ImageMask& mask, ColorModel model);
+
+/// Replaces the colours of a picture by the matched ones, in its own encoding: display-encoded pictures are
+/// cut off at 0 and 1, linear ones are not.
+void apply_color_match(ComparedImage& image, const ColorMatch& match);
+
+}  // namespace alidade

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compare/compared_image.h"
+#include "compare/image_mask.h"
+#include "renderer/color/point_color.h"
+#include "renderer/legend/canvas.h"
+#include "renderer/legend/font.h"
+
+// Maps of where two pictures differ, to look at.
+
+namespace alidade {
+
+/// Colours of a map.
+enum class DifferenceColors {
+  heat,     ///< black, red, yellow: how much
+  balance,  ///< blue below, light grey at 0, red above: which way
+};
+
+/// One value per pixel and what it means.
+struct DifferenceMap {
+  std::string title;
+  std::string label;  ///< what the numbers are, with their unit
+  DifferenceColors colors = DifferenceColors::heat;
+  ValueRange range{};  ///< values of the first and last colour
+  int width = 0, height = 0;
+  /// NaN: there is nothing to compare. Infinite: only one picture has something there; plus the reference,
+  /// minus the test (the other one's surface is infinitely far away).
+  std::vector<float> values;
+  ImageMask mask;                    ///< what does not count is not shown
+  std::vector<std::string> notes{};  ///< lines of small print
+};
+
+/// The largest difference of the three channels, of display-referred colours, 0 .. 1 (of white). The range
+/// ends at the 99.5th percentile, at least 1/255, at most 1.
+DifferenceMap color_difference(const ComparedImage& reference, const ComparedImage& test,
+                               const ImageMask& mask);
+
+/// FLIP's own map (compare/flip.h), 0 .. 1.
+DifferenceMap flip_difference(std::span<const float> flip, int width, const ImageMask& mask);
+
+/// Test minus reference of the depth layers, metres: positive is farther away in the test. The range is the
+/// 98th percentile of the magnitudes, to both sides, at least 1 mm; what only one picture has is told apart.
+/// Both pictures must have depth and one size.
+DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
+                               const ImageMask& mask);
+
+/// The map alone, a pixel for a pixel.
+Canvas paint_difference(const DifferenceMap& map);
+
+/// The map with title and legend, at most `longest_side` pixels long: of larger ones each pixel shows the
+/// strongest value of a square. The same pixels for the same map, font and version of FreeType. Requires
+/// longest_side >= 1.
+Canvas draw_difference(const DifferenceMap& map, const Font& font, int longest_side = 1600);
+
+/// The same as a PNG file, with the font of find_font(). Errors: those of write_png() and find_font().
+void write_difference(const DifferenceMap& map, const std::filesystem::path& file, bool overwrite);
+
+}  // namespace alidade
