@@ -15,51 +15,18 @@ namespace {
 
 constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'};
 constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
-constexpr std::size_t k_fixed_bytes = 80, k_checksum_place = 24, k_lengths = 8;
+constexpr std::size_t k_fixed_bytes = 80, k_checksum_place = 24;
 
 std::uint64_t head_checksum(std::vector<std::byte> head) {
   store<std::uint64_t>(head.data() + k_checksum_place, 0);
   return checksum(head);
 }
 
-PictureIdentity read_identity(const std::vector<std::byte>& head, const std::string& file) {
-  PictureIdentity identity;
-  const auto text = [&](std::size_t place, std::size_t length) {
-    return std::string(reinterpret_cast<const char*>(head.data()) + place, length);
-  };
-  std::size_t place = k_fixed_bytes;
-  while (place < head.size()) {
-    const std::size_t left = head.size() - place;
-    std::uint64_t name = 0, value = 0;
-    if (left >= k_lengths) {
-      name = load<std::uint32_t>(head.data() + place);
-      value = load<std::uint32_t>(head.data() + place + 4);
-    }
-    if (left < k_lengths || name + value > left - k_lengths) {
-      throw Error({.file = file,
-                   .place = fmt::format("byte {}", place),
-                   .problem = "is damaged: its description of the picture does not end where it should"});
-    }
-    place += k_lengths;
-    identity.push_back({text(place, name), text(place + name, value)});
-    place += name + value;
-  }
-  return identity;
-}
-
 }  // namespace
 
 std::vector<std::byte> encode_checkpoint_head(CheckpointHead& head) {
   std::vector<std::byte> bytes(k_fixed_bytes);
-  for (const IdentityEntry& entry : head.identity) {
-    std::size_t place = bytes.size();
-    bytes.resize(place + k_lengths + entry.name.size() + entry.value.size());
-    store(bytes.data() + place, static_cast<std::uint32_t>(entry.name.size()));
-    store(bytes.data() + place + 4, static_cast<std::uint32_t>(entry.value.size()));
-    place += k_lengths;
-    std::memcpy(bytes.data() + place, entry.name.data(), entry.name.size());
-    std::memcpy(bytes.data() + place + entry.name.size(), entry.value.data(), entry.value.size());
-  }
+  append_identity(head.identity, bytes);
   head.head_bytes = bytes.size();
   std::byte* const at = bytes.data();
   store(at, k_magic);
@@ -127,7 +94,7 @@ CheckpointHead read_checkpoint_head(InputFile& file) {
   head.seconds = reader.get<double>(64);
   reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "is damaged", "seconds", head.seconds);
   head.samples = reader.get<std::uint32_t>(76);
-  head.identity = read_identity(bytes, file.name());
+  head.identity = read_identity(std::span(bytes).subspan(k_fixed_bytes), k_fixed_bytes, file.name());
   head.head_bytes = bytes.size();
   return head;
 }

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <span>
 #include <utility>
 
@@ -15,23 +14,15 @@
 namespace alidade {
 namespace {
 
-template <class Value>
-void add_checksum(const Value* values, std::size_t count, std::vector<std::uint64_t>& sums) {
-  sums.push_back(values == nullptr ? 0 : checksum(std::as_bytes(std::span(values, count))));
-}
-
 std::string cloud_checksum(const LoadedCloud& cloud) {
   std::vector<std::uint64_t> sums;
   if (cloud.index_checksum) {
     sums.push_back(*cloud.index_checksum);
   } else {
-    const TreeView& tree = cloud.octree.view();
-    add_checksum(tree.nodes, tree.node_count, sums);
-    add_checksum(tree.coordinates, 3 * std::size_t{tree.point_count}, sums);
-    add_checksum(tree.ids, tree.point_count, sums);
-    add_checksum(tree.positions, tree.exact_count(), sums);
+    append_tree_checksums(cloud.octree.view(), sums);
   }
-  add_checksum(cloud.colors.data(), cloud.colors.size(), sums);
+  const std::span colors(cloud.colors);
+  sums.push_back(colors.data() == nullptr ? 0 : checksum(std::as_bytes(colors)));
   return fmt::format("{:016x}", checksum(std::as_bytes(std::span(sums))));
 }
 
@@ -52,27 +43,6 @@ std::string file_names(const CloudSettings& settings) {
   for (const std::filesystem::path& file : settings.files)
     names += (names.empty() ? "" : ", ") + file.string();
   return names;
-}
-
-/// Whether a byte is one within a character of UTF-8.
-bool is_continuation(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
-}
-
-/// What a message can show of two values, which differ: of long ones, from the word on that does.
-std::pair<std::string, std::string> telling_parts(const std::string& a, const std::string& b) {
-  constexpr std::size_t k_longest = 60, k_part = 40, k_word = 20;
-  if (a.size() <= k_longest && b.size() <= k_longest) return {a, b};
-  const auto difference = static_cast<std::size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
-  std::size_t begin = difference == 0 ? 0 : a.find_last_of(" ,{[", difference - 1) + 1;
-  if (difference - begin > k_word) begin = difference;
-  while (begin > 0 && begin < a.size() && is_continuation(a[begin])) --begin;
-  const auto part = [begin](const std::string& text) {
-    std::size_t end = std::min(begin + k_part, text.size());
-    while (end < text.size() && is_continuation(text[end])) ++end;
-    return (begin > 0 ? "..." : "") + text.substr(begin, end - begin) + (end < text.size() ? "..." : "");
-  };
-  return {part(a), part(b)};
 }
 
 }  // namespace
@@ -115,21 +85,6 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
   };
   identity.insert(identity.end(), rest.begin(), rest.end());
   return identity;
-}
-
-void check_identity(const PictureIdentity& made, const PictureIdentity& asked, const std::string& file) {
-  for (std::size_t i = 0; i < std::max(made.size(), asked.size()); ++i) {
-    const IdentityEntry none{"cloud", "none"};
-    const IdentityEntry &before = i < made.size() ? made[i] : none, &now = i < asked.size() ? asked[i] : none;
-    if (before == now) continue;
-    const bool comparable = before.name == now.name;
-    const auto [made_with, asked_for] = telling_parts(before.value, now.value);
-    throw Error(
-        {.file = file,
-         .problem = fmt::format("is the checkpoint of another picture: made with {} {}, asked for {}{}",
-                                before.name, made_with, comparable ? "" : now.name + " ", asked_for),
-         .expected = "the same scene, cloud and options, or no --resume"});
-  }
 }
 
 }  // namespace alidade

@@ -19,14 +19,6 @@ constexpr double k_most_seconds = 1e9;
 /// In the metadata of every preview.
 constexpr std::string_view k_preview_mark = "alidade:preview";
 
-bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const auto canonical = [](const std::filesystem::path& path) {
-    std::error_code error;
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
-  };
-  return canonical(a) == canonical(b);
-}
-
 /// What a checkpoint calls a picture, however its name was typed.
 std::string name_in_checkpoint(const std::filesystem::path& picture) {
   return std::filesystem::absolute(picture).lexically_normal().string();

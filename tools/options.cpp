@@ -142,4 +142,26 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
   const OutputFile attempt(output, overwrite);
 }
 
+void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
+                   std::span<const std::filesystem::path> inputs) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].empty()) continue;
+    check_writable(outputs[i], overwrite, inputs);
+    for (const std::filesystem::path& earlier : outputs.first(i)) {
+      if (earlier.empty() || !same_file(earlier, outputs[i])) continue;
+      throw Error({.file = outputs[i].string(),
+                   .problem = "is the name of two outputs",
+                   .expected = "another name for one of them"});
+    }
+  }
+}
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  const auto canonical = [](const std::filesystem::path& path) {
+    std::error_code error;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
+  };
+  return canonical(a) == canonical(b);
+}
+
 }  // namespace alidade

@@ -80,4 +80,11 @@ void with_threads(std::optional<int> threads, const std::function<void()>& work)
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
 
+/// check_writable() for all files that a command writes; empty names are left out. Errors: two are the same.
+void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrite,
+                   std::span<const std::filesystem::path> inputs = {});
+
+/// Whether two names are those of one file, which need not exist.
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
 }  // namespace alidade

@@ -7,39 +7,53 @@
 #include <cmath>
 #include <limits>
 
-#include "octree/distance.h"
 #include "octree/error.h"
 #include "visibility/raster.h"
+#include "visibility/run_parts.h"
 
 namespace alidade {
 namespace {
 
 constexpr std::size_t k_lines_at_once = 65536;
 
-/// What one observer may see of some targets.
+/// Some of the targets, those that lie within reach and view, and the lines to these.
 struct Views {
   std::vector<std::size_t> targets;
   std::vector<SightLine> lines;
 };
 
-Views views_of(const Occluders& occluders, const Observer& observer, const SightEnd& eye,
-               std::span<const PlacementTarget> targets, std::size_t first, double height) {
+Views views_of(const Occluders& occluders, const Observer& observer, std::span<const PlacementTarget> targets,
+               double height) {
   const FieldOfView field(observer);
+  const SightEnd eye = end_near_surface(occluders, observer.position);
+  const glm::dvec3 lift(0.0, 0.0, height);
   Views views;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    const glm::dvec3 place = targets[i].position + glm::dvec3(0.0, 0.0, height);
-    if (!(distance(observer.position, place) <= observer.max_distance)) continue;
-    if (field.contains(place - observer.position)) views.targets.push_back(first + i);
+    if (field.reaches(targets[i].position + lift - observer.position)) views.targets.push_back(i);
   }
   views.lines.resize(views.targets.size());
   tbb::parallel_for(std::size_t{0}, views.lines.size(), [&](std::size_t i) {
-    const PlacementTarget& target = targets[views.targets[i] - first];
+    const PlacementTarget& target = targets[views.targets[i]];
     const SightEnd end = height > 0.0
-                             ? end_near_surface(occluders, target.position + glm::dvec3(0.0, 0.0, height))
+                             ? end_near_surface(occluders, target.position + lift)
                              : end_on_point(occluders, target.point_id, target.position, observer.position);
     views.lines[i] = sight_line(eye, end);
   });
   return views;
+}
+
+/// A bit for each target, as Coverage::row() has them.
+std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& observer,
+                                   std::span<const PlacementTarget> targets, double height) {
+  const Views views = views_of(occluders, observer, targets, height);
+  std::vector<std::uint8_t> hidden(views.lines.size());
+  blocked(occluders, views.lines, hidden);
+  std::vector<std::uint64_t> words((targets.size() + 63) / 64);
+  for (std::size_t i = 0; i < hidden.size(); ++i) {
+    const std::size_t target = views.targets[i];
+    if (hidden[i] == 0) words[target / 64] |= std::uint64_t{1} << (target % 64);
+  }
+  return words;
 }
 
 }  // namespace
@@ -54,29 +68,35 @@ Coverage::Coverage(std::size_t candidates, std::size_t targets)
 }
 
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
-                     std::span<const PlacementTarget> targets, double height, const Progress& progress) {
+                     std::span<const PlacementTarget> targets, double height, const Progress& progress,
+                     FinishedParts* parts) {
   if (!(height >= 0.0 && std::isfinite(height))) {
     throw Error(
         {.problem = "bad height of targets", .expected = "0 or more", .found = std::to_string(height)});
   }
+  static_assert(k_lines_at_once % 64 == 0);
   Coverage coverage(candidates.size(), targets.size());
-  const std::uint64_t total = std::uint64_t{candidates.size()} * targets.size();
-  for (std::size_t candidate = 0; candidate < candidates.size(); ++candidate) {
-    const Observer& observer = candidates[candidate];
-    const SightEnd eye = end_near_surface(occluders, observer.position);
-    for (std::size_t first = 0; first < targets.size(); first += k_lines_at_once) {
-      report(progress, candidate * targets.size() + first, total);
-      const std::span<const PlacementTarget> some =
-          targets.subspan(first, std::min(k_lines_at_once, targets.size() - first));
-      const Views views = views_of(occluders, observer, eye, some, first, height);
-      std::vector<std::uint8_t> hidden(views.lines.size());
-      blocked(occluders, views.lines, hidden);
-      for (std::size_t i = 0; i < hidden.size(); ++i) {
-        if (hidden[i] == 0) coverage.set(candidate, views.targets[i]);
-      }
-    }
-  }
-  report(progress, total, total);
+  const std::size_t blocks = (targets.size() + k_lines_at_once - 1) / k_lines_at_once;
+  const auto block = [&](std::uint64_t part) {
+    const std::size_t first = part % blocks * k_lines_at_once;
+    return targets.subspan(first, std::min(k_lines_at_once, targets.size() - first));
+  };
+  std::uint64_t done = 0;
+  run_parts(
+      parts, std::uint64_t{candidates.size()} * blocks,
+      [&](std::uint64_t part, PartWriter& writer) {
+        const std::vector<std::uint64_t> words =
+            seen_by(occluders, candidates[part / blocks], block(part), height);
+        writer.put_all(words);
+      },
+      [&](std::uint64_t part, PartReader& reader) {
+        const std::size_t count = block(part).size();
+        std::vector<std::uint64_t> words((count + 63) / 64);
+        reader.take_all(words);
+        reader.require(count % 64 == 0 || words.back() >> (count % 64) == 0);
+        coverage.set_words(part / blocks, part % blocks * (k_lines_at_once / 64), words);
+        report(progress, done += count, std::uint64_t{candidates.size()} * targets.size());
+      });
   return coverage;
 }
 

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "octree/progress.h"
+#include "visibility/finished_parts.h"
 #include "visibility/observers.h"
 #include "visibility/sight_line.h"
 
@@ -25,6 +27,11 @@ class Coverage {
   }
   void set(std::size_t candidate, std::size_t target) {
     words_[candidate * row_words_ + target / 64] |= std::uint64_t{1} << (target % 64);
+  }
+  /// Words of a candidate from `first` on, as row() has them. Requires that no bit behind the last target is
+  /// set.
+  void set_words(std::size_t candidate, std::size_t first, std::span<const std::uint64_t> words) {
+    std::ranges::copy(words, words_.begin() + static_cast<std::ptrdiff_t>(candidate * row_words_ + first));
   }
   /// Target i is bit i % 64 of word i / 64; bits behind the last target are 0.
   std::span<const std::uint64_t> row(std::size_t candidate) const {
@@ -46,9 +53,10 @@ struct PlacementTarget {
 /// `height` 0 is the point itself on its surface, as end_on_point() has it; else a place so many metres
 /// straight above it. Candidates that stand on a surface see over it (end_near_surface()). `progress` is in
 /// sight lines. The same on any number of threads. Cost: candidates times targets, up to a microsecond each;
-/// fast if targets near each other follow each other. Errors: those of Coverage; height negative or not
-/// finite.
+/// fast if targets near each other follow each other. `parts` keeps what is finished (a bit per line) unless
+/// it is null. Errors: those of Coverage; height negative or not finite.
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
-                     std::span<const PlacementTarget> targets, double height, const Progress& progress = {});
+                     std::span<const PlacementTarget> targets, double height, const Progress& progress = {},
+                     FinishedParts* parts = nullptr);
 
 }  // namespace alidade

@@ -6,18 +6,18 @@
 #include <map>
 
 #include "octree/error.h"
+#include "visibility/golden_turn.h"
 
 namespace alidade {
 namespace {
 
 constexpr int k_tubes = 512, k_rim_tubes = 64;
-constexpr double k_golden_turn = 0.38196601125010515;  // (3 - sqrt 5) / 2
 
 /// The tubes that fill the zone, from the inside out, then those that only the verdict asks for.
 std::vector<CurveLine> tubes_of(const LineCurve& curve) {
   std::vector<CurveLine> tubes;
   for (int i = 0; i < k_tubes; ++i)
-    tubes.push_back({&curve, {std::sqrt((i + 0.5) / k_tubes), i * k_golden_turn}});
+    tubes.push_back({&curve, {std::sqrt((i + 0.5) / k_tubes), golden_turns(i)}});
   for (int i = 0; i < k_rim_tubes; ++i)
     tubes.push_back({&curve, {k_clear_share, static_cast<double>(i) / k_rim_tubes}});
   tubes.push_back({&curve});

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <string_view>
 
 #include "octree/cloud/text_scanner.h"
@@ -79,6 +80,7 @@ FieldOfView::FieldOfView(const Observer& observer) {
   const double width = azimuth_width(observer.azimuth_min, observer.azimuth_max);
   all_azimuths_ = width >= k_turn;
   all_elevations_ = observer.elevation_min <= -90.0 && observer.elevation_max >= 90.0;
+  max_distance_sq_ = observer.max_distance * observer.max_distance;
   is_wide_ = width > 0.5 * k_turn;
   from_ = direction_of(observer.azimuth_min);
   to_ = direction_of(observer.azimuth_max);
@@ -95,6 +97,10 @@ bool FieldOfView::contains(const glm::dvec3& offset) const {
   if (all_elevations_) return true;
   const double run = std::sqrt(across.x * across.x + across.y * across.y);
   return offset.z * low_.x >= run * low_.y && offset.z * high_.x <= run * high_.y;
+}
+
+bool FieldOfView::reaches(const glm::dvec3& offset) const {
+  return glm::dot(offset, offset) <= max_distance_sq_ && contains(offset);
 }
 
 GivenObserver parse_observer(const std::string& text) {

@@ -28,7 +28,8 @@ struct Observer {
   double max_distance = std::numeric_limits<double>::infinity();
 };
 
-/// The field of view of an observer, to be asked for many directions. The same answers on every machine.
+/// The field of view of an observer and how far it reaches, to be asked for many directions. The same answers
+/// on every machine.
 class FieldOfView {
  public:
   explicit FieldOfView(const Observer& observer);
@@ -36,12 +37,15 @@ class FieldOfView {
   /// Whether the direction `offset` (target minus eye, of any length) lies inside. Straight up and down have
   /// every azimuth; a zero offset is inside.
   bool contains(const glm::dvec3& offset) const;
+  /// The same for one that is not beyond max_distance either.
+  bool reaches(const glm::dvec3& offset) const;
 
   /// Whether everything is.
   bool is_everything() const { return all_azimuths_ && all_elevations_; }
 
  private:
   bool all_azimuths_ = true, all_elevations_ = true;
+  double max_distance_sq_ = std::numeric_limits<double>::infinity();
   bool is_wide_ = false;                       ///< more than half round
   glm::dvec2 from_{0.0, 1.0}, to_{0.0, 1.0};   ///< directions of the azimuth limits
   glm::dvec2 low_{1.0, 0.0}, high_{1.0, 0.0};  ///< cosine and sine of the elevation limits

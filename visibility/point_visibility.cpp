@@ -12,6 +12,8 @@
 #include "octree/point_surface.h"
 #include "octree/tree_walk.h"
 #include "renderer/deterministic_math.h"
+#include "visibility/golden_turn.h"
+#include "visibility/run_parts.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {
@@ -22,11 +24,10 @@ constexpr std::size_t k_batch = 1 << 16;
 
 /// Places that cover a disc of radius 1 evenly, the first one in the middle.
 std::vector<glm::dvec2> disc_pattern(int count) {
-  const double golden_turn = 0.5 * (3.0 - std::sqrt(5.0));
   std::vector<glm::dvec2> pattern;
   for (int i = 0; i < count; ++i) {
     const double radius = std::sqrt(static_cast<double>(i) / count);
-    const SineCosine at = sine_cosine_of_turns(i * golden_turn);
+    const SineCosine at = sine_cosine_of_turns(golden_turns(i));
     pattern.emplace_back(radius * at.cosine, radius * at.sine);
   }
   return pattern;
@@ -45,92 +46,104 @@ struct Target {
   std::uint64_t point_id = 0;
 };
 
-/// Points in the order of the octree, some leaves at a time.
-class Batch {
- public:
-  explicit Batch(const TreeView& tree) : tree_(tree) {}
+/// Leaves whose points are asked for together.
+using Batch = std::vector<Leaf>;
 
-  void add(const Leaf& leaf) {
-    leaves_.push_back(leaf);
-    begins_.push_back(size_);
-    size_ += leaf.count;
+/// All leaves in the order of the octree.
+std::vector<Batch> batches_of(const TreeView& tree) {
+  std::vector<Batch> batches(1);
+  std::size_t points = 0;
+  for_each_leaf(tree, [&](const Leaf& leaf) {
+    if (points >= k_batch) {
+      batches.emplace_back();
+      points = 0;
+    }
+    batches.back().push_back(leaf);
+    points += leaf.count;
+  });
+  return batches;
+}
+
+std::vector<Target> targets_of(const TreeView& tree, const Batch& batch) {
+  std::vector<std::size_t> begins{0};
+  for (const Leaf& leaf : batch) begins.push_back(begins.back() + leaf.count);
+  std::vector<Target> targets(begins.back());
+  tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t l) {
+    const Leaf& leaf = batch[l];
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      targets[begins[l] + i] = {to_world(tree.lattice, position_of(tree, leaf, i)), leaf.place + i,
+                                point_id(tree, leaf.place + i)};
+    }
+  });
+  return targets;
+}
+
+/// What an observer sees of the points of a batch, in their order.
+struct BatchAnswers {
+  std::vector<std::uint8_t> seen;         ///< 1 or 0
+  std::vector<std::uint32_t> blockers;    ///< empty if they are not asked for
+  std::vector<std::uint8_t> clear_lines;  ///< of those to the disc; empty if they are not asked for
+
+  BatchAnswers(std::size_t points, const PointVisibility& all)
+      : seen(points),
+        blockers(all.blockers.empty() ? 0 : points, k_no_blocker),
+        clear_lines(all.fractions.empty() ? 0 : points) {}
+
+  void put(PartWriter& writer) const {
+    std::vector<std::uint8_t> bits((seen.size() + 7) / 8);
+    for (std::size_t i = 0; i < seen.size(); ++i)
+      bits[i / 8] = static_cast<std::uint8_t>(bits[i / 8] | seen[i] << (i % 8));
+    writer.put_all(bits);
+    writer.put_all(blockers);
+    writer.put_all(clear_lines);
   }
-  std::size_t size() const { return size_; }
-
-  /// The points of the leaves, which are given up.
-  const std::vector<Target>& take() {
-    targets_.resize(size_);
-    tbb::parallel_for(std::size_t{0}, leaves_.size(), [&](std::size_t l) {
-      const Leaf& leaf = leaves_[l];
-      for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        targets_[begins_[l] + i] = {to_world(tree_.lattice, position_of(tree_, leaf, i)), leaf.place + i,
-                                    point_id(tree_, leaf.place + i)};
-      }
-    });
-    leaves_.clear();
-    begins_.clear();
-    size_ = 0;
-    return targets_;
+  void take(PartReader& reader) {
+    std::vector<std::uint8_t> bits((seen.size() + 7) / 8);
+    reader.take_all(bits);
+    for (std::size_t i = 0; i < seen.size(); ++i) seen[i] = bits[i / 8] >> (i % 8) & 1;
+    reader.take_all(blockers);
+    reader.take_all(clear_lines);
   }
-
- private:
-  const TreeView& tree_;
-  std::vector<Leaf> leaves_;
-  std::vector<std::size_t> begins_;  ///< of the points of each leaf among all
-  std::size_t size_ = 0;
-  std::vector<Target> targets_;
 };
 
 /// What one observer sees, asked batch by batch.
 class View {
  public:
-  View(const Occluders& occluders, const Observer& observer, std::size_t number,
-       const std::vector<glm::dvec2>& pattern, PointVisibility& all)
+  View(const Occluders& occluders, const Observer& observer, const std::vector<glm::dvec2>& pattern)
       : occluders_(occluders),
         tree_(occluders.octree().view()),
         observer_(observer),
-        number_(number),
         field_(observer),
         eye_(end_near_surface(occluders, observer.position)),
-        pattern_(pattern),
-        all_(all),
-        seen_(tree_.point_count) {}
+        pattern_(pattern) {}
 
-  void look_at(const std::vector<Target>& targets) {
+  void look_at(const std::vector<Target>& targets, BatchAnswers& answers) {
     asked_.clear();
-    for (const Target& target : targets) {
-      if (is_in_view(target.position)) asked_.push_back(target);
+    for (std::size_t i = 0; i < targets.size(); ++i) {
+      if (field_.reaches(targets[i].position - observer_.position)) asked_.push_back({targets[i], i});
     }
     lines_.resize(asked_.size());
     blocked_.resize(asked_.size());
     make_lines(0);
-    if (all_.blockers.empty())
+    if (answers.blockers.empty())
       blocked(occluders_, lines_, blocked_);
     else
-      ask_for_blockers();
-    for (std::size_t n = 0; n < asked_.size(); ++n) {
-      if (blocked_[n] != 0) continue;
-      const std::uint64_t id = asked_[n].point_id;
-      seen_[id] = 1;
-      ++all_.counts[id];
-      if (!all_.masks.empty()) all_.masks[id] |= std::uint64_t{1} << number_;
-    }
-    if (!all_.fractions.empty()) ask_for_fractions();
+      ask_for_blockers(answers);
+    for (std::size_t n = 0; n < asked_.size(); ++n) answers.seen[asked_[n].number] = blocked_[n] == 0;
+    if (!answers.clear_lines.empty()) ask_for_disc(answers);
   }
-
-  std::span<const std::uint8_t> seen() const { return seen_; }
 
  private:
-  bool is_in_view(const glm::dvec3& position) const {
-    const glm::dvec3 offset = position - observer_.position;
-    return glm::dot(offset, offset) <= observer_.max_distance * observer_.max_distance &&
-           field_.contains(offset);
-  }
+  /// A target of the batch that is in view, and its number in it.
+  struct Asked {
+    Target target;
+    std::size_t number;
+  };
 
   /// The lines to the points that are asked for, or beside them on their discs.
   void make_lines(std::size_t sub_ray) {
     tbb::parallel_for(std::size_t{0}, asked_.size(), [&](std::size_t n) {
-      const Target& target = asked_[n];
+      const Target& target = asked_[n].target;
       SightEnd end = end_on_point(occluders_, target.point_id, target.position, observer_.position);
       if (sub_ray > 0) shift(end, target, pattern_[sub_ray]);
       lines_[n] = sight_line(eye_, end);
@@ -151,45 +164,56 @@ class View {
     end.own_reach += radius;
   }
 
-  void ask_for_blockers() {
+  void ask_for_blockers(BatchAnswers& answers) {
     first_.resize(lines_.size());
     first_blockers(occluders_, lines_, first_);
     for (std::size_t n = 0; n < lines_.size(); ++n) {
       blocked_[n] = first_[n].has_value();
-      if (first_[n])
-        all_.blockers[number_][asked_[n].point_id] = static_cast<std::uint32_t>(first_[n]->point_id);
+      if (first_[n]) answers.blockers[asked_[n].number] = static_cast<std::uint32_t>(first_[n]->point_id);
     }
   }
 
-  void ask_for_fractions() {
-    std::vector<std::uint32_t> clear(asked_.size());
+  void ask_for_disc(BatchAnswers& answers) {
+    std::vector<std::uint8_t> clear(asked_.size());
     for (std::size_t n = 0; n < asked_.size(); ++n) clear[n] = blocked_[n] == 0;
     for (std::size_t sub_ray = 1; sub_ray < pattern_.size(); ++sub_ray) {
       make_lines(sub_ray);
       blocked(occluders_, lines_, blocked_);
-      for (std::size_t n = 0; n < asked_.size(); ++n) clear[n] += blocked_[n] == 0;
+      for (std::size_t n = 0; n < asked_.size(); ++n)
+        clear[n] = static_cast<std::uint8_t>(clear[n] + (blocked_[n] == 0));
     }
-    for (std::size_t n = 0; n < asked_.size(); ++n) {
-      float& fraction = all_.fractions[asked_[n].point_id];
-      fraction = std::max(fraction, static_cast<float>(clear[n]) / static_cast<float>(pattern_.size()));
-    }
+    for (std::size_t n = 0; n < asked_.size(); ++n) answers.clear_lines[asked_[n].number] = clear[n];
   }
 
   const Occluders& occluders_;
   const TreeView& tree_;
   const Observer& observer_;
-  const std::size_t number_;
   const FieldOfView field_;
   const SightEnd eye_;
   const std::vector<glm::dvec2>& pattern_;
-  PointVisibility& all_;
-  std::vector<std::uint8_t> seen_;
   // Of the batch that is looked at.
-  std::vector<Target> asked_;
+  std::vector<Asked> asked_;
   std::vector<SightLine> lines_;
   std::vector<std::uint8_t> blocked_;
   std::vector<std::optional<Blocker>> first_;
 };
+
+/// Adds what observer `number` sees of some points to what all see.
+void add_answers(const std::vector<Target>& targets, const BatchAnswers& answers, std::size_t number,
+                 int lines_per_point, PointVisibility& all, std::vector<std::uint8_t>& seen) {
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const std::uint64_t id = targets[i].point_id;
+    if (answers.seen[i] != 0) {
+      seen[id] = 1;
+      ++all.counts[id];
+      if (!all.masks.empty()) all.masks[id] |= std::uint64_t{1} << number;
+    }
+    if (!all.blockers.empty()) all.blockers[number][id] = answers.blockers[i];
+    if (all.fractions.empty()) continue;
+    const float share = static_cast<float>(answers.clear_lines[i]) / static_cast<float>(lines_per_point);
+    all.fractions[id] = std::max(all.fractions[id], share);
+  }
+}
 
 PointVisibility make_columns(std::size_t points, std::size_t observers,
                              const PointVisibilityOptions& options) {
@@ -214,23 +238,35 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
   const auto lines_per_point = static_cast<std::uint64_t>(options.sub_rays);
   const std::uint64_t total = lines_per_point * tree.point_count * observers.size();
   const std::vector<glm::dvec2> pattern = disc_pattern(options.sub_rays);
+  const std::vector<Batch> batches = batches_of(tree);
   PointVisibility all = make_columns(tree.point_count, observers.size(), options);
   std::uint64_t done = 0;
-  Batch batch(tree);
-  for (std::size_t number = 0; number < observers.size(); ++number) {
-    View view(occluders, observers[number], number, pattern, all);
-    const auto look = [&] {
-      done += lines_per_point * batch.size();
-      view.look_at(batch.take());
-      report(options.progress, done, total);
-    };
-    for_each_leaf(tree, [&](const Leaf& leaf) {
-      batch.add(leaf);
-      if (batch.size() >= k_batch) look();
-    });
-    if (batch.size() > 0) look();
-    if (options.each_observer) options.each_observer(number, view.seen());
-  }
+  std::optional<View> view;
+  std::size_t viewer = observers.size();
+  std::vector<Target> targets;
+  std::vector<std::uint8_t> seen(tree.point_count);
+  run_parts(
+      options.parts, batches.size() * observers.size(),
+      [&](std::uint64_t part, PartWriter& writer) {
+        const std::size_t number = part / batches.size();
+        if (viewer != number) view.emplace(occluders, observers[number], pattern);
+        viewer = number;
+        targets = targets_of(tree, batches[part % batches.size()]);
+        BatchAnswers answers(targets.size(), all);
+        view->look_at(targets, answers);
+        answers.put(writer);
+      },
+      [&](std::uint64_t part, PartReader& reader) {
+        const std::size_t number = part / batches.size(), batch = part % batches.size();
+        if (batch == 0) std::ranges::fill(seen, std::uint8_t{0});
+        targets = targets_of(tree, batches[batch]);
+        BatchAnswers answers(targets.size(), all);
+        answers.take(reader);
+        add_answers(targets, answers, number, options.sub_rays, all, seen);
+        done += lines_per_point * targets.size();
+        report(options.progress, done, total);
+        if (batch + 1 == batches.size() && options.each_observer) options.each_observer(number, seen);
+      });
   return all;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octree/progress.h"
+#include "visibility/finished_parts.h"
 #include "visibility/observers.h"
 #include "visibility/occluders.h"
 
@@ -29,6 +30,9 @@ struct PointVisibilityOptions {
   bool with_blockers = false;
   /// Called for one observer after the other with what it sees: 1 or 0 by point id. May throw.
   std::function<void(std::size_t observer, std::span<const std::uint8_t> seen)> each_observer{};
+  /// Parts that are finished already are not asked for again; null: nothing is kept. A part is what one
+  /// observer sees of some 65536 points; it takes 1 bit per point, 1 B more with sub_rays, 4 B with blockers.
+  FinishedParts* parts = nullptr;
   Progress progress{};  ///< in sight lines
 };
 

@@ -4,16 +4,13 @@
 #include <cmath>
 
 #include "renderer/deterministic_math.h"
+#include "visibility/golden_turn.h"
 
 namespace alidade {
 namespace {
 
-/// The golden angle is this share of a turn: 1 - 1/phi.
-constexpr double k_golden_turn = 0.38196601125010515;
-
 glm::dvec3 spiral_direction(int i, double height) {
-  const double turns = i * k_golden_turn;
-  const SineCosine turn = sine_cosine_of_turns(turns - std::floor(turns));
+  const SineCosine turn = sine_cosine_of_turns(golden_turns(i));
   const double run = std::sqrt(1.0 - height * height);
   return {run * turn.sine, run * turn.cosine, height};
 }

@@ -11,6 +11,7 @@
 #include "tools/visibility/commands.h"
 #include "tools/visibility/coverage_writer.h"
 #include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
 #include "visibility/placement_files.h"
@@ -29,6 +30,7 @@ struct PlaceCommand {
   std::map<int, double> class_weights;
   std::size_t count = 0;
   OccluderRequest occluders;
+  CheckpointRequest checkpoint;
   std::filesystem::path output, curve;
   bool overwrite = false;
   std::optional<int> threads;
@@ -65,19 +67,18 @@ std::map<int, double> parse_weights(const std::string& text) {
 }
 
 /// Errors that need no cloud.
-void check_outputs(const PlaceCommand& command) {
+void check_options(const PlaceCommand& command) {
   chosen_row_form(command.output);
   std::vector<std::filesystem::path> inputs = command.files;
   if (!command.candidates.file.empty()) inputs.push_back(command.candidates.file);
-  check_writable(command.output, command.overwrite, inputs);
-  if (command.curve.empty()) return;
-  if (image_format(command.curve) != ImageFormat::png) {
+  const std::filesystem::path outputs[] = {command.output, command.curve};
+  if (!command.curve.empty() && image_format(command.curve) != ImageFormat::png) {
     throw Error({.file = command.curve.string(),
                  .problem = "curves are drawn as PNG",
                  .expected = "a name ending in .png"});
   }
-  inputs.push_back(command.output);
-  check_writable(command.curve, command.overwrite, inputs);
+  check_outputs(outputs, command.overwrite, inputs);
+  check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
 }
 
 std::vector<PlacementTarget> targets_of(const PlaceCommand& command, const VisibilityCloud& cloud) {
@@ -115,21 +116,26 @@ void say_result(const PlaceCommand& command, const Placement& placement) {
   if (placement.places.size() < command.count) say_note("more places would add nothing");
 }
 
-ExitCode run_place(const PlaceCommand& command) {
-  check_outputs(command);
+ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
+  check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto cloud = load_visibility_cloud(command.files, command.occluders, {}, verbosity);
   const std::vector<Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
   const std::vector<PlacementTarget> targets = targets_of(command, *cloud);
   if (!command.verbosity.quiet)
     say_note(fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
+  Identity identity = run_identity(words, *cloud);
+  add_to_identity(candidates, identity);
+  LongRun long_run(command.checkpoint, std::move(identity), verbosity);
   ProgressLine line("looking", "sight lines", verbosity);
-  const Coverage coverage = see_targets(*cloud->occluders, candidates, targets,
-                                        command.target_height.value_or(0.0), line.callback());
+  const Coverage coverage =
+      see_targets(*cloud->occluders, candidates, targets, command.target_height.value_or(0.0),
+                  long_run.progress(line), long_run.parts());
   line.finish();
   const Placement placement = choose_places(coverage, command.count, weights_of(command, *cloud, targets));
   if (placement.places.empty()) {
     say_warning("no candidate sees any target that has a weight; nothing is written");
+    long_run.finish();
     return ExitCode::no;
   }
   const PointCloud& facts = cloud->cloud.cloud;
@@ -138,6 +144,7 @@ ExitCode run_place(const PlaceCommand& command) {
                                        command.output, command.overwrite);
   if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
   if (!command.curve.empty()) load_coverage_writer()(placement, command.curve, command.overwrite);
+  long_run.finish();
   say_result(command, placement);
   return ExitCode::done;
 }
@@ -203,6 +210,7 @@ Command add_visibility_place(CLI::App& visibility, const CommandLine& command_li
   add_targets(*place, *command);
   add_occluder_options(*place, command->occluders);
   add_answers(*place, *command);
+  add_checkpoint_options(*place, command->checkpoint);
   add_threads(*place, command->threads);
   add_verbosity(*place, command->verbosity);
   place->footer(
@@ -224,9 +232,9 @@ Command add_visibility_place(CLI::App& visibility, const CommandLine& command_li
       "  alidade visibility place site.las --observer-grid 5 --count 4 -o places.csv --curve curve.png\n"
       "  alidade visibility place site.las --observers masts.geojson --target-classes 2 --target-height 1.7 "
       "--count 3 -o best.geojson\n");
-  return {place, [command] {
+  return {place, [command, place] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run_place(*command); });
+            with_threads(command->threads, [&] { code = run_place(*command, *place); });
             return code;
           }};
 }

@@ -11,6 +11,7 @@
 #include "tools/options.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/write_points.h"
@@ -25,6 +26,7 @@ struct PointsCommand {
   std::vector<std::filesystem::path> files;
   ObserverOptions observers;
   OccluderRequest occluders;
+  CheckpointRequest checkpoint;
   int sub_rays = 1;
   std::optional<BlockerColumns> blockers;
   std::filesystem::path output, lists;
@@ -112,10 +114,9 @@ void check_options(const PointsCommand& command) {
   check_points_name(command.output);
   std::vector<std::filesystem::path> inputs = command.files;
   if (!command.observers.file.empty()) inputs.push_back(command.observers.file);
-  check_writable(command.output, command.overwrite, inputs);
-  if (command.lists.empty()) return;
-  inputs.push_back(command.output);
-  check_writable(command.lists, command.overwrite, inputs);
+  const std::filesystem::path outputs[] = {command.output, command.lists};
+  check_outputs(outputs, command.overwrite, inputs);
+  check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
 }
 
 /// Error if the bits of VisibleBy do not fit into the numbers of the output.
@@ -143,7 +144,7 @@ bool with_blockers(const PointsCommand& command, std::size_t observers) {
 }
 
 PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
-                     std::span<const Observer> observers, bool tells_blockers,
+                     std::span<const Observer> observers, bool tells_blockers, LongRun& long_run,
                      std::optional<SeenList>& list) {
   PointVisibilityOptions options;
   options.sub_rays = command.sub_rays;
@@ -154,13 +155,14 @@ PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
     };
   }
   ProgressLine line("looking", "sight lines", command.verbosity.verbosity());
-  options.progress = line.callback();
+  options.parts = long_run.parts();
+  options.progress = long_run.progress(line);
   PointVisibility seen = point_visibility(*cloud.occluders, observers, options);
   line.finish();
   return seen;
 }
 
-ExitCode run(const PointsCommand& command) {
+ExitCode run(const PointsCommand& command, const CLI::App& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto cloud = load_cloud_alone(command.files, AttributeSet::all(), verbosity);
@@ -174,11 +176,15 @@ ExitCode run(const PointsCommand& command) {
         fmt::format("{} observers are more than the {} bits of VisibleBy; --lists FILE tells who sees what",
                     observers.size(), k_most_mask_observers));
   }
+  Identity identity = run_identity(words, *cloud);
+  add_to_identity(observers, identity);
+  LongRun long_run(command.checkpoint, std::move(identity), verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
-  const PointVisibility seen = look(command, *cloud, observers, tells_blockers, list);
+  const PointVisibility seen = look(command, *cloud, observers, tells_blockers, long_run, list);
   write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
   if (list) list->finish();
+  long_run.finish();
   if (!command.verbosity.quiet) {
     const auto count = static_cast<std::size_t>(std::ranges::count_if(
         seen.counts, [](std::uint32_t observers_of_it) { return observers_of_it > 0; }));
@@ -230,6 +236,7 @@ Command add_visibility_points(CLI::App& visibility) {
   add_observer_options(*points, command->observers);
   add_occluder_options(*points, command->occluders);
   add_answers(*points, *command);
+  add_checkpoint_options(*points, command->checkpoint);
   add_threads(*points, command->threads);
   add_verbosity(*points, command->verbosity);
   points->footer(
@@ -259,9 +266,9 @@ Command add_visibility_points(CLI::App& visibility) {
       "  alidade visibility points site.las --observer 690000,5325000,601.7 -o seen.las\n"
       "  alidade visibility points site.alidade --observers cameras.gpkg --lists who.csv -o seen.las\n"
       "  alidade visibility points site.las --observer 690000,5325000 --horizontal-fov 45,135 -o seen.ply\n");
-  return {points, [command] {
+  return {points, [command, points] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command); });
+            with_threads(command->threads, [&] { code = run(*command, *points); });
             return code;
           }};
 }

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/identity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "octree/checksum.h"
+#include "octree/cloud/byte_order.h"
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_lengths = 8;
+
+/// Whether a byte is one within a character of UTF-8.
+bool is_continuation(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+}
+
+/// What a message can show of two values, which differ: of long ones, from the word on that does.
+std::pair<std::string, std::string> telling_parts(const std::string& a, const std::string& b) {
+  constexpr std::size_t k_longest = 60, k_part = 40, k_word = 20;
+  if (a.size() <= k_longest && b.size() <= k_longest) return {a, b};
+  const auto difference = static_cast<std::size_t>(std::ranges::mismatch(a, b).in1 - a.begin());
+  std::size_t begin = difference == 0 ? 0 : a.find_last_of(" ,{[", difference - 1) + 1;
+  if (difference - begin > k_word) begin = difference;
+  while (begin > 0 && begin < a.size() && is_continuation(a[begin])) --begin;
+  const auto part = [begin](const std::string& text) {
+    std::size_t end = std::min(begin + k_part, text.size());
+    while (end < text.size() && is_continuation(text[end])) ++end;
+    return (begin > 0 ? "..." : "") + text.substr(begin, end - begin) + (end < text.size() ? "..." : "");
+  };
+  return {part(a), part(b)};
+}
+
+template <class Value>
+void append_checksum(const Value* values, std::size_t count, std::vector<std::uint64_t>& sums) {
+  sums.push_back(values == nullptr ? 0 : checksum(std::as_bytes(std::span(values, count))));
+}
+
+}  // namespace
+
+void check_identity(const Identity& made, const Identity& asked, const std::string& file,
+                    const IdentityWords& words) {
+  for (std::size_t i = 0; i < std::max(made.size(), asked.size()); ++i) {
+    const IdentityEntry none{"cloud", "none"};
+    const IdentityEntry &before = i < made.size() ? made[i] : none, &now = i < asked.size() ? asked[i] : none;
+    if (before == now) continue;
+    const bool comparable = before.name == now.name;
+    const auto [made_with, asked_for] = telling_parts(before.value, now.value);
+    throw Error(
+        {.file = file,
+         .problem = fmt::format("is the checkpoint of another {}: made with {} {}, asked for {}{}", words.of,
+                                before.name, made_with, comparable ? "" : now.name + " ", asked_for),
+         .expected = fmt::format("the same {}, or no --resume", words.same)});
+  }
+}
+
+void append_identity(const Identity& identity, std::vector<std::byte>& bytes) {
+  for (const IdentityEntry& entry : identity) {
+    std::size_t place = bytes.size();
+    bytes.resize(place + k_lengths + entry.name.size() + entry.value.size());
+    store(bytes.data() + place, static_cast<std::uint32_t>(entry.name.size()));
+    store(bytes.data() + place + 4, static_cast<std::uint32_t>(entry.value.size()));
+    place += k_lengths;
+    std::memcpy(bytes.data() + place, entry.name.data(), entry.name.size());
+    std::memcpy(bytes.data() + place + entry.name.size(), entry.value.data(), entry.value.size());
+  }
+}
+
+Identity read_identity(std::span<const std::byte> bytes, std::size_t place, const std::string& file) {
+  Identity identity;
+  const auto text = [](std::span<const std::byte> part) {
+    return std::string(reinterpret_cast<const char*>(part.data()), part.size());
+  };
+  while (!bytes.empty()) {
+    std::uint64_t name = 0, value = 0;
+    if (bytes.size() >= k_lengths) {
+      name = load<std::uint32_t>(bytes.data());
+      value = load<std::uint32_t>(bytes.data() + 4);
+    }
+    if (bytes.size() < k_lengths || name + value > bytes.size() - k_lengths) {
+      throw Error({.file = file,
+                   .place = fmt::format("byte {}", place),
+                   .problem = "is damaged: its description of what it is of does not end where it should"});
+    }
+    identity.push_back({text(bytes.subspan(k_lengths, name)), text(bytes.subspan(k_lengths + name, value))});
+    const std::size_t size = k_lengths + name + value;
+    bytes = bytes.subspan(size);
+    place += size;
+  }
+  return identity;
+}
+
+void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_t>& sums) {
+  append_checksum(tree.nodes, tree.node_count, sums);
+  append_checksum(tree.coordinates, 3 * std::size_t{tree.point_count}, sums);
+  append_checksum(tree.ids, tree.point_count, sums);
+  append_checksum(tree.positions, tree.exact_count(), sums);
+}
+
+}  // namespace alidade

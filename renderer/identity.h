@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octree/octree.h"
+
+// What the results of a long task depend on, in words: so that a checkpoint is only gone on from where the
+// result stays the same.
+
+namespace alidade {
+
+/// One thing that results depend on.
+struct IdentityEntry {
+  std::string name;   ///< as a message calls it: "seed", "sky"
+  std::string value;  ///< exact: equal texts are equal things
+
+  bool operator==(const IdentityEntry&) const = default;
+};
+
+/// All that results depend on, in a fixed order: what others follow from comes before them. Numbers are
+/// written so that different ones have different texts.
+using Identity = std::vector<IdentityEntry>;
+
+/// How messages call what an identity is of.
+struct IdentityWords {
+  std::string of = "picture";
+  std::string same = "scene, cloud and options";  ///< what has to be the same
+};
+
+/// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2". Long texts are shown
+/// from where they differ.
+void check_identity(const Identity& made, const Identity& asked, const std::string& file,
+                    const IdentityWords& words = {});
+
+/// Appends the entries as bytes: of each 4 B length of the name, 4 B length of the value, name, value.
+void append_identity(const Identity& identity, std::vector<std::byte>& bytes);
+
+/// Reads them back from bytes of `file` that begin at its byte `place`. Errors: they do not end where an
+/// entry does.
+Identity read_identity(std::span<const std::byte> bytes, std::size_t place, const std::string& file);
+
+/// Appends checksums of all that tells the points of a tree. Cost: as fast as memory delivers, about 16 bytes
+/// per point.
+void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_t>& sums);
+
+}  // namespace alidade

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/finished_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "visibility/run_parts.h"
+
+namespace alidade::test {
+namespace {
+
+constexpr std::uint64_t k_count = 5;
+
+/// A run of five parts; the answers of part i are i + 1 numbers.
+class FinishedPartsTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    file_ = std::filesystem::path(::testing::TempDir()) /
+            (std::string("parts_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    std::filesystem::remove(file_);
+  }
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  PartsOptions options(bool resume) const { return {.file = file_, .interval = 1e-3, .resume = resume}; }
+  static Identity identity() { return {{"command", "count"}, {"--step", "2"}}; }
+
+  /// Computes parts [found, end) and returns all answers so far.
+  std::vector<int> run(FinishedParts* parts, std::uint64_t end = k_count) {
+    std::vector<int> all;
+    try {
+      run_parts(
+          parts, k_count,
+          [&](std::uint64_t part, PartWriter& writer) {
+            if (part >= end) throw Cancelled();
+            ++computed_;
+            writer.put(std::uint64_t{part + 1});
+            writer.put_all(std::vector<int>(part + 1, static_cast<int>(10 * part)));
+          },
+          [&](std::uint64_t, PartReader& reader) {
+            std::vector<int> answers(reader.take_count(sizeof(int)));
+            reader.take_all(answers);
+            all.insert(all.end(), answers.begin(), answers.end());
+          });
+    } catch (const Cancelled&) {
+    }
+    return all;
+  }
+  /// A file with the first three parts.
+  void write_three() {
+    FinishedParts parts(options(false), identity());
+    run(&parts, 3);
+    computed_ = 0;
+  }
+  std::string read() const {
+    std::ifstream in(file_, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  void write(const std::string& content) const { std::ofstream(file_, std::ios::binary) << content; }
+  std::string message_of_resuming(const Identity& asked) const {
+    try {
+      FinishedParts parts(options(true), asked);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  std::filesystem::path file_;
+  int computed_ = 0;
+};
+
+TEST_F(FinishedPartsTest, run_that_was_cut_off_computes_the_others_only_and_answers_the_same) {
+  const std::vector<int> whole = run(nullptr);
+  EXPECT_EQ(whole.size(), 15u);
+  write_three();
+  FinishedParts parts(options(true), identity());
+  EXPECT_TRUE(parts.is_kept());
+  EXPECT_EQ(parts.finished(), 3u);
+  EXPECT_EQ(parts.count(), k_count);
+  EXPECT_EQ(run(&parts), whole);
+  EXPECT_EQ(computed_, 2);
+  EXPECT_TRUE(parts.has_added());
+  parts.remove();
+  EXPECT_FALSE(std::filesystem::exists(file_));
+}
+
+TEST_F(FinishedPartsTest, without_resume_the_file_is_begun_anew) {
+  write_three();
+  FinishedParts parts(options(false), {{"command", "another"}});
+  EXPECT_FALSE(parts.is_kept());
+  EXPECT_EQ(run(&parts), run(nullptr));
+  EXPECT_EQ(computed_, 10);
+}
+
+TEST_F(FinishedPartsTest, cut_anywhere_in_the_records_it_goes_on_from_the_whole_ones) {
+  const std::vector<int> whole = run(nullptr);
+  write_three();
+  const std::string content = read();
+  std::size_t head = 0;
+  {
+    std::filesystem::remove(file_);
+    FinishedParts parts(options(false), identity());
+    parts.start(k_count);
+    head = read().size();
+  }
+  for (std::size_t size = head; size <= content.size(); ++size) {
+    write(content.substr(0, size));
+    computed_ = 0;
+    FinishedParts parts(options(true), identity());
+    EXPECT_EQ(run(&parts), whole) << size;
+    // Records are 32 + 8 + 4 (part + 1) bytes.
+    const std::size_t kept = size - head;
+    EXPECT_EQ(computed_, kept < 44 ? 5 : kept < 44 + 48 ? 4 : kept < 44 + 48 + 52 ? 3 : 2) << size;
+  }
+  for (std::size_t size = 0; size < head; ++size) {
+    write(content.substr(0, size));
+    EXPECT_NE(message_of_resuming(identity()), "no error") << size;
+  }
+}
+
+TEST_F(FinishedPartsTest, every_damaged_byte_is_an_error_that_names_file_and_place) {
+  write_three();
+  const std::string content = read();
+  for (std::size_t place = 0; place < content.size(); ++place) {
+    std::string damaged = content;
+    damaged[place] = static_cast<char>(damaged[place] ^ 4);
+    write(damaged);
+    const std::string message = message_of_resuming(identity());
+    EXPECT_EQ(message.find(file_.string() + ":byte "), 0u) << place << ": " << message;
+    EXPECT_EQ(read(), damaged);
+  }
+}
+
+TEST_F(FinishedPartsTest, another_run_is_refused_and_what_differs_is_said) {
+  write_three();
+  const std::string message = message_of_resuming({{"command", "count"}, {"--step", "3"}});
+  EXPECT_NE(message.find("is the checkpoint of another run: made with --step 2, asked for 3; expected the "
+                         "same cloud and options, or no --resume"),
+            std::string::npos)
+      << message;
+  write("ALIDPART and so on");
+  EXPECT_NE(message_of_resuming(identity()).find("is not a checkpoint of such a run"), std::string::npos);
+  EXPECT_FALSE(is_parts_file(file_));
+}
+
+TEST_F(FinishedPartsTest, another_number_of_parts_is_an_error) {
+  write_three();
+  FinishedParts parts(options(true), identity());
+  EXPECT_THROW(parts.start(k_count + 1), Error);
+}
+
+TEST_F(FinishedPartsTest, answers_of_another_length_are_an_error) {
+  const std::vector<std::byte> bytes(12);
+  PartReader reader(bytes, "file", 7);
+  EXPECT_EQ(reader.take<int>(), 0);
+  EXPECT_THROW(reader.finish(), Error);
+  std::vector<double> too_many(2);
+  EXPECT_THROW(reader.take_all(too_many), Error);
+  const std::vector<std::byte> endless(8, std::byte{0xFF});
+  PartReader count(endless, "file", 7);
+  try {
+    count.take_count(4);
+    FAIL() << "takes memory for what is not there";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "file: is damaged: part 7 cannot be read");
+  }
+}
+
+TEST_F(FinishedPartsTest, place_that_cannot_be_written_is_an_error_at_the_start) {
+  PartsOptions absent = options(false);
+  absent.file = file_ / "absent" / "parts";
+  FinishedParts parts(absent, identity());
+  EXPECT_THROW(parts.start(k_count), Error);
+}
+
+}  // namespace
+}  // namespace alidade::test

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+#include "tools/visibility/long_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "octree/checksum.h"
+#include "tools/message.h"
+
+namespace alidade {
+namespace {
+
+/// The cloud is told by its points.
+constexpr std::array<std::string_view, 10> k_silent_options = {
+    "cloud", "help",    "output",     "overwrite",           "threads",
+    "quiet", "verbose", "checkpoint", "checkpoint-interval", "resume"};
+
+std::string name_of(const CLI::Option& option) {
+  if (!option.get_lnames().empty()) return option.get_lnames().front();
+  if (!option.get_snames().empty()) return option.get_snames().front();
+  return option.get_name();
+}
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;
+  return text.empty() ? "none" : text;
+}
+
+std::string sum_text(std::span<const std::uint64_t> sums) {
+  return fmt::format("{:016x}", checksum(std::as_bytes(sums)));
+}
+
+/// Of the tree as it was loaded; of what was measured since, points alone matter.
+std::string points_checksum(const IndexedCloud& cloud) {
+  std::vector<std::uint64_t> sums;
+  append_tree_checksums(cloud.octree.view(), sums);
+  return sum_text(sums);
+}
+
+}  // namespace
+
+Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud) {
+  Identity identity{{"command", command.get_name()},
+                    {"version of answers", std::to_string(k_answers_version)}};
+  for (const CLI::Option* const option : command.get_options()) {
+    const std::string name = name_of(*option);
+    if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
+    identity.push_back({"--" + name, joined(option->results())});
+  }
+  const Bounds& box = cloud.cloud.octree.bounds();
+  identity.push_back({"number of points", std::to_string(cloud.cloud.octree.size())});
+  identity.push_back(
+      {"bounds of the points", fmt::format("{:.17g} {:.17g} {:.17g} to {:.17g} {:.17g} {:.17g}", box.min.x,
+                                           box.min.y, box.min.z, box.max.x, box.max.y, box.max.z)});
+  identity.push_back({"points", points_checksum(cloud.cloud)});
+  const std::uint64_t classes = checksum(std::as_bytes(cloud.columns.classifications));
+  identity.push_back({"classes", cloud.columns.classifications.empty() ? "none" : sum_text({&classes, 1})});
+  return identity;
+}
+
+void add_to_identity(std::span<const Observer> observers, Identity& identity) {
+  std::vector<std::uint64_t> sums;
+  for (const Observer& one : observers) {
+    const std::array<double, 8> numbers{one.position.x,    one.position.y,  one.position.z,
+                                        one.azimuth_min,   one.azimuth_max, one.elevation_min,
+                                        one.elevation_max, one.max_distance};
+    sums.push_back(checksum(std::as_bytes(std::span(numbers))));
+  }
+  identity.push_back({"number of observers", std::to_string(observers.size())});
+  identity.push_back({"observers", sum_text(sums)});
+}
+
+LongRun::LongRun(const CheckpointRequest& request, Identity identity, Verbosity verbosity)
+    : verbosity_(verbosity) {
+  if (request.file.empty()) return;
+  const std::string name = request.file.string();
+  PartsOptions options{.file = request.file, .interval = request.interval, .resume = request.resume};
+  // The next ones will probably fail like the first.
+  options.failed = [said = false](const Error& error) mutable {
+    if (!said) say_warning(std::string("no checkpoint: ") + error.what());
+    said = true;
+  };
+  parts_.emplace(std::move(options), std::move(identity));
+  if (!request.resume || verbosity == Verbosity::quiet) return;
+  if (parts_->is_kept()) {
+    say_note(fmt::format("going on from {}: {:.0f} % of the work is done", name,
+                         100.0 * static_cast<double>(parts_->finished()) /
+                             static_cast<double>(std::max<std::uint64_t>(parts_->count(), 1))));
+  } else {
+    say_note(fmt::format("there is no checkpoint {} yet: starting afresh", name));
+  }
+}
+
+LongRun::~LongRun() {
+  if (!parts_ || !parts_->is_kept() || verbosity_ == Verbosity::quiet) return;
+  say_note(
+      fmt::format("{} keeps what has been computed; the same command with --resume goes on", parts_->name()));
+}
+
+Progress LongRun::progress(ProgressLine& line) {
+  return [this, &line, report = line.callback()](std::uint64_t done, std::uint64_t total) {
+    if (parts_ && !parts_->has_added()) line.skip(done);
+    return report(done, total);
+  };
+}
+
+void LongRun::finish() {
+  if (parts_) parts_->remove();
+}
+
+}  // namespace alidade

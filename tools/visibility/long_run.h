@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <span>
+
+#include "tools/progress.h"
+#include "tools/visibility/checkpoint_options.h"
+#include "tools/visibility/load_visibility_cloud.h"
+#include "visibility/finished_parts.h"
+#include "visibility/observers.h"
+
+namespace alidade {
+
+/// What the answers of a command depend on: its name, all its options but those that cannot change them
+/// (outputs, threads, and how it is watched), the points and classes of the cloud. Requires that the options
+/// were read.
+Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud);
+
+/// Adds observers as they are placed.
+void add_to_identity(std::span<const Observer> observers, Identity& identity);
+
+/// A run that keeps what is finished, if that is wanted.
+///
+///   LongRun run(command.checkpoint, identity, verbosity);
+///   options.parts = run.parts();
+///   options.progress = run.progress(line);
+///   ... compute, write ...
+///   run.finish();
+class LongRun {
+ public:
+  /// Says whether it goes on from something. Errors: those of FinishedParts.
+  LongRun(const CheckpointRequest& request, Identity identity, Verbosity verbosity);
+  /// Says how to go on if the run was not finished.
+  ~LongRun();
+  LongRun(const LongRun&) = delete;
+  LongRun& operator=(const LongRun&) = delete;
+
+  /// Null if nothing is kept.
+  FinishedParts* parts() { return parts_ ? &*parts_ : nullptr; }
+  /// The line's callback, for which parts that were there count as done, but not for the rate. Valid as long
+  /// as both objects.
+  Progress progress(ProgressLine& line);
+  /// Removes the checkpoint: everything is written.
+  void finish();
+
+ private:
+  Verbosity verbosity_;
+  std::optional<FinishedParts> parts_;
+};
+
+}  // namespace alidade

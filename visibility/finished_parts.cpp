@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/finished_parts.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <array>
+#include <cassert>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "octree/checksum.h"
+#include "octree/cloud/byte_order.h"
+#include "octree/cloud/input_file.h"
+#include "octree/cloud/output_file.h"
+#include "octree/header_fields.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'R', 'U', 'N', 'S'};
+constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
+constexpr std::size_t k_fixed_bytes = 40, k_checksum_place = 24, k_record_bytes = 32, k_summed_bytes = 24;
+constexpr std::size_t k_most_pending = std::size_t{4} << 20;
+
+std::uint64_t head_checksum(std::vector<std::byte> head) {
+  store<std::uint64_t>(head.data() + k_checksum_place, 0);
+  return checksum(head);
+}
+
+std::vector<std::byte> head_bytes(const Identity& identity, std::uint64_t count) {
+  std::vector<std::byte> bytes(k_fixed_bytes);
+  append_identity(identity, bytes);
+  store(bytes.data(), k_magic);
+  store(bytes.data() + 8, k_byte_order);
+  store(bytes.data() + 12, k_version);
+  store(bytes.data() + 16, count);
+  store<std::uint64_t>(bytes.data() + 32, bytes.size() - k_fixed_bytes);
+  store(bytes.data() + k_checksum_place, head_checksum(bytes));
+  return bytes;
+}
+
+bool begins_as_parts(InputFile& file) {
+  const auto start = file.view_up_to(0, k_magic.size());
+  return start.size() == k_magic.size() && std::memcmp(start.data(), k_magic.data(), k_magic.size()) == 0;
+}
+
+/// The head, checked but for what it says the run is.
+std::vector<std::byte> read_head(InputFile& file) {
+  if (!begins_as_parts(file)) {
+    throw Error({.file = file.name(), .place = "byte 0", .problem = "is not a checkpoint of such a run"});
+  }
+  std::vector<std::byte> bytes(k_fixed_bytes);
+  file.read_at(0, bytes);
+  const std::string name = file.name();
+  {
+    const HeaderFields fixed(bytes, name);
+    const auto order = fixed.get<std::uint32_t>(8);
+    fixed.require(order != k_other_byte_order, 8, "comes from a machine of another byte order",
+                  "little endian", "big endian");
+    fixed.require(order == k_byte_order, 8, "bad byte order mark", "01020304", fmt::format("{:08x}", order));
+    const auto version = fixed.get<std::uint32_t>(12);
+    fixed.require(version == k_version, 12, "another version of checkpoints", std::to_string(k_version),
+                  version);
+    const auto identity = fixed.get<std::uint64_t>(32);
+    fixed.require(identity <= file.size() - k_fixed_bytes, 32, "is damaged",
+                  fmt::format("at most {} bytes of description", file.size() - k_fixed_bytes), identity);
+    bytes.resize(k_fixed_bytes + identity);
+  }
+  file.read_at(k_fixed_bytes, std::span(bytes).subspan(k_fixed_bytes));
+  const HeaderFields whole(bytes, name);
+  const auto said = whole.get<std::uint64_t>(k_checksum_place);
+  const std::uint64_t sum = head_checksum(bytes);
+  whole.require(said == sum, k_checksum_place, "is damaged: the head has another checksum",
+                fmt::format("{:016x}", said), fmt::format("{:016x}", sum));
+  return bytes;
+}
+
+[[noreturn]] void fail(const std::string& file, const std::string& problem) {
+  throw Error({.file = file, .problem = problem, .found = std::strerror(errno)});
+}
+
+[[noreturn]] void fail_as_damaged(const std::string& file, std::uint64_t place, std::uint64_t part,
+                                  std::uint64_t expected, std::uint64_t found) {
+  throw Error({.file = file,
+               .place = fmt::format("byte {}", place),
+               .problem = fmt::format("is damaged: part {} has another checksum", part),
+               .expected = fmt::format("{:016x}", expected),
+               .found = fmt::format("{:016x}", found)});
+}
+
+/// Writes all bytes at a place; false with errno set if it cannot.
+bool write_fully(int descriptor, std::uint64_t place, std::span<const std::byte> bytes) {
+  while (!bytes.empty()) {
+    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(place));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) return false;
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    place += static_cast<std::uint64_t>(count);
+  }
+  return true;
+}
+
+}  // namespace
+
+FinishedParts::FinishedParts(PartsOptions options, Identity identity)
+    : options_(std::move(options)),
+      identity_(std::move(identity)),
+      written_(std::chrono::steady_clock::now()) {
+  std::error_code error;
+  if (!options_.resume || !std::filesystem::exists(options_.file, error)) return;
+  read();
+  open();
+}
+
+FinishedParts::~FinishedParts() {
+  if (descriptor_ < 0) return;
+  try {
+    write();
+  } catch (const std::exception&) {
+    // Nobody can be told any more; what is in the file stays.
+  }
+  ::close(descriptor_);
+}
+
+void FinishedParts::open() {
+  descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
+  if (descriptor_ < 0) fail(name(), "cannot be written");
+  // What a killed program left of its last record.
+  if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) fail(name(), "cannot be written");
+}
+
+void FinishedParts::read() {
+  InputFile file(options_.file);
+  const std::vector<std::byte> head = read_head(file);
+  const std::span<const std::byte> described = std::span(head).subspan(k_fixed_bytes);
+  check_identity(read_identity(described, k_fixed_bytes, file.name()), identity_, file.name(),
+                 {.of = "run", .same = "cloud and options"});
+  count_ = load<std::uint64_t>(head.data() + 16);
+  size_ = head.size();
+  std::vector<std::byte> record(k_record_bytes), answers;
+  while (file.size() - size_ >= k_record_bytes) {
+    file.read_at(size_, record);
+    const std::string file_name = file.name();
+    const HeaderFields fields(record, file_name);
+    const auto part = fields.get<std::uint64_t>(0), size = fields.get<std::uint64_t>(8),
+               said = fields.get<std::uint64_t>(16), record_sum = fields.get<std::uint64_t>(k_summed_bytes);
+    const std::uint64_t sum = checksum(std::span(record).first(k_summed_bytes));
+    if (sum != record_sum) fail_as_damaged(file.name(), size_, part, record_sum, sum);
+    if (part >= count_) {
+      throw Error({.file = file.name(),
+                   .place = fmt::format("byte {}", size_),
+                   .problem = "is damaged: number of a part",
+                   .expected = fmt::format("less than {}", count_),
+                   .found = std::to_string(part)});
+    }
+    const std::uint64_t begin = size_ + k_record_bytes;
+    if (size > file.size() - begin) return;
+    answers.resize(size);
+    file.read_at(begin, answers);
+    if (const std::uint64_t found = checksum(answers); found != said)
+      fail_as_damaged(file.name(), begin, part, said, found);
+    places_[part] = {begin, size, said};
+    size_ = begin + size;
+  }
+}
+
+void FinishedParts::create() {
+  const std::vector<std::byte> head = head_bytes(identity_, count_);
+  OutputFile file(options_.file, true);
+  file.write(head);
+  file.commit();
+  size_ = head.size();
+  open();
+}
+
+void FinishedParts::start(std::uint64_t count) {
+  if (descriptor_ < 0) {
+    count_ = count;
+    return create();
+  }
+  if (count_ == count) return;
+  throw Error({.file = name(),
+               .place = "byte 16",
+               .problem = "is damaged: another number of parts",
+               .expected = std::to_string(count),
+               .found = std::to_string(count_)});
+}
+
+std::optional<std::vector<std::byte>> FinishedParts::find(std::uint64_t part) {
+  const auto found = places_.find(part);
+  if (found == places_.end()) return std::nullopt;
+  const Place& place = found->second;
+  std::vector<std::byte> answers(place.size);
+  std::size_t done = 0;
+  while (done < answers.size()) {
+    const ::ssize_t count = ::pread(descriptor_, answers.data() + done, answers.size() - done,
+                                    static_cast<::off_t>(place.begin + done));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail(name(), "reading failed");
+    if (count == 0) break;
+    done += static_cast<std::size_t>(count);
+  }
+  if (const std::uint64_t sum = checksum(answers); sum != place.checksum)
+    fail_as_damaged(name(), place.begin, part, place.checksum, sum);
+  return answers;
+}
+
+void FinishedParts::add(std::uint64_t part, std::span<const std::byte> answers) {
+  assert(part < count_ && !places_.contains(part));
+  has_added_ = true;
+  std::array<std::byte, k_record_bytes> record{};
+  const Place place{size_ + pending_.size() + k_record_bytes, answers.size(), checksum(answers)};
+  store(record.data(), part);
+  store(record.data() + 8, place.size);
+  store(record.data() + 16, place.checksum);
+  store(record.data() + k_summed_bytes, checksum(std::span(record).first(k_summed_bytes)));
+  pending_.insert(pending_.end(), record.begin(), record.end());
+  pending_.insert(pending_.end(), answers.begin(), answers.end());
+  pending_places_[part] = place;
+  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - written_;
+  if (pending_.size() >= k_most_pending || since.count() >= options_.interval) write();
+}
+
+void FinishedParts::write() {
+  if (!pending_.empty()) {
+    if (write_fully(descriptor_, size_, pending_) && ::fdatasync(descriptor_) == 0) {
+      size_ += pending_.size();
+      places_.merge(pending_places_);
+    } else {
+      const Error error({.file = name(), .problem = "writing failed", .found = std::strerror(errno)});
+      // Behind a torn record nothing could be read.
+      const bool is_whole = ::ftruncate(descriptor_, static_cast<::off_t>(size_)) == 0;
+      if (is_whole && options_.failed) options_.failed(error);
+      if (!is_whole) throw error;
+    }
+    pending_.clear();
+    pending_places_.clear();
+  }
+  written_ = std::chrono::steady_clock::now();
+}
+
+void FinishedParts::remove() {
+  pending_.clear();
+  pending_places_.clear();
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+  std::error_code error;
+  std::filesystem::remove(options_.file, error);
+}
+
+bool is_parts_file(const std::filesystem::path& path) {
+  InputFile file(path);
+  return begins_as_parts(file);
+}
+
+}  // namespace alidade

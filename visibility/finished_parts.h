@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "octree/error.h"
+#include "renderer/identity.h"
+
+// Long runs that can be gone on with. A run is cut into parts of a fixed order, whose answers do not depend
+// on each other. What is finished is kept in a file, so that a run that was interrupted or killed computes
+// the others only, and ends with the bytes of one that was not. Little endian.
+//
+//   byte 0   8 B  "ALIDRUNS"             magic
+//        8   4 B  0x01020304             byte order
+//       12   4 B  1                      version of this format
+//       16   8 B                         number of parts
+//       24   8 B                         checksum of the head: of bytes 0 to `head`, this field taken as 0
+//       32   8 B                         bytes of the identity, which follows; both together are the head
+//       40        identity               renderer/identity.h
+//     head        records                of each 8 B number of the part, 8 B bytes of its answers, 8 B
+//     checksum
+//                                        of these, 8 B checksum of the 24 B before, answers
+//
+// Records are only ever appended. A last one that is cut short is what a killed program leaves: the part is
+// not finished.
+
+namespace alidade {
+
+/// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
+constexpr int k_answers_version = 1;
+
+struct PartsOptions {
+  std::filesystem::path file{};
+  double interval = 60.0;  ///< seconds after which what is finished is written, > 0
+  bool resume = false;     ///< whether to go on from the file if it is there; else it is replaced
+  /// Called when writing fails: the run goes on, and the parts concerned count as not finished.
+  std::function<void(const Error&)> failed{};
+};
+
+/// The finished parts of a run. To be used by one thread at a time.
+class FinishedParts {
+ public:
+  /// Reads what is there. `identity`: all that the answers depend on. Errors: the file is no checkpoint of a
+  /// run; another byte order, version or run, naming the first thing that differs; damaged. Cost: the file is
+  /// read once. Memory: 64 B per part in it.
+  FinishedParts(PartsOptions options, Identity identity);
+  /// Writes what is finished and not yet written.
+  ~FinishedParts();
+  FinishedParts(const FinishedParts&) = delete;
+  FinishedParts& operator=(const FinishedParts&) = delete;
+
+  std::string name() const { return options_.file.string(); }
+  /// Whether the file is there.
+  bool is_kept() const { return descriptor_ >= 0; }
+  /// Parts that are finished, and all; 0 of 0 before a run that is begun afresh is started.
+  std::uint64_t finished() const { return places_.size(); }
+  std::uint64_t count() const { return count_; }
+  /// Whether parts have been added since the file was read.
+  bool has_added() const { return has_added_; }
+
+  /// To be called once, before the first part: the number of all. Begins the file if there is none. Errors:
+  /// another number in the file; it cannot be written.
+  void start(std::uint64_t count);
+  /// The answers of a part if it is finished. Errors: reading failed; the file was changed meanwhile.
+  std::optional<std::vector<std::byte>> find(std::uint64_t part);
+  /// Keeps the answers of a part. Written at once where they are large, or within PartsOptions::interval.
+  void add(std::uint64_t part, std::span<const std::byte> answers);
+  /// Once nobody needs it any more.
+  void remove();
+
+ private:
+  struct Place {
+    std::uint64_t begin = 0, size = 0, checksum = 0;  ///< of the answers
+  };
+
+  void open();
+  void read();
+  void create();
+  void write();
+
+  PartsOptions options_;
+  Identity identity_;
+  int descriptor_ = -1;
+  std::uint64_t count_ = 0, size_ = 0;     ///< size_: bytes of the file that are whole records
+  std::map<std::uint64_t, Place> places_;  ///< by part
+  std::vector<std::byte> pending_;         ///< records still to be written
+  std::map<std::uint64_t, Place> pending_places_;
+  bool has_added_ = false;
+  std::chrono::steady_clock::time_point written_;
+};
+
+/// Whether a file begins as these do, of whatever version. Errors: those of InputFile.
+bool is_parts_file(const std::filesystem::path& file);
+
+}  // namespace alidade
