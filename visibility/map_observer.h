@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <glm/geometric.hpp>
 #include <optional>
 #include <span>
 #include <vector>
@@ -24,11 +23,7 @@ class MapObserver {
   const SightEnd& eye() const { return eye_; }
 
   /// Whether it looks at a place at all.
-  bool looks_at(const glm::dvec3& place) const {
-    const glm::dvec3 offset = place - eye_.position;
-    return glm::dot(offset, offset) <= max_distance_ * max_distance_ &&
-           (view_.is_everything() || view_.contains(offset));
-  }
+  bool looks_at(const glm::dvec3& place) const { return view_.reaches(place - eye_.position); }
 
   /// The heights in `asked` above a place that it looks at: those between the lower and the upper limit of
   /// its field of view there, not farther away than its distance. Its lower end is that of `asked` if the
