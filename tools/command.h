@@ -32,6 +32,7 @@ Command add_generate(CLI::App& program);
 Command add_index(CLI::App& program);
 Command add_query(CLI::App& program);
 Command add_render(CLI::App& program, const CommandLine& command_line);
+Command add_compare(CLI::App& program);
 Command add_visibility(CLI::App& program, const CommandLine& command_line);
 
 /// Runs the one of these commands that was chosen.

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: MIT
+#include "compare/batch.h"
+#include "compare/report.h"
 #include "renderer/place_sun.h"
 #include "renderer/read_sky_image.h"
 #include "tools/image_writer.h"
@@ -84,4 +86,27 @@ extern "C" bool alidade_place_schedule(const alidade::Crs& crs, const glm::dvec2
 extern "C" void alidade_sun_steps(const alidade::SunSchedule& schedule, const alidade::Progress& progress,
                                   std::vector<alidade::SunStep>& steps) {
   steps = alidade::sun_steps(schedule, progress);
+}
+
+extern "C" void alidade_compare_files(const std::filesystem::path& reference,
+                                      const std::filesystem::path& test,
+                                      const alidade::ComparisonOptions& options,
+                                      const alidade::Progress& progress, alidade::Comparison& comparison) {
+  comparison = alidade::compare_files(reference, test, options, progress);
+}
+
+extern "C" void alidade_compare_pairs(const std::vector<alidade::ImagePair>& pairs,
+                                      const alidade::BatchOptions& options, const alidade::Progress& progress,
+                                      std::vector<alidade::PairOutcome>& outcomes) {
+  outcomes = alidade::compare_pairs(pairs, options, progress);
+}
+
+extern "C" void alidade_report_page(const alidade::Comparison& comparison, const alidade::Verdict& verdict,
+                                    alidade::PicturePacking packing, std::string& page) {
+  page = alidade::report_page(comparison, verdict, packing);
+}
+
+extern "C" void alidade_write_difference(const alidade::DifferenceMap& map, const std::filesystem::path& file,
+                                         bool overwrite) {
+  alidade::write_difference(map, file, overwrite);
 }

@@ -94,6 +94,7 @@ ExitCode run(const CommandLine& command_line) {
                                          add_index(program),
                                          add_query(program),
                                          add_render(program, command_line),
+                                         add_compare(program),
                                          add_visibility(program, command_line)};
   // Behind the program's name.
   const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));

@@ -10,8 +10,8 @@ build_packages=(
   libgtest-dev                                     # tests
 )
 # libembree-dev: the test that compares hits with Embree's spheres. python3-numpy: the one that compares answers with a
-# script of ten lines. gdal-bin: gdalinfo, which is asked where orthophotos lie. clang: libFuzzer.
-test_packages=(libembree-dev clang libclang-rt-14-dev clang-format python3-numpy gdal-bin)
+# script of ten lines. gdal-bin: gdalinfo, which is asked where orthophotos lie. clang: libFuzzer. chromium: opens reports.
+test_packages=(libembree-dev clang libclang-rt-14-dev clang-format python3-numpy gdal-bin chromium)
 # Beside libbenchmark-dev: what the benchmarks compare with, and their plots.
 bench_packages=(libbenchmark-dev libembree-dev libnanoflann-dev libboost-dev libpcl-dev python3-matplotlib)
 lint_packages=(libembree-dev clang-tidy)

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: MIT
+#include "compare/batch.h"
+
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <set>
+#include <tuple>
+
+#include "compare/report.h"
+#include "octree/cloud/output_file.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_most_at_once = 8;
+constexpr int k_thumbnail_side = 240;
+
+/// Names of the pairs as names of files, each once.
+std::vector<std::filesystem::path> report_files(const std::vector<ImagePair>& pairs,
+                                                const std::filesystem::path& folder) {
+  std::set<std::string> taken;
+  std::vector<std::filesystem::path> files;
+  for (const ImagePair& pair : pairs) {
+    std::string name = pair.name;
+    for (char& c : name)
+      if (static_cast<unsigned char>(c) < 0x20 || c == '/' || c == '\\' || c == ':') c = '_';
+    std::string unique = name;
+    for (int number = 2; !taken.insert(unique).second; ++number) unique = name + "_" + std::to_string(number);
+    files.push_back(folder / (unique + ".html"));
+  }
+  return files;
+}
+
+/// Lets a long task fail before it starts.
+void make_room(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& reports,
+               bool overwrite) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error)
+    throw Error({.file = folder.string(), .problem = "cannot be made a folder", .found = error.message()});
+  for (const std::filesystem::path& report : reports) check_output(report, overwrite);
+}
+
+void add_thumbnails(PairOutcome& outcome, const ComparisonPictures& pictures) {
+  const auto add = [&](const char* name, const BytePicture& picture) {
+    outcome.thumbnails.emplace_back(name, data_url(shrunk(picture, k_thumbnail_side), PicturePacking::jpeg));
+  };
+  add("reference", pictures.reference);
+  add("test", pictures.test);
+  const std::vector<const DifferenceMap*> maps = pictures.maps();
+  if (maps.empty()) return;
+  const DifferenceMap& map = pictures.flip_map ? *pictures.flip_map : *maps.front();
+  add("difference", {map.width, map.height, paint_difference(map).bytes()});
+}
+
+/// Errors: reports that cannot be written; Cancelled.
+void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::filesystem::path& report) {
+  const ImagePair& pair = outcome.pair;
+  if (pair.reference.empty() || pair.test.empty()) {
+    outcome.error = pair.test.empty() ? "the test has no picture of that name"
+                                      : "the reference has no picture of that name";
+    return;
+  }
+  ComparisonOptions what = options.comparison;
+  what.keep_pictures = options.keep_thumbnails || !options.reports.empty();
+  std::string page;
+  try {
+    outcome.comparison = compare_files(pair.reference, pair.test, what);
+    outcome.verdict = judge(*outcome.comparison, options.fail_above);
+    outcome.warnings = judge(*outcome.comparison, options.warn_above);
+    if (!options.reports.empty()) page = report_page(*outcome.comparison, outcome.verdict, options.packing);
+    if (options.keep_thumbnails) add_thumbnails(outcome, *outcome.comparison->pictures);
+  } catch (const Error& error) {
+    outcome.error = error.what();
+    outcome.sizes_differ = dynamic_cast<const SizeMismatch*>(&error) != nullptr;
+    outcome.comparison.reset();
+    return;
+  }
+  outcome.comparison->pictures.reset();
+  outcome.comparison->reference.ids = {};
+  outcome.comparison->test.ids = {};
+  if (outcome.comparison->changes) outcome.comparison->changes->labels = {};
+  if (page.empty()) return;
+  write_page(page, report, options.overwrite);
+  outcome.report = report;
+}
+
+/// Smaller comes first.
+auto place_of(const PairOutcome& outcome) {
+  double badness = 0.0;
+  if (outcome.comparison) {
+    for (const char* const name : {"flip", "depth_mean"}) {
+      const std::optional<double> value = find_metric(name)->value(*outcome.comparison);
+      if (!value) continue;
+      badness = std::isnan(*value) ? std::numeric_limits<double>::infinity() : *value;
+      break;
+    }
+  }
+  return std::tuple(outcome.error.empty(), outcome.pass(), -badness);
+}
+
+}  // namespace
+
+std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, const BatchOptions& options,
+                                       const Progress& progress) {
+  std::vector<PairOutcome> outcomes(pairs.size());
+  const std::vector<std::filesystem::path> reports = report_files(pairs, options.reports);
+  if (!options.reports.empty()) make_room(options.reports, reports, options.overwrite);
+  std::atomic<std::size_t> next = 0;
+  std::atomic<bool> stopped = false;
+  std::mutex reporting;
+  std::size_t done = 0;
+  // Each worker holds one pair in memory, however many threads help with it.
+  const auto work = [&] {
+    for (std::size_t i = next++; i < pairs.size() && !stopped; i = next++) {
+      outcomes[i].pair = pairs[i];
+      compare_pair(outcomes[i], options, reports[i]);
+      const std::lock_guard lock(reporting);
+      if (progress && !stopped && !progress(++done, pairs.size())) stopped = true;
+    }
+  };
+  tbb::task_group workers;
+  for (std::size_t i = 0; i < std::min(k_most_at_once, pairs.size()); ++i) {
+    workers.run([&] {
+      try {
+        work();
+      } catch (...) {
+        stopped = true;
+        throw;
+      }
+    });
+  }
+  workers.wait();
+  if (stopped) throw Cancelled();
+  std::ranges::stable_sort(outcomes, [](const PairOutcome& a, const PairOutcome& b) {
+    return std::tuple_cat(place_of(a), std::tie(a.pair.name)) <
+           std::tuple_cat(place_of(b), std::tie(b.pair.name));
+  });
+  return outcomes;
+}
+
+}  // namespace alidade

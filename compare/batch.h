@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "compare/comparison.h"
+#include "compare/pair_list.h"
+#include "compare/verdict.h"
+
+namespace alidade {
+
+struct BatchOptions {
+  ComparisonOptions comparison;
+  std::vector<Threshold> fail_above, warn_above;
+  bool keep_thumbnails = false;   ///< for the summary
+  std::filesystem::path reports;  ///< folder for a report of each pair, made if absent; empty: none
+  PicturePacking packing = PicturePacking::automatic;
+  bool overwrite = false;
+};
+
+/// What became of a pair.
+struct PairOutcome {
+  ImagePair pair;
+  std::optional<Comparison> comparison;  ///< without pictures; empty: see `error`
+  Verdict verdict, warnings;
+  std::string error;             ///< why there is no comparison
+  bool sizes_differ = false;     ///< that was the error
+  std::filesystem::path report;  ///< in the folder of reports; empty: none was asked for
+  std::vector<std::pair<std::string, std::string>> thumbnails;  ///< name and address (data_url())
+
+  bool pass() const { return error.empty() && verdict.pass(); }
+};
+
+/// Compares pairs on all threads, at most eight at a time; a pair that cannot be compared spoils no other.
+/// The worst comes first: errors, then failures, then passes; among them the largest FLIP (without colours:
+/// the largest mean error of depth), then by name. Progress counts pairs. Errors: reports that cannot be
+/// written; Cancelled.
+std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, const BatchOptions& options,
+                                       const Progress& progress = {});
+
+/// The batch as one page, worst first, with small pictures, and with links to the reports of pairs, which are
+/// addressed from the folder of `page`. `reference` and `test` are what people called the two sides.
+std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,
+                         const std::string& test, const std::filesystem::path& page);
+
+}  // namespace alidade

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: MIT
+#include "compare/comparison.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "compare/compared_pair.h"
+#include "compare/comparison_pictures.h"
+#include "compare/displayed_picture.h"
+#include "compare/ssim.h"
+
+namespace alidade {
+namespace {
+
+void require(bool holds, const ComparedImage& image, const char* problem, const char* expected) {
+  if (!holds) throw Error({.file = image.file.string(), .problem = problem, .expected = expected});
+}
+
+PictureFacts facts_of(const ComparedImage& image) {
+  return {image.file, image.width, image.height, image.encoding, image.metadata, {}};
+}
+
+/// One comparison on its way. Progress is told in steps of about equal cost, counted in pixels.
+class Run {
+ public:
+  Run(ComparedPair pair, const ComparisonOptions& options, const Progress& progress, Comparison& comparison)
+      : pair_(std::move(pair)), options_(options), progress_(progress), comparison_(comparison) {
+    const std::uint64_t sets = !pair_.have_colors() ? 0 : options.match ? 2 : 1;
+    steps_ = sets * k_steps_of_colors + 4;
+  }
+
+  void compare() {
+    count();
+    done();
+    comparison_.layers = layer_metrics(pair_.reference, pair_.test, pair_.mask);
+    const LayerMetrics& layers = comparison_.layers;
+    require(pair_.have_colors() || layers.depth || layers.normals || layers.ids, pair_.test,
+            "nothing to compare with the reference", "the same colours or layers in both");
+    if (pair_.have_colors()) comparison_.color = figures();
+    if (options_.keep_pictures) comparison_.pictures = shown_pictures(pair_);
+    if (options_.align) align_edges();
+    done();
+    if (options_.match) match_colors();
+    if (options_.find_changes) find_changes();
+    done();
+    if (comparison_.pictures) add_maps(*comparison_.pictures, pair_, flip_map());
+    for (std::optional<ColorFigures>* const set : {&comparison_.color, &comparison_.matched})
+      if (*set) (*set)->flip.map = {};
+    done();
+  }
+
+ private:
+  static constexpr std::uint64_t k_steps_of_colors = 3;
+
+  void done(std::uint64_t steps = 1) {
+    done_ += steps;
+    report(progress_, done_ * comparison_.pixels, steps_ * comparison_.pixels);
+  }
+
+  /// How many pixels can be compared; errors if none.
+  void count() {
+    comparison_.pixels = pair_.reference.pixels();
+    comparison_.counted = counted_pixels(pair_.mask, pair_.reference.pixels());
+    require(comparison_.counted > 0, pair_.reference, "no pixel counts", "masks that leave some");
+    if (!pair_.have_colors()) return;
+    ImageMask finite = pair_.mask;
+    comparison_.excluded = keep_finite(finite, pair_.reference, pair_.test);
+    require(comparison_.excluded < comparison_.counted, pair_.test,
+            "no pixel has finite colours in both pictures", "some that have");
+    if (comparison_.excluded > 0)
+      remark(fmt::format("{} pixels with NaN or infinite colours are left out", comparison_.excluded));
+  }
+
+  ColorFigures figures() {
+    const ComparedImage &reference = pair_.reference, &test = pair_.test;
+    ColorFigures figures;
+    figures.linear = error_metrics(reference, test, ColorEncoding::linear, pair_.mask);
+    figures.display = error_metrics(reference, test, ColorEncoding::display, pair_.mask);
+    const bool is_linear =
+        reference.encoding == ColorEncoding::linear && test.encoding == ColorEncoding::linear;
+    figures.stored = is_linear ? figures.linear : figures.display;
+    done();
+    figures.ssim = ssim(reference, test, pair_.mask).mean;
+    figures.ms_ssim = ms_ssim(reference, test, pair_.mask).mean;
+    done();
+    figures.flip = flip(reference, test, pair_.mask, options_.flip);
+    done();
+    return figures;
+  }
+
+  void align_edges() {
+    require(pair_.have_colors(), pair_.test, "edges are looked for in colours", "colours in both pictures");
+    const Alignment found =
+        align(pair_.reference, pair_.test, pair_.mask, {.largest_shift = options_.largest_shift});
+    comparison_.alignment = found;
+    constexpr double k_same_place = 0.5;
+    if (!found.is_certain) {
+      remark("no shift between the pictures can be told: too few common edges");
+    } else if (std::hypot(found.shift_x, found.shift_y) > k_same_place) {
+      remark(fmt::format(
+          "the test is shifted by {:.2f}, {:.2f} pixels against the reference: its camera may be off",
+          found.shift_x, found.shift_y));
+    }
+  }
+
+  /// From here on the test has matched colours.
+  void match_colors() {
+    require(pair_.have_colors(), pair_.test, "colours are matched", "colours in both pictures");
+    comparison_.match = match_color(pair_.reference, pair_.test, pair_.mask, *options_.match);
+    if (!comparison_.match) {
+      remark("colours cannot be matched: too few pixels, or too little variation");
+      done(k_steps_of_colors);
+      return;
+    }
+    apply_color_match(pair_.test, *comparison_.match);
+    comparison_.matched = figures();
+    if (comparison_.pictures) comparison_.pictures->matched = displayed(pair_.test, 0.0);
+  }
+
+  void find_changes() {
+    comparison_.changes = change_regions(change_map(), pair_.reference.width, pair_.mask, options_.changes);
+    comparison_.reference.ids = std::move(pair_.reference.ids);
+    comparison_.test.ids = std::move(pair_.test.ids);
+  }
+
+  std::vector<float> change_map() const {
+    if (options_.find_changes == ChangeMap::depth) {
+      require(pair_.have_depth(), pair_.test, "changes of depth need depth in both pictures",
+              "EXR files with the layer Z");
+      return depth_difference(pair_.reference, pair_.test, pair_.mask).values;
+    }
+    require(pair_.have_colors(), pair_.test, "changes of colour need colours in both pictures",
+            "another map of changes");
+    if (options_.find_changes == ChangeMap::color)
+      return color_difference(pair_.reference, pair_.test, pair_.mask).values;
+    const std::span<const float> map = flip_map();
+    return {map.begin(), map.end()};
+  }
+
+  std::span<const float> flip_map() const {
+    if (!comparison_.color) return {};
+    return (comparison_.matched ? *comparison_.matched : *comparison_.color).flip.map;
+  }
+
+  void remark(std::string text) { comparison_.remarks.push_back(std::move(text)); }
+
+  ComparedPair pair_;
+  const ComparisonOptions& options_;
+  const Progress& progress_;
+  Comparison& comparison_;
+  std::uint64_t steps_ = 0, done_ = 0;
+};
+
+}  // namespace
+
+Comparison compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
+                         const ComparisonOptions& options, const Progress& progress) {
+  Comparison comparison;
+  ComparedPair pair = read_compared_pair(reference, test, options, comparison.remarks);
+  comparison.reference = facts_of(pair.reference);
+  comparison.test = facts_of(pair.test);
+  Run(std::move(pair), options, progress, comparison).compare();
+  return comparison;
+}
+
+}  // namespace alidade

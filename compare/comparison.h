@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/alignment.h"
+#include "compare/change_regions.h"
+#include "compare/color_match.h"
+#include "compare/compared_image.h"
+#include "compare/difference_map.h"
+#include "compare/encoded_picture.h"
+#include "compare/error_metrics.h"
+#include "compare/flip.h"
+#include "compare/histogram.h"
+#include "compare/image_mask.h"
+#include "compare/layer_metrics.h"
+#include "octree/progress.h"
+
+// The whole run: two files in, one result out. Thresholds, JSON and reports are made of it.
+//
+//   const Comparison comparison = compare_files("reference.png", "test.png", {});
+//   const Verdict verdict = judge(comparison, parse_thresholds("flip=0.05,psnr<30"));
+
+namespace alidade {
+
+/// In which map regions of change are looked for.
+enum class ChangeMap {
+  flip,   ///< what people see, 0 .. 1
+  color,  ///< largest difference of the three channels, 0 .. 1
+  depth   ///< metres
+};
+
+struct ComparisonOptions {
+  // What counts. All of it together: a pixel counts if everything lets it.
+  std::optional<PixelRectangle> crop;  ///< of both pictures, before everything else
+  bool resize_to_reference = false;    ///< otherwise another size is SizeMismatch
+  std::filesystem::path mask;  ///< image_mask.h, keep_light(); of the size of the reference before cropping
+  bool use_alpha = false, valid_depth = false, ignore_sky = false;
+  std::vector<PixelRectangle> keep, ignore;  ///< in pixels of the reference before cropping
+
+  FlipOptions flip;
+
+  std::optional<ColorModel> match;  ///< colours are fitted, and everything of colours told twice
+  bool align = false;
+  int largest_shift = 64;  ///< pixels
+
+  std::optional<ChangeMap> find_changes;  ///< of matched colours where they are
+  ChangeOptions changes;
+
+  bool keep_pictures = false;  ///< what reports and maps need
+};
+
+/// What a file says about itself.
+struct PictureFacts {
+  std::filesystem::path file;
+  int width = 0, height = 0;  ///< as compared
+  ColorEncoding encoding = ColorEncoding::display;
+  std::vector<std::pair<std::string, std::string>> metadata;
+  std::vector<std::uint32_t>
+      ids;  ///< the id layer, for points behind regions; kept if changes are looked for
+};
+
+/// Figures of colours.
+struct ColorFigures {
+  ErrorMetrics
+      stored;  ///< of the values as they are in the files; of display values if only one file is linear
+  ErrorMetrics linear;   ///< of linear light
+  ErrorMetrics display;  ///< of sRGB values in 0 .. 1
+  double ssim = 0.0, ms_ssim = 0.0;
+  FlipResult flip;  ///< the map only while it is needed
+};
+
+/// Pictures and maps for people.
+struct ComparisonPictures {
+  BytePicture reference, test;
+  std::optional<BytePicture> matched;  ///< the test with matched colours
+  std::optional<DifferenceMap> color_map, flip_map, depth_map;
+  std::vector<HistogramPicture> histograms;
+
+  /// The maps that there are.
+  std::vector<const DifferenceMap*> maps() const;
+};
+
+struct Comparison {
+  PictureFacts reference, test;
+  std::uint64_t pixels = 0;    ///< of the compared part
+  std::uint64_t counted = 0;   ///< of them, those that masks let count
+  std::uint64_t excluded = 0;  ///< of the counted ones, those with NaN or infinite colours, in no figure
+  std::vector<std::string> remarks;  ///< what somebody should know before believing the figures
+
+  std::optional<ColorFigures> color;  ///< both pictures have colours
+  LayerMetrics layers;                ///< of the layers that both pictures have
+  std::optional<ColorMatch> match;
+  std::optional<ColorFigures> matched;  ///< of the test with matched colours
+  std::optional<Alignment> alignment;
+  std::optional<ChangeRegions> changes;
+  std::optional<ComparisonPictures> pictures;
+};
+
+/// Compares two files. Errors: those of read_compared_image(); SizeMismatch; masks that ask for layers nobody
+/// has; a crop outside of the picture; nothing in common (one has colours only, the other layers only);
+/// matching, aligning or changes asked for of what is not there. Progress counts steps of the run.
+/// Cost: see docs/compare.md. The same result on any number of threads.
+Comparison compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
+                         const ComparisonOptions& options, const Progress& progress = {});
+
+}  // namespace alidade

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace alidade {
+
+// The files of compare/report as texts; CMake makes page_parts.cpp of them.
+extern const std::string_view k_report_html, k_summary_html, k_style_css, k_page_js, k_tables_js, k_viewer_js,
+    k_summary_js;
+
+/// The template with every {{name}} replaced by the value of that name; what is put in is not looked at
+/// again. Requires every name of the template to be given.
+std::string fill_page(std::string_view page,
+                      const std::vector<std::pair<std::string_view, std::string_view>>& values);
+
+/// Text as it stands in HTML and in its quoted attributes.
+std::string html_text(std::string_view text);
+
+/// JSON as it may stand in a script element: no "</script>" can end it early.
+std::string script_json(std::string json);
+
+/// Writes a page, which appears whole or not at all. Errors: those of OutputFile.
+void write_page(const std::string& page, const std::filesystem::path& file, bool overwrite);
+
+}  // namespace alidade

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: MIT
+#include "compare/pair_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <map>
+
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_picture(const fs::path& file) {
+  constexpr std::array<std::string_view, 14> k_extensions = {".png",  ".jpg", ".jpeg", ".exr", ".tif",
+                                                             ".tiff", ".hdr", ".bmp",  ".tga", ".webp",
+                                                             ".gif",  ".ppm", ".pgm",  ".pfm"};
+  std::string extension = file.extension().string();
+  for (char& c : extension)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return std::ranges::find(k_extensions, extension) != k_extensions.end();
+}
+
+/// Path inside the folder -> file.
+std::map<std::string, fs::path> pictures_in(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw Error(
+        {.file = folder.string(), .problem = "is no folder", .expected = "two folders or two pictures"});
+  std::map<std::string, fs::path> pictures;
+  try {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+      if (entry.is_regular_file() && is_picture(entry.path()))
+        pictures.emplace(entry.path().lexically_relative(folder).generic_string(), entry.path());
+  } catch (const fs::filesystem_error& problem) {
+    throw Error({.file = folder.string(), .problem = "cannot be listed", .found = problem.code().message()});
+  }
+  return pictures;
+}
+
+std::string stem_of(const std::string& name) {
+  return fs::path(name).replace_extension().generic_string();
+}
+
+/// Name without extension -> how often it stands for a picture, and the last of those.
+struct Stem {
+  int count = 0;
+  std::string name;
+};
+std::map<std::string, Stem> stems_of(const std::map<std::string, fs::path>& pictures) {
+  std::map<std::string, Stem> stems;
+  for (const auto& [name, file] : pictures) {
+    Stem& stem = stems[stem_of(name)];
+    ++stem.count;
+    stem.name = name;
+  }
+  return stems;
+}
+
+/// The fields of a line. Errors: a quote that does not end.
+std::vector<std::string> fields_of(const std::string& line, const fs::path& file, std::size_t number) {
+  std::vector<std::string> fields(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (quoted && line[i] == '"' && line.compare(i, 2, "\"\"") == 0) {
+      fields.back() += line[i++];
+    } else if (line[i] == '"') {
+      quoted = !quoted;
+    } else if (line[i] == ',' && !quoted) {
+      fields.emplace_back();
+    } else {
+      fields.back() += line[i];
+    }
+  }
+  if (quoted)
+    throw Error({.file = file.string(),
+                 .place = fmt::format("line {}", number),
+                 .problem = "a quotation without end"});
+  return fields;
+}
+
+}  // namespace
+
+std::vector<ImagePair> pairs_of_folders(const fs::path& reference, const fs::path& test) {
+  std::map<std::string, fs::path> references = pictures_in(reference), tests = pictures_in(test);
+  std::vector<ImagePair> pairs;
+  const auto take = [&](std::map<std::string, fs::path>::iterator first,
+                        std::map<std::string, fs::path>::iterator second) {
+    pairs.push_back({second->first, first->second, second->second});
+    references.erase(first);
+    tests.erase(second);
+  };
+  for (auto next = references.begin(); next != references.end();) {
+    const auto first = next++;
+    if (const auto second = tests.find(first->first); second != tests.end()) take(first, second);
+  }
+  const std::map<std::string, Stem> other_stems = stems_of(tests);
+  for (const auto& [stem, one] : stems_of(references)) {
+    const auto other = other_stems.find(stem);
+    if (one.count == 1 && other != other_stems.end() && other->second.count == 1)
+      take(references.find(one.name), tests.find(other->second.name));
+  }
+  for (const auto& [name, file] : references) pairs.push_back({name, file, {}});
+  for (const auto& [name, file] : tests) pairs.push_back({name, {}, file});
+  if (pairs.empty())
+    throw Error({.file = reference.string(),
+                 .problem = "has no pictures",
+                 .expected = "pictures in one of the two folders"});
+  std::ranges::stable_sort(pairs, {}, &ImagePair::name);
+  return pairs;
+}
+
+std::vector<ImagePair> read_pairs(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw Error({.file = file.string(), .problem = "cannot be read"});
+  std::vector<ImagePair> pairs;
+  std::size_t columns = 0;
+  std::string line;
+  for (std::size_t number = 1; std::getline(stream, line); ++number) {
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+    if (line.empty()) continue;
+    const std::vector<std::string> fields = fields_of(line, file, number);
+    if (columns == 0) {
+      const bool is_header = fields == std::vector<std::string>{"reference", "test"} ||
+                             fields == std::vector<std::string>{"reference", "test", "name"};
+      if (!is_header)
+        throw Error({.file = file.string(),
+                     .place = fmt::format("line {}", number),
+                     .problem = "no header of pairs",
+                     .expected = "reference,test or reference,test,name",
+                     .found = "'" + line.substr(0, 80) + "'"});
+      columns = fields.size();
+      continue;
+    }
+    if (fields.size() != columns || fields[0].empty() || fields[1].empty())
+      throw Error({.file = file.string(),
+                   .place = fmt::format("line {}", number),
+                   .problem = "no pair of pictures",
+                   .expected = fmt::format("{} fields, the paths not empty", columns),
+                   .found = "'" + line.substr(0, 80) + "'"});
+    const bool has_name = columns == 3 && !fields[2].empty();
+    pairs.push_back(
+        {has_name ? fields[2] : fields[1], file.parent_path() / fields[0], file.parent_path() / fields[1]});
+  }
+  if (stream.bad()) throw Error({.file = file.string(), .problem = "cannot be read to its end"});
+  if (pairs.empty()) throw Error({.file = file.string(), .problem = "names no pairs of pictures"});
+  return pairs;
+}
+
+}  // namespace alidade

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: MIT
+#include "compare/report.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "compare/page_json.h"
+#include "compare/page_parts.h"
+
+namespace alidade {
+namespace {
+
+/// A picture of the page.
+struct PagePicture {
+  std::string id, title;
+  const BytePicture* picture = nullptr;
+  const DifferenceMap* map = nullptr;  ///< that it shows
+  std::string address{};
+};
+
+std::string name_of(const PictureFacts& facts) {
+  return facts.file.filename().string();
+}
+
+Json facts_json(const PictureFacts& facts) {
+  return {{"name", name_of(facts)}, {"size", {facts.width, facts.height}}, {"metadata", facts.metadata}};
+}
+
+Json rows_json(const Comparison& comparison) {
+  Json rows = Json::array();
+  for (const Metric& metric : metrics_of(comparison)) {
+    rows.push_back({{"name", metric.kind->name},
+                    {"group", metric.kind->group},
+                    {"label", metric.kind->label},
+                    {"unit", metric.kind->unit},
+                    {"note", metric.kind->note},
+                    {"value", json_number(metric.value)}});
+  }
+  return rows;
+}
+
+Json thresholds_json(const Verdict& verdict) {
+  Json thresholds = Json::array();
+  for (const JudgedThreshold& judged : verdict.judged) {
+    thresholds.push_back({{"metric", judged.threshold.metric},
+                          {"fails_if", judged.fails_below ? "below" : "above"},
+                          {"limit", json_number(judged.threshold.limit)},
+                          {"value", json_number(judged.value)},
+                          {"fails", judged.fails}});
+  }
+  return thresholds;
+}
+
+/// Colours of a map from its lowest value to its highest, as CSS says them.
+Json colors_of(const DifferenceMap& map) {
+  constexpr int k_steps = 33;
+  DifferenceMap ramp;
+  ramp.colors = map.colors;
+  ramp.range = map.range;
+  ramp.width = k_steps;
+  ramp.height = 1;
+  ramp.values.resize(k_steps);
+  for (int i = 0; i < k_steps; ++i)
+    ramp.values[static_cast<std::size_t>(i)] =
+        static_cast<float>(map.range.low + (map.range.high - map.range.low) * i / (k_steps - 1));
+  const Canvas canvas = paint_difference(ramp);
+  Json colors = Json::array();
+  for (int i = 0; i < k_steps; ++i) {
+    const Rgb8 color = canvas.at(i, 0);
+    colors.push_back(fmt::format("rgb({},{},{})", color[0], color[1], color[2]));
+  }
+  return colors;
+}
+
+Json map_json(const PagePicture& picture, const DifferenceMap& map) {
+  std::string note = map.title + ": " + map.label + ".";
+  for (const std::string& line : map.notes) note += " " + line + ".";
+  return {{"id", picture.id},
+          {"kind", "map"},
+          {"title", map.title},
+          {"note", note},
+          {"low", fmt::format("{:.3g}", map.range.low)},
+          {"high", fmt::format("{:.3g}", map.range.high)},
+          {"colors", colors_of(map)}};
+}
+
+Json views_json(const std::vector<PagePicture>& pictures) {
+  const PagePicture& reference = pictures.front();
+  // The matched test stands behind the test as it is.
+  const bool is_matched = pictures.size() > 2 && pictures[2].id == "matched";
+  const PagePicture& test = pictures[is_matched ? 2 : 1];
+  const auto two = [&](const char* kind, const char* title, const char* note) {
+    return Json{{"id", kind},          {"kind", kind},
+                {"title", title},      {"under", reference.id},
+                {"over", test.id},     {"left", reference.title},
+                {"right", test.title}, {"note", note}};
+  };
+  Json views = {
+      two("swipe", "Swipe", "The reference left of the divider, the test right of it."),
+      two("blink", "Blink", "Reference and test in turn at the same place: what moves or flickers differs.")};
+  for (const PagePicture& picture : pictures) {
+    views.push_back(picture.map != nullptr ? map_json(picture, *picture.map)
+                                           : Json{{"id", picture.id},
+                                                  {"kind", "picture"},
+                                                  {"title", picture.title},
+                                                  {"note", picture.title + "."}});
+  }
+  return views;
+}
+
+Json regions_json(const Comparison& comparison) {
+  Json regions = Json::array();
+  if (!comparison.changes) return regions;
+  for (const ChangeRegion& region : comparison.changes->regions) {
+    regions.push_back({{"left", region.left},
+                       {"top", region.top},
+                       {"right", region.right},
+                       {"bottom", region.bottom},
+                       {"pixels", region.pixels},
+                       {"strongest", json_number(region.strongest)}});
+  }
+  return regions;
+}
+
+std::string regions_note(const Comparison& comparison) {
+  if (!comparison.changes) return {};
+  const ChangeRegions& changes = *comparison.changes;
+  std::string note =
+      fmt::format("{} of {} pixels have changed, in {} region{}", changes.changed_pixels, comparison.counted,
+                  changes.regions.size(), changes.regions.size() == 1 ? "" : "s");
+  if (changes.left_out_regions > 0)
+    note += fmt::format("; {} more are too small to be listed", changes.left_out_regions);
+  return note + ".";
+}
+
+Json histogram_json(const HistogramPicture& picture) {
+  const auto one = [](const Histogram& histogram) {
+    return Json{{"name", histogram.name}, {"bins", histogram.bins}};
+  };
+  Json json{{"title", picture.title},
+            {"unit", picture.unit},
+            {"low", picture.low},
+            {"high", picture.high},
+            {"first", one(picture.first)}};
+  if (picture.second) json["second"] = one(*picture.second);
+  return json;
+}
+
+std::string counted_note(const Comparison& comparison) {
+  std::string note = fmt::format("{} of {} pixels count", comparison.counted, comparison.pixels);
+  if (comparison.excluded > 0)
+    note += fmt::format("; {} of them have no finite colour and are in no figure of colours",
+                        comparison.excluded);
+  return note + ".";
+}
+
+Json page_json(const Comparison& comparison, const Verdict& verdict,
+               const std::vector<PagePicture>& pictures) {
+  Json histograms = Json::array();
+  for (const HistogramPicture& picture : comparison.pictures->histograms)
+    histograms.push_back(histogram_json(picture));
+  return {{"generator", "Alidade " ALIDADE_VERSION},
+          {"reference", facts_json(comparison.reference)},
+          {"test", facts_json(comparison.test)},
+          {"pass", verdict.pass()},
+          {"thresholds", thresholds_json(verdict)},
+          {"remarks", comparison.remarks},
+          {"tiles", {"flip", "ssim", "psnr", "rmse", "depth_mean", "shift"}},
+          {"rows", rows_json(comparison)},
+          {"counted_note", counted_note(comparison)},
+          {"views", views_json(pictures)},
+          {"regions", regions_json(comparison)},
+          {"regions_note", regions_note(comparison)},
+          {"histograms", histograms}};
+}
+
+}  // namespace
+
+std::string report_page(const Comparison& comparison, const Verdict& verdict, PicturePacking packing) {
+  const ComparisonPictures& shown = *comparison.pictures;
+  std::vector<BytePicture> painted;
+  const std::vector<const DifferenceMap*> maps = shown.maps();
+  for (const DifferenceMap* map : maps)
+    painted.push_back({map->width, map->height, paint_difference(*map).bytes()});
+  std::vector<PagePicture> pictures{{"reference", "Reference", &shown.reference},
+                                    {"test", "Test", &shown.test}};
+  if (shown.matched) pictures.push_back({"matched", "Test, colours matched", &*shown.matched});
+  for (std::size_t i = 0; i < painted.size(); ++i)
+    pictures.push_back({fmt::format("map-{}", i + 1), maps[i]->title, &painted[i], maps[i]});
+  tbb::parallel_for(std::size_t{0}, pictures.size(),
+                    [&](std::size_t i) { pictures[i].address = data_url(*pictures[i].picture, packing); });
+
+  std::string images;
+  for (const PagePicture& picture : pictures)
+    images += fmt::format("<img id=\"picture-{}\" alt=\"{}\" src=\"{}\">\n", picture.id,
+                          html_text(picture.title), picture.address);
+  const std::string title = html_text(name_of(comparison.test) + " against " + name_of(comparison.reference));
+  const std::string data = script_json(json_text(page_json(comparison, verdict, pictures), -1));
+  const std::string script = std::string(k_page_js) + std::string(k_tables_js) + std::string(k_viewer_js);
+  return fill_page(
+      k_report_html,
+      {{"title", title}, {"style", k_style_css}, {"pictures", images}, {"data", data}, {"script", script}});
+}
+
+}  // namespace alidade

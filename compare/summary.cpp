@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "compare/batch.h"
+#include "compare/page_json.h"
+#include "compare/page_parts.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::string_view k_figures[] = {"flip", "ssim", "psnr", "rmse", "depth_mean"};
+
+std::string failures_of(const PairOutcome& outcome) {
+  std::string text;
+  for (const JudgedThreshold& judged : outcome.verdict.judged)
+    if (judged.fails)
+      text += fmt::format("{}{} is not kept", text.empty() ? "" : "; ", to_text(judged.threshold));
+  return text;
+}
+
+/// The address of a file from a page in `folder`: bytes that mean something in addresses are escaped.
+std::string address(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  constexpr std::string_view k_plain = "-_.~/";
+  std::string text;
+  const std::filesystem::path base =
+      std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal();
+  for (const char c :
+       std::filesystem::absolute(file).lexically_normal().lexically_relative(base).generic_string()) {
+    const bool is_plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                          k_plain.find(c) != std::string_view::npos;
+    text += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return text;
+}
+
+Json pair_json(const PairOutcome& outcome, const std::filesystem::path& folder) {
+  Json metrics = Json::object();
+  if (outcome.comparison) {
+    for (const Metric& metric : metrics_of(*outcome.comparison))
+      if (std::ranges::find(k_figures, metric.kind->name) != std::end(k_figures))
+        metrics[std::string(metric.kind->name)] = json_number(metric.value);
+  }
+  return {{"name", outcome.pair.name},
+          {"pass", outcome.pass()},
+          {"error", outcome.error},
+          {"failed", failures_of(outcome)},
+          {"metrics", metrics},
+          {"pictures", outcome.thumbnails},
+          {"report", outcome.report.empty() ? "" : address(outcome.report, folder)}};
+}
+
+}  // namespace
+
+std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,
+                         const std::string& test, const std::filesystem::path& page) {
+  Json pairs = Json::array(), labels = Json::object();
+  for (const PairOutcome& outcome : outcomes) pairs.push_back(pair_json(outcome, page.parent_path()));
+  for (const std::string_view name : k_figures) labels[std::string(name)] = find_metric(name)->label;
+  const Json json{{"generator", "Alidade " ALIDADE_VERSION},
+                  {"reference", reference},
+                  {"test", test},
+                  {"remarks", Json::array()},
+                  {"tiles", k_figures},
+                  {"labels", labels},
+                  {"pairs", pairs}};
+  const std::string data = script_json(json_text(json, -1));
+  const std::string title = html_text(test + " against " + reference);
+  return fill_page(k_summary_html, {{"title", title},
+                                    {"style", k_style_css},
+                                    {"data", data},
+                                    {"script", std::string(k_page_js) + std::string(k_summary_js)}});
+}
+
+}  // namespace alidade

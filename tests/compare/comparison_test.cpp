@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: MIT
+#include "compare/comparison.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "compare/comparison_json.h"
+#include "tests/compare/picture_files.h"
+
+namespace alidade::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();
+constexpr int k_width = 64, k_height = 48;
+
+class ComparisonTest : public PictureTest {
+ protected:
+  static std::vector<float> wave(float brightness = 1.0f) {
+    std::vector<float> values(k_width * k_height * 3);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] = brightness * (0.4f + 0.2f * std::sin(0.3f * static_cast<float>(i / 3 % k_width)));
+    return values;
+  }
+  void write(const std::string& name, const std::vector<float>& values) const {
+    write_picture(name, k_width, k_height, values);
+  }
+  Comparison compare(const std::string& reference, const std::string& test,
+                     const ComparisonOptions& options = {}) const {
+    return compare_files(folder / reference, folder / test, options);
+  }
+  static json as_json(const Comparison& comparison, const std::string& thresholds = "") {
+    return json::parse(comparison_json(
+        comparison,
+        judge(comparison, thresholds.empty() ? std::vector<Threshold>{} : parse_thresholds(thresholds))));
+  }
+  std::string problem_of(const std::string& reference, const std::string& test,
+                         const ComparisonOptions& options = {}) const {
+    try {
+      compare(reference, test, options);
+    } catch (const Error& error) {
+      return error.parts().problem;
+    }
+    return "none";
+  }
+};
+
+TEST_F(ComparisonTest, equal_pictures_differ_by_nothing_and_json_says_so_without_infinity) {
+  write("a.png", wave());
+  const json found = as_json(compare("a.png", "a.png"), "flip=0,psnr<inf");
+  EXPECT_EQ(found["metrics"]["rmse"], 0.0);
+  EXPECT_EQ(found["metrics"]["psnr"], "infinity");
+  EXPECT_EQ(found["metrics"]["ssim"], 1.0);
+  EXPECT_EQ(found["metrics"]["ms_ssim"], "nan") << "the pictures are too small for five scales";
+  EXPECT_EQ(found["metrics"]["flip"]["mean"], 0.0);
+  EXPECT_EQ(found["pass"], true);
+}
+
+// 51 of 255 everywhere: RMSE 0.2, PSNR 20 log10(1 / 0.2) = 13.9794 dB.
+TEST_F(ComparisonTest, figures_of_an_even_difference_are_those_known_on_paper) {
+  write("a.png", std::vector<float>(k_width * k_height * 3, 102.0f / 255.0f));
+  write("b.png", std::vector<float>(k_width * k_height * 3, 153.0f / 255.0f));
+  const json found = as_json(compare("a.png", "b.png"), "rmse=0.1");
+  EXPECT_NEAR(found["metrics"]["rmse"].get<double>(), 0.2, 1e-12);
+  EXPECT_NEAR(found["metrics"]["psnr"].get<double>(), 13.979400086720377, 1e-9);
+  EXPECT_NEAR(found["metrics"]["max_abs"].get<double>(), 0.2, 1e-12);
+  // Linear light of the codes 153 and 102 (IEC 61966-2-1): 0.31854678 - 0.13286832.
+  EXPECT_NEAR(found["metrics"]["linear"]["rmse"].get<double>(), 0.18567846, 1e-6);
+  EXPECT_EQ(found["pass"], false);
+  EXPECT_EQ(found["thresholds"][0]["threshold"], "rmse=0.1");
+}
+
+TEST_F(ComparisonTest, another_size_is_an_error_of_its_own_unless_the_test_is_resized) {
+  write("a.png", wave());
+  write_picture("small.png", 32, 24, std::vector<float>(32 * 24 * 3, 0.4f));
+  EXPECT_THROW(compare("a.png", "small.png"), SizeMismatch);
+  ComparisonOptions options;
+  options.resize_to_reference = true;
+  const Comparison comparison = compare("a.png", "small.png", options);
+  EXPECT_EQ(comparison.test.width, k_width);
+  ASSERT_EQ(comparison.remarks.size(), 1u);
+  EXPECT_NE(comparison.remarks[0].find("resized from 32 x 24"), std::string::npos) << comparison.remarks[0];
+}
+
+TEST_F(ComparisonTest, crops_rectangles_and_mask_files_leave_out_what_differs) {
+  std::vector<float> other = wave();
+  for (int y = 0; y < 10; ++y)
+    for (int i = 0; i < 3 * 20; ++i) other[static_cast<std::size_t>(y * k_width * 3 + i)] = 1.0f;
+  std::vector<float> mask(k_width * k_height * 3, 0.0f);
+  for (std::size_t i = 10 * k_width * 3; i < mask.size(); ++i) mask[i] = 1.0f;
+  write("a.png", wave());
+  write("b.png", other);
+  write("mask.png", mask);
+  EXPECT_GT(compare("a.png", "b.png").color->stored.rmse, 0.05);
+  ComparisonOptions cropped, ignored, kept, masked;
+  cropped.crop = PixelRectangle{20, 0, k_width, k_height};
+  ignored.ignore = {{0, 0, 20, 10}};
+  kept.keep = {{0, 10, k_width, k_height}};
+  masked.mask = folder / "mask.png";
+  for (const ComparisonOptions& options : {cropped, ignored, kept, masked}) {
+    const Comparison comparison = compare("a.png", "b.png", options);
+    EXPECT_EQ(comparison.color->stored.rmse, 0.0);
+    EXPECT_TRUE(std::isinf(comparison.color->stored.psnr));
+  }
+  EXPECT_EQ(compare("a.png", "b.png", cropped).pixels, 44u * k_height);
+  EXPECT_EQ(compare("a.png", "b.png", ignored).counted, k_width * k_height - 200u);
+  ComparisonOptions both = cropped;
+  both.mask = folder / "mask.png";
+  EXPECT_EQ(compare("a.png", "b.png", both).counted, 44u * (k_height - 10u)) << "masks are cropped too";
+}
+
+TEST_F(ComparisonTest, nothing_that_counts_is_an_error_and_no_pass) {
+  write("a.png", wave());
+  ComparisonOptions options;
+  options.ignore = {{0, 0, k_width, k_height}};
+  EXPECT_EQ(problem_of("a.png", "a.png", options), "no pixel counts");
+  write("nan.exr", std::vector<float>(k_width * k_height * 3, k_nan));
+  EXPECT_EQ(problem_of("nan.exr", "nan.exr"), "no pixel has finite colours in both pictures");
+}
+
+TEST_F(ComparisonTest, pixels_with_nan_are_counted_told_and_left_out) {
+  std::vector<float> broken = wave();
+  broken[0] = k_nan;
+  broken[7] = std::numeric_limits<float>::infinity();
+  write("a.exr", wave());
+  write("b.exr", broken);
+  const Comparison comparison = compare("a.exr", "b.exr");
+  EXPECT_EQ(comparison.excluded, 2u);
+  EXPECT_EQ(comparison.color->stored.rmse, 0.0);
+  ASSERT_EQ(comparison.remarks.size(), 1u);
+  EXPECT_EQ(comparison.remarks[0], "2 pixels with NaN or infinite colours are left out");
+}
+
+TEST_F(ComparisonTest, layers_are_compared_and_one_sided_ones_told) {
+  const std::vector<std::string> both{"R", "G", "B", "Z", "id"};
+  std::vector<float> reference, test, without;
+  for (int i = 0; i < k_width * k_height; ++i) {
+    reference.insert(reference.end(), {0.5f, 0.5f, 0.5f, 10.0f, static_cast<float>(i + 1)});
+    test.insert(test.end(), {0.5f, 0.5f, 0.5f, 10.25f, static_cast<float>(i % 2 == 0 ? i + 1 : 5000)});
+    without.insert(without.end(), {0.5f, 0.5f, 0.5f, 10.0f});
+  }
+  write_layers("a.exr", k_width, k_height, both, reference);
+  write_layers("b.exr", k_width, k_height, both, test);
+  write_layers("c.exr", k_width, k_height, {"R", "G", "B", "Z"}, without);
+  const json found = as_json(compare("a.exr", "b.exr"))["metrics"];
+  EXPECT_NEAR(found["depth_mean"].get<double>(), 0.25, 1e-6);
+  EXPECT_EQ(found["depth_5cm"], 0.0);
+  EXPECT_EQ(found["ids"], 50.0);
+  const Comparison half = compare("a.exr", "c.exr");
+  EXPECT_FALSE(half.layers.ids);
+  ASSERT_EQ(half.remarks.size(), 1u);
+  EXPECT_EQ(half.remarks[0], "only the reference has the layer of ids, which is not compared");
+  EXPECT_THROW(judge(half, parse_thresholds("ids=99")), Error);
+}
+
+TEST_F(ComparisonTest, files_with_nothing_in_common_cannot_be_compared) {
+  write("a.png", wave());
+  write_layers("z.exr", k_width, k_height, {"Z"}, std::vector<float>(k_width * k_height, 1.0f));
+  EXPECT_EQ(problem_of("a.png", "z.exr"), "nothing to compare with the reference");
+}
+
+TEST_F(ComparisonTest, matched_colours_are_told_beside_the_raw_ones) {
+  write("a.exr", wave());
+  write("b.exr", wave(0.5f));
+  ComparisonOptions options;
+  options.match = ColorModel::exposure;
+  const Comparison comparison = compare("a.exr", "b.exr", options);
+  ASSERT_TRUE(comparison.match);
+  EXPECT_NEAR(comparison.match->scale.x, 2.0, 1e-3);
+  EXPECT_GT(comparison.color->stored.rmse, 0.1);
+  EXPECT_LT(comparison.matched->stored.rmse, 1e-3);
+  const json found = as_json(comparison, "rmse_matched=0.01");
+  EXPECT_EQ(found["pass"], true);
+  EXPECT_TRUE(found["match"]["metrics"].contains("flip"));
+}
+
+TEST_F(ComparisonTest, changes_are_found_by_depth_with_ids_kept_for_their_points) {
+  std::vector<float> reference, test;
+  for (int i = 0; i < k_width * k_height; ++i) {
+    const int x = i % k_width, y = i / k_width;
+    const bool is_gone = x >= 20 && x < 30 && y >= 5 && y < 15;
+    reference.insert(reference.end(), {is_gone ? 7.0f : 10.0f, static_cast<float>(i + 1)});
+    test.insert(test.end(), {10.0f, static_cast<float>(i + 1)});
+  }
+  write_layers("a.exr", k_width, k_height, {"Z", "id"}, reference);
+  write_layers("b.exr", k_width, k_height, {"Z", "id"}, test);
+  ComparisonOptions options;
+  options.find_changes = ChangeMap::depth;
+  const Comparison comparison = compare("a.exr", "b.exr", options);
+  ASSERT_EQ(comparison.changes->regions.size(), 1u);
+  EXPECT_EQ(comparison.changes->regions[0].left, 20);
+  EXPECT_EQ(comparison.changes->regions[0].bottom, 15);
+  EXPECT_EQ(comparison.reference.ids.size(), static_cast<std::size_t>(k_width * k_height));
+  options.find_changes = ChangeMap::flip;
+  EXPECT_EQ(problem_of("a.exr", "b.exr", options), "changes of colour need colours in both pictures");
+}
+
+TEST_F(ComparisonTest, results_do_not_depend_on_the_number_of_threads) {
+  write("a.exr", wave());
+  write("b.exr", wave(0.9f));
+  ComparisonOptions options;
+  options.match = ColorModel::affine;
+  options.align = true;
+  options.find_changes = ChangeMap::color;
+  const auto text = [&](std::size_t threads) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Comparison comparison = compare("a.exr", "b.exr", options);
+    return comparison_json(comparison, {});
+  };
+  EXPECT_EQ(text(1), text(4));
+}
+
+TEST_F(ComparisonTest, progress_ends_at_its_total_and_can_stop_the_run) {
+  write("a.png", wave());
+  std::uint64_t last = 0, whole = 1;
+  compare_files(folder / "a.png", folder / "a.png", {}, [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_GT(done, last);
+    last = done;
+    whole = total;
+    return true;
+  });
+  EXPECT_EQ(last, whole);
+  EXPECT_THROW(compare_files(folder / "a.png", folder / "a.png", {},
+                             [](std::uint64_t, std::uint64_t) { return false; }),
+               Cancelled);
+}
+
+TEST_F(ComparisonTest, a_batch_tells_errors_first_and_then_the_worst) {
+  write("a.png", wave());
+  write("b.png", wave(0.8f));
+  write("c.png", wave(0.5f));
+  const auto pair = [&](const char* name, const char* test) {
+    return ImagePair{name, folder / "a.png", folder / test};
+  };
+  BatchOptions options;
+  options.fail_above = parse_thresholds("rmse=0.1");
+  options.warn_above = parse_thresholds("rmse=0.01");
+  std::vector<ImagePair> pairs{pair("same", "a.png"), pair("near", "b.png"), pair("missing", "lost.png"),
+                               pair("far", "c.png")};
+  pairs.push_back({"alone", folder / "a.png", {}});
+  const std::vector<PairOutcome> outcomes = compare_pairs(pairs, options);
+  std::vector<std::string> names;
+  for (const PairOutcome& outcome : outcomes) names.push_back(outcome.pair.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"alone", "missing", "far", "near", "same"}));
+  EXPECT_FALSE(outcomes[2].pass());
+  EXPECT_TRUE(outcomes[3].pass());
+  EXPECT_FALSE(outcomes[3].warnings.pass());
+  const json found = json::parse(batch_json(outcomes));
+  EXPECT_EQ(found["failed"], 3);
+  EXPECT_EQ(found["pass"], false);
+  EXPECT_EQ(found["pairs"][0]["error"], "the test has no picture of that name");
+  EXPECT_EQ(found["pairs"][4]["metrics"]["psnr"], "infinity");
+}
+
+}  // namespace
+}  // namespace alidade::test

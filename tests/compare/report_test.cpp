@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+#include "compare/report.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "compare/batch.h"
+#include "tests/compare/chromium.h"
+#include "tests/compare/picture_files.h"
+
+// The pages as people use them, in a browser without a window.
+
+namespace alidade::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* k_hostile =
+    "</script><script>window.hacked=1</script><img src=x onerror=window.hacked=1>";
+
+class ReportTest : public PictureTest {
+ protected:
+  void SetUp() override {
+    PictureTest::SetUp();
+    if (!chromium_program())
+      GTEST_SKIP() << "without chromium (apt-get install chromium) pages are not looked at";
+  }
+
+  /// Two pictures of 120 x 80 pixels: a wave, and the same with two bright squares.
+  void write_pictures() {
+    std::vector<float> wave(120 * 80 * 3);
+    for (std::size_t i = 0; i < wave.size(); ++i)
+      wave[i] = 0.4f + 0.2f * std::sin(0.05f * static_cast<float>(i / 3 % 120));
+    write_picture("wave.png", 120, 80, wave, {{"Comment", k_hostile}, {"alidade:samples", "16"}});
+    paint(wave, {10, 10, 30, 25});
+    paint(wave, {80, 50, 90, 60});
+    write_picture("<img src=x onerror=hacked()>'\".png", 120, 80, wave, {{"alidade:samples", "64"}});
+  }
+  static void paint(std::vector<float>& picture, const PixelRectangle& box) {
+    for (int y = box.top; y < box.bottom; ++y)
+      for (int x = box.left; x < box.right; ++x)
+        for (int c = 0; c < 3; ++c) picture[static_cast<std::size_t>((y * 120 + x) * 3 + c)] = 1.0f;
+  }
+
+  fs::path write_report() {
+    write_pictures();
+    ComparisonOptions options;
+    options.find_changes = ChangeMap::color;
+    options.keep_pictures = true;
+    const Comparison comparison =
+        compare_files(folder / "wave.png", folder / "<img src=x onerror=hacked()>'\".png", options);
+    const Verdict verdict = judge(comparison, parse_thresholds("flip=0.001,psnr<5"));
+    write_page(report_page(comparison, verdict, PicturePacking::automatic), folder / "report.html", false);
+    return folder / "report.html";
+  }
+};
+
+std::string text_of(Chromium& page, const std::string& id) {
+  return page.evaluate("document.getElementById('" + id + "').textContent");
+}
+
+double number(Chromium& page, const std::string& expression) {
+  return page.evaluate(expression).get<double>();
+}
+
+/// What is seen of the test, in pixels of the screen from the left of the stage.
+double divider(Chromium& page) {
+  return number(page, "parseFloat(document.getElementById('divider').style.left)");
+}
+
+void expect_quiet(const Chromium& page) {
+  for (const std::string& problem : page.problems()) ADD_FAILURE() << problem;
+}
+
+TEST_F(ReportTest, everything_is_there_on_a_desktop) {
+  Chromium page(folder, 1280, 900);
+  page.open(write_report());
+  EXPECT_NE(text_of(page, "verdict").find("Fail"), std::string::npos) << text_of(page, "verdict");
+  EXPECT_NE(text_of(page, "tiles").find("FLIP"), std::string::npos);
+  EXPECT_EQ(number(page, "document.querySelectorAll('#scene img').length"), 4) << "two pictures, two maps";
+  EXPECT_TRUE(
+      page.evaluate("[...document.images].every(image => image.complete && image.naturalWidth === 120)")
+          .get<bool>());
+  EXPECT_EQ(number(page, "document.querySelectorAll('#views button').length"), 6);
+  EXPECT_EQ(number(page, "document.querySelectorAll('#regions button').length"), 2);
+  EXPECT_EQ(number(page, "document.querySelectorAll('#metrics tr.bad').length"), 1)
+      << "the threshold that fails";
+  EXPECT_GE(number(page, "document.querySelectorAll('#histograms svg').length"), 2);
+  EXPECT_NE(text_of(page, "provenance").find("alidade:samples1664"), std::string::npos)
+      << text_of(page, "provenance");
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, names_and_metadata_are_text_and_never_html) {
+  Chromium page(folder, 1280, 900);
+  page.open(write_report());
+  EXPECT_NE(text_of(page, "names").find("<img src=x onerror=hacked()>'\".png"), std::string::npos)
+      << text_of(page, "names");
+  EXPECT_NE(text_of(page, "provenance").find(k_hostile), std::string::npos) << text_of(page, "provenance");
+  EXPECT_EQ(page.evaluate("document.title"), "<img src=x onerror=hacked()>'\".png against wave.png");
+  EXPECT_EQ(page.evaluate("typeof window.hacked"), "undefined");
+  EXPECT_EQ(number(page, "document.querySelectorAll('img[onerror]').length"), 0);
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, the_divider_follows_keys_the_slider_and_the_mouse) {
+  Chromium page(folder, 1280, 900);
+  page.open(write_report());
+  const double width = number(page, "document.getElementById('stage').clientWidth");
+  EXPECT_NEAR(divider(page), 0.5 * width, 1.0);
+  page.press("ArrowRight");
+  EXPECT_NEAR(divider(page), 0.52 * width, 1.0);
+  page.press("ArrowLeft");
+  page.press("ArrowLeft");
+  EXPECT_NEAR(divider(page), 0.48 * width, 1.0);
+  EXPECT_EQ(
+      page.evaluate("document.getElementById('picture-test').style.clipPath"),
+      page.evaluate("`inset(0px 0px 0px ${parseFloat(document.getElementById('divider').style.left)}px)`"));
+  const double left = number(page, "document.getElementById('stage').getBoundingClientRect().left");
+  const double top = number(page, "document.getElementById('stage').getBoundingClientRect().top") + 50.0;
+  page.drag(left + 0.5 * width, top, left + 0.25 * width, top);
+  EXPECT_NEAR(divider(page), 0.25 * width, 4.0);
+  page.evaluate(
+      "(s => { s.value = 75; s.dispatchEvent(new Event('input')); })(document.getElementById('swipe'))");
+  EXPECT_NEAR(divider(page), 0.75 * width, 1.0);
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, b_blinks_and_space_switches) {
+  Chromium page(folder, 1280, 900);
+  page.open(write_report());
+  page.press("b");
+  EXPECT_EQ(page.evaluate("document.getElementById('blink-run').getAttribute('aria-pressed')"), "true");
+  const std::string seen = "document.querySelector('#scene img.shown').id";
+  const std::string other_soon = "new Promise(done => { const first = " + seen + "; const check = () => " +
+                                 seen + " !== first ? done(true) : setTimeout(check, 20); check(); })";
+  EXPECT_TRUE(page.evaluate(other_soon).get<bool>());
+  page.press("b");
+  EXPECT_EQ(page.evaluate("document.getElementById('blink-run').getAttribute('aria-pressed')"), "false");
+  const auto before = page.evaluate(seen);
+  page.press(" ");
+  EXPECT_NE(page.evaluate(seen), before);
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, maps_have_legends_and_regions_jump_to_a_crop) {
+  Chromium page(folder, 1280, 900);
+  page.open(write_report());
+  page.press("m");
+  EXPECT_FALSE(page.evaluate("document.getElementById('legend').hidden").get<bool>());
+  EXPECT_NE(text_of(page, "legend-high"), "");
+  EXPECT_NE(page.evaluate("getComputedStyle(document.getElementById('legend-bar')).backgroundImage"), "none");
+  page.evaluate("document.querySelector('#regions button').click()");
+  EXPECT_EQ(number(page, "document.querySelectorAll('#crops canvas').length"), 4);
+  // The largest region, [10, 30) x [10, 25), is in the middle of the stage as far as the border lets it.
+  EXPECT_GT(number(page, "new DOMMatrix(getComputedStyle(document.getElementById('scene')).transform).a"),
+            1.5);
+  EXPECT_TRUE(
+      page.evaluate("(() => { const stage = document.getElementById('stage').getBoundingClientRect(), "
+                    "box = document.getElementById('box').getBoundingClientRect(); return box.width > 0 && "
+                    "box.left >= stage.left && box.right <= stage.right && box.top >= stage.top && "
+                    "box.bottom <= stage.bottom; })()")
+          .get<bool>());
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, on_a_phone_nothing_is_wider_than_the_screen_and_controls_have_labels) {
+  Chromium page(folder, 390, 844);
+  page.open(write_report());
+  EXPECT_EQ(number(page, "document.documentElement.scrollWidth"), 390);
+  EXPECT_EQ(page.evaluate("[...document.querySelectorAll('button, input, [role=img], img')].filter(e => "
+                          "!(e.textContent.trim() || e.alt || e.ariaLabel || e.getAttribute('aria-label') || "
+                          "(e.labels && e.labels.length))).map(e => e.outerHTML.slice(0, 80))"),
+            nlohmann::json::array());
+  EXPECT_EQ(page.evaluate("[...document.querySelectorAll('button')].filter(e => e.offsetParent && "
+                          "e.getBoundingClientRect().height < 36).length"),
+            0)
+      << "fingers need room";
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, a_summary_lists_pairs_worst_first_and_filters_them) {
+  write_pictures();
+  fs::create_directories(folder / "a");
+  fs::create_directories(folder / "b");
+  for (const char* const name : {"same.png", "squares.png", "lost.png"})
+    fs::copy(folder / "wave.png", folder / "a" / name);
+  fs::copy(folder / "wave.png", folder / "b/same.png");
+  fs::copy(folder / "<img src=x onerror=hacked()>'\".png", folder / "b/squares.png");
+  BatchOptions options;
+  options.fail_above = parse_thresholds("flip=0.001");
+  options.keep_thumbnails = true;
+  options.reports = folder / "pages";
+  const std::vector<PairOutcome> outcomes =
+      compare_pairs(pairs_of_folders(folder / "a", folder / "b"), options);
+  write_page(summary_page(outcomes, "a", "<b>b</b>", folder / "summary.html"), folder / "summary.html",
+             false);
+
+  Chromium page(folder, 390, 844);
+  page.open(folder / "summary.html");
+  EXPECT_EQ(page.evaluate("[...document.querySelectorAll('#pairs h3')].map(e => e.textContent)"),
+            nlohmann::json({"lost.png", "squares.png", "same.png"}));
+  EXPECT_EQ(
+      page.evaluate("[...document.querySelectorAll('#pairs a')].map(e => decodeURI(e.getAttribute('href')))"),
+      nlohmann::json({"pages/squares.png.html", "pages/same.png.html"}));
+  EXPECT_TRUE(fs::exists(folder / "pages/squares.png.html"));
+  page.evaluate("document.getElementById('only-failed').click()");
+  EXPECT_EQ(number(page, "[...document.querySelectorAll('#pairs li')].filter(e => e.offsetParent).length"),
+            2);
+  EXPECT_EQ(number(page, "document.documentElement.scrollWidth"), 390);
+  expect_quiet(page);
+}
+
+}  // namespace
+}  // namespace alidade::test
