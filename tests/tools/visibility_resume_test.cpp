@@ -36,8 +36,14 @@ class VisibilityResumeTest : public ProgramTest {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   bool has_checkpoint() const { return std::filesystem::exists(folder / "state"); }
+  /// Bytes; 0 if there is none.
+  std::uintmax_t checkpoint_size() const {
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(folder / "state", error);
+    return error ? 0 : size;
+  }
 
-  /// Runs a command whole; then kills it again and again soon after it has begun a checkpoint, goes on from
+  /// Runs a command whole; then kills it again and again soon after its checkpoint has grown, goes on from
   /// that, and compares all its files.
   void kill_and_resume(const Words& command, const Words& outputs, int kills) {
     Words whole = command, cut = with(command, k_keep);
@@ -50,8 +56,9 @@ class VisibilityResumeTest : public ProgramTest {
     Random random;
     int resumed = 0, killed = 0;
     for (int attempt = 0; attempt < kills; ++attempt) {
+      const std::uintmax_t size = checkpoint_size();
       Program program(cut, folder);
-      wait_while(program, [&] { return !has_checkpoint(); });
+      wait_while(program, [&] { return checkpoint_size() == size; });
       std::this_thread::sleep_for(std::chrono::microseconds(random.below(60'000)));
       program.send(SIGKILL);
       const ProgramResult result = program.wait();
