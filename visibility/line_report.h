@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octree/progress.h"
+#include "visibility/finished_parts.h"
 #include "visibility/fresnel.h"
 #include "visibility/line_curve.h"
 #include "visibility/line_points.h"
@@ -39,15 +40,16 @@ struct LineReportOptions {
   std::optional<double> wavelength{};  ///< metres
 };
 
-/// Every pair against every other place, each pair once: the first with the second, third, ..., the second
-/// with the third, ...
-std::vector<LinePair> all_pairs(std::span<const std::string> names, std::span<const SightEnd> ends);
+/// Lets a report fail before the work. Errors: margin negative or not finite; Earth radius not above 0; a
+/// transparency above 1 for lines that bend, which are asked for in pieces.
+void check_line_report(const LineReportOptions& options, int transparency);
 
 /// Reports on every pair, in their order; the same on any number of threads. `progress` is in pairs. Cost:
 /// some microseconds per pair, and ten to fifty milliseconds with a wavelength. Errors: ends not finite;
-/// margin negative or not finite; Earth radius not above 0; those of fresnel_clearance(), whose wavelength
-/// may come with a transparency; a transparency above 1 for lines that bend, which are asked for in pieces.
+/// those of check_line_report() and of fresnel_clearance(), whose wavelength may come with a transparency.
+/// `parts` keeps what is finished unless it is null.
 std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const LinePair> pairs,
-                                     const LineReportOptions& options, const Progress& progress = {});
+                                     const LineReportOptions& options, const Progress& progress = {},
+                                     FinishedParts* parts = nullptr);
 
 }  // namespace alidade

@@ -29,12 +29,42 @@ bool is_geographic(const Crs& crs) {
   return false;
 }
 
+/// The piece of WKT from one of the keys to the bracket that closes it; empty if there is none.
+std::string node_of(const std::string& wkt, std::initializer_list<const char*> keys) {
+  for (const char* const key : keys) {
+    const std::size_t begin = wkt.find(key);
+    if (begin == std::string::npos) continue;
+    int depth = 0;
+    bool is_quoted = false;
+    for (std::size_t i = begin; i < wkt.size(); ++i) {
+      if (wkt[i] == '"') is_quoted = !is_quoted;
+      if (is_quoted) continue;
+      if (wkt[i] == '[') ++depth;
+      if (wkt[i] == ']' && --depth == 0) return wkt.substr(begin, i + 1 - begin);
+    }
+  }
+  return "";
+}
+
+/// What tells of x and y alone: heights may be counted in another unit.
+Crs plane_part(const Crs& crs) {
+  constexpr std::uint16_t k_vertical_units = 4099;
+  Crs plane;
+  plane.wkt = node_of(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["});
+  if (plane.wkt.empty()) plane.wkt = crs.wkt;
+  plane.geotiff_keys = crs.geotiff_keys;
+  for (std::size_t i = 4; i + 3 < plane.geotiff_keys.size(); i += 4) {
+    if (plane.geotiff_keys[i] == k_vertical_units) plane.geotiff_keys[i] = 0;
+  }
+  return plane;
+}
+
 }  // namespace
 
 MapUnit map_unit(const Crs& crs) {
   if (crs.empty()) return MapUnit::unknown;
   if (is_geographic(crs)) return MapUnit::degree;
-  const std::string unit = height_unit(crs);
+  const std::string unit = height_unit(plane_part(crs));
   if (unit == "m") return MapUnit::metre;
   return unit == "ft" ? MapUnit::foot : MapUnit::unknown;
 }

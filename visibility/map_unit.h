@@ -13,6 +13,8 @@ enum class MapUnit {
   degree,  ///< no lengths can be measured over them
 };
 
+/// Of x and y; heights of a compound system may be counted in another unit. Told by the text of the system
+/// alone: one that is named by its code only is unknown (lon_lat.h asks GDAL).
 MapUnit map_unit(const Crs& crs);
 
 /// Metres of a unit; of an unknown one 1. Requires: not degrees.

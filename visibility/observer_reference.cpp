@@ -1,43 +1,30 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/observer_reference.h"
 
-#include <ogr_srs_api.h>
+#include <fmt/format.h>
 
 #include <cmath>
-#include <memory>
 #include <string_view>
 
 #include "octree/error.h"
-#include "renderer/gdal_handles.h"
+#include "renderer/gdal_reference.h"
 #include "renderer/image_geotiff.h"
 
 namespace alidade {
 namespace {
 
-constexpr const char* k_way_out =
-    "--observers-crs SYSTEM, or --observers-crs cloud if they are in the cloud's own";
-
-struct ReleaseReference {
-  void operator()(void* reference) const { OSRRelease(reference); }
-};
-using Reference = std::unique_ptr<void, ReleaseReference>;
-
-struct DestroyTransformation {
-  void operator()(void* transformation) const { OCTDestroyCoordinateTransformation(transformation); }
-};
-using Transformation = std::unique_ptr<void, DestroyTransformation>;
-
 /// What the user wrote, or the WKT of a file; null for text that says nothing. Errors: GDAL does not
 /// understand it.
-Reference read_reference(const std::string& text, bool is_wkt, const std::string& whose) {
+GdalReference read_reference(const std::string& text, bool is_wkt, const std::string& whose,
+                             const std::string& way_out) {
   if (text.empty()) return nullptr;
-  Reference reference(OSRNewSpatialReference(nullptr));
+  GdalReference reference(OSRNewSpatialReference(nullptr));
   char* wkt = const_cast<char*>(text.c_str());
   const OGRErr error =
       is_wkt ? OSRImportFromWkt(reference.get(), &wkt) : OSRSetFromUserInput(reference.get(), text.c_str());
   if (error != OGRERR_NONE) {
     throw Error({.problem = "the reference system of " + whose + " is not understood",
-                 .expected = k_way_out,
+                 .expected = way_out,
                  .found = text});
   }
   return reference;
@@ -45,18 +32,16 @@ Reference read_reference(const std::string& text, bool is_wkt, const std::string
 
 /// The plane part of a reference system, x east and y north; null for one that does not say where on Earth
 /// things are.
-Reference plane_part(Reference reference) {
+GdalReference plane_part(GdalReference reference) {
   if (!reference || OSRIsLocal(reference.get()) != 0) return nullptr;
   // So GeoPackage calls what it does not know.
   const char* const name = OSRGetName(reference.get());
   if (name != nullptr && std::string_view(name).starts_with("Undefined")) return nullptr;
-  // Heights do not move a place, and their grids may not be installed.
-  OSRStripVertical(reference.get());
-  OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+  make_plane(reference);
   return reference;
 }
 
-void transform(GivenObserver& observer, const Transformation& transformation) {
+void transform(GivenObserver& observer, const GdalTransformation& transformation) {
   glm::dvec2 place = observer.place;
   if (OCTTransform(transformation.get(), 1, &place.x, &place.y, nullptr) == 0 || !std::isfinite(place.x) ||
       !std::isfinite(place.y)) {
@@ -74,18 +59,21 @@ void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string
   if (reference.given == "cloud" || observers.empty()) return;
   const QuietGdal quiet;
   const bool is_wkt = reference.given.empty();
-  const Reference from = plane_part(read_reference(is_wkt ? own : reference.given, is_wkt, "the observers"));
-  const Reference to = plane_part(read_reference(wkt_of(reference.cloud), true, "the cloud"));
+  const std::string& option = reference.option;
+  const std::string way_out = fmt::format("{0} SYSTEM, or {0} cloud if they are in the cloud's own", option);
+  const GdalReference from =
+      plane_part(read_reference(is_wkt ? own : reference.given, is_wkt, "the observers", way_out));
+  const GdalReference to = plane_part(read_reference(wkt_of(reference.cloud), true, "the cloud", way_out));
   if (!from && !to) return;
   if (!from || !to) {
     throw Error(
         {.file = observers.front().source,
          .problem = to ? "the reference system of the observers is not known, but that of the cloud is"
                        : "the reference system of the cloud is not known, but that of the observers is",
-         .expected = to ? k_way_out : "--observers-crs cloud if they are in the cloud's own"});
+         .expected = to ? way_out : option + " cloud if they are in the cloud's own"});
   }
   if (OSRIsSame(from.get(), to.get()) != 0) return;
-  const Transformation transformation(OCTNewCoordinateTransformation(from.get(), to.get()));
+  const GdalTransformation transformation = transformation_between(from, to);
   if (!transformation) {
     throw Error({.problem = "there is no way from the observers' reference system to the cloud's",
                  .found = CPLGetLastErrorMsg()});

@@ -15,6 +15,7 @@ struct ObserverReference {
   /// and y north whatever its axes; "cloud" for the cloud's own. Empty: what the file says.
   std::string given{};
   Crs cloud{};
+  std::string option = "--observers-crs";  ///< how the user says it, for messages
 };
 
 /// Turns places into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z and

@@ -97,6 +97,10 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
   std::priority_queue<Offer> offers;
   for (std::size_t i = 0; i < alone.size(); ++i) offers.push({alone[i], i, 0});
   double sum = 0.0;
+  // Nobody covers more than everything, or than what is covered at any time and what as many candidates as
+  // asked for would add to that without seeing the same.
+  double bound = std::min(placement.total, sum_of_largest(alone, count));
+  std::size_t next_bound = 1;
   while (placement.places.size() < count && !offers.empty()) {
     const Offer offer = offers.top();
     offers.pop();
@@ -108,11 +112,12 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
     covered.add(offer.candidate);
     sum += offer.gain;
     placement.places.push_back({offer.candidate, offer.gain, sum});
+    // Weighing all candidates takes a pass over the bits, so not after each.
+    if (placement.places.size() != next_bound) continue;
+    bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
+    next_bound *= 2;
   }
-  // Nobody covers more than everything, than k candidates do without seeing the same, or than what is covered
-  // and what k more would add.
-  const double bound = std::min({placement.total, sum_of_largest(alone, count),
-                                 sum + sum_of_largest(all_gains(coverage, covered), count)});
+  bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
   placement.best_possible = std::max(bound, sum);
   return placement;
 }

@@ -33,8 +33,8 @@ struct Placement {
 /// Chooses up to `count` candidates one by one, each the one with the largest gain, of equal ones that with
 /// the lowest number; fewer if more would gain nothing. `weights` of the targets; empty: 1 each. Lazy: gains
 /// only fall, so a candidate is weighed again only when its last gain would win (Minoux 1978). Cost: a pass
-/// over the bits, and some rows more per place. Errors: count 0; weights not as many as targets, negative or
-/// not finite.
+/// over the bits, some rows more per place, and a pass for the bound after 1, 2, 4, ... places. Errors: count
+/// 0; weights not as many as targets, negative or not finite.
 Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights = {});
 
 }  // namespace alidade

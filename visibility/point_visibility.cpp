@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
 #include "octree/error.h"
 #include "octree/point_surface.h"
 #include "octree/tree_walk.h"
 #include "renderer/deterministic_math.h"
 #include "visibility/golden_turn.h"
+#include "visibility/raster.h"
 #include "visibility/run_parts.h"
 #include "visibility/sight_line.h"
 
@@ -215,11 +217,15 @@ void add_answers(const std::vector<Target>& targets, const BatchAnswers& answers
   }
 }
 
+bool has_masks(std::size_t observers) {
+  return observers > 1 && observers <= k_most_mask_observers;
+}
+
 PointVisibility make_columns(std::size_t points, std::size_t observers,
                              const PointVisibilityOptions& options) {
   PointVisibility all;
   all.counts.resize(points);
-  if (observers > 1 && observers <= k_most_mask_observers) all.masks.resize(points);
+  if (has_masks(observers)) all.masks.resize(points);
   if (options.sub_rays > 1) all.fractions.resize(points);
   if (options.with_blockers) all.blockers.assign(observers, std::vector<std::uint32_t>(points, k_no_blocker));
   return all;
@@ -227,13 +233,29 @@ PointVisibility make_columns(std::size_t points, std::size_t observers,
 
 }  // namespace
 
-PointVisibility point_visibility(const Occluders& occluders, std::span<const Observer> observers,
-                                 const PointVisibilityOptions& options) {
+void check_point_visibility(std::uint64_t points, std::size_t observers,
+                            const PointVisibilityOptions& options) {
+  constexpr std::uint64_t k_always = 5, k_to_write = 12;
   if (options.sub_rays < 1 || options.sub_rays > k_most_sub_rays) {
     throw Error({.problem = "lines to a point's disc are out of range",
                  .expected = fmt::format("1 to {}", k_most_sub_rays),
                  .found = std::to_string(options.sub_rays)});
   }
+  const std::uint64_t bytes_per_point =
+      k_always + k_to_write + (has_masks(observers) ? sizeof(std::uint64_t) : 0) +
+      (options.sub_rays > 1 ? sizeof(float) : 0) +
+      (options.with_blockers ? sizeof(std::uint32_t) * std::uint64_t{observers} : 0);
+  std::uint64_t bytes = 0;
+  if (__builtin_mul_overflow(points, bytes_per_point, &bytes))
+    bytes = std::numeric_limits<std::uint64_t>::max();
+  check_memory(bytes, options.with_blockers
+                          ? "who sees the points, and a column of blockers for each observer"
+                          : "who sees the points");
+}
+
+PointVisibility point_visibility(const Occluders& occluders, std::span<const Observer> observers,
+                                 const PointVisibilityOptions& options) {
+  check_point_visibility(occluders.octree().size(), observers.size(), options);
   const TreeView& tree = occluders.octree().view();
   const auto lines_per_point = static_cast<std::uint64_t>(options.sub_rays);
   const std::uint64_t total = lines_per_point * tree.point_count * observers.size();

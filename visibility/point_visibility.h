@@ -36,6 +36,12 @@ struct PointVisibilityOptions {
   Progress progress{};  ///< in sight lines
 };
 
+/// Lets a run fail before it starts. Errors: options out of range; more memory than there is, whose size is
+/// said: 5 B per point, 8 B for the masks, 4 B for fractions, 4 B per observer for blockers, and 12 B that
+/// writing them needs.
+void check_point_visibility(std::uint64_t points, std::size_t observers,
+                            const PointVisibilityOptions& options);
+
 /// What observers see of the points of a cloud. All columns are by point id.
 struct PointVisibility {
   /// How many observers see the point: it is in the field of view and not beyond max_distance, and nothing

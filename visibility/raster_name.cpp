@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include <algorithm>
-#include <cctype>
 #include <string>
 
 #include "octree/error.h"
+#include "visibility/file_ending.h"
 #include "visibility/raster_file.h"
 
 // Apart from the writing, so that who only checks the name does not load GDAL.
@@ -11,8 +10,7 @@
 namespace alidade {
 
 void check_raster_name(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = file_ending(file);
   if (extension == ".tif" || extension == ".tiff") return;
   throw Error({.file = file.string(),
                .problem = "maps are written as GeoTIFF",

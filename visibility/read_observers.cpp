@@ -13,6 +13,7 @@
 #include "octree/cloud/text_scanner.h"
 #include "octree/error.h"
 #include "renderer/gdal_handles.h"
+#include "visibility/file_ending.h"
 #include "visibility/observer_fields.h"
 #include "visibility/observer_table.h"
 
@@ -150,7 +151,7 @@ std::vector<GivenObserver> read_vector_file(const std::filesystem::path& path,
 
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
                                           const ObserverReference& reference) {
-  const std::filesystem::path ending = path.extension();
+  const std::string ending = file_ending(path);
   if (ending != ".csv" && ending != ".txt") return read_vector_file(path, reference);
   std::vector<GivenObserver> observers = read_observer_table(path);
   if (!reference.given.empty()) to_cloud_reference(observers, "", reference);

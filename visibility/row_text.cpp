@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/row_text.h"
 
+#include "visibility/file_ending.h"
+
 namespace alidade {
 namespace {
 
@@ -28,7 +30,7 @@ std::string cell_of(const Row& value) {
 }  // namespace
 
 std::optional<RowForm> row_form(const std::filesystem::path& file) {
-  const std::string ending = file.extension().string();
+  const std::string ending = file_ending(file);
   if (ending == ".csv") return RowForm::csv;
   if (ending == ".json") return RowForm::json;
   if (ending == ".geojson") return RowForm::geojson;

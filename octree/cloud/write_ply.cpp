@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <charconv>
 #include <functional>
 #include <string>
@@ -195,45 +196,66 @@ void append_ascii(std::string& text, ScalarType type, double number) {
   text.append(digits, static_cast<std::size_t>(end - digits));
 }
 
-std::string header(const PointCloud& cloud, const std::vector<Property>& properties, PlyEncoding encoding) {
+std::vector<Property> properties_of(const PointCloud& cloud) {
+  std::vector<Property> properties;
+  add_standard(cloud, properties);
+  add_extra(cloud, properties);
+  return properties;
+}
+
+std::string header(std::size_t points, const std::vector<Property>& properties, PlyEncoding encoding) {
   std::string text = "ply\nformat ";
   text += encoding == PlyEncoding::ascii ? "ascii 1.0\n" : "binary_little_endian 1.0\n";
   text += "comment written by Alidade\n";
-  text += "element vertex " + std::to_string(cloud.size()) + "\n";
+  text += "element vertex " + std::to_string(points) + "\n";
   for (const Property& property : properties)
     text += std::string("property ") + type_name(property.type) + " " + property.name + "\n";
   return text + "end_header\n";
 }
 
+void append_point(std::string& text, const std::vector<Property>& properties, PlyEncoding encoding,
+                  std::size_t point) {
+  for (std::size_t i = 0; i < properties.size(); ++i) {
+    const double number = properties[i].value(point);
+    if (encoding == PlyEncoding::ascii) {
+      if (i > 0) text += ' ';
+      append_ascii(text, properties[i].type, number);
+    } else {
+      append_binary(text, properties[i].type, number);
+    }
+  }
+  if (encoding == PlyEncoding::ascii) text += '\n';
+}
+
 }  // namespace
 
-void write_ply(const std::filesystem::path& path, const PointCloud& cloud, const PlyWriteOptions& options) {
-  std::vector<Property> properties;
-  add_standard(cloud, properties);
-  add_extra(cloud, properties);
-
+void write_ply(const std::filesystem::path& path, std::size_t point_count, const PlyPieces& pieces,
+               const PlyWriteOptions& options) {
   OutputFile output(path, options.overwrite);
-  std::string text = header(cloud, properties, options.encoding);
-  for (std::size_t point = 0; point < cloud.size(); ++point) {
-    if (point % k_points_per_write == 0) {
-      output.write(std::as_bytes(std::span(text)));
-      text.clear();
-      report(options.progress, point, cloud.size());
-    }
-    for (std::size_t i = 0; i < properties.size(); ++i) {
-      const double number = properties[i].value(point);
-      if (options.encoding == PlyEncoding::ascii) {
-        if (i > 0) text += ' ';
-        append_ascii(text, properties[i].type, number);
-      } else {
-        append_binary(text, properties[i].type, number);
+  std::size_t done = 0;
+  do {
+    const PointCloud& piece = pieces(done);
+    const std::vector<Property> properties = properties_of(piece);
+    std::string text = done == 0 ? header(point_count, properties, options.encoding) : "";
+    for (std::size_t point = 0; point < piece.size(); ++point) {
+      if (point % k_points_per_write == 0) {
+        output.write(std::as_bytes(std::span(text)));
+        text.clear();
+        report(options.progress, done + point, point_count);
       }
+      append_point(text, properties, options.encoding, point);
     }
-    if (options.encoding == PlyEncoding::ascii) text += '\n';
-  }
-  output.write(std::as_bytes(std::span(text)));
-  report(options.progress, cloud.size(), cloud.size());
+    output.write(std::as_bytes(std::span(text)));
+    assert(piece.size() > 0 || point_count == 0);
+    done += piece.size();
+  } while (done < point_count);
+  report(options.progress, point_count, point_count);
   output.commit();
+}
+
+void write_ply(const std::filesystem::path& path, const PointCloud& cloud, const PlyWriteOptions& options) {
+  write_ply(
+      path, cloud.size(), [&cloud](std::size_t) -> const PointCloud& { return cloud; }, options);
 }
 
 }  // namespace alidade

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 
 #include "octree/cloud/point_cloud.h"
 #include "octree/progress.h"
@@ -26,6 +28,13 @@ struct PlyWriteOptions {
 /// integers, which PLY lacks, as double; undocumented bytes, CRS and LAS records are left out. Errors: as
 /// OutputFile.
 void write_ply(const std::filesystem::path& path, const PointCloud& cloud,
+               const PlyWriteOptions& options = {});
+
+/// Gives the points from `first` on, at least one, as many as it likes; all pieces have the same attributes.
+using PlyPieces = std::function<const PointCloud&(std::size_t first)>;
+
+/// The same for a cloud of so many points that comes in pieces, with memory for one of them.
+void write_ply(const std::filesystem::path& path, std::size_t point_count, const PlyPieces& pieces,
                const PlyWriteOptions& options = {});
 
 }  // namespace alidade

@@ -2,7 +2,10 @@
 #include "octree/cloud/write_ply.h"
 
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
+#include "octree/cloud/attribute_columns.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/read_alone.h"
 
@@ -82,6 +85,33 @@ TEST_P(WritePly, world_coordinates_are_written_without_rounding) {
   const auto survey = open_ply(path)->survey({});
   EXPECT_EQ(survey.bounds.min, cloud.bounds().min);
   EXPECT_EQ(survey.bounds.max, cloud.bounds().max);
+}
+
+TEST_P(WritePly, pieces_make_the_bytes_of_the_whole) {
+  const std::filesystem::path folder = test_folder();
+  const PointCloud cloud = full_cloud();
+  write_ply(folder / "whole.ply", cloud, {.encoding = GetParam()});
+  PointCloud piece = cloud;
+  const AttributeColumns columns = columns_of(cloud);
+  const auto half = [&](std::size_t first) -> const PointCloud& {
+    for_each_column(piece, columns, [&](Attribute, auto& column, const auto& all) {
+      column.assign(all.begin() + static_cast<std::ptrdiff_t>(first),
+                    all.begin() + static_cast<std::ptrdiff_t>(first + 1));
+    });
+    piece.positions = {cloud.positions[first]};
+    for (std::size_t i = 0; i < cloud.extra_dimensions.size(); ++i) {
+      const ExtraDimension& all = cloud.extra_dimensions[i];
+      const auto begin = all.values.begin() + static_cast<std::ptrdiff_t>(first) * all.byte_count;
+      piece.extra_dimensions[i].values.assign(begin, begin + all.byte_count);
+    }
+    return piece;
+  };
+  write_ply(folder / "pieces.ply", cloud.size(), half, {.encoding = GetParam()});
+  const auto bytes = [&](const char* name) {
+    std::ifstream in(folder / name, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  EXPECT_EQ(bytes("pieces.ply"), bytes("whole.ply"));
 }
 
 TEST_P(WritePly, a_cloud_without_points_or_attributes_can_be_written) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tests/tools/run_program.h"
+#include "tests/tools/said_by.h"
 
 namespace alidade::test {
 namespace {
@@ -121,6 +122,14 @@ TEST_F(UsageTest, render_without_scene_or_cloud_says_what_is_missing) {
   const ProgramResult result = run({"render", "-o", "a.png"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "SCENE.json or --cloud")) << result.err;
+}
+
+TEST_F(UsageTest, program_itself_loads_neither_image_nor_map_libraries) {
+  if (said_by("command -v ldd", folder).empty()) GTEST_SKIP() << "ldd is not there";
+  const std::string libraries = said_by("ldd '" + program_file().string() + "'", folder);
+  EXPECT_TRUE(contains(libraries, "libstdc++")) << libraries;
+  for (const char* const name : {"libOpenImageIO", "libgdal", "libproj", "libfreetype"})
+    EXPECT_FALSE(contains(libraries, name)) << name;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "tests/tools/said_by.h"
 #include "tests/tools/wall_site.h"
 
 namespace alidade::test {
@@ -160,12 +161,99 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
   fails_with({"--places", "places.csv", "--frequency", "5", "--transparency", "2", "-o", "l.csv"},
              "a transparency counts crossings of straight lines");
   fails_with({"--places", "places.csv", "--end-margin", "-1", "-o", "l.csv"}, "--end-margin");
+  fails_with(
+      {"--places", "places.csv", "--end-margin", "4", "-o", "l.csv"},
+      "--end-margin leaves nothing of the line from 'west' to 'east'; expected less than half of its 8");
+  write(
+      "places.geojson",
+      R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[9,48]}}]})");
+  fails_with({"--places", "places.geojson", "-o", "l.csv"}, "expected --places-crs cloud");
   fails_with({"--places", "places.csv", "-o", "places.csv"}, "places.csv: is read from as well");
   write("there.csv", "mine");
   fails_with({"--places", "places.csv", "-o", "there.csv"}, "exists already");
   EXPECT_EQ(read("there.csv"), "mine");
-  EXPECT_EQ(names(), (std::vector<std::string>{"names.csv", "one.csv", "own.csv", "places.csv", "same.csv",
-                                               "site.csv", "there.csv"}));
+  EXPECT_EQ(names(), (std::vector<std::string>{"names.csv", "one.csv", "own.csv", "places.csv",
+                                               "places.geojson", "same.csv", "site.csv", "there.csv"}));
+}
+
+TEST_F(VisibilityLinesTest, wrong_places_are_found_before_surfaces_are_measured) {
+  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,west\n");
+  write("names.csv", "from,to\nwest,north\n");
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"lines", "site.csv", "--places", "places.csv", "--pairs", "names.csv"},
+        {"lines", "site.csv", "--places", "places.csv", "--frequency", "5", "--transparency", "2"},
+        {"place", "site.csv", "--observer", "900,900", "--count", "1"},
+        {"place", "site.csv", "--observer", "0,0,9", "--count", "1", "--target-classes", "77"}}) {
+    std::vector<std::string> all = {"visibility"};
+    all.insert(all.end(), words.begin(), words.end());
+    all.insert(all.end(), {"-o", "out.csv"});
+    const ProgramResult result = run(all);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_EQ(result.err.find("measuring spacings"), std::string::npos) << result.err;
+  }
+}
+
+TEST_F(VisibilityLinesTest, names_in_capitals_tell_the_form_as_well) {
+  write("PLACES.CSV", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
+  for (const std::string ending : {"csv", "json", "geojson"}) {
+    ASSERT_EQ(lines({"--places", "PLACES.CSV", "-o", "a." + ending}).exit_code, 0);
+    ASSERT_EQ(lines({"--places", "PLACES.CSV", "-o",
+                     ending == "csv"    ? "A.CSV"
+                     : ending == "json" ? "A.JSON"
+                                        : "A.GEOJSON"})
+                  .exit_code,
+              0);
+  }
+  EXPECT_EQ(read("a.csv"), read("A.CSV"));
+  EXPECT_EQ(read("a.json"), read("A.JSON"));
+  EXPECT_EQ(read("a.geojson"), read("A.GEOJSON"));
+}
+
+TEST_F(VisibilityLinesTest, names_of_clouds_in_capitals_tell_the_form_as_well) {
+  for (const std::string name : {"a.las", "A.LAS", "A.Ply"})
+    ASSERT_EQ(run({"visibility", "points", "site.csv", "--observer", "-4,0,1", "-q", "-o", name}).exit_code,
+              0);
+  EXPECT_EQ(read("a.las"), read("A.LAS"));
+  EXPECT_EQ(read("A.Ply").substr(0, 3), "ply");
+}
+
+TEST_F(VisibilityLinesTest, two_outputs_of_one_name_are_refused) {
+  const ProgramResult result = run({"visibility", "points", "site.csv", "--observer", "-4,0,1", "-o",
+                                    "seen.las", "--lists", "./seen.las", "--overwrite"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("./seen.las: is the name of two outputs"), std::string::npos) << result.err;
+}
+
+TEST_F(VisibilityLinesTest, ends_a_million_kilometres_away_take_no_time) {
+  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n1e6,0,1,far\n1e9,10,1e5,farther\n");
+  const ProgramResult result =
+      lines({"--places", "places.csv", "--frequency", "1", "--earth-radius-factor", "1", "-o", "lines.csv"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(rows_of(read("lines.csv")).size(), 6u);
+}
+
+TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
+  if (said_by("command -v ogrinfo", folder).empty()) GTEST_SKIP() << "ogrinfo (gdal-bin) is not there";
+  const auto ogrinfo = [&](const std::string& file) {
+    return said_by("ogrinfo -al -so -ro " + file, folder);
+  };
+  write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
+  ASSERT_EQ(lines({"--places", "places.csv", "-o", "lines.geojson"}).exit_code, 0);
+  // Two lines are cut in two by the wall.
+  EXPECT_NE(ogrinfo("lines.geojson").find("Feature Count: 5"), std::string::npos) << ogrinfo("lines.geojson");
+  EXPECT_NE(ogrinfo("lines.geojson").find("Geometry: 3D Line String"), std::string::npos);
+  ASSERT_EQ(run({"visibility", "place", "site.csv", "--observer", "-4,0,3", "--observer", "4,0,3", "--count",
+                 "2", "-q", "-o", "best.geojson"})
+                .exit_code,
+            0);
+  EXPECT_NE(ogrinfo("best.geojson").find("Feature Count: 2"), std::string::npos) << ogrinfo("best.geojson");
+  EXPECT_NE(ogrinfo("best.geojson").find("covered: Real"), std::string::npos);
+  ASSERT_EQ(run({"visibility", "horizon", "site.csv", "--observer", "-4,0,1", "--step", "30", "-q", "-o",
+                 "horizon.geojson"})
+                .exit_code,
+            0);
+  EXPECT_NE(ogrinfo("horizon.geojson").find("Feature Count: 13"), std::string::npos)
+      << ogrinfo("horizon.geojson");
 }
 
 TEST_F(VisibilityLinesTest, help_gives_units_and_examples) {

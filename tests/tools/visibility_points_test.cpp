@@ -298,6 +298,36 @@ TEST_F(VisibilityPointsTest, strange_observers_are_warned_of) {
   EXPECT_EQ(quiet.err, "");
 }
 
+TEST_F(VisibilityPointsTest, clouds_in_degrees_are_refused_by_every_command) {
+  PointCloud cloud = garden();
+  cloud.crs.wkt = R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+                  R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])";
+  write_las(folder / "degrees.las", cloud);
+  write("places.csv", "x,y,z\n690005,5325010,602\n690006,5325010,602\n");
+  for (const Words& words : {Words{"points", "degrees.las", "--observer", k_eye, "-o", "out.las"},
+                             {"lines", "degrees.las", "--places", "places.csv", "-o", "out.csv"},
+                             {"place", "degrees.las", "--observer", k_eye, "--count", "1", "-o", "out.csv"},
+                             {"horizon", "degrees.las", "--observer", k_eye},
+                             {"sky", "degrees.las", "-o", "out.las"}}) {
+    const ProgramResult result = run(with({"visibility"}, words));
+    EXPECT_EQ(result.exit_code, 2) << words[0];
+    EXPECT_TRUE(contains(result.err, "degrees.las: x and y are degrees, over which nothing has an elevation"))
+        << result.err;
+  }
+}
+
+TEST_F(VisibilityPointsTest, observers_at_any_distance_are_answered) {
+  write_garden();
+  for (const std::string place : {"1690005,5325010,700", "1e9,5325010,1e5", "-1e12,1e12,1e12"}) {
+    const ProgramResult result = run(with(k_points, {"--observer", place, "-o", "seen.las", "--overwrite"}));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, "outside of the cloud; is it in the cloud's coordinates?"))
+        << result.err;
+  }
+  EXPECT_TRUE(contains(run(with(k_points, {"--observer", "1e13,0,0", "-o", "no.las"})).err,
+                       "is at no place that a cloud can have"));
+}
+
 TEST_F(VisibilityPointsTest, existing_output_is_kept_without_overwrite) {
   write_garden();
   for (const char* const name : {"seen.las", "who.csv"}) {

@@ -242,18 +242,14 @@ TEST_F(VisibilityRasterTest, observers_in_the_ground_are_warned_of) {
   EXPECT_TRUE(contains(result.err, "observer 1")) << result.err;
 }
 
-TEST_F(VisibilityRasterTest, sight_is_not_bent_over_degrees) {
+TEST_F(VisibilityRasterTest, clouds_in_degrees_are_refused) {
   write_las(folder / "degrees.las",
             garden(R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                    R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])"));
-  const ProgramResult bent = run({"visibility", "raster", "degrees.las", "--observer", "690005,5325010,602",
-                                  "--cc", "1", "-o", "seen.tif"});
-  EXPECT_EQ(bent.exit_code, 2);
-  EXPECT_TRUE(contains(bent.err, "degrees")) << bent.err;
-  const ProgramResult straight =
+  const ProgramResult result =
       run({"visibility", "raster", "degrees.las", "--observer", "690005,5325010,602", "-o", "seen.tif"});
-  EXPECT_EQ(straight.exit_code, 0);
-  EXPECT_TRUE(contains(straight.err, "warning: the cloud's coordinates are degrees")) << straight.err;
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "degrees.las: x and y are degrees")) << result.err;
 }
 
 }  // namespace

@@ -143,5 +143,14 @@ TEST_F(VisibilityResumeTest, file_that_is_no_checkpoint_is_never_replaced_by_one
   EXPECT_TRUE(contains(same.err, "./out.las: is an output to write")) << same.err;
 }
 
+TEST_F(VisibilityResumeTest, lines_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
+  std::string places = "x,y,z\n";
+  for (int i = 0; i < 12; ++i)
+    places += std::to_string(100.0 + 0.1 * i) + "," + std::to_string(200.0 + 0.07 * i) + ",5.3\n";
+  write("places.csv", places);
+  kill_and_resume({"visibility", "lines", "square.xyz", "--places", "places.csv", "--frequency", "60GHz"},
+                  {"-o", "lines.json"}, 12);
+}
+
 }  // namespace
 }  // namespace alidade::test

@@ -211,6 +211,18 @@ TEST(MapUnitTest, reference_systems_tell_metres_feet_and_degrees) {
   Crs keys;
   keys.geotiff_keys = {1, 1, 0, 2, 1024, 0, 1, 2, 2048, 0, 1, 4326};
   EXPECT_EQ(map_unit(keys), MapUnit::degree);
+  // Oregon in feet with heights in metres, and the other way round, in both forms of WKT.
+  EXPECT_EQ(
+      of_wkt("COMPD_CS[\"c\",PROJCS[\"a [ft]\",GEOGCS[\"b\",UNIT[\"degree\",0.0174]],UNIT[\"foot\",0.3048]],"
+             "VERT_CS[\"v\",VERT_DATUM[\"d\",2005],UNIT[\"metre\",1]]]"),
+      MapUnit::foot);
+  EXPECT_EQ(of_wkt("COMPOUNDCRS[\"c\",PROJCRS[\"a\",BASEGEOGCRS[\"b\"],CS[Cartesian,2],AXIS[\"x\",east],"
+                   "LENGTHUNIT[\"metre\",1]],VERTCRS[\"v\",AXIS[\"up\",up],LENGTHUNIT[\"US survey "
+                   "foot\",0.3048006]]]"),
+            MapUnit::metre);
+  Crs compound_keys;
+  compound_keys.geotiff_keys = {1, 1, 0, 3, 1024, 0, 1, 1, 3076, 0, 1, 9002, 4099, 0, 1, 9001};
+  EXPECT_EQ(map_unit(compound_keys), MapUnit::foot);
   EXPECT_EQ(metres_per_unit(MapUnit::foot), 0.3048);
   EXPECT_EQ(metres_per_unit(MapUnit::unknown), 1.0);
 }

@@ -8,6 +8,7 @@
 #include "octree/error.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
+#include "visibility/line_report_bytes.h"
 
 namespace alidade::test {
 namespace {
@@ -175,17 +176,6 @@ TEST(LineReport, spheres_around_the_joints_of_a_bent_line_block) {
   }
 }
 
-TEST(LineReport, all_pairs_has_each_pair_once_in_order) {
-  const std::vector<std::string> names = {"a", "b", "c"};
-  const std::vector<SightEnd> ends = {{{1, 0, 0}}, {{2, 0, 0}}, {{3, 0, 0}}};
-  std::string order;
-  for (const LinePair& pair : all_pairs(names, ends)) {
-    order += pair.from_name + pair.to_name + " ";
-    EXPECT_LT(pair.from.position.x, pair.to.position.x);
-  }
-  EXPECT_EQ(order, "ab ac bc ");
-}
-
 TEST(LineReport, is_the_same_on_one_thread) {
   Random random;
   const Occluders occluders = wall().occluders();
@@ -222,6 +212,33 @@ TEST(LineReport, stops_when_asked_to) {
   const std::vector<LinePair> pairs(3, {"", {{0, 0, 1}}, "", {{9, 0, 1}}});
   EXPECT_THROW(report_lines(occluders, pairs, {}, [](std::uint64_t, std::uint64_t) { return false; }),
                Cancelled);
+}
+
+TEST(LineReport, comes_back_from_its_bytes) {
+  LineReport report;
+  report.length = 12.5;
+  report.blocker = Blocker{3, {1, 2, 3}, 4.5};
+  report.nearest = LinePoint{4, {5, 6, 7}, 8.5, 9.5};
+  FresnelClearance& zone = report.fresnel.emplace();
+  zone.radius = 0.5;
+  zone.worst_t = 2.5;
+  zone.is_clear = false;
+  zone.nearest = LinePoint{2, {1, 1, 1}, 1.0, 0.25};
+  zone.points = 17;
+  zone.obstructions = {{1, 0.5}, {2, 0.25}};
+  PartWriter writer;
+  put_report(report, writer);
+  PartReader reader(writer.bytes(), "file", 0);
+  const LineReport back = take_report(reader, 5);
+  reader.finish();
+  PartWriter again;
+  put_report(back, again);
+  EXPECT_EQ(again.bytes(), writer.bytes());
+  EXPECT_EQ(back.blocker, report.blocker);
+  EXPECT_EQ(back.fresnel->obstructions[1].share, 0.25);
+  // A cloud of four points has no point 4.
+  PartReader small(writer.bytes(), "file", 0);
+  EXPECT_THROW(take_report(small, 4), Error);
 }
 
 }  // namespace

@@ -134,6 +134,14 @@ TEST(Placement, greedy_meets_the_known_trap) {
   EXPECT_EQ(placement.best_possible, 6.0);
 }
 
+TEST(Placement, bound_is_the_best_of_those_along_the_way) {
+  // At the start the first two add up to 19, in the end two of the pairs could come to 12; after the first,
+  // which sees all that the second sees, two pairs at most come to 10.
+  const Coverage coverage = coverage_of(
+      {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}, {0, 1, 2, 3, 4, 5, 6, 7, 8}, {10, 11}, {12, 13}, {14, 15}}, 30);
+  EXPECT_EQ(choose_places(coverage, 2).best_possible, 14.0);
+}
+
 TEST(Placement, of_equal_gains_the_lowest_number_wins) {
   const Coverage coverage = coverage_of({{0}, {1, 2}, {3, 4}, {1, 2}, {5, 6}}, 7);
   EXPECT_EQ(candidates_of(choose_places(coverage, 9)), (std::vector<std::size_t>{1, 2, 4, 0}));

@@ -234,5 +234,19 @@ TEST(PointVisibility, progress_counts_all_lines_and_can_stop_them) {
   EXPECT_THROW(point_visibility(occluders, k_observers, options), Cancelled);
 }
 
+TEST(PointVisibility, what_does_not_fit_into_memory_is_refused_beforehand_and_its_size_said) {
+  constexpr std::uint64_t k_points = std::uint64_t{1} << 40;
+  try {
+    check_point_visibility(k_points, 64, {.with_blockers = true});
+    FAIL() << "takes 300 terabytes";
+  } catch (const Error& error) {
+    // 5 + 12 + 8 + 4 * 64 bytes per point.
+    EXPECT_NE(std::string(error.what()).find("column of blockers for each observer; expected 308962.8 GB"),
+              std::string::npos)
+        << error.what();
+  }
+  EXPECT_NO_THROW(check_point_visibility(1000, 64, {.with_blockers = true}));
+}
+
 }  // namespace
 }  // namespace alidade::test

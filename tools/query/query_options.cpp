@@ -8,6 +8,7 @@
 
 #include "octree/error.h"
 #include "tools/query/target_kind.h"
+#include "visibility/file_ending.h"
 
 namespace alidade {
 namespace {
@@ -180,7 +181,7 @@ LineSource open_targets(const QueryCommand& command, TargetFamily family) {
 }
 
 AnswerForm chosen_form(const QueryCommand& command) {
-  const std::string ending = command.output.extension().string();
+  const std::string ending = file_ending(command.output);
   std::optional<AnswerForm> form = command.format;
   if (!form && command.output.empty()) form = AnswerForm::csv;
   if (!form && ending == ".csv") form = AnswerForm::csv;

@@ -5,8 +5,8 @@
 
 namespace alidade {
 
-/// For answers that are angles: Error if x and y of the cloud are degrees and z is a length, so that nothing
-/// has an elevation.
+/// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing
+/// has an elevation, so that all answers about sight would be wrong.
 void check_map_unit(const PointCloud& cloud);
 
 }  // namespace alidade

@@ -15,7 +15,6 @@
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/picture_command.h"
-#include "tools/visibility/check_map_unit.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/load_visibility_cloud.h"
 #include "tools/visibility/map_reference.h"
@@ -23,6 +22,7 @@
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/row_output.h"
 #include "tools/visibility/sky_module.h"
+#include "visibility/file_ending.h"
 #include "visibility/horizon_file.h"
 #include "visibility/panorama.h"
 #include "visibility/sky_view.h"
@@ -53,9 +53,7 @@ struct View {
 };
 
 bool ends_in(const std::filesystem::path& file, std::initializer_list<std::string_view> endings) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  return std::ranges::find(endings, ending) != endings.end();
+  return std::ranges::find(endings, file_ending(file)) != endings.end();
 }
 
 bool is_geojson(const std::filesystem::path& file) {
@@ -74,11 +72,8 @@ void check_options(const HorizonCommand& command) {
   require(command.depth, ends_in(command.depth, {".exr"}), "a name ending in .exr");
   std::vector<std::filesystem::path> taken = command.files;
   if (!command.observers.file.empty()) taken.push_back(command.observers.file);
-  for (const std::filesystem::path& file : {command.output, command.skyline, command.depth}) {
-    if (file.empty()) continue;
-    check_writable(file, command.overwrite, taken);
-    taken.push_back(file);
-  }
+  const std::filesystem::path outputs[] = {command.output, command.skyline, command.depth};
+  check_outputs(outputs, command.overwrite, taken);
 }
 
 Observer only_observer(const HorizonCommand& command, const VisibilityCloud& cloud) {
@@ -211,7 +206,6 @@ ExitCode run(const HorizonCommand& command) {
   load_writers(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto cloud = load_cloud_alone(command.files, Attribute::classification, verbosity);
-  check_map_unit(cloud->cloud.cloud);
   const Observer observer = only_observer(command, *cloud);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(std::span(&observer, 1), *cloud, verbosity);

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <functional>
 #include <map>
 #include <span>
 
+#include "octree/distance.h"
 #include "octree/error.h"
 #include "tools/options.h"
 #include "tools/visibility/observer_options.h"
@@ -53,25 +55,16 @@ std::vector<Observer> ends_with_names(std::span<const Observer> places, const st
   return ends;
 }
 
-/// Who is paired: of --places all, of --pairs first and second end of each after each other.
-std::vector<Observer> load_ends(const PairRequest& request, const VisibilityCloud& cloud,
-                                Verbosity verbosity) {
-  std::vector<GivenPair> given;
-  if (!request.pairs.empty()) given = read_pair_table(request.pairs);
-  const bool has_places = !given.empty() && given.front().has_places;
-  if (has_places && !request.places.empty()) {
-    throw Error({.file = request.pairs.string(),
-                 .problem = "has coordinates of its own",
-                 .expected = "names of --places, or no --places"});
+/// Calls visit(first end, second end) for every line, in order.
+void for_each_pair(const LineEnds& ends, const std::function<void(std::size_t, std::size_t)>& visit) {
+  const std::size_t count = ends.places.size();
+  if (ends.are_pairs) {
+    for (std::size_t i = 0; i + 1 < count; i += 2) visit(i, i + 1);
+    return;
   }
-  ObserverOptions options;
-  if (has_places) options = ends_with_places(given);
-  options.file = request.places;
-  options.reference = request.places_crs;
-  options.defaults = request.defaults;
-  std::vector<Observer> ends;
-  if (has_places || !request.places.empty()) ends = load_observers(options, cloud, verbosity);
-  return given.empty() || has_places ? ends : ends_with_names(ends, given);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = i + 1; j < count; ++j) visit(i, j);
+  }
 }
 
 }  // namespace
@@ -112,29 +105,58 @@ void check_pair_request(const PairRequest& request) {
     throw Error({.problem = "--places-crs is for --places", .expected = "--places FILE"});
 }
 
-std::vector<LinePair> load_pairs(const PairRequest& request, const VisibilityCloud& cloud,
-                                 Verbosity verbosity) {
-  const std::vector<Observer> observers = load_ends(request, cloud, verbosity);
-  std::vector<std::string> names;
-  std::vector<SightEnd> ends;
-  for (const Observer& observer : observers) {
-    names.push_back(observer.name);
-    ends.push_back(end_near_surface(*cloud.occluders, observer.position));
+LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
+  std::vector<GivenPair> given;
+  if (!request.pairs.empty()) given = read_pair_table(request.pairs);
+  const bool has_places = !given.empty() && given.front().has_places;
+  if (has_places && !request.places.empty()) {
+    throw Error({.file = request.pairs.string(),
+                 .problem = "has coordinates of its own",
+                 .expected = "names of --places, or no --places"});
   }
-  std::vector<LinePair> pairs;
-  if (!request.pairs.empty()) {
-    for (std::size_t i = 0; i + 1 < ends.size(); i += 2)
-      pairs.push_back({names[i], ends[i], names[i + 1], ends[i + 1]});
-    return pairs;
+  ObserverOptions options;
+  if (has_places) options = ends_with_places(given);
+  options.file = request.places;
+  options.reference = request.places_crs;
+  options.reference_option = "--places-crs";
+  options.defaults = request.defaults;
+  LineEnds ends;
+  ends.are_pairs = !given.empty();
+  if (has_places || !request.places.empty()) ends.places = load_observers(options, cloud, verbosity);
+  if (ends.are_pairs) {
+    if (!has_places) ends.places = ends_with_names(ends.places, given);
+    return ends;
   }
-  if (ends.size() < 2) {
+  if (ends.places.size() < 2) {
     throw Error({.file = request.places.string(),
                  .problem = "holds a single place",
                  .expected = "two or more, which are paired"});
   }
-  const std::uint64_t count = std::uint64_t{ends.size()} * (ends.size() - 1) / 2;
+  const std::uint64_t count = std::uint64_t{ends.places.size()} * (ends.places.size() - 1) / 2;
   check_memory(count * (sizeof(LinePair) + sizeof(LineReport)), "the reports on all pairs");
-  return all_pairs(names, ends);
+  return ends;
+}
+
+void check_margin(const LineEnds& ends, double margin) {
+  if (margin == 0.0) return;
+  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
+    const double length = distance(ends.places[from].position, ends.places[to].position);
+    if (2.0 * margin < length) return;
+    throw Error({.problem = fmt::format("--end-margin leaves nothing of the line from '{}' to '{}'",
+                                        ends.places[from].name, ends.places[to].name),
+                 .expected = fmt::format("less than half of its {:.6g}", length),
+                 .found = fmt::format("{:.6g}", margin)});
+  });
+}
+
+std::vector<LinePair> pairs_of(const LineEnds& ends, const Occluders& occluders) {
+  std::vector<SightEnd> sight_ends;
+  for (const Observer& place : ends.places) sight_ends.push_back(end_near_surface(occluders, place.position));
+  std::vector<LinePair> pairs;
+  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
+    pairs.push_back({ends.places[from].name, sight_ends[from], ends.places[to].name, sight_ends[to]});
+  });
+  return pairs;
 }
 
 }  // namespace alidade

@@ -26,10 +26,21 @@ void add_pair_options(CLI::App& command, PairRequest& request);
 /// Errors that need no cloud: nothing asked for, --places-crs alone.
 void check_pair_request(const PairRequest& request);
 
-/// Reads places and pairs and gives them their places on the cloud: the pairs of a file, or every place with
-/// every other. Errors: those of read_pair_table() and load_observers(); names that no place or two have;
-/// coordinates beside --places; a single place; more pairs than fit into memory.
-std::vector<LinePair> load_pairs(const PairRequest& request, const VisibilityCloud& cloud,
-                                 Verbosity verbosity);
+/// The ends of lines.
+struct LineEnds {
+  std::vector<Observer> places;
+  bool are_pairs = false;  ///< first and second end of each line after each other; else all are paired
+};
+
+/// Reads places and pairs and gives them their places on the cloud. Surfaces need not be measured. Errors:
+/// those of read_pair_table() and load_observers(); names that no place or two have; coordinates beside
+/// --places; a single place; more pairs than fit into memory.
+LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity);
+
+/// Errors: a margin at either end that leaves nothing of a line.
+void check_margin(const LineEnds& ends, double margin);
+
+/// The lines: the pairs of a file, or every place with every other.
+std::vector<LinePair> pairs_of(const LineEnds& ends, const Occluders& occluders);
 
 }  // namespace alidade

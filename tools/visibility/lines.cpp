@@ -10,7 +10,9 @@
 #include "tools/visibility/commands.h"
 #include "tools/visibility/line_pairs.h"
 #include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/long_run.h"
 #include "tools/visibility/map_reference.h"
+#include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
 #include "visibility/frequency.h"
 #include "visibility/line_files.h"
@@ -28,6 +30,7 @@ struct LinesCommand {
   std::optional<std::optional<double>> earth_factor;  ///< empty inside: off
   double end_margin = 0.0;
   OccluderRequest occluders;
+  CheckpointRequest checkpoint;
   std::filesystem::path output;
   bool overwrite = false;
   std::optional<int> threads;
@@ -71,26 +74,54 @@ void say_result(const LinesCommand& command, const LineTable& table) {
   say_note(text);
 }
 
-ExitCode run_lines(const LinesCommand& command) {
-  const RowForm form = chosen_row_form(command.output);
+/// Errors that need no cloud.
+void check_options(const LinesCommand& command) {
+  chosen_row_form(command.output);
   check_pair_request(command.pairs);
   std::vector<std::filesystem::path> inputs = command.files;
   for (const std::filesystem::path& input : {command.pairs.pairs, command.pairs.places}) {
     if (!input.empty()) inputs.push_back(input);
   }
   check_writable(command.output, command.overwrite, inputs);
+  check_checkpoint(command.checkpoint, command.overwrite, {&command.output, 1}, inputs);
+}
+
+Identity identity_of(const CLI::App& words, const VisibilityCloud& cloud, std::span<const LinePair> pairs) {
+  Identity identity = run_identity(words, cloud);
+  std::vector<double> numbers;
+  for (const LinePair& pair : pairs) {
+    for (const glm::dvec3& end : {pair.from.position, pair.to.position})
+      numbers.insert(numbers.end(), {end.x, end.y, end.z});
+  }
+  identity.push_back({"number of lines", std::to_string(pairs.size())});
+  add_to_identity("ends of the lines", numbers, identity);
+  return identity;
+}
+
+ExitCode run_lines(const LinesCommand& command, const CLI::App& words) {
+  check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
-  const auto cloud = load_visibility_cloud(command.files, command.occluders, {}, verbosity);
+  load_row_writer(command.output);
+  const auto cloud = load_cloud_alone(command.files, {}, verbosity);
   const LineReportOptions options = report_options(command, *cloud);
+  check_line_report(options, command.occluders.transparency);
+  const LineEnds ends = load_line_ends(command.pairs, *cloud, verbosity);
+  check_margin(ends, command.end_margin);
+  measure_occluders(*cloud, command.occluders, verbosity);
+  say_observer_remarks(ends.places, *cloud, verbosity);
   LineTable table;
-  table.pairs = load_pairs(command.pairs, *cloud, verbosity);
+  table.pairs = pairs_of(ends, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
+  LongRun long_run(command.checkpoint, identity_of(words, *cloud, table.pairs), verbosity);
   ProgressLine line("looking along lines", "lines", verbosity);
-  table.reports = report_lines(*cloud->occluders, table.pairs, options, line.callback());
+  table.reports =
+      report_lines(*cloud->occluders, table.pairs, options, long_run.progress(line), long_run.parts());
   line.finish();
   const PointCloud& facts = cloud->cloud.cloud;
-  const bool is_done = write_lines(table, form, row_file_head(command.command_line, facts),
-                                   to_lon_lat_of(facts.crs), command.output, command.overwrite);
+  const bool is_done =
+      write_lines(table, chosen_row_form(command.output), row_file_head(command.command_line, facts),
+                  to_lon_lat_of(facts.crs), command.output, command.overwrite);
+  long_run.finish();
   if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
   say_result(command, table);
   return ExitCode::done;
@@ -143,6 +174,7 @@ Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_li
       ->option_text("FILE")
       ->required();
   lines->add_flag("--overwrite", command->overwrite, "replace an existing file");
+  add_checkpoint_options(*lines, command->checkpoint);
   add_threads(*lines, command->threads);
   add_verbosity(*lines, command->verbosity);
   lines->footer(
@@ -176,9 +208,9 @@ Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_li
       "  alidade visibility lines site.las --places masts.geojson -o lines.geojson\n"
       "  alidade visibility lines site.las --pairs links.csv --frequency 5.8GHz --end-margin 1 -o "
       "links.json\n");
-  return {lines, [command] {
+  return {lines, [command, lines] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run_lines(*command); });
+            with_threads(command->threads, [&] { code = run_lines(*command, *lines); });
             return code;
           }};
 }

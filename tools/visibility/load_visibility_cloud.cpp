@@ -9,6 +9,7 @@
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "tools/message.h"
+#include "tools/visibility/check_map_unit.h"
 
 namespace alidade {
 namespace {
@@ -72,6 +73,7 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesys
                                                   AttributeSet attributes, Verbosity verbosity) {
   auto loaded = std::make_unique<VisibilityCloud>();
   loaded->cloud = load(files, attributes, verbosity);
+  check_map_unit(loaded->cloud.cloud);
   loaded->columns = loaded->cloud.columns();
   return loaded;
 }

@@ -25,7 +25,8 @@ struct VisibilityCloud {
 };
 
 /// Loads cloud files or an index file and shows progress; occluders are still to be measured. What classes
-/// and `attributes` say is in memory then. Errors: as load_indexed_cloud(); no points.
+/// and `attributes` say is in memory then. Errors: as load_indexed_cloud(); no points; coordinates
+/// in degrees (check_map_unit.h).
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesystem::path>& files,
                                                   AttributeSet attributes, Verbosity verbosity);
 

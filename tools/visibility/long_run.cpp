@@ -64,15 +64,17 @@ Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud) {
 }
 
 void add_to_identity(std::span<const Observer> observers, Identity& identity) {
-  std::vector<std::uint64_t> sums;
+  std::vector<double> numbers;
   for (const Observer& one : observers) {
-    const std::array<double, 8> numbers{one.position.x,    one.position.y,  one.position.z,
-                                        one.azimuth_min,   one.azimuth_max, one.elevation_min,
-                                        one.elevation_max, one.max_distance};
-    sums.push_back(checksum(std::as_bytes(std::span(numbers))));
+    numbers.insert(numbers.end(), {one.position.x, one.position.y, one.position.z, one.azimuth_min,
+                                   one.azimuth_max, one.elevation_min, one.elevation_max, one.max_distance});
   }
   identity.push_back({"number of observers", std::to_string(observers.size())});
-  identity.push_back({"observers", sum_text(sums)});
+  add_to_identity("observers", numbers, identity);
+}
+
+void add_to_identity(const std::string& name, std::span<const double> numbers, Identity& identity) {
+  identity.push_back({name, fmt::format("{:016x}", checksum(std::as_bytes(numbers)))});
 }
 
 LongRun::LongRun(const CheckpointRequest& request, Identity identity, Verbosity verbosity)

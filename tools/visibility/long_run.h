@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <span>
+#include <string>
 
 #include "tools/progress.h"
 #include "tools/visibility/checkpoint_options.h"
@@ -20,6 +21,9 @@ Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud);
 
 /// Adds observers as they are placed.
 void add_to_identity(std::span<const Observer> observers, Identity& identity);
+
+/// The same for numbers of any other kind; `name` is how a message calls them.
+void add_to_identity(const std::string& name, std::span<const double> numbers, Identity& identity);
 
 /// A run that keeps what is finished, if that is wanted.
 ///

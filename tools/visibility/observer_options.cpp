@@ -9,8 +9,9 @@
 #include "octree/error.h"
 #include "tools/message.h"
 #include "tools/options.h"
+#include "tools/split_list.h"
+#include "tools/visibility/find_ground.h"
 #include "tools/visibility/observer_reader.h"
-#include "visibility/ground.h"
 #include "visibility/observer_grid.h"
 #include "visibility/observer_remarks.h"
 
@@ -22,11 +23,10 @@ constexpr std::size_t k_most_lines = 8;  ///< said about observers
 
 /// Two angles with a comma between.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
-  const std::size_t comma = text.find(',');
-  if (comma == std::string::npos)
+  const std::vector<std::string> words = split_list(text);
+  if (words.size() != 2)
     throw CLI::ValidationError("expected two angles with a comma between, found '" + text + "'");
-  return {parse_number(text.substr(0, comma), least, most),
-          parse_number(text.substr(comma + 1), least, most)};
+  return {parse_number(words[0], least, most), parse_number(words[1], least, most)};
 }
 
 void add_view(CLI::App& command, ObserverDefaults& defaults) {
@@ -62,7 +62,8 @@ void add_view(CLI::App& command, ObserverDefaults& defaults) {
 
 /// Those of the command line, then those of the file.
 std::vector<GivenObserver> read_given(const ObserverOptions& options, const Crs& crs) {
-  const ObserverReference reference{.given = options.reference, .cloud = crs};
+  const ObserverReference reference{
+      .given = options.reference, .cloud = crs, .option = options.reference_option};
   std::vector<GivenObserver> given = options.places;
   if (!options.reference.empty() && !given.empty()) load_observer_transformer()(reference, given);
   if (options.file.empty()) return given;
@@ -70,15 +71,6 @@ std::vector<GivenObserver> read_given(const ObserverOptions& options, const Crs&
   load_observer_reader()(options.file, reference, read);
   given.insert(given.end(), read.begin(), read.end());
   return given;
-}
-
-Ground find_ground(const VisibilityCloud& cloud, Verbosity verbosity) {
-  ProgressLine line("finding the ground", "points", verbosity);
-  GroundOptions options;
-  options.progress = line.callback();
-  Ground ground = make_ground(cloud.octree(), cloud.columns.classifications, options);
-  line.finish();
-  return ground;
 }
 
 /// Says where the first observers are.
@@ -148,7 +140,7 @@ std::vector<Observer> load_observers(const ObserverOptions& options, const Visib
   const bool needs_ground =
       options.grid || std::ranges::any_of(given, [](const GivenObserver& one) { return !one.z; });
   std::optional<Ground> own_ground;
-  if (needs_ground && !ground) own_ground = find_ground(cloud, verbosity);
+  if (needs_ground && !ground) own_ground = find_ground(cloud, {}, verbosity);
   const GroundHeight height_at =
       ground ? ground : [&](const glm::dvec2& place) { return own_ground->at(place); };
   if (options.grid) {

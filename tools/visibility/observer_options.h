@@ -16,11 +16,12 @@ namespace alidade {
 
 /// Which observers were asked for on the command line.
 struct ObserverOptions {
-  std::vector<GivenObserver> places;  ///< --observer
-  std::filesystem::path file;         ///< --observers; empty: none
-  std::string reference;              ///< --observers-crs, as ObserverReference::given
-  std::optional<double> grid;         ///< --observer-grid, width of its cells
-  ObserverDefaults defaults;          ///< what holds for those that do not say it themselves
+  std::vector<GivenObserver> places;                 ///< --observer
+  std::filesystem::path file;                        ///< --observers; empty: none
+  std::string reference;                             ///< --observers-crs, as ObserverReference::given
+  std::string reference_option = "--observers-crs";  ///< what messages call it
+  std::optional<double> grid;                        ///< --observer-grid, width of its cells
+  ObserverDefaults defaults;                         ///< what holds for those that do not say it themselves
 };
 
 /// Declares the options in a group of their own; they fill `options`.

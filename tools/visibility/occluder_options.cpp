@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/occluder_options.h"
 
-#include <algorithm>
-
 #include "tools/options.h"
+#include "tools/split_list.h"
 
 namespace alidade {
 namespace {
@@ -14,13 +13,9 @@ constexpr const char* k_group = "What blocks";
 std::bitset<256> parse_classes(const std::string& text) {
   std::bitset<256> classes;
   if (text == "none") return classes;
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    classes.set(static_cast<std::size_t>(parse_count(text.substr(begin, end - begin), 0, 255)));
-    if (end == text.size()) return classes;
-    begin = end + 1;
-  }
+  for (const std::string& word : split_list(text))
+    classes.set(static_cast<std::size_t>(parse_count(word, 0, 255)));
+  return classes;
 }
 
 }  // namespace

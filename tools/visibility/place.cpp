@@ -8,6 +8,7 @@
 #include "renderer/image.h"
 #include "tools/message.h"
 #include "tools/options.h"
+#include "tools/split_list.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/coverage_writer.h"
 #include "tools/visibility/load_visibility_cloud.h"
@@ -37,17 +38,6 @@ struct PlaceCommand {
   VerbosityOptions verbosity;
 };
 
-/// Calls take(word) for what stands between commas.
-void for_each_word(const std::string& text, const std::function<void(const std::string&)>& take) {
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    take(text.substr(begin, end - begin));
-    if (end == text.size()) return;
-    begin = end + 1;
-  }
-}
-
 int parse_class(const std::string& text) {
   return static_cast<int>(parse_count(text, 0, 255));
 }
@@ -55,14 +45,14 @@ int parse_class(const std::string& text) {
 /// "2=1,6=5".
 std::map<int, double> parse_weights(const std::string& text) {
   std::map<int, double> weights;
-  for_each_word(text, [&](const std::string& word) {
+  for (const std::string& word : split_list(text)) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos)
       throw CLI::ValidationError("expected CLASS=WEIGHT, as 6=2.5, found '" + word + "'");
     const int number = parse_class(word.substr(0, equals));
     if (!weights.emplace(number, parse_number(word.substr(equals + 1), 0.0, 1e9)).second)
       throw CLI::ValidationError(fmt::format("class {} is weighed twice", number));
-  });
+  }
   return weights;
 }
 
@@ -119,9 +109,13 @@ void say_result(const PlaceCommand& command, const Placement& placement) {
 ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
-  const auto cloud = load_visibility_cloud(command.files, command.occluders, {}, verbosity);
+  load_row_writer(command.output);
+  if (!command.curve.empty()) load_coverage_writer();
+  const auto cloud = load_cloud_alone(command.files, {}, verbosity);
   const std::vector<Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
   const std::vector<PlacementTarget> targets = targets_of(command, *cloud);
+  measure_occluders(*cloud, command.occluders, verbosity);
+  say_observer_remarks(candidates, *cloud, verbosity);
   if (!command.verbosity.quiet)
     say_note(fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
   Identity identity = run_identity(words, *cloud);
@@ -163,9 +157,8 @@ void add_targets(CLI::App& place, PlaceCommand& command) {
             "points of these classes only, as 2,11 (default: all but those of --ignore-classes)",
             [&command](const std::string& text) {
               command.target_classes.emplace();
-              for_each_word(text, [&](const std::string& word) {
+              for (const std::string& word : split_list(text))
                 command.target_classes->set(static_cast<std::size_t>(parse_class(word)));
-              });
             })
       ->group(group);
   add_value(place, "--class-weights", "LIST",

@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "octree/cloud/output_file.h"
 #include "octree/error.h"
@@ -15,6 +14,7 @@
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/write_points.h"
+#include "visibility/file_ending.h"
 #include "visibility/point_visibility.h"
 
 namespace alidade {
@@ -66,41 +66,27 @@ class SeenList {
   OutputFile file_;
 };
 
-/// A column of a scalar type whose values are `value(id)`.
-template <class Value, class Of>
-ResultColumn column(std::string name, std::string description, ScalarType type, const Of& of) {
-  ResultColumn result;
-  result.description.name = std::move(name);
-  result.description.description = std::move(description);
-  result.description.type = type;
-  result.description.byte_count = scalar_size(type);
-  result.fill = [of](std::size_t first, std::size_t count, std::uint8_t* values) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const Value value = of(first + i);
-      std::memcpy(values + i * sizeof(Value), &value, sizeof(Value));
-    }
-  };
-  return result;
-}
-
 /// `seen` must outlive the columns.
 std::vector<ResultColumn> columns_of(const PointVisibility& seen) {
   std::vector<ResultColumn> columns;
-  columns.push_back(column<std::uint8_t>("Visible", "1: some observer sees it", ScalarType::uint8,
-                                         [&seen](std::size_t id) { return seen.counts[id] > 0 ? 1 : 0; }));
-  columns.push_back(column<std::uint32_t>("VisibleCount", "observers that see it", ScalarType::uint32,
-                                          [&seen](std::size_t id) { return seen.counts[id]; }));
+  columns.push_back(
+      result_column<std::uint8_t>("Visible", "1: some observer sees it", ScalarType::uint8,
+                                  [&seen](std::size_t id) { return seen.counts[id] > 0 ? 1 : 0; }));
+  columns.push_back(result_column<std::uint32_t>("VisibleCount", "observers that see it", ScalarType::uint32,
+                                                 [&seen](std::size_t id) { return seen.counts[id]; }));
   if (!seen.masks.empty()) {
-    columns.push_back(column<std::uint64_t>("VisibleBy", "bit i-1: observer i sees it", ScalarType::uint64,
-                                            [&seen](std::size_t id) { return seen.masks[id]; }));
+    columns.push_back(result_column<std::uint64_t>("VisibleBy", "bit i-1: observer i sees it",
+                                                   ScalarType::uint64,
+                                                   [&seen](std::size_t id) { return seen.masks[id]; }));
   }
   if (!seen.fractions.empty()) {
-    columns.push_back(column<float>("VisibleFraction", "share of its disc that is seen", ScalarType::float32,
-                                    [&seen](std::size_t id) { return seen.fractions[id]; }));
+    columns.push_back(result_column<float>("VisibleFraction", "share of its disc that is seen",
+                                           ScalarType::float32,
+                                           [&seen](std::size_t id) { return seen.fractions[id]; }));
   }
   for (std::size_t i = 0; i < seen.blockers.size(); ++i) {
     const std::vector<std::uint32_t>& blockers = seen.blockers[i];
-    columns.push_back(column<std::int64_t>(
+    columns.push_back(result_column<std::int64_t>(
         seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
         "id of what blocks it, -1: nothing", ScalarType::int64, [&blockers](std::size_t id) {
           return blockers[id] == k_no_blocker ? std::int64_t{-1} : std::int64_t{blockers[id]};
@@ -122,7 +108,7 @@ void check_options(const PointsCommand& command) {
 /// Error if the bits of VisibleBy do not fit into the numbers of the output.
 void check_observer_count(const PointsCommand& command, std::size_t observers) {
   constexpr std::size_t k_most_in_double = 53;
-  if (command.output.extension() != ".ply" || observers <= k_most_in_double ||
+  if (file_ending(command.output) != ".ply" || observers <= k_most_in_double ||
       observers > k_most_mask_observers)
     return;
   throw Error({.file = command.output.string(),
@@ -143,12 +129,19 @@ bool with_blockers(const PointsCommand& command, std::size_t observers) {
   return wanted;
 }
 
-PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
-                     std::span<const Observer> observers, bool tells_blockers, LongRun& long_run,
-                     std::optional<SeenList>& list) {
+/// What to ask for. Errors: too many columns, or not enough memory for them.
+PointVisibilityOptions visibility_options(const PointsCommand& command, std::uint64_t points,
+                                          std::size_t observers) {
   PointVisibilityOptions options;
   options.sub_rays = command.sub_rays;
-  options.with_blockers = tells_blockers;
+  options.with_blockers = with_blockers(command, observers);
+  check_point_visibility(points, observers, options);
+  return options;
+}
+
+PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
+                     std::span<const Observer> observers, PointVisibilityOptions options, LongRun& long_run,
+                     std::optional<SeenList>& list) {
   if (list) {
     options.each_observer = [&list](std::size_t number, std::span<const std::uint8_t> seen) {
       list->add(number + 1, seen);
@@ -168,7 +161,8 @@ ExitCode run(const PointsCommand& command, const CLI::App& words) {
   const auto cloud = load_cloud_alone(command.files, AttributeSet::all(), verbosity);
   const std::vector<Observer> observers = load_observers(command.observers, *cloud, verbosity);
   check_observer_count(command, observers.size());
-  const bool tells_blockers = with_blockers(command, observers.size());
+  const PointVisibilityOptions options =
+      visibility_options(command, cloud->octree().size(), observers.size());
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
   if (observers.size() > k_most_mask_observers && command.lists.empty() && !command.verbosity.quiet) {
@@ -181,7 +175,7 @@ ExitCode run(const PointsCommand& command, const CLI::App& words) {
   LongRun long_run(command.checkpoint, std::move(identity), verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
-  const PointVisibility seen = look(command, *cloud, observers, tells_blockers, long_run, list);
+  const PointVisibility seen = look(command, *cloud, observers, options, long_run, list);
   write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
   if (list) list->finish();
   long_run.finish();

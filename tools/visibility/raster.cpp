@@ -35,15 +35,6 @@ void check_options(const RasterCommand& command) {
 
 /// Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
 SightCurve curve_of(const RasterCommand& command, MapUnit unit) {
-  if (unit == MapUnit::degree) {
-    if (command.curvature.value_or(0.0) > 0.0) {
-      throw Error({.problem = "sight cannot be bent over a map in degrees",
-                   .expected = "a cloud in a projected reference system, or --curvature 0"});
-    }
-    if (!command.verbosity.quiet)
-      say_warning("the cloud's coordinates are degrees: lengths and heights do not fit together");
-    return {};
-  }
   const bool usual = default_set(command) == DefaultSet::gdal && unit != MapUnit::unknown;
   return SightCurve(command.curvature.value_or(usual ? k_usual_curvature : 0.0), metres_per_unit(unit));
 }

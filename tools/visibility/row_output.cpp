@@ -16,6 +16,10 @@ RowForm chosen_row_form(const std::filesystem::path& file) {
                .expected = ".csv, .json or .geojson"});
 }
 
+void load_row_writer(const std::filesystem::path& file) {
+  if (chosen_row_form(file) == RowForm::geojson) load_lon_lat();
+}
+
 RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud) {
   RowFileHead head{.command = picture_command(command_line), .cloud_files = {}};
   for (const CloudFile& file : cloud.files) head.cloud_files.push_back(file.path.string());

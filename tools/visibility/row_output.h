@@ -14,6 +14,9 @@ namespace alidade {
 /// By the ending of the name. Errors: none of them.
 RowForm chosen_row_form(const std::filesystem::path& file);
 
+/// Fails before the work if such a file cannot be written here. Errors: those of load_module_function().
+void load_row_writer(const std::filesystem::path& file);
+
 RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud);
 
 /// Through the module, which is loaded when the function is first called. Empty for a cloud without a

@@ -11,7 +11,7 @@
 #include "octree/tree_walk.h"
 #include "tools/cloud_description.h"
 #include "tools/message.h"
-#include "tools/visibility/file_ending.h"
+#include "visibility/file_ending.h"
 
 namespace alidade {
 namespace {
@@ -92,7 +92,7 @@ void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud
 }  // namespace
 
 void check_points_name(const std::filesystem::path& file) {
-  const std::string ending = lower_ending(file);
+  const std::string ending = file_ending(file);
   if (ending == ".las" || ending == ".ply") return;
   throw Error({.file = file.string(),
                .problem = "the name does not tell a form that points are written in",
@@ -109,13 +109,16 @@ void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
           fmt::format("{}: the cloud's own {} gives way to that of this command", file.string(), name));
   }
   ProgressLine line("writing", "points", verbosity);
-  if (lower_ending(file) == ".las") {
+  if (file_ending(file) == ".las") {
     write_las_rows(file, cloud, rows, overwrite, line.callback());
   } else {
     PlyWriteOptions options;
     options.overwrite = overwrite;
     options.progress = line.callback();
-    write_ply(file, rows.rows(0, rows.size()), options);
+    const PlyPieces pieces = [&rows](std::size_t first) -> const PointCloud& {
+      return rows.rows(first, std::min(k_rows_at_once, rows.size() - first));
+    };
+    write_ply(file, rows.size(), pieces, options);
   }
   line.finish();
 }

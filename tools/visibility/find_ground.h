@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "tools/visibility/load_visibility_cloud.h"
+#include "visibility/ground.h"
+
+namespace alidade {
+
+/// make_ground() below a cloud, with its progress shown. Occluders need not be measured.
+Ground find_ground(const VisibilityCloud& cloud, GroundOptions options, Verbosity verbosity);
+
+}  // namespace alidade
