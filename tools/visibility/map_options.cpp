@@ -10,8 +10,9 @@
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/picture_command.h"
-#include "tools/visibility/file_ending.h"
+#include "tools/visibility/find_ground.h"
 #include "tools/visibility/map_writer.h"
+#include "visibility/file_ending.h"
 #include "visibility/map_unit.h"
 #include "visibility/viewshed_area.h"
 
@@ -88,7 +89,7 @@ void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files) {
   load_raster_writer();
   if (map.preview.empty()) return;
-  if (lower_ending(map.preview) != ".png") {
+  if (file_ending(map.preview) != ".png") {
     throw Error({.file = map.preview.string(),
                  .problem = "previews are written as PNG",
                  .expected = "a name ending in .png"});
@@ -99,14 +100,11 @@ void check_map_writing(const MapOptions& map, bool overwrite,
 }
 
 Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity) {
-  ProgressLine line("finding the ground", "points", verbosity);
   GroundOptions options;
   options.source = map.ground_source.value_or(GroundSource::automatic);
   options.cell_size = map.ground_cell;
   options.reach = map.ground_reach.value_or(options.reach);
-  options.progress = line.callback();
-  Ground ground = make_ground(cloud.octree(), cloud.columns.classifications, options);
-  line.finish();
+  Ground ground = find_ground(cloud, options, verbosity);
   if (verbosity != Verbosity::quiet) say_note("ground: " + ground_text(ground));
   return ground;
 }

@@ -48,7 +48,8 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
       point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command), line.callback());
   line.finish();
   const auto value = [&views](std::size_t id) { return views[id]; };
-  write_points(request.output, cloud.cloud, {float_column("SkyView", "sky-view factor, 0 to 1", value)},
+  write_points(request.output, cloud.cloud,
+               {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
                request.overwrite, verbosity);
   return range_and_mean(value, views.size());
 }

@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <utility>
 
 #include "octree/error.h"
-#include "tools/visibility/check_map_unit.h"
-#include "tools/visibility/file_ending.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/observer_options.h"
+#include "visibility/file_ending.h"
 
 namespace alidade {
 namespace {
@@ -27,7 +24,7 @@ void check_sky_request(const SkyRequest& request) {
   if (request.is_map()) {
     if (request.receiver) refuse("--receiver", "points (.las, .ply); cells of a map lie horizontally");
   } else {
-    const std::string ending = lower_ending(request.output);
+    const std::string ending = file_ending(request.output);
     if (ending != ".las" && ending != ".ply") {
       throw Error({.file = request.output.string(),
                    .problem = "the name tells no format",
@@ -46,7 +43,7 @@ void check_sky_request(const SkyRequest& request) {
 }  // namespace
 
 bool SkyRequest::is_map() const {
-  const std::string ending = lower_ending(output);
+  const std::string ending = file_ending(output);
   return ending == ".tif" || ending == ".tiff";
 }
 
@@ -86,28 +83,11 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
   const Verbosity verbosity = request.verbosity.verbosity();
   SkySite site{load_cloud_alone(request.files, attributes, verbosity), {}, {}};
-  check_map_unit(site.cloud->cloud.cloud);
   if (!request.is_map()) return site;
   site.ground = find_map_ground(request.map, *site.cloud, verbosity);
   site.grid = map_grid(request.map, map_area(request.map, *site.cloud), bands,
                        map_unit_text(site.cloud->cloud.cloud.crs), verbosity);
   return site;
-}
-
-ResultColumn float_column(const std::string& name, const std::string& description,
-                          std::function<float(std::size_t id)> value) {
-  ResultColumn column;
-  column.description.name = name;
-  column.description.description = description;
-  column.description.type = ScalarType::float32;
-  column.description.byte_count = scalar_size(ScalarType::float32);
-  column.fill = [value = std::move(value)](std::size_t first, std::size_t count, std::uint8_t* values) {
-    for (std::size_t i = 0; i < count; ++i) {
-      const float number = value(first + i);
-      std::memcpy(values + i * sizeof(float), &number, sizeof(float));
-    }
-  };
-  return column;
 }
 
 void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,

@@ -48,12 +48,8 @@ struct SkySite {
 
 /// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: the
 /// output's name or place; options that mean nothing for this kind of output; what it ends in cannot be
-/// written here; those of load_cloud_alone(), check_map_unit(), map_grid().
+/// written here; those of load_cloud_alone(), map_grid().
 SkySite load_sky_site(const SkyRequest& request, int bands);
-
-/// Numbers by point id as a column of LAS or PLY; they must outlive it. `value` answers that of a point.
-ResultColumn float_column(const std::string& name, const std::string& description,
-                          std::function<float(std::size_t id)> value);
 
 /// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {

@@ -127,12 +127,12 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
       *cloud.occluders, cloud.columns.normals, sun.bins,
       {request.receiver.value_or(SkyReceiver::surface), request.max_distance}, line.callback());
   line.finish();
-  write_points(
-      request.output, cloud.cloud,
-      {float_column("SunHours", "hours of direct sun", [&](std::size_t id) { return hours[id].hours; }),
-       float_column("SunEnergy", "direct sun, kWh/m2",
-                    [&](std::size_t id) { return hours[id].kilowatt_hours; })},
-      request.overwrite, verbosity);
+  write_points(request.output, cloud.cloud,
+               {result_column<float>("SunHours", "hours of direct sun", ScalarType::float32,
+                                     [&](std::size_t id) { return hours[id].hours; }),
+                result_column<float>("SunEnergy", "direct sun, kWh/m2", ScalarType::float32,
+                                     [&](std::size_t id) { return hours[id].kilowatt_hours; })},
+               request.overwrite, verbosity);
   return range_and_mean([&](std::size_t id) { return hours[id].hours; }, hours.size());
 }
 
