@@ -119,7 +119,9 @@ TEST_F(VisibilityLinesTest, transparency_sees_through_one_wall_and_occluders_are
   EXPECT_EQ(visible({}), "0");
   EXPECT_EQ(visible({"--transparency", "2"}), "1");
   EXPECT_EQ(visible({"--ignore-classes", "6"}), "1");
-  EXPECT_EQ(visible({"--end-margin", "4"}), "1");
+  const ProgramResult refused = lines({"--pairs", "pairs.csv", "-o", "m.csv", "--end-margin", "4"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("--end-margin leaves nothing of the line"), std::string::npos) << refused.err;
   EXPECT_EQ(visible({"--end-margin", "3.5"}), "0");
 }
 
