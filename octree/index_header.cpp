@@ -205,7 +205,8 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
     const bool is_there = header.find(needed) != nullptr;
     page.require(is_there == has_surfaces, k_section_table,
                  fmt::format("sections and header disagree about {}", name(needed)),
-                 has_surfaces ? "the section" : "none", is_there ? "the section" : "none");
+                 has_surfaces ? "the section, as 'alidade index --surfaces' writes it" : "none",
+                 is_there ? "the section" : "none");
   }
   page.require(header.sections.back().end() == header.file_bytes, 24, "bytes behind the last section",
                fmt::format("{} bytes in all", header.sections.back().end()), header.file_bytes);

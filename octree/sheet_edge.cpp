@@ -19,7 +19,6 @@ constexpr double k_step = 0.1, k_gap = 0.2, k_reach = 2.5, k_least_support = 1.5
 /// What lies within this of a line in some direction tells how far the sheet reaches there: some nine points
 /// between the edge and the reach.
 constexpr double k_half_width = 1.2;
-static_assert(k_gap + k_step * (k_levels - 0.5) <= k_farthest_sheet_edge + 1e-9);
 
 struct Axes {
   glm::dvec3 first, second;

@@ -8,8 +8,8 @@
 #include "octree/octree.h"
 #include "octree/point_surface.h"
 
-// Where the sheet of points that a point belongs to ends beside it: at the edge of a roof, at the foot of a
-// wall, where the scanner's shadow begins. There a disc around the point would reach out into the air.
+// Where the sheet of points that a point belongs to ends beside it: at the edge of a roof, or where the
+// scanner's shadow begins. There a disc around the point would reach out into the air.
 
 namespace alidade {
 
@@ -20,13 +20,12 @@ struct SheetEdge {
       std::numeric_limits<double>::infinity();  ///< in spacings of the point; infinite if none is near
 };
 
-/// Edges farther than this from a point, in spacings, are not kept.
-constexpr double k_farthest_sheet_edge = 0.85;
-
 /// The edge of a point's sheet in 8 bits, 0 for none: that direction in which the sheet's points within 2.5
 /// spacings reach least far, if they reach at least 1.5 spacings the other way; a fifth of a spacing is added
-/// for the gap between the last point and the edge. Sheets that end on both sides, such as lines of a scan
-/// far from each other, have no edge. surface: of the point, as surface_of() tells it. Cost: 3 microseconds.
+/// for the gap between the last point and the edge. Edges farther away than 0.85 spacings are not kept.
+/// Sheets that end on both sides, such as lines of a scan far from each other, have no edge. position and
+/// spacing: of the point, metres, the spacing finite and above 0; surface: as surface_of() tells it. The same
+/// bits on every instruction set. Cost: 3 microseconds.
 std::uint8_t fit_sheet_edge(const Octree& octree, const glm::dvec3& position, double spacing,
                             const PointSurface& surface);
 

@@ -3,6 +3,10 @@
 
 step_rows=()
 failed_steps=0
+step_logs=$(mktemp -d)
+trap 'rm -rf -- "$step_logs"' EXIT
+# How compilers, tests and sanitizers mark what went wrong.
+step_trouble='Failure$|runtime error:|Sanitizer:|error:|\*\*\*(Failed|Timeout|Exception|Not Run)|FAILED'
 
 # step NAME COMMAND...
 step() {
@@ -14,20 +18,33 @@ step() {
   (
     set -e
     "$@"
-  )
-  status=$?
+  ) 2>&1 | tee "$step_logs/step"
+  status=${PIPESTATUS[0]}
   set -e
   local result=passed
   if ((status != 0)); then
     result=FAILED
     failed_steps=$((failed_steps + 1))
+    mv "$step_logs/step" "$step_logs/failed $failed_steps, $name"
   fi
   step_rows+=("$(printf '%-36s %-7s %6d s' "$name" "$result" $((SECONDS - start)))")
   printf -- '---- %s: %s\n' "$name" "$result"
 }
 
+# What failed steps said, once more: whoever sees only the end of a long output still learns what broke.
+tell_failures() {
+  local log
+  for log in "$step_logs"/failed*; do
+    printf '\n==== from what %s said\n' "${log#*, }"
+    { grep -E -A 12 "$step_trouble" "$log" || true; } | head -n 150
+    printf -- '---- its last lines\n'
+    tail -n 15 "$log"
+  done
+}
+
 # summary: the table and the closing line; fails if a step did.
 summary() {
+  if ((failed_steps > 0)); then tell_failures; fi
   printf '\n%-36s %-7s %8s\n' step result time
   printf '%s\n' "${step_rows[@]}"
   if ((failed_steps > 0)); then
