@@ -21,7 +21,7 @@ constexpr std::size_t k_grain = 256;
 constexpr std::size_t k_most_stream_rays = 12288;
 std::size_t stream_grain(std::size_t rays) {
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  return threads == 1 ? k_most_stream_rays : std::clamp(rays / (4 * threads), k_grain, k_most_stream_rays);
+  return threads == 1 ? k_most_stream_rays : std::clamp(rays / (16 * threads), k_grain, k_most_stream_rays);
 }
 
 template <class Target, class Query>

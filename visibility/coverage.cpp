@@ -14,7 +14,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_lines_at_once = 65536;
+constexpr std::size_t k_lines_at_once = 1 << 18;
 
 /// Some of the targets, those that lie within reach and view, and the lines to these.
 struct Views {

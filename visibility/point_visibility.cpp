@@ -22,7 +22,7 @@ namespace alidade {
 namespace {
 
 /// Points asked for at once: enough for all threads, few enough for their lines to stay near.
-constexpr std::size_t k_batch = 1 << 16;
+constexpr std::size_t k_batch = 1 << 17;
 
 /// Places that cover a disc of radius 1 evenly, the first one in the middle.
 std::vector<glm::dvec2> disc_pattern(int count) {
@@ -203,7 +203,8 @@ class View {
 /// Adds what observer `number` sees of some points to what all see.
 void add_answers(const std::vector<Target>& targets, const BatchAnswers& answers, std::size_t number,
                  int lines_per_point, PointVisibility& all, std::vector<std::uint8_t>& seen) {
-  for (std::size_t i = 0; i < targets.size(); ++i) {
+  // No two targets of a batch are the same point.
+  tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
     const std::uint64_t id = targets[i].point_id;
     if (answers.seen[i] != 0) {
       seen[id] = 1;
@@ -211,10 +212,10 @@ void add_answers(const std::vector<Target>& targets, const BatchAnswers& answers
       if (!all.masks.empty()) all.masks[id] |= std::uint64_t{1} << number;
     }
     if (!all.blockers.empty()) all.blockers[number][id] = answers.blockers[i];
-    if (all.fractions.empty()) continue;
+    if (all.fractions.empty()) return;
     const float share = static_cast<float>(answers.clear_lines[i]) / static_cast<float>(lines_per_point);
     all.fractions[id] = std::max(all.fractions[id], share);
-  }
+  });
 }
 
 bool has_masks(std::size_t observers) {

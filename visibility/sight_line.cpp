@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sight_line.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -44,9 +47,18 @@ Ray ray_of(const Occluders& occluders, const SightLine& line) {
   return {line.from.position, line.direction, -radius, line.length + radius};
 }
 
+/// act(number of the line), from many threads.
+template <class Act>
+void for_each_line(std::size_t lines, const Act& act) {
+  constexpr std::size_t k_grain = 1024;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, lines, k_grain), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) act(i);
+  });
+}
+
 std::vector<Ray> rays_of(const Occluders& occluders, std::span<const SightLine> lines) {
   std::vector<Ray> rays(lines.size());
-  std::ranges::transform(lines, rays.begin(), [&](const SightLine& line) { return ray_of(occluders, line); });
+  for_each_line(lines.size(), [&](std::size_t i) { rays[i] = ray_of(occluders, lines[i]); });
   return rays;
 }
 
@@ -172,14 +184,15 @@ void first_blockers(const Occluders& occluders, std::span<const SightLine> lines
   if (occluders.options().transparency == 1) {
     std::vector<std::optional<Hit>> hits(lines.size());
     closest(occluders.octree(), rays, query, hits);
-    for (std::size_t i = 0; i < lines.size(); ++i) {
+    for_each_line(lines.size(), [&](std::size_t i) {
       blockers[i].reset();
       if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
-    }
+    });
   } else {
     const Answers<Hit> hits = find(occluders.octree(), rays, query);
-    for (std::size_t i = 0; i < lines.size(); ++i)
+    for_each_line(lines.size(), [&](std::size_t i) {
       blockers[i] = separate_blocker(occluders, lines[i], query, hits[i]);
+    });
   }
 }
 
