@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
@@ -111,25 +112,45 @@ FinishedParts::FinishedParts(PartsOptions options, Identity identity)
       written_(std::chrono::steady_clock::now()) {
   std::error_code error;
   if (!options_.resume || !std::filesystem::exists(options_.file, error)) return;
-  read();
-  open();
+  try {
+    open();
+    read();
+    // What a killed program left of its last record.
+    if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) fail(name(), "cannot be written");
+  } catch (...) {
+    close();
+    throw;
+  }
 }
 
 FinishedParts::~FinishedParts() {
+  flush();
+  close();
+}
+
+void FinishedParts::close() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  descriptor_ = -1;
+}
+
+void FinishedParts::flush() noexcept {
   if (descriptor_ < 0) return;
   try {
     write();
   } catch (const std::exception&) {
     // Nobody can be told any more; what is in the file stays.
+    pending_.clear();
+    pending_places_.clear();
   }
-  ::close(descriptor_);
 }
 
 void FinishedParts::open() {
   descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor_ < 0) fail(name(), "cannot be written");
-  // What a killed program left of its last record.
-  if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) fail(name(), "cannot be written");
+  // Held until it is closed: two runs that append to the same file would damage it.
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  if (errno != EWOULDBLOCK) fail(name(), "cannot be locked");
+  throw Error({.file = name(), .problem = "is in use by another run"});
 }
 
 void FinishedParts::read() {
@@ -245,8 +266,7 @@ void FinishedParts::write() {
 void FinishedParts::remove() {
   pending_.clear();
   pending_places_.clear();
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = -1;
+  close();
   std::error_code error;
   std::filesystem::remove(options_.file, error);
 }

@@ -36,7 +36,7 @@
 namespace alidade {
 
 /// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
-constexpr int k_answers_version = 1;
+constexpr int k_answers_version = 2;
 
 struct PartsOptions {
   std::filesystem::path file{};
@@ -50,8 +50,8 @@ struct PartsOptions {
 class FinishedParts {
  public:
   /// Reads what is there. `identity`: all that the answers depend on. Errors: the file is no checkpoint of a
-  /// run; another byte order, version or run, naming the first thing that differs; damaged. Cost: the file is
-  /// read once. Memory: 64 B per part in it.
+  /// run; another byte order, version or run, naming the first thing that differs; damaged; in use by another
+  /// process. Cost: the file is read once. Memory: 64 B per part in it.
   FinishedParts(PartsOptions options, Identity identity);
   /// Writes what is finished and not yet written.
   ~FinishedParts();
@@ -73,7 +73,10 @@ class FinishedParts {
   /// The answers of a part if it is finished. Errors: reading failed; the file was changed meanwhile.
   std::optional<std::vector<std::byte>> find(std::uint64_t part);
   /// Keeps the answers of a part. Written at once where they are large, or within PartsOptions::interval.
+  /// Errors: writing failed, and what was written of it cannot be taken back.
   void add(std::uint64_t part, std::span<const std::byte> answers);
+  /// Writes what is finished and not yet written; what cannot be written counts as not finished.
+  void flush() noexcept;
   /// Once nobody needs it any more.
   void remove();
 
@@ -83,6 +86,7 @@ class FinishedParts {
   };
 
   void open();
+  void close();
   void read();
   void create();
   void write();

@@ -118,6 +118,39 @@ TEST_F(VisibilityResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130
   EXPECT_FALSE(std::filesystem::exists(folder / "seen.las"));
 }
 
+TEST_F(VisibilityResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_system_is_not) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "600", "--seed", "1", "-o", "site.las"}).exit_code, 0);
+  const Words asked = {"visibility", "points", "site.las", "--observer-grid", "25", "--fraction", "30"};
+  const Words whole = {"-o", "whole.las", "--lists", "whole.csv", "--threads", "1"};
+  ASSERT_EQ(run(with(asked, whole)).exit_code, 0);
+  const Words keep = with(asked, {"--checkpoint", "state", "--checkpoint-interval", "0.001"});
+  Program program(with(keep, {"-o", "a.las", "--lists", "a.csv", "--threads", "1"}), folder);
+  wait_while(program, [&] { return !has_checkpoint(); });
+  const std::uintmax_t head = checkpoint_size();
+  wait_while(program, [&] { return checkpoint_size() == head; });
+  program.send(SIGKILL);
+  ASSERT_EQ(program.wait().signal, SIGKILL);
+
+  const Words others = with(keep, {"--resume", "-o", "b.las", "--lists", "b.csv", "--threads", "2"});
+  const std::string site = read("site.las");
+  std::string moved = site;
+  const std::size_t zone = moved.find("zone 32N");
+  ASSERT_NE(zone, std::string::npos);
+  moved[zone + 6] = '3';
+  write("site.las", moved);
+  const ProgramResult refused = run(others);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_TRUE(contains(refused.err, "state: is the checkpoint of another run: made with reference system "))
+      << refused.err;
+
+  write("site.las", site);
+  const ProgramResult resumed = run(others);
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+  EXPECT_TRUE(contains(resumed.err, "alidade: going on from state: ")) << resumed.err;
+  EXPECT_TRUE(read("b.las") == read("whole.las"));
+  EXPECT_TRUE(read("b.csv") == read("whole.csv"));
+}
+
 TEST_F(VisibilityResumeTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
   const Words words = with(k_points, {"--observer", "101,201,7"});
   ASSERT_EQ(run(with(words, {"-o", "whole.las"})).exit_code, 0);

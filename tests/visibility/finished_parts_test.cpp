@@ -71,6 +71,18 @@ class FinishedPartsTest : public ::testing::Test {
   int computed_ = 0;
 };
 
+TEST_F(FinishedPartsTest, file_belongs_to_one_run_at_a_time) {
+  write_three();
+  const std::string before = read();
+  {
+    FinishedParts first(options(true), identity());
+    EXPECT_THROW(FinishedParts(options(true), identity()), Error);
+    EXPECT_EQ(read(), before);
+  }
+  FinishedParts next(options(true), identity());
+  EXPECT_EQ(next.finished(), 3u);
+}
+
 TEST_F(FinishedPartsTest, run_that_was_cut_off_computes_the_others_only_and_answers_the_same) {
   const std::vector<int> whole = run(nullptr);
   EXPECT_EQ(whole.size(), 15u);

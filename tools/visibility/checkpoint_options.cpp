@@ -11,10 +11,11 @@ void add_checkpoint_options(CLI::App& command, CheckpointRequest& request) {
   constexpr double k_most_seconds = 1e9;
   const char* const group = "Long runs";
   CLI::Option* const checkpoint =
-      add_value(command, "--checkpoint", "FILE",
-                "keep what has been computed in FILE, every minute and on Ctrl-C; removed once the output is "
-                "written",
-                [&request](const std::string& text) { request.file = text; })
+      add_value(
+          command, "--checkpoint", "FILE",
+          "keep what has been computed in FILE, every --checkpoint-interval seconds and on Ctrl-C; removed "
+          "once the output is written",
+          [&request](const std::string& text) { request.file = text; })
           ->group(group);
   add_value(
       command, "--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",

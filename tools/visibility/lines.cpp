@@ -112,7 +112,8 @@ ExitCode run_lines(const LinesCommand& command, const CLI::App& words) {
   LineTable table;
   table.pairs = pairs_of(ends, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
-  LongRun long_run(command.checkpoint, identity_of(words, *cloud, table.pairs), verbosity);
+  LongRun long_run(
+      command.checkpoint, [&] { return identity_of(words, *cloud, table.pairs); }, verbosity);
   ProgressLine line("looking along lines", "lines", verbosity);
   table.reports =
       report_lines(*cloud->occluders, table.pairs, options, long_run.progress(line), long_run.parts());

@@ -14,10 +14,11 @@
 namespace alidade {
 namespace {
 
-/// The cloud is told by its points.
-constexpr std::array<std::string_view, 10> k_silent_options = {
-    "cloud", "help",    "output",     "overwrite",           "threads",
-    "quiet", "verbose", "checkpoint", "checkpoint-interval", "resume"};
+/// The cloud is told by its points; lists, curve and preview are outputs.
+constexpr std::array<std::string_view, 13> k_silent_options = {
+    "cloud",     "help",    "output", "lists",   "curve",      "preview",
+    "overwrite", "threads", "quiet",  "verbose", "checkpoint", "checkpoint-interval",
+    "resume"};
 
 std::string name_of(const CLI::Option& option) {
   if (!option.get_lnames().empty()) return option.get_lnames().front();
@@ -35,10 +36,32 @@ std::string sum_text(std::span<const std::uint64_t> sums) {
   return fmt::format("{:016x}", checksum(std::as_bytes(sums)));
 }
 
-/// Of the tree as it was loaded; of what was measured since, points alone matter.
+template <class Value>
+std::uint64_t sum_of(const std::vector<Value>& values) {
+  return checksum(std::as_bytes(std::span(values)));
+}
+
+/// Of the tree as it was loaded: its points, and what an index file says of their surfaces. What is measured
+/// by this program follows from the points.
 std::string points_checksum(const IndexedCloud& cloud) {
+  const TreeView& tree = cloud.octree.view();
   std::vector<std::uint64_t> sums;
-  append_tree_checksums(cloud.octree.view(), sums);
+  append_tree_checksums(tree, sums);
+  const auto append = [&](const auto* values) {
+    if (values != nullptr) sums.push_back(checksum(std::as_bytes(std::span(values, tree.point_count))));
+  };
+  append(tree.spacings);
+  append(tree.surfaces);
+  append(tree.sheet_edges);
+  return sum_text(sums);
+}
+
+/// Units of length come from it.
+std::string crs_checksum(const Crs& crs) {
+  if (crs.empty()) return "none";
+  const std::uint64_t sums[] = {checksum(std::as_bytes(std::span(crs.wkt))), sum_of(crs.geotiff_keys),
+                                sum_of(crs.geotiff_doubles),
+                                checksum(std::as_bytes(std::span(crs.geotiff_ascii)))};
   return sum_text(sums);
 }
 
@@ -57,6 +80,7 @@ Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud) {
   identity.push_back(
       {"bounds of the points", fmt::format("{:.17g} {:.17g} {:.17g} to {:.17g} {:.17g} {:.17g}", box.min.x,
                                            box.min.y, box.min.z, box.max.x, box.max.y, box.max.z)});
+  identity.push_back({"reference system", crs_checksum(cloud.cloud.cloud.crs)});
   identity.push_back({"points", points_checksum(cloud.cloud)});
   const std::uint64_t classes = checksum(std::as_bytes(cloud.columns.classifications));
   identity.push_back({"classes", cloud.columns.classifications.empty() ? "none" : sum_text({&classes, 1})});
@@ -77,7 +101,8 @@ void add_to_identity(const std::string& name, std::span<const double> numbers, I
   identity.push_back({name, fmt::format("{:016x}", checksum(std::as_bytes(numbers)))});
 }
 
-LongRun::LongRun(const CheckpointRequest& request, Identity identity, Verbosity verbosity)
+LongRun::LongRun(const CheckpointRequest& request, const std::function<Identity()>& identity,
+                 Verbosity verbosity)
     : verbosity_(verbosity) {
   if (request.file.empty()) return;
   const std::string name = request.file.string();
@@ -87,7 +112,7 @@ LongRun::LongRun(const CheckpointRequest& request, Identity identity, Verbosity 
     if (!said) say_warning(std::string("no checkpoint: ") + error.what());
     said = true;
   };
-  parts_.emplace(std::move(options), std::move(identity));
+  parts_.emplace(std::move(options), identity());
   if (!request.resume || verbosity == Verbosity::quiet) return;
   if (parts_->is_kept()) {
     say_note(fmt::format("going on from {}: {:.0f} % of the work is done", name,
@@ -100,6 +125,8 @@ LongRun::LongRun(const CheckpointRequest& request, Identity identity, Verbosity 
 
 LongRun::~LongRun() {
   if (!parts_ || !parts_->is_kept() || verbosity_ == Verbosity::quiet) return;
+  parts_->flush();
+  if (parts_->finished() == 0) return;
   say_note(
       fmt::format("{} keeps what has been computed; the same command with --resume goes on", parts_->name()));
 }

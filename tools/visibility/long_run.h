@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,8 +16,8 @@
 namespace alidade {
 
 /// What the answers of a command depend on: its name, all its options but those that cannot change them
-/// (outputs, threads, and how it is watched), the points and classes of the cloud. Requires that the options
-/// were read.
+/// (outputs, threads, and how it is watched), the points, surfaces, classes and reference system of the cloud
+/// as it was loaded. Requires that the options were read. Cost: the cloud is read once.
 Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud);
 
 /// Adds observers as they are placed.
@@ -27,15 +28,16 @@ void add_to_identity(const std::string& name, std::span<const double> numbers, I
 
 /// A run that keeps what is finished, if that is wanted.
 ///
-///   LongRun run(command.checkpoint, identity, verbosity);
+///   LongRun run(command.checkpoint, [&] { return run_identity(...); }, verbosity);
 ///   options.parts = run.parts();
 ///   options.progress = run.progress(line);
 ///   ... compute, write ...
 ///   run.finish();
 class LongRun {
  public:
-  /// Says whether it goes on from something. Errors: those of FinishedParts.
-  LongRun(const CheckpointRequest& request, Identity identity, Verbosity verbosity);
+  /// Says whether it goes on from something. `identity` is asked only if a checkpoint is wanted: it reads the
+  /// whole cloud. Errors: those of FinishedParts.
+  LongRun(const CheckpointRequest& request, const std::function<Identity()>& identity, Verbosity verbosity);
   /// Says how to go on if the run was not finished.
   ~LongRun();
   LongRun(const LongRun&) = delete;

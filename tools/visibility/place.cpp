@@ -118,9 +118,12 @@ ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
   say_observer_remarks(candidates, *cloud, verbosity);
   if (!command.verbosity.quiet)
     say_note(fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
-  Identity identity = run_identity(words, *cloud);
-  add_to_identity(candidates, identity);
-  LongRun long_run(command.checkpoint, std::move(identity), verbosity);
+  const auto identity = [&] {
+    Identity made = run_identity(words, *cloud);
+    add_to_identity(candidates, made);
+    return made;
+  };
+  LongRun long_run(command.checkpoint, identity, verbosity);
   ProgressLine line("looking", "sight lines", verbosity);
   const Coverage coverage =
       see_targets(*cloud->occluders, candidates, targets, command.target_height.value_or(0.0),

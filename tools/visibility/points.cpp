@@ -170,9 +170,12 @@ ExitCode run(const PointsCommand& command, const CLI::App& words) {
         fmt::format("{} observers are more than the {} bits of VisibleBy; --lists FILE tells who sees what",
                     observers.size(), k_most_mask_observers));
   }
-  Identity identity = run_identity(words, *cloud);
-  add_to_identity(observers, identity);
-  LongRun long_run(command.checkpoint, std::move(identity), verbosity);
+  const auto identity = [&] {
+    Identity made = run_identity(words, *cloud);
+    add_to_identity(observers, made);
+    return made;
+  };
+  LongRun long_run(command.checkpoint, identity, verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
   const PointVisibility seen = look(command, *cloud, observers, options, long_run, list);
