@@ -22,10 +22,10 @@ Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers) {
   return reached;
 }
 
-double usual_resolution(const Bounds& area) {
+double usual_resolution(const Bounds& area, double finest) {
   constexpr double k_cells = 1000.0;
   const glm::dvec3 size = area.size();
-  const double least = std::max(size.x, size.y) / k_cells;
+  const double least = std::max(std::max(size.x, size.y) / k_cells, finest);
   if (!(least > 0.0)) return 1.0;
   const double exponent = std::floor(std::log10(least));
   const double power = std::pow(10.0, std::fabs(exponent));

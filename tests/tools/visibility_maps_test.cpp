@@ -45,8 +45,9 @@ PointCloud field() {
   }
   for (const LatticePosition& position : cloud.positions)
     cloud.classifications.push_back(position.z > 0 ? 6 : 2);
-  // GeoTIFF 1.1, chapter 7: version, revision, count; then projected type, raster type, EPSG 32632, metres.
-  cloud.crs.geotiff_keys = {1, 1, 0, 4, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32632, 3076, 0, 1, 9001};
+  // GeoTIFF 1.1, chapter 7: version, revision, count; then projected type, raster type, EPSG 32632. So the
+  // system is named by its code alone.
+  cloud.crs.geotiff_keys = {1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 1, 3072, 0, 1, 32632};
   return cloud;
 }
 
@@ -129,6 +130,36 @@ TEST_F(VisibilityMapsTest, heights_are_floats_in_the_unit_of_the_cloud) {
   EXPECT_EQ(info["bands"][0]["noDataValue"], -9999.0);
   EXPECT_EQ(info["bands"][0]["unit"], "m");
   EXPECT_TRUE(read("height.PNG").starts_with("\x89PNG"));
+}
+
+TEST_F(VisibilityMapsTest, the_unit_of_a_system_that_is_named_by_its_code_only_is_known) {
+  // 0: no system.
+  struct Case {
+    int code;
+    std::string unit, curvature;
+  };
+  for (const Case& one : {Case{32632, "m", "0.85714;"}, Case{2229, "ft", "0.85714;"}, Case{0, "", "0;"}}) {
+    PointCloud cloud = field();
+    if (one.code == 0) cloud.crs = {};
+    if (one.code != 0) cloud.crs.geotiff_keys.back() = static_cast<std::uint16_t>(one.code);
+    std::filesystem::remove(folder / "field.las");
+    write_las(folder / "field.las", cloud);
+    const json info = map_of("raster", std::to_string(one.code) + ".tif",
+                             with(k_eye, {"--resolution", "4", "--mode", "height"}));
+    ASSERT_TRUE(info.is_object());
+    EXPECT_EQ(info["bands"][0].value("unit", ""), one.unit) << one.code;
+    const std::string sight = info["metadata"][""]["alidade_sight"];
+    EXPECT_TRUE(contains(sight, "curvature " + one.curvature)) << sight;
+  }
+}
+
+TEST_F(VisibilityMapsTest, cells_are_by_default_no_finer_than_those_of_the_ground) {
+  const json info = map_of("sky", "sky.tif", {"--directions", "2", "--ground-cell", "4"});
+  ASSERT_TRUE(info.is_object());
+  EXPECT_EQ(info["geoTransform"][1], 5.0);
+  const json own =
+      map_of("sky", "own.tif", {"--directions", "2", "--ground-cell", "4", "--resolution", "2.5"});
+  EXPECT_EQ(own["geoTransform"][1], 2.5);
 }
 
 TEST_F(VisibilityMapsTest, a_map_of_the_sky_is_one_of_the_same_kind) {

@@ -113,6 +113,8 @@ TEST(ViewshedAreaTest, the_usual_resolution_is_round_and_gives_at_most_a_thousan
   EXPECT_EQ(of_length(7000.0), 10.0);
   EXPECT_EQ(of_length(0.0), 0.001);
   EXPECT_EQ(usual_resolution({{5, 5, 5}, {5, 5, 5}}), 1.0);
+  EXPECT_EQ(usual_resolution({{0, 0, 0}, {100, 1, 1}}, 0.3), 0.5) << "not finer than the ground";
+  EXPECT_EQ(usual_resolution({{0, 0, 0}, {100, 1, 1}}, 0.2), 0.2);
 }
 
 }  // namespace

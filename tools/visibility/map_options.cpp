@@ -13,7 +13,6 @@
 #include "tools/visibility/find_ground.h"
 #include "tools/visibility/map_writer.h"
 #include "visibility/file_ending.h"
-#include "visibility/map_unit.h"
 #include "visibility/viewshed_area.h"
 
 namespace alidade {
@@ -65,9 +64,11 @@ void add_map_options(CLI::App& command, MapOptions& map) {
   command.add_option("--preview", map.preview, "also draw it: relief, marks, scale bar, legend")
       ->option_text("FILE.png")
       ->group(k_map_group);
-  add_value(command, "--resolution", "LENGTH",
-            "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side)",
-            [&map](const std::string& text) { map.resolution = parse_number(text, 1e-6, 1e9); })
+  add_value(
+      command, "--resolution", "LENGTH",
+      "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, none "
+      "smaller than those of the ground)",
+      [&map](const std::string& text) { map.resolution = parse_number(text, 1e-6, 1e9); })
       ->group(k_map_group);
   add_value(command, "--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)",
             [&map](const std::string& text) { map.area = parse_area(text); })
@@ -126,20 +127,16 @@ Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
   return area;
 }
 
-RasterGrid map_grid(const MapOptions& map, const Bounds& area, int bands, const std::string& unit,
-                    Verbosity verbosity) {
-  const RasterGrid grid = grid_over(area, map.resolution.value_or(usual_resolution(area)));
+RasterGrid map_grid(const MapOptions& map, const Bounds& area, const Ground& ground, int bands,
+                    const std::string& unit, Verbosity verbosity) {
+  const double usual = usual_resolution(area, ground.heights().grid.cell_size);
+  const RasterGrid grid = grid_over(area, map.resolution.value_or(usual));
   check_map_memory(grid, bands);
   if (verbosity != Verbosity::quiet) {
     say_note(fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
                          unit.empty() ? "" : " ", unit));
   }
   return grid;
-}
-
-std::string map_unit_text(const Crs& crs) {
-  const MapUnit unit = map_unit(crs);
-  return unit == MapUnit::metre ? "m" : unit == MapUnit::foot ? "ft" : "";
 }
 
 MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesystem::path> files,

@@ -47,13 +47,10 @@ std::string ground_text(const Ground& ground);
 /// The part of the cloud that is asked for. Errors: --area holds nothing of it.
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
 
-/// The cells over an area, by default usual_resolution(); says them. Errors: too many of them, or too many
-/// for the memory with so many bands.
-RasterGrid map_grid(const MapOptions& map, const Bounds& area, int bands, const std::string& unit,
-                    Verbosity verbosity);
-
-/// "m", "ft", or empty where the reference system does not tell.
-std::string map_unit_text(const Crs& crs);
+/// The cells over an area, by default usual_resolution(), not finer than the ground; says them. Errors: too
+/// many of them, or too many for the memory with so many bands.
+RasterGrid map_grid(const MapOptions& map, const Bounds& area, const Ground& ground, int bands,
+                    const std::string& unit, Verbosity verbosity);
 
 /// Keys and texts of a map's file.
 using MapMetadata = std::vector<std::pair<std::string, std::string>>;

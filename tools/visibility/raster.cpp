@@ -6,10 +6,10 @@
 
 #include "octree/error.h"
 #include "tools/message.h"
+#include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/raster_options.h"
-#include "visibility/map_unit.h"
 #include "visibility/viewshed_area.h"
 
 namespace alidade {
@@ -34,12 +34,12 @@ void check_options(const RasterCommand& command) {
 }
 
 /// Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
-SightCurve curve_of(const RasterCommand& command, MapUnit unit) {
-  const bool usual = default_set(command) == DefaultSet::gdal && unit != MapUnit::unknown;
-  return SightCurve(command.curvature.value_or(usual ? k_usual_curvature : 0.0), metres_per_unit(unit));
+SightCurve curve_of(const RasterCommand& command, const CloudUnit& unit) {
+  const bool usual = default_set(command) == DefaultSet::gdal && unit.metres;
+  return SightCurve(command.curvature.value_or(usual ? k_usual_curvature : 0.0), unit.metres.value_or(1.0));
 }
 
-ViewshedOptions options_of(const RasterCommand& command, MapUnit unit) {
+ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) {
   ViewshedOptions options;
   options.mode = mode_of(command);
   options.target_height = command.map.target_height.value_or(0.0);
@@ -102,13 +102,13 @@ ExitCode run(RasterCommand command, const CommandLine& words) {
     command.observers.defaults.height_on_ground = k_grass_observer;
   const auto cloud = load_cloud_alone(command.files, AttributeSet(), verbosity);
   const Crs& crs = cloud->cloud.cloud.crs;
-  const std::string unit = map_unit_text(crs);
-  const ViewshedOptions options = options_of(command, map_unit(crs));
+  const CloudUnit unit = cloud_unit(crs);
+  const ViewshedOptions options = options_of(command, unit);
   const Ground ground = find_map_ground(command.map, *cloud, verbosity);
   const std::vector<Observer> observers = load_observers(
       command.observers, *cloud, verbosity, [&](const glm::dvec2& place) { return ground.at(place); });
-  const RasterGrid grid =
-      map_grid(command.map, area_in_reach(map_area(command.map, *cloud), observers), 1, unit, verbosity);
+  const RasterGrid grid = map_grid(command.map, area_in_reach(map_area(command.map, *cloud), observers),
+                                   ground, 1, unit.name, verbosity);
   const std::string sight = sight_text(command, options);
   say("sight: " + sight);
   measure_occluders(*cloud, command.occluders, verbosity);
@@ -118,7 +118,7 @@ ExitCode run(RasterCommand command, const CommandLine& words) {
   const Viewshed seen = look(*cloud, ground, observers, grid, options, verbosity);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const ViewshedBand band =
-      viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit);
+      viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
   RasterContents contents{.grid = grid,
                           .bands = {band.band()},
                           .crs = crs,
@@ -128,7 +128,7 @@ ExitCode run(RasterCommand command, const CommandLine& words) {
   add_observers(observers, contents.metadata);
   load_raster_writer()(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
-    load_map_drawer()(viewshed_picture(seen, options, observers, unit), ground, command.map.preview,
+    load_map_drawer()(viewshed_picture(seen, options, observers, unit.name), ground, command.map.preview,
                       command.overwrite);
   }
   const SeenShare share = seen_share(seen, options);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "octree/error.h"
+#include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/file_ending.h"
@@ -82,11 +83,12 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   check_sky_request(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
   const Verbosity verbosity = request.verbosity.verbosity();
-  SkySite site{load_cloud_alone(request.files, attributes, verbosity), {}, {}};
+  SkySite site{load_cloud_alone(request.files, attributes, verbosity), {}, {}, {}};
   if (!request.is_map()) return site;
   site.ground = find_map_ground(request.map, *site.cloud, verbosity);
-  site.grid = map_grid(request.map, map_area(request.map, *site.cloud), bands,
-                       map_unit_text(site.cloud->cloud.cloud.crs), verbosity);
+  site.unit = cloud_unit(site.cloud->cloud.cloud.crs).name;
+  site.grid =
+      map_grid(request.map, map_area(request.map, *site.cloud), *site.ground, bands, site.unit, verbosity);
   return site;
 }
 
@@ -98,7 +100,7 @@ void write_sky_map(const SkyRequest& request, const CommandLine& words, const Sk
     map.title = picture.title;
     map.values = bands.front().values;
     map.scale = MapScale{picture.colors, {0.0, picture.highest}, picture.label};
-    map.unit = map_unit_text(crs);
+    map.unit = site.unit;
     map.notes = picture.notes;
     load_map_drawer()(map, *site.ground, request.map.preview, request.overwrite);
   }

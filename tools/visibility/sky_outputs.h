@@ -44,6 +44,7 @@ struct SkySite {
   std::unique_ptr<VisibilityCloud> cloud;
   std::optional<Ground> ground;
   RasterGrid grid;
+  std::string unit;  ///< of the cells: "m", "ft" or empty
 };
 
 /// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: the
