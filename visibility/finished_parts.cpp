@@ -212,7 +212,10 @@ void FinishedParts::start(std::uint64_t count) {
 
 std::optional<std::vector<std::byte>> FinishedParts::find(std::uint64_t part) {
   const auto found = places_.find(part);
-  if (found == places_.end()) return std::nullopt;
+  if (found == places_.end()) {
+    has_begun_ = true;
+    return std::nullopt;
+  }
   const Place& place = found->second;
   std::vector<std::byte> answers(place.size);
   std::size_t done = 0;
@@ -231,7 +234,6 @@ std::optional<std::vector<std::byte>> FinishedParts::find(std::uint64_t part) {
 
 void FinishedParts::add(std::uint64_t part, std::span<const std::byte> answers) {
   assert(part < count_ && !places_.contains(part));
-  has_added_ = true;
   std::array<std::byte, k_record_bytes> record{};
   const Place place{size_ + pending_.size() + k_record_bytes, answers.size(), checksum(answers)};
   store(record.data(), part);

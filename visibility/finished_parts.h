@@ -64,8 +64,8 @@ class FinishedParts {
   /// Parts that are finished, and all; 0 of 0 before a run that is begun afresh is started.
   std::uint64_t finished() const { return places_.size(); }
   std::uint64_t count() const { return count_; }
-  /// Whether parts have been added since the file was read.
-  bool has_added() const { return has_added_; }
+  /// Whether a part was asked for since that is not finished: then work has begun.
+  bool has_begun() const { return has_begun_; }
 
   /// To be called once, before the first part: the number of all. Begins the file if there is none. Errors:
   /// another number in the file; it cannot be written.
@@ -98,7 +98,7 @@ class FinishedParts {
   std::map<std::uint64_t, Place> places_;  ///< by part
   std::vector<std::byte> pending_;         ///< records still to be written
   std::map<std::uint64_t, Place> pending_places_;
-  bool has_added_ = false;
+  bool has_begun_ = false;
   std::chrono::steady_clock::time_point written_;
 };
 

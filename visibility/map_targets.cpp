@@ -14,13 +14,11 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_most_places = 1 << 18;  // of a block
-
-/// Levels of the widest block that has not too many places, and not so many cells that few threads find work.
-int levels_of_block(int places_across) {
+/// Levels of the widest block that has not too many places.
+int levels_of_block(int places_across, std::size_t most_places) {
   const auto per_cell = static_cast<std::size_t>(places_across) * static_cast<std::size_t>(places_across);
   int levels = 8;
-  while (levels > 0 && (per_cell << (2 * levels)) > k_most_places) --levels;
+  while (levels > 0 && (per_cell << (2 * levels)) > most_places) --levels;
   return levels;
 }
 
@@ -65,12 +63,12 @@ SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place) {
 }
 
 MapTargets::MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
-                       int places_across)
+                       int places_across, std::size_t most_places)
     : occluders_(occluders),
       ground_(ground),
       grid_(grid),
       places_across_(places_across),
-      block_levels_(levels_of_block(places_across)) {}
+      block_levels_(levels_of_block(places_across, most_places)) {}
 
 std::size_t MapTargets::block_count() const {
   return blocks_along(grid_.columns, block_levels_) * blocks_along(grid_.rows, block_levels_);

@@ -40,12 +40,14 @@ struct MapBlock {
 };
 
 /// The places of a map, block by block, so that a map of any size and with any number of places takes little
-/// memory: a block has at most 2^18 places, some 40 MB.
+/// memory: 150 B per place of a block.
 class MapTargets {
  public:
-  /// places_across: every cell has its square of places, evenly spread; 1 is the middle. Requires 1 ..
-  /// k_most_places_across. The references must outlive this.
-  MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid, int places_across);
+  /// places_across: every cell has its square of places, evenly spread; 1 is the middle; 1 ..
+  /// k_most_places_across. most_places: of a block, which has one cell at least and 2^16 at most: so the
+  /// blocks are the same wherever they are made. The references must outlive this.
+  MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid, int places_across,
+             std::size_t most_places);
 
   std::size_t block_count() const;
   /// The cells of a block, as MapBlock has them.

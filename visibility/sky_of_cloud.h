@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octree/progress.h"
+#include "visibility/finished_parts.h"
 #include "visibility/ground.h"
 #include "visibility/raster.h"
 #include "visibility/sky_view.h"
@@ -18,25 +19,32 @@
 
 namespace alidade {
 
+/// How long work is watched and kept.
+struct LongWork {
+  Progress progress{};             ///< in points or cells
+  FinishedParts* parts = nullptr;  ///< where blocks of them are kept that are finished; null: nowhere
+};
+
 /// Sky-view factor of every point, by point id. `normals` by point id, each pointing out of its surface
-/// (length does not matter, zero says nothing); empty: the open side is found as sky_views() says. `progress`
-/// is in points. Memory: 4 B per point and some 20 MB. Errors: as sky_views; normals not one per point.
+/// (length does not matter, zero says nothing); empty: the open side is found as sky_views() says. Memory: 4
+/// B per point and some 20 MB. Errors: as sky_views; normals not one per point; those of `work.parts`, here
+/// and below.
 std::vector<float> point_sky_views(const Occluders& occluders, std::span<const glm::vec3> normals,
-                                   const SkyViewOptions& options, const Progress& progress = {});
+                                   const SkyViewOptions& options, const LongWork& work = {});
 
 /// Direct sun of every point, by point id; the open side of points without a normal is found with
 /// find_open_sides(), of 64 directions. Memory: 8 B per point and some 20 MB. Errors: normals not one per
 /// point.
 std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
                                       std::span<const SunBin> bins, const SunHoursOptions& options,
-                                      const Progress& progress = {});
+                                      const LongWork& work = {});
 
 /// Sky-view factor in the middle of every cell, `height` above the ground as a viewshed has it
 /// (visibility/map_targets.h), which faces up there (options.receiver does not matter); NaN where there is no
-/// ground. `progress` is in cells. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band.
+/// ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band.
 /// Errors: as sky_views; height negative or not finite; not enough memory.
 Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
-                               double height, const SkyViewOptions& options, const Progress& progress = {});
+                               double height, const SkyViewOptions& options, const LongWork& work = {});
 
 /// Direct sun of every cell, likewise on the horizontal; two bands.
 struct SunMaps {
@@ -44,6 +52,6 @@ struct SunMaps {
 };
 SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
                          double height, std::span<const SunBin> bins, const SunHoursOptions& options,
-                         const Progress& progress = {});
+                         const LongWork& work = {});
 
 }  // namespace alidade

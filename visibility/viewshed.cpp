@@ -13,6 +13,7 @@
 #include "visibility/lowest_seen.h"
 #include "visibility/map_observer.h"
 #include "visibility/map_targets.h"
+#include "visibility/run_parts.h"
 
 namespace alidade {
 namespace {
@@ -44,12 +45,23 @@ void check(std::span<const Observer> observers, const ViewshedOptions& options) 
 class PairCounter {
  public:
   PairCounter(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
+  /// In the midst of a block; places without ground are not among them.
   void add(std::uint64_t pairs) { report(progress_, done_ += pairs, total_); }
+  /// At the end of a block.
+  void set(std::uint64_t pairs) { report(progress_, done_ = pairs, total_); }
 
  private:
   const Progress& progress_;
   std::uint64_t total_, done_ = 0;
 };
+
+/// Of a block: enough for all threads, few enough for little memory and for a part of a long run that is done
+/// within seconds.
+std::size_t most_places(std::size_t observers, ViewshedMode mode) {
+  constexpr std::size_t k_most_lines = 1 << 24, k_lines_per_height = 16, k_least = 1 << 10, k_most = 1 << 18;
+  const std::size_t lines = mode == ViewshedMode::height ? k_lines_per_height : 1;
+  return std::clamp(k_most_lines / lines / observers, k_least, k_most);
+}
 
 /// Counts what is seen of the cells of a block.
 class SeenCounter {
@@ -138,21 +150,29 @@ Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<co
   Viewshed result{Raster<float>(grid, k_no_ground)};
   const int places_across = options.mode == ViewshedMode::fraction ? options.places_across : 1;
   const std::vector<MapObserver> eyes = map_observers(occluders, observers);
-  const MapTargets targets(occluders, ground, grid, places_across);
-  const std::uint64_t total =
-      grid.size() * eyes.size() * static_cast<std::uint64_t>(places_across * places_across);
-  PairCounter pairs(options.progress, total);
+  const MapTargets targets(occluders, ground, grid, places_across, most_places(eyes.size(), options.mode));
+  const std::uint64_t pairs_per_cell =
+      eyes.size() * static_cast<std::uint64_t>(places_across * places_across);
+  PairCounter pairs(options.progress, pairs_per_cell * grid.size());
   SeenCounter counter(occluders, options);
   std::optional<LowestSeen> lowest;
   if (options.mode == ViewshedMode::height) lowest.emplace(occluders, options);
-  for (std::size_t number = 0; number < targets.block_count(); ++number) {
-    const MapBlock block = targets.block(number);
-    const std::vector<float> values =
-        lowest ? lowest_heights(*lowest, eyes, block, pairs) : counter.look(eyes, block, pairs);
-    for (std::size_t i = 0; i < values.size(); ++i) result.values.values[block.cells[i]] = values[i];
-  }
+  std::uint64_t cells_done = 0;
+  run_parts(
+      options.parts, targets.block_count(),
+      [&](std::uint64_t part, PartWriter& writer) {
+        const MapBlock block = targets.block(part);
+        writer.put_all(lowest ? lowest_heights(*lowest, eyes, block, pairs)
+                              : counter.look(eyes, block, pairs));
+      },
+      [&](std::uint64_t part, PartReader& reader) {
+        const std::vector<std::size_t> cells = targets.cells(part);
+        std::vector<float> values(cells.size());
+        reader.take_all(values);
+        for (std::size_t i = 0; i < cells.size(); ++i) result.values.values[cells[i]] = values[i];
+        pairs.set(pairs_per_cell * (cells_done += cells.size()));
+      });
   result.line_count = lowest ? lowest->line_count() : counter.line_count();
-  report(options.progress, total, total);
   return result;
 }
 

@@ -7,6 +7,7 @@
 
 #include "octree/progress.h"
 #include "visibility/curved_sight.h"
+#include "visibility/finished_parts.h"
 #include "visibility/ground.h"
 #include "visibility/observers.h"
 #include "visibility/raster.h"
@@ -36,7 +37,8 @@ struct ViewshedOptions {
                           ///< k_most_places_across
   /// Of `height`: nothing higher is tried, and this stands for "not even there". In the unit of the cloud.
   double highest = 200.0;
-  Progress progress{};  ///< in pairs of observer and place
+  Progress progress{};             ///< in pairs of observer and place
+  FinishedParts* parts = nullptr;  ///< where blocks of cells are kept that are finished; null: nowhere
 };
 
 /// Values of cells that no observer looks at: all out of reach or outside of their fields of view.
@@ -46,7 +48,7 @@ constexpr float k_no_ground = std::numeric_limits<float>::quiet_NaN();
 
 struct Viewshed {
   Raster<float> values;
-  std::uint64_t line_count = 0;  ///< sight lines that were followed
+  std::uint64_t line_count = 0;  ///< sight lines that were followed, those of parts found finished left out
 };
 
 /// The map of what is seen. An observer looks at a place within its max_distance, along the line of sight,
@@ -63,7 +65,8 @@ struct Viewshed {
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
 /// where much is hidden. Memory: 4 B per cell and some 100 MB; check_map_memory() of one band.
-/// Errors: no observer; places_across, target height or highest out of range.
+/// Errors: no observer; places_across, target height or highest out of range; not enough memory; those of
+/// `parts`.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const RasterGrid& grid, const ViewshedOptions& options);
 

@@ -91,9 +91,10 @@ TEST_F(FinishedPartsTest, run_that_was_cut_off_computes_the_others_only_and_answ
   EXPECT_TRUE(parts.is_kept());
   EXPECT_EQ(parts.finished(), 3u);
   EXPECT_EQ(parts.count(), k_count);
+  EXPECT_FALSE(parts.has_begun());
   EXPECT_EQ(run(&parts), whole);
   EXPECT_EQ(computed_, 2);
-  EXPECT_TRUE(parts.has_added());
+  EXPECT_TRUE(parts.has_begun());
   parts.remove();
   EXPECT_FALSE(std::filesystem::exists(file_));
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 
 #include "octree/error.h"
 #include "tests/visibility/sampled_shapes.h"
@@ -67,6 +68,44 @@ TEST(PointSunHours, are_those_of_single_targets_by_point_id) {
     sun_hours(occluders, target, bins(), {}, std::span(&answer, 1));
     EXPECT_EQ(hours[id].hours, answer.hours) << id;
     EXPECT_EQ(hours[id].kilowatt_hours, answer.kilowatt_hours) << id;
+  }
+}
+
+/// Runs work that is stopped after half of its points, then goes on with it.
+template <class Work>
+auto stopped_and_gone_on_with(const Work& work) {
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "sky_of_cloud.state";
+  std::filesystem::remove(file);
+  const Identity identity{{"command", "sky"}};
+  {
+    FinishedParts parts({.file = file, .interval = 1e-3}, identity);
+    const Progress half = [](std::uint64_t done, std::uint64_t total) { return 2 * done < total; };
+    EXPECT_THROW(work(LongWork{half, &parts}), Cancelled);
+  }
+  FinishedParts parts({.file = file, .resume = true}, identity);
+  EXPECT_GT(parts.finished(), 0u);
+  EXPECT_LT(parts.finished(), parts.count());
+  auto answers = work(LongWork{{}, &parts});
+  parts.remove();
+  return answers;
+}
+
+TEST(PointSkyViews, are_the_same_when_the_run_was_stopped_between) {
+  Points points;
+  add_rectangle(points, {-5, -5, 0}, {10, 0, 0}, {0, 10, 0}, 0.05);
+  const Occluders occluders(octree_of(points), {.radius = 0.1});
+  ASSERT_GT(points.size(), 35000u);
+  const SkyViewOptions options{.directions = 3};
+  EXPECT_EQ(stopped_and_gone_on_with(
+                [&](const LongWork& work) { return point_sky_views(occluders, {}, options, work); }),
+            point_sky_views(occluders, {}, options));
+  const std::vector<SunHours> whole = point_sun_hours(occluders, {}, bins(), {});
+  const std::vector<SunHours> cut = stopped_and_gone_on_with(
+      [&](const LongWork& work) { return point_sun_hours(occluders, {}, bins(), {}, work); });
+  ASSERT_EQ(cut.size(), whole.size());
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    ASSERT_EQ(cut[i].hours, whole[i].hours) << i;
+    ASSERT_EQ(cut[i].kilowatt_hours, whole[i].kilowatt_hours) << i;
   }
 }
 

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "octree/build.h"
@@ -310,7 +312,7 @@ TEST(MapTargetsTest, blocks_hold_every_cell_once_and_never_many_places) {
   Place place;
   const RasterGrid grid = grid_over({{-28, -28, 0}, {28, 28, 0}}, 0.15);
   for (const int across : {1, 7, k_most_places_across}) {
-    const MapTargets targets(place.occluders(), place.ground(), grid, across);
+    const MapTargets targets(place.occluders(), place.ground(), grid, across, std::size_t{1} << 18);
     std::vector<int> found(grid.size(), 0);
     std::size_t most = 0;
     for (std::size_t number = 0; number < targets.block_count(); ++number) {
@@ -321,7 +323,7 @@ TEST(MapTargetsTest, blocks_hold_every_cell_once_and_never_many_places) {
     EXPECT_EQ(std::ranges::count(found, 1), static_cast<std::ptrdiff_t>(grid.size())) << across;
     EXPECT_LE(most, std::size_t{1} << 18) << across;
   }
-  const MapBlock block = MapTargets(place.occluders(), place.ground(), grid, 2).block(0);
+  const MapBlock block = MapTargets(place.occluders(), place.ground(), grid, 2, 1 << 18).block(0);
   ASSERT_EQ(block.targets.size(), 4 * block.cells.size());
   EXPECT_EQ(block.targets[4 * 17 + 3].cell, 17u);
 }
@@ -360,6 +362,53 @@ TEST(ViewshedTest, the_map_is_the_same_on_any_number_of_threads) {
     tbb::task_arena(1).execute([&] { one = place.seen(eyes, {.mode = mode}); });
     EXPECT_EQ(many.values.values, one.values.values);
     EXPECT_EQ(many.line_count, one.line_count);
+  }
+}
+
+/// A map that is stopped on one thread after half of the work, then gone on with.
+std::vector<float> stopped_and_gone_on_with(Place& place, std::span<const Observer> eyes,
+                                            ViewshedOptions options, const RasterGrid& grid) {
+  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "viewshed.state";
+  std::filesystem::remove(file);
+  const Identity identity{{"command", "raster"}};
+  {
+    FinishedParts parts({.file = file, .interval = 1e-3}, identity);
+    ViewshedOptions cut = options;
+    cut.parts = &parts;
+    cut.progress = [](std::uint64_t done, std::uint64_t total) { return 2 * done < total; };
+    tbb::task_arena(1).execute(
+        [&] { EXPECT_THROW(viewshed(place.occluders(), place.ground(), eyes, grid, cut), Cancelled); });
+  }
+  FinishedParts parts({.file = file, .resume = true}, identity);
+  EXPECT_GT(parts.finished(), 0u);
+  EXPECT_LT(parts.finished(), parts.count());
+  options.parts = &parts;
+  std::uint64_t last = 0, all = 1;
+  options.progress = [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_GE(done, last);
+    last = done;
+    all = total;
+    return true;
+  };
+  const Viewshed seen = viewshed(place.occluders(), place.ground(), eyes, grid, options);
+  EXPECT_EQ(last, all);
+  parts.remove();
+  return seen.values.values;
+}
+
+TEST(ViewshedTest, a_map_that_was_stopped_between_is_that_of_an_uninterrupted_run) {
+  Place place;
+  place.wall(3.0, -5.0, 5.0, 0.0, 2.0);
+  const std::vector<Observer> eyes{at(-10, 0, 2), at(20, 10, 2)};
+  // Three blocks beside each other.
+  const RasterGrid grid{.north_west = {-26, 2}, .cell_size = 0.1, .columns = 520, .rows = 40};
+  for (const ViewshedMode mode : {ViewshedMode::visible, ViewshedMode::count, ViewshedMode::height}) {
+    const ViewshedOptions options{.mode = mode, .highest = 5.0};
+    const std::vector<float> whole =
+        viewshed(place.occluders(), place.ground(), eyes, grid, options).values.values;
+    const std::vector<float> cut = stopped_and_gone_on_with(place, eyes, options, grid);
+    EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(cut)), std::as_bytes(std::span(whole))))
+        << static_cast<int>(mode);
   }
 }
 

@@ -97,6 +97,11 @@ void add_to_identity(std::span<const Observer> observers, Identity& identity) {
   add_to_identity("observers", numbers, identity);
 }
 
+void add_to_identity(const RasterGrid& grid, Identity& identity) {
+  identity.push_back({"cells", fmt::format("{} x {} of {:.17g} from {:.17g} {:.17g}", grid.columns, grid.rows,
+                                           grid.cell_size, grid.north_west.x, grid.north_west.y)});
+}
+
 void add_to_identity(const std::string& name, std::span<const double> numbers, Identity& identity) {
   identity.push_back({name, fmt::format("{:016x}", checksum(std::as_bytes(numbers)))});
 }
@@ -133,7 +138,7 @@ LongRun::~LongRun() {
 
 Progress LongRun::progress(ProgressLine& line) {
   return [this, &line, report = line.callback()](std::uint64_t done, std::uint64_t total) {
-    if (parts_ && !parts_->has_added()) line.skip(done);
+    if (parts_ && !parts_->has_begun()) line.skip(done);
     return report(done, total);
   };
 }

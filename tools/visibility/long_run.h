@@ -12,6 +12,7 @@
 #include "tools/visibility/load_visibility_cloud.h"
 #include "visibility/finished_parts.h"
 #include "visibility/observers.h"
+#include "visibility/raster.h"
 
 namespace alidade {
 
@@ -22,6 +23,9 @@ Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud);
 
 /// Adds observers as they are placed.
 void add_to_identity(std::span<const Observer> observers, Identity& identity);
+
+/// The same for the cells of a map.
+void add_to_identity(const RasterGrid& grid, Identity& identity);
 
 /// The same for numbers of any other kind; `name` is how a message calls them.
 void add_to_identity(const std::string& name, std::span<const double> numbers, Identity& identity);

@@ -8,6 +8,7 @@
 #include "tools/message.h"
 #include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/commands.h"
+#include "tools/visibility/long_run.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/raster_options.h"
 #include "visibility/viewshed_area.h"
@@ -27,6 +28,7 @@ void check_options(const RasterCommand& command) {
   std::vector<std::filesystem::path> others = command.files;
   if (!command.observers.file.empty()) others.push_back(command.observers.file);
   check_writable(command.output, command.overwrite, others);
+  check_checkpoint(command.checkpoint, command.overwrite, {{command.output, command.map.preview}}, others);
   others.push_back(command.output);
   check_map_writing(command.map, command.overwrite, others);
   if (mode_of(command) == ViewshedMode::height && command.highest <= command.map.target_height.value_or(0.0))
@@ -82,16 +84,27 @@ void add_observers(std::span<const Observer> observers, MapMetadata& metadata) {
   metadata.emplace_back("alidade_observers", places);
 }
 
+/// All that the values depend on.
+Identity identity_of(const CLI::App& given, const VisibilityCloud& cloud, std::span<const Observer> observers,
+                     const RasterGrid& grid, const ViewshedOptions& options) {
+  Identity identity = run_identity(given, cloud);
+  add_to_identity(observers, identity);
+  add_to_identity(grid, identity);
+  identity.push_back({"curvature", fmt::format("{:.17g}", options.curve.drop(1.0))});
+  return identity;
+}
+
 Viewshed look(const VisibilityCloud& cloud, const Ground& ground, std::span<const Observer> observers,
-              const RasterGrid& grid, ViewshedOptions options, Verbosity verbosity) {
+              const RasterGrid& grid, ViewshedOptions options, LongRun& long_run, Verbosity verbosity) {
   ProgressLine line("looking", "sight lines", verbosity);
-  options.progress = line.callback();
+  options.progress = long_run.progress(line);
+  options.parts = long_run.parts();
   Viewshed seen = viewshed(*cloud.occluders, ground, observers, grid, options);
   line.finish();
   return seen;
 }
 
-ExitCode run(RasterCommand command, const CommandLine& words) {
+ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& given) {
   constexpr double k_grass_observer = 1.75;
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
@@ -111,11 +124,13 @@ ExitCode run(RasterCommand command, const CommandLine& words) {
                                    ground, 1, unit.name, verbosity);
   const std::string sight = sight_text(command, options);
   say("sight: " + sight);
+  LongRun long_run(
+      command.checkpoint, [&] { return identity_of(given, *cloud, observers, grid, options); }, verbosity);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
-  const Viewshed seen = look(*cloud, ground, observers, grid, options, verbosity);
+  const Viewshed seen = look(*cloud, ground, observers, grid, options, long_run, verbosity);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const ViewshedBand band =
       viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
@@ -131,6 +146,7 @@ ExitCode run(RasterCommand command, const CommandLine& words) {
     load_map_drawer()(viewshed_picture(seen, options, observers, unit.name), ground, command.map.preview,
                       command.overwrite);
   }
+  long_run.finish();
   const SeenShare share = seen_share(seen, options);
   const std::string at_height = options.mode == ViewshedMode::height
                                     ? fmt::format("at {:g} above the ground ", options.target_height)
@@ -181,9 +197,9 @@ Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_l
       "  alidade visibility raster site.alidade --observer 690000,5325000,640 --mode height -o height.tif\n"
       "  alidade visibility raster site.las --observer 690000,5325000 --like grass --max-distance 300 -o "
       "near.tif\n");
-  return {raster, [command, command_line] {
+  return {raster, [command, command_line, raster] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command, command_line); });
+            with_threads(command->threads, [&] { code = run(*command, command_line, *raster); });
             return code;
           }};
 }

@@ -85,6 +85,7 @@ std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster) {
   add_target_height(raster, command->map.target_height);
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);
+  add_checkpoint_options(raster, command->checkpoint);
   add_threads(raster, command->threads);
   add_verbosity(raster, command->verbosity);
   return command;

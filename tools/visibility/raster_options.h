@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tools/options.h"
+#include "tools/visibility/checkpoint_options.h"
 #include "tools/visibility/map_options.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/occluder_options.h"
@@ -25,6 +26,7 @@ struct RasterCommand {
   ObserverOptions observers;
   OccluderRequest occluders;
   MapOptions map;
+  CheckpointRequest checkpoint;
   std::optional<DefaultSet> like;    ///< empty: gdal
   std::optional<ViewshedMode> mode;  ///< empty: visible
   std::optional<double> curvature;

@@ -23,12 +23,13 @@ SkyViewOptions sky_options(const SkyCommand& command) {
 }
 
 /// Answers what was found, for people.
-std::string map_sky(const SkyCommand& command, const CommandLine& words, const SkySite& site) {
+std::string map_sky(const SkyCommand& command, const CommandLine& words, const SkySite& site,
+                    LongRun& long_run) {
   const SkyRequest& request = command.request;
   ProgressLine line("looking at the sky", "cells", request.verbosity.verbosity());
-  Raster<float> views =
-      ground_sky_views(*site.cloud->occluders, *site.ground, site.grid,
-                       request.map.target_height.value_or(0.0), sky_options(command), line.callback());
+  Raster<float> views = ground_sky_views(*site.cloud->occluders, *site.ground, site.grid,
+                                         request.map.target_height.value_or(0.0), sky_options(command),
+                                         {long_run.progress(line), long_run.parts()});
   line.finish();
   const std::string found =
       range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
@@ -40,12 +41,13 @@ std::string map_sky(const SkyCommand& command, const CommandLine& words, const S
   return found;
 }
 
-std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
+std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, LongRun& long_run) {
   const SkyRequest& request = command.request;
   const Verbosity verbosity = request.verbosity.verbosity();
   ProgressLine line("looking at the sky", "points", verbosity);
   const std::vector<float> views =
-      point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command), line.callback());
+      point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
+                      {long_run.progress(line), long_run.parts()});
   line.finish();
   const auto value = [&views](std::size_t id) { return views[id]; };
   write_points(request.output, cloud.cloud,
@@ -54,12 +56,15 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud) {
   return range_and_mean(value, views.size());
 }
 
-ExitCode run(const SkyCommand& command, const CommandLine& words) {
+ExitCode run(const SkyCommand& command, const CommandLine& words, const CLI::App& given) {
   const SkyRequest& request = command.request;
   const SkySite site = load_sky_site(request, 1);
+  LongRun long_run(
+      request.checkpoint, [&] { return sky_identity(given, site); }, request.verbosity.verbosity());
   measure_occluders(*site.cloud, request.occluders, request.verbosity.verbosity());
   const std::string found =
-      request.is_map() ? map_sky(command, words, site) : point_sky(command, *site.cloud);
+      request.is_map() ? map_sky(command, words, site, long_run) : point_sky(command, *site.cloud, long_run);
+  long_run.finish();
   if (!request.verbosity.quiet)
     say_note(fmt::format("sky-view factors {}; wrote {}", found, request.output.string()));
   return ExitCode::done;
@@ -96,9 +101,9 @@ Command add_visibility_sky(CLI::App& visibility, const CommandLine& words) {
       "Examples:\n"
       "  alidade visibility sky site.las -o sky.las\n"
       "  alidade visibility sky site.alidade --resolution 1 --directions 256 -o sky.tif\n");
-  return {sky, [command, words] {
+  return {sky, [command, words, sky] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->request.threads, [&] { code = run(*command, words); });
+            with_threads(command->request.threads, [&] { code = run(*command, words, *sky); });
             return code;
           }};
 }

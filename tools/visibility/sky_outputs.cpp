@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "octree/checksum.h"
 #include "octree/error.h"
 #include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/map_writer.h"
@@ -35,6 +36,8 @@ void check_sky_request(const SkyRequest& request) {
       refuse(option, "a map (.tif)");
   }
   check_writable(request.output, request.overwrite, request.files);
+  check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}},
+                   request.files);
   if (!request.is_map()) return;
   std::vector<std::filesystem::path> others = request.files;
   others.push_back(request.output);
@@ -75,6 +78,7 @@ void add_sky_request(CLI::App& command, SkyRequest& request) {
   add_target_height(command, request.map.target_height);
   command.get_option("--target-height")->group(k_map_group);
   add_occluder_options(command, request.occluders);
+  add_checkpoint_options(command, request.checkpoint);
   add_threads(command, request.threads);
   add_verbosity(command, request.verbosity);
 }
@@ -90,6 +94,14 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   site.grid =
       map_grid(request.map, map_area(request.map, *site.cloud), *site.ground, bands, site.unit, verbosity);
   return site;
+}
+
+Identity sky_identity(const CLI::App& given, const SkySite& site) {
+  Identity identity = run_identity(given, *site.cloud);
+  if (site.ground) add_to_identity(site.grid, identity);
+  const std::span<const glm::vec3> normals = site.cloud->columns.normals;
+  identity.push_back({"normals", fmt::format("{:016x}", checksum(std::as_bytes(normals)))});
+  return identity;
 }
 
 void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,

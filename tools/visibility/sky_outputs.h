@@ -9,7 +9,9 @@
 
 #include "renderer/color/color_map.h"
 #include "tools/options.h"
+#include "tools/visibility/checkpoint_options.h"
 #include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/write_points.h"
@@ -26,6 +28,7 @@ struct SkyRequest {
   OccluderRequest occluders;
   std::optional<SkyReceiver> receiver;  ///< points only
   MapOptions map;                       ///< maps only
+  CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();
   std::filesystem::path output;
   bool overwrite = false;
@@ -51,6 +54,9 @@ struct SkySite {
 /// output's name or place; options that mean nothing for this kind of output; what it ends in cannot be
 /// written here; those of load_cloud_alone(), map_grid().
 SkySite load_sky_site(const SkyRequest& request, int bands);
+
+/// All that the answers depend on, as far as both commands share it. `given`: the command as it was read.
+Identity sky_identity(const CLI::App& given, const SkySite& site);
 
 /// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {

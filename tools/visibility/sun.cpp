@@ -62,6 +62,18 @@ double open_energy(const SunSky& sun) {
                          [](double sum, const SunBin& bin) { return sum + bin.energy.z / 1000.0; });
 }
 
+/// All that the answers depend on.
+Identity identity_of(const CLI::App& given, const SkySite& site, const SunSky& sun) {
+  Identity identity = sky_identity(given, site);
+  std::vector<double> numbers;
+  for (const SunBin& bin : sun.bins) {
+    numbers.insert(numbers.end(), {bin.direction.x, bin.direction.y, bin.direction.z, bin.hours, bin.energy.x,
+                                   bin.energy.y, bin.energy.z});
+  }
+  add_to_identity("path of the sun", numbers, identity);
+  return identity;
+}
+
 std::string model_text(const SunSky& sun) {
   return fmt::format(
       "clear sky of the European Solar Radiation Atlas, Linke turbidity {:g}, {:g} m above the sea",
@@ -99,12 +111,12 @@ MapMetadata sun_metadata(const SunSky& sun) {
 }
 
 std::string map_sun(const SunCommand& command, const CommandLine& words, const SkySite& site,
-                    const SunSky& sun) {
+                    const SunSky& sun, LongRun& long_run) {
   const SkyRequest& request = command.request;
   ProgressLine line("looking at the sun", "cells", request.verbosity.verbosity());
-  SunMaps maps = ground_sun_hours(*site.cloud->occluders, *site.ground, site.grid,
-                                  request.map.target_height.value_or(0.0), sun.bins,
-                                  {.max_distance = request.max_distance}, line.callback());
+  SunMaps maps = ground_sun_hours(
+      *site.cloud->occluders, *site.ground, site.grid, request.map.target_height.value_or(0.0), sun.bins,
+      {.max_distance = request.max_distance}, {long_run.progress(line), long_run.parts()});
   line.finish();
   const std::string found =
       range_and_mean([&](std::size_t i) { return maps.hours.values[i]; }, maps.hours.values.size());
@@ -119,13 +131,15 @@ std::string map_sun(const SunCommand& command, const CommandLine& words, const S
   return found;
 }
 
-std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun) {
+std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun,
+                      LongRun& long_run) {
   const SkyRequest& request = command.request;
   const Verbosity verbosity = request.verbosity.verbosity();
   ProgressLine line("looking at the sun", "points", verbosity);
-  const std::vector<SunHours> hours = point_sun_hours(
-      *cloud.occluders, cloud.columns.normals, sun.bins,
-      {request.receiver.value_or(SkyReceiver::surface), request.max_distance}, line.callback());
+  const std::vector<SunHours> hours =
+      point_sun_hours(*cloud.occluders, cloud.columns.normals, sun.bins,
+                      {request.receiver.value_or(SkyReceiver::surface), request.max_distance},
+                      {long_run.progress(line), long_run.parts()});
   line.finish();
   write_points(request.output, cloud.cloud,
                {result_column<float>("SunHours", "hours of direct sun", ScalarType::float32,
@@ -136,14 +150,17 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
   return range_and_mean([&](std::size_t id) { return hours[id].hours; }, hours.size());
 }
 
-ExitCode run(const SunCommand& command, const CommandLine& words) {
+ExitCode run(const SunCommand& command, const CommandLine& words, const CLI::App& given) {
   const SkyRequest& request = command.request;
   const SkySite site = load_sky_site(request, 2);
   const SunSky sun = sun_of(command, *site.cloud);
   say_sun(command, sun);
+  LongRun long_run(
+      request.checkpoint, [&] { return identity_of(given, site, sun); }, request.verbosity.verbosity());
   measure_occluders(*site.cloud, request.occluders, request.verbosity.verbosity());
-  const std::string found =
-      request.is_map() ? map_sun(command, words, site, sun) : point_sun(command, *site.cloud, sun);
+  const std::string found = request.is_map() ? map_sun(command, words, site, sun, long_run)
+                                             : point_sun(command, *site.cloud, sun, long_run);
+  long_run.finish();
   if (!request.verbosity.quiet)
     say_note(fmt::format("hours of sun {}; wrote {}", found, request.output.string()));
   return ExitCode::done;
@@ -220,9 +237,9 @@ Command add_visibility_sun(CLI::App& visibility, const CommandLine& words) {
       "  alidade visibility sun site.alidade --from 2026-01-01 --to 2026-12-31 --resolution 1 -o year.tif\n"
       "  alidade visibility sun room.ply --place 48.1,11.6 --from 2026-03-01T08:00+01:00 --to "
       "2026-03-01T12:00+01:00 -o morning.ply\n");
-  return {sun, [command, words] {
+  return {sun, [command, words, sun] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->request.threads, [&] { code = run(*command, words); });
+            with_threads(command->request.threads, [&] { code = run(*command, words, *sun); });
             return code;
           }};
 }
