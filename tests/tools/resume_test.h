@@ -44,6 +44,13 @@ class ResumeTest : public ProgramTest {
     return error ? 0 : size;
   }
 
+  /// Until something is finished; checkpoints are to be written in short intervals.
+  void wait_for_a_part(const Program& program) const {
+    wait_while(program, [&] { return !has_checkpoint(); });
+    const std::uintmax_t head = checkpoint_size();
+    wait_while(program, [&] { return checkpoint_size() == head; });
+  }
+
   /// Runs a command whole; then kills it again and again soon after its checkpoint has grown, goes on from
   /// that, and compares all its files.
   void kill_and_resume(const Words& command, const Words& outputs, int kills) {

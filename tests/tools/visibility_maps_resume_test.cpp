@@ -30,8 +30,8 @@ class MapsResumeTest : public ResumeTest {
   }
   /// Leaves a checkpoint of a command that was interrupted.
   void interrupt(const Words& command) {
-    Program program(command, folder);
-    wait_while(program, [&] { return !has_checkpoint(); });
+    Program program(with(command, {"--checkpoint-interval", "0.001"}), folder);
+    wait_for_a_part(program);
     program.send(SIGINT);
     const ProgramResult result = program.wait();
     ASSERT_EQ(result.exit_code, 130) << result.err;

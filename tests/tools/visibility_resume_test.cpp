@@ -19,10 +19,10 @@ TEST_F(ResumeTest, places_killed_at_many_moments_give_the_bytes_of_an_uninterrup
 }
 
 TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
-  const Words words = with(
-      k_points, {"--observer-grid", "0.05", "--fraction", "255", "-o", "seen.las", "--checkpoint", "state"});
+  const Words words = with(k_points, {"--observer-grid", "0.05", "--fraction", "255", "-o", "seen.las",
+                                      "--checkpoint", "state", "--checkpoint-interval", "0.001"});
   Program program(words, folder);
-  wait_while(program, [&] { return !has_checkpoint(); });
+  wait_for_a_part(program);
   program.send(SIGINT);
   const ProgramResult result = program.wait();
   EXPECT_EQ(result.exit_code, 130) << result.err;
@@ -52,9 +52,7 @@ TEST_F(ResumeTest, other_outputs_and_threads_are_the_same_run_another_reference_
   ASSERT_EQ(run(with(asked, whole)).exit_code, 0);
   const Words keep = with(asked, {"--checkpoint", "state", "--checkpoint-interval", "0.001"});
   Program program(with(keep, {"-o", "a.las", "--lists", "a.csv", "--threads", "1"}), folder);
-  wait_while(program, [&] { return !has_checkpoint(); });
-  const std::uintmax_t head = checkpoint_size();
-  wait_while(program, [&] { return checkpoint_size() == head; });
+  wait_for_a_part(program);
   program.send(SIGKILL);
   ASSERT_EQ(program.wait().signal, SIGKILL);
 
