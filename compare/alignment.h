@@ -29,7 +29,7 @@ struct Alignment {
 /// divided by sqrt(|g|^2 + s^2), s the root mean square of |g| in its picture: few strong edges, such as a
 /// roof before the sky, do not outvote many weak ones, and exposure and contrast play no role. Pictures are
 /// blurred by a binomial filter before, and only by pixels that count: in the mask, finite, with alpha of at
-/// least one half, and where a picture has depth, finite depth. So holes between points and the edge of what
+/// least one half, and where a picture has depth, with one. So holes between points and the edge of what
 /// was scanned are no edges. Pixels without a neighbour that counts take no part.
 ///
 /// The search goes from coarse to fine over a pyramid of halved pictures: all shifts on the coarsest level,

@@ -47,7 +47,7 @@ void make_room(const std::filesystem::path& folder, const std::vector<std::files
 }
 
 void add_thumbnails(PairOutcome& outcome, const ComparisonPictures& pictures) {
-  const auto add = [&](const char* name, const BytePicture& picture) {
+  const auto add = [&](const std::string& name, const BytePicture& picture) {
     outcome.thumbnails.emplace_back(name, data_url(shrunk(picture, k_thumbnail_side), PicturePacking::jpeg));
   };
   add("reference", pictures.reference);
@@ -55,7 +55,7 @@ void add_thumbnails(PairOutcome& outcome, const ComparisonPictures& pictures) {
   const std::vector<const DifferenceMap*> maps = pictures.maps();
   if (maps.empty()) return;
   const DifferenceMap& map = pictures.flip_map ? *pictures.flip_map : *maps.front();
-  add("difference", {map.width, map.height, paint_difference(map).bytes()});
+  add(map.title, {map.width, map.height, paint_difference(map).bytes()});
 }
 
 /// Errors: reports that cannot be written; Cancelled.
@@ -73,7 +73,8 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
     outcome.comparison = compare_files(pair.reference, pair.test, what);
     outcome.verdict = judge(*outcome.comparison, options.fail_above);
     outcome.warnings = judge(*outcome.comparison, options.warn_above);
-    if (!options.reports.empty()) page = report_page(*outcome.comparison, outcome.verdict, options.packing);
+    if (!options.reports.empty())
+      page = report_page(*outcome.comparison, outcome.verdict, options.packing, outcome.warnings);
     if (options.keep_thumbnails) add_thumbnails(outcome, *outcome.comparison->pictures);
   } catch (const Error& error) {
     outcome.error = error.what();

@@ -169,17 +169,20 @@ ChangeRegions change_regions(std::span<const float> map, int width, const ImageM
     if (pixels[part] >= options.least_pixels)
       sizes.push_back({part, pixels[part]});
     else
-      ++changes.left_out_regions;
+      ++changes.small_regions;
   }
   std::ranges::stable_sort(sizes, std::greater<>{}, &Size::pixels);
   if (sizes.size() > options.most_regions) {
-    changes.left_out_regions += sizes.size() - options.most_regions;
+    changes.further_regions = sizes.size() - options.most_regions;
     sizes.resize(options.most_regions);
   }
 
   // The counts are done with; in their place, the new number of each whole.
   std::ranges::fill(pixels, 0u);
-  for (std::size_t i = 0; i < sizes.size(); ++i) pixels[sizes[i].part] = static_cast<std::uint32_t>(i + 1);
+  for (std::size_t i = 0; i < sizes.size(); ++i) {
+    pixels[sizes[i].part] = static_cast<std::uint32_t>(i + 1);
+    changes.listed_pixels += sizes[i].pixels;
+  }
   for (std::uint32_t& label : changes.labels)
     if (label > 0) label = pixels[parts.whole(label - 1)];
   changes.regions.resize(sizes.size());

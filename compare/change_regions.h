@@ -31,10 +31,12 @@ struct ChangeRegion {
 };
 
 struct ChangeRegions {
-  std::vector<ChangeRegion> regions;   ///< by size, the largest first; equal size: in reading order
-  std::vector<std::uint32_t> labels;   ///< per pixel: 1 + place in `regions`, where it has changed; else 0
-  std::uint64_t changed_pixels = 0;    ///< all above the threshold
-  std::uint64_t left_out_regions = 0;  ///< for being too small, or beyond most_regions
+  std::vector<ChangeRegion> regions;  ///< by size, the largest first; equal size: in reading order
+  std::vector<std::uint32_t> labels;  ///< per pixel: 1 + place in `regions`, where it has changed; else 0
+  std::uint64_t changed_pixels = 0;   ///< all above the threshold, also specks and those of regions left out
+  std::uint64_t listed_pixels = 0;    ///< those of `regions`
+  std::uint64_t small_regions = 0;    ///< left out for being smaller than least_pixels
+  std::uint64_t further_regions = 0;  ///< left out for being beyond most_regions
 };
 
 /// Regions of a map with one value per pixel, rows of `width` from the top. Pixels have changed if they count

@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "compare/srgb_curve.h"
 
@@ -52,6 +53,15 @@ std::vector<float> linear_color(const ComparedImage& image) {
 std::vector<float> display_color(const ComparedImage& image) {
   return image.encoding == ColorEncoding::display ? image.color
                                                   : through(srgb_from_linear_table(), image.color);
+}
+
+bool is_depth(float depth) {
+  return std::isfinite(depth) && depth > 0.0f;
+}
+
+bool shows_surface(const ComparedImage& image, std::size_t pixel) {
+  return (image.alpha.empty() || image.alpha[pixel] >= 0.5f) &&
+         (image.depth.empty() || is_depth(image.depth[pixel]));
 }
 
 void require_same_size(const ComparedImage& reference, const ComparedImage& test) {

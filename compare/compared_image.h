@@ -27,7 +27,7 @@ struct ComparedImage {
   int largest_code = 0;            ///< of a display image: 255, 65535; 0: not whole numbers (linear, resized)
   std::vector<float> color;        ///< 3 per pixel; display: code / largest code; linear: as stored
   std::vector<float> alpha;        ///< 1 per pixel, not multiplied into display colours
-  std::vector<float> depth;        ///< layer Z, metres; infinite where there is nothing
+  std::vector<float> depth;        ///< layer Z, metres; is_depth() tells where there is nothing
   std::vector<float> normals;      ///< layer N, 3 per pixel; 0 0 0 where there is nothing
   std::vector<std::uint32_t> ids;  ///< layer id: point id + 1; 0 where there is nothing
   std::vector<std::pair<std::string, std::string>> metadata;  ///< of our own pictures and of EXIF, as texts
@@ -60,6 +60,11 @@ ComparedImage read_compared_image(const std::filesystem::path& file);
 std::vector<float> linear_color(const ComparedImage& image);
 /// Three sRGB values in 0 .. 1 per pixel; linear light is clamped to 0 .. 1 first (NaN becomes 0).
 std::vector<float> display_color(const ComparedImage& image);
+
+/// Whether a depth is one: finite and above 0. Others say that there is nothing.
+bool is_depth(float depth);
+/// Whether a pixel shows something, as far as the image knows: alpha of at least one half, and a depth.
+bool shows_surface(const ComparedImage& image, std::size_t pixel);
 
 /// Throws SizeMismatch naming the files and sizes unless width, height and origin are the same.
 void require_same_size(const ComparedImage& reference, const ComparedImage& test);

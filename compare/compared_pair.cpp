@@ -41,6 +41,7 @@ void remark_differences(const ComparedImage& reference, const ComparedImage& tes
   tell("the layer of depth", !reference.depth.empty(), !test.depth.empty());
   tell("the layer of normals", !reference.normals.empty(), !test.normals.empty());
   tell("the layer of ids", !reference.ids.empty(), !test.ids.empty());
+  tell("alpha", !reference.alpha.empty(), !test.alpha.empty());
   if (reference.color.empty() || test.color.empty()) return;
   if (reference.encoding != test.encoding)
     remarks.push_back(
@@ -62,6 +63,8 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
     remarks.push_back(
         fmt::format("the test was resized from {} x {} pixels", pair.test.width, pair.test.height));
     pair.test = resized(pair.test, pair.reference.width, pair.reference.height);
+    pair.test.origin_x = pair.reference.origin_x;
+    pair.test.origin_y = pair.reference.origin_y;
   }
   require_same_size(pair.reference, pair.test);
   remark_differences(pair.reference, pair.test, remarks);

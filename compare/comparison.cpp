@@ -33,10 +33,7 @@ class Run {
   void compare() {
     count();
     done();
-    comparison_.layers = layer_metrics(pair_.reference, pair_.test, pair_.mask);
-    const LayerMetrics& layers = comparison_.layers;
-    require(pair_.have_colors() || layers.depth || layers.normals || layers.ids, pair_.test,
-            "nothing to compare with the reference", "the same colours or layers in both");
+    compare_layers();
     if (pair_.have_colors()) comparison_.color = figures();
     if (options_.keep_pictures) comparison_.pictures = shown_pictures(pair_);
     if (options_.align) align_edges();
@@ -44,7 +41,7 @@ class Run {
     if (options_.match) match_colors();
     if (options_.find_changes) find_changes();
     done();
-    if (comparison_.pictures) add_maps(*comparison_.pictures, pair_, flip_map());
+    if (comparison_.pictures) add_maps(*comparison_.pictures, pair_, std::move(maps_), std::move(flip_map()));
     for (std::optional<ColorFigures>* const set : {&comparison_.color, &comparison_.matched})
       if (*set) (*set)->flip.map = {};
     done();
@@ -72,6 +69,29 @@ class Run {
       remark(fmt::format("{} pixels with NaN or infinite colours are left out", comparison_.excluded));
   }
 
+  void compare_layers() {
+    const LayerMetrics layers = comparison_.layers = layer_metrics(pair_.reference, pair_.test, pair_.mask);
+    require(pair_.have_colors() || layers.depth || layers.normals || layers.ids, pair_.test,
+            "nothing to compare with the reference", "the same colours or layers in both");
+    const auto tell = [&](std::uint64_t pixels, const char* what) {
+      if (pixels > 0) remark(fmt::format("{} pixels {}", pixels, what));
+    };
+    if (layers.depth)
+      tell(layers.depth->invalid, "with NaN or less than 0 as depth are taken for pixels without depth");
+    if (layers.normals)
+      tell(layers.normals->invalid, "with NaN or infinite normals are taken for pixels without normal");
+    if (layers.alpha) tell(layers.alpha->invalid, "with NaN or infinite alpha are left out of its figures");
+    for (ComparedImage* const image : {&pair_.reference, &pair_.test}) forget_layers(*image);
+  }
+
+  /// Large pictures need the memory for maps.
+  void forget_layers(ComparedImage& image) const {
+    const bool is_shown = options_.keep_pictures && image.color.empty();
+    if (!is_shown) image.normals = {};
+    if (!is_shown && !options_.find_changes) image.ids = {};
+    if (!options_.match && !options_.align) image.alpha = {};
+  }
+
   ColorFigures figures() {
     const ComparedImage &reference = pair_.reference, &test = pair_.test;
     ColorFigures figures;
@@ -81,8 +101,9 @@ class Run {
         reference.encoding == ColorEncoding::linear && test.encoding == ColorEncoding::linear;
     figures.stored = is_linear ? figures.linear : figures.display;
     done();
-    figures.ssim = ssim(reference, test, pair_.mask).mean;
-    figures.ms_ssim = ms_ssim(reference, test, pair_.mask).mean;
+    const Similarity similar = similarity(reference, test, pair_.mask);
+    figures.ssim = similar.ssim;
+    figures.ms_ssim = similar.ms_ssim;
     done();
     figures.flip = flip(reference, test, pair_.mask, options_.flip);
     done();
@@ -119,33 +140,40 @@ class Run {
   }
 
   void find_changes() {
-    comparison_.changes = change_regions(change_map(), pair_.reference.width, pair_.mask, options_.changes);
+    const auto find = [&](std::span<const float> map) {
+      comparison_.changes = change_regions(map, pair_.reference.width, pair_.mask, options_.changes);
+    };
+    if (options_.find_changes == ChangeMap::depth) {
+      require(pair_.have_depth(), pair_.test, "changes of depth need depth in both pictures",
+              "EXR files with the layer Z");
+      maps_.depth = depth_difference(pair_.reference, pair_.test, pair_.mask);
+      find(maps_.depth->values);
+    } else {
+      require(pair_.have_colors(), pair_.test, "changes of colour need colours in both pictures",
+              "another map of changes");
+      if (options_.find_changes == ChangeMap::color) {
+        maps_.color = color_difference(pair_.reference, pair_.test, pair_.mask);
+        find(maps_.color->values);
+      } else {
+        find(flip_map());
+      }
+    }
+    if (!comparison_.pictures) maps_ = {};
     comparison_.reference.ids = std::move(pair_.reference.ids);
     comparison_.test.ids = std::move(pair_.test.ids);
   }
 
-  std::vector<float> change_map() const {
-    if (options_.find_changes == ChangeMap::depth) {
-      require(pair_.have_depth(), pair_.test, "changes of depth need depth in both pictures",
-              "EXR files with the layer Z");
-      return depth_difference(pair_.reference, pair_.test, pair_.mask).values;
-    }
-    require(pair_.have_colors(), pair_.test, "changes of colour need colours in both pictures",
-            "another map of changes");
-    if (options_.find_changes == ChangeMap::color)
-      return color_difference(pair_.reference, pair_.test, pair_.mask).values;
-    const std::span<const float> map = flip_map();
-    return {map.begin(), map.end()};
-  }
-
-  std::span<const float> flip_map() const {
-    if (!comparison_.color) return {};
+  /// Of matched colours where they are; empty without colours.
+  std::vector<float>& flip_map() {
+    if (!comparison_.color) return no_map_;
     return (comparison_.matched ? *comparison_.matched : *comparison_.color).flip.map;
   }
 
   void remark(std::string text) { comparison_.remarks.push_back(std::move(text)); }
 
   ComparedPair pair_;
+  PairMaps maps_;
+  std::vector<float> no_map_;
   const ComparisonOptions& options_;
   const Progress& progress_;
   Comparison& comparison_;
@@ -158,6 +186,7 @@ Comparison compare_files(const std::filesystem::path& reference, const std::file
                          const ComparisonOptions& options, const Progress& progress) {
   Comparison comparison;
   ComparedPair pair = read_compared_pair(reference, test, options, comparison.remarks);
+  comparison.options = options;
   comparison.reference = facts_of(pair.reference);
   comparison.test = facts_of(pair.test);
   Run(std::move(pair), options, progress, comparison).compare();

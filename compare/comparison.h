@@ -37,8 +37,9 @@ enum class ChangeMap {
 
 struct ComparisonOptions {
   // What counts. All of it together: a pixel counts if everything lets it.
-  std::optional<PixelRectangle> crop;  ///< of both pictures, before everything else
-  bool resize_to_reference = false;    ///< otherwise another size is SizeMismatch
+  /// Of both pictures; all places in the result are told from its top left corner.
+  std::optional<PixelRectangle> crop;
+  bool resize_to_reference = false;  ///< otherwise another size is SizeMismatch
   std::filesystem::path mask;  ///< image_mask.h, keep_light(); of the size of the reference before cropping
   bool use_alpha = false, valid_depth = false, ignore_sky = false;
   std::vector<PixelRectangle> keep, ignore;  ///< in pixels of the reference before cropping
@@ -87,6 +88,7 @@ struct ComparisonPictures {
 };
 
 struct Comparison {
+  ComparisonOptions options;  ///< those of the run
   PictureFacts reference, test;
   std::uint64_t pixels = 0;    ///< of the compared part
   std::uint64_t counted = 0;   ///< of them, those that masks let count

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "compare/comparison_json.h"
 
-#include "compare/page_json.h"
+#include "compare/compared_how.h"
+#include "compare/json_parts.h"
 
 namespace alidade {
 namespace {
@@ -49,8 +50,11 @@ Json color_json(const ColorFigures& color) {
 void add_layers(Json& metrics, const Comparison& comparison) {
   for (const Metric& metric : metrics_of(comparison))
     if (metric.kind->group == k_depth_group || metric.kind->group == k_normal_group ||
-        metric.kind->group == k_id_group)
-      metrics[std::string(metric.kind->name)] = json_number(metric.value);
+        metric.kind->group == k_id_group || metric.kind->group == k_alpha_group) {
+      const std::string name(metric.kind->name);
+      metrics[name] = json_number(metric.value);
+      if (metric.place) metrics[name + "_at"] = {metric.place->x, metric.place->y};
+    }
 }
 
 Json match_json(const Comparison& comparison) {
@@ -69,36 +73,15 @@ Json alignment_json(const Alignment& alignment) {
 }
 
 Json changes_json(const ChangeRegions& changes) {
-  Json regions = Json::array();
-  for (const ChangeRegion& region : changes.regions) {
-    regions.push_back({{"left", region.left},
-                       {"top", region.top},
-                       {"right", region.right},
-                       {"bottom", region.bottom},
-                       {"pixels", region.pixels},
-                       {"strongest", json_number(region.strongest)},
-                       {"mean", json_number(region.mean)},
-                       {"at", {region.x, region.y}}});
-  }
   return {{"changed_pixels", changes.changed_pixels},
-          {"left_out_regions", changes.left_out_regions},
-          {"regions", regions}};
+          {"listed_pixels", changes.listed_pixels},
+          {"left_out_regions", changes.small_regions + changes.further_regions},
+          {"small_regions", changes.small_regions},
+          {"further_regions", changes.further_regions},
+          {"regions", regions_json(changes)}};
 }
 
-Json thresholds_json(const Verdict& verdict) {
-  Json thresholds = Json::array();
-  for (const JudgedThreshold& judged : verdict.judged) {
-    thresholds.push_back({{"threshold", to_text(judged.threshold)},
-                          {"metric", judged.threshold.metric},
-                          {"fails_if", judged.fails_below ? "below" : "above"},
-                          {"limit", json_number(judged.threshold.limit)},
-                          {"value", json_number(judged.value)},
-                          {"fails", judged.fails}});
-  }
-  return thresholds;
-}
-
-Json whole_json(const Comparison& comparison, const Verdict& verdict) {
+Json whole_json(const Comparison& comparison, const Verdict& verdict, const Verdict& warnings) {
   Json metrics = Json::object();
   if (comparison.color) metrics = color_json(*comparison.color);
   add_layers(metrics, comparison);
@@ -107,20 +90,22 @@ Json whole_json(const Comparison& comparison, const Verdict& verdict) {
             {"pixels", comparison.pixels},
             {"counted", comparison.counted},
             {"excluded", comparison.excluded},
+            {"how", how_json(comparison)},
             {"metrics", metrics}};
   if (comparison.match) json["match"] = match_json(comparison);
   if (comparison.alignment) json["alignment"] = alignment_json(*comparison.alignment);
   if (comparison.changes) json["changes"] = changes_json(*comparison.changes);
   json["remarks"] = comparison.remarks;
   json["thresholds"] = thresholds_json(verdict);
+  json["warnings"] = thresholds_json(warnings);
   json["pass"] = verdict.pass();
   return json;
 }
 
 }  // namespace
 
-std::string comparison_json(const Comparison& comparison, const Verdict& verdict) {
-  return json_text(whole_json(comparison, verdict), 2) + "\n";
+std::string comparison_json(const Comparison& comparison, const Verdict& verdict, const Verdict& warnings) {
+  return json_text(whole_json(comparison, verdict, warnings), 2) + "\n";
 }
 
 std::string batch_json(const std::vector<PairOutcome>& outcomes) {
@@ -130,7 +115,7 @@ std::string batch_json(const std::vector<PairOutcome>& outcomes) {
     failed += !outcome.pass();
     Json pair{{"name", outcome.pair.name}};
     if (outcome.comparison) {
-      pair.update(whole_json(*outcome.comparison, outcome.verdict));
+      pair.update(whole_json(*outcome.comparison, outcome.verdict, outcome.warnings));
     } else {
       pair["error"] = outcome.error;
       pair["pass"] = false;

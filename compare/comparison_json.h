@@ -13,8 +13,9 @@
 
 namespace alidade {
 
-/// One comparison, as text with indentation and a line end.
-std::string comparison_json(const Comparison& comparison, const Verdict& verdict);
+/// One comparison, as text with indentation and a line end. `warnings`: thresholds that only warn.
+std::string comparison_json(const Comparison& comparison, const Verdict& verdict,
+                            const Verdict& warnings = {});
 
 /// A batch: {"pairs": [...], "failed": N, "pass": false}, each pair with its name and the above or an
 /// "error".

@@ -22,11 +22,11 @@ std::vector<float> lightness_of(const BytePicture& picture) {
 }
 
 void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& place, DifferenceMap map,
-             const ImageMask& mask, const char* unit) {
+             const char* unit) {
   const double low = map.range.low, high = map.range.high;
   if (low < high)
     pictures.histograms.push_back(
-        {map.title, unit, low, high, count_values(map.title, map.values, mask, low, high, k_bins)});
+        {map.title, unit, low, high, count_values(map.title, map.values, map.mask, low, high, k_bins)});
   place = std::move(map);
 }
 
@@ -47,19 +47,27 @@ ComparisonPictures shown_pictures(const ComparedPair& pair) {
   return pictures;
 }
 
-void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, std::span<const float> flip) {
+void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps made,
+              std::vector<float> flip) {
   const ImageMask& mask = pair.mask;
   if (pair.have_colors()) {
-    add_map(pictures, pictures.flip_map, flip_difference(flip, pair.reference.width, mask), mask, "");
-    add_map(pictures, pictures.color_map, color_difference(pair.reference, pair.test, mask), mask, "");
+    const char* const matched = pictures.matched ? ", colours matched" : "";
+    const auto add_color_map = [&](std::optional<DifferenceMap>& place, DifferenceMap map) {
+      map.title += matched;
+      add_map(pictures, place, std::move(map), "");
+    };
+    add_color_map(pictures.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
+    add_color_map(pictures.color_map,
+                  made.color ? std::move(*made.color) : color_difference(pair.reference, pair.test, mask));
     const BytePicture& test = pictures.matched ? *pictures.matched : pictures.test;
     pictures.histograms.push_back(
         {"Lightness", "", 0.0, 1.0,
          count_values("reference", lightness_of(pictures.reference), mask, 0.0, 1.0),
-         count_values("test", lightness_of(test), mask, 0.0, 1.0)});
+         count_values(std::string("test") + matched, lightness_of(test), mask, 0.0, 1.0)});
   }
   if (pair.have_depth())
-    add_map(pictures, pictures.depth_map, depth_difference(pair.reference, pair.test, mask), mask, "m");
+    add_map(pictures, pictures.depth_map,
+            made.depth ? std::move(*made.depth) : depth_difference(pair.reference, pair.test, mask), "m");
 }
 
 }  // namespace alidade

@@ -9,7 +9,9 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "compare/row_sums.h"
 #include "compare/srgb_curve.h"
 
 namespace alidade {
@@ -26,53 +28,40 @@ void fill_values(DifferenceMap& map, const Value& value) {
   });
 }
 
-/// What a map's numbers come to.
-struct MapSummary {
-  double mean = 0.0, mean_magnitude = 0.0;  ///< of the finite ones
-  double high = 0.0;                        ///< the percentile of the finite magnitudes that was asked for
-  float largest = 0.0f;   ///< the finite one of largest magnitude, the first in reading order
-  std::size_t pixel = 0;  ///< where that is
-  std::size_t count = 0;  ///< of finite ones that count
-};
-
-MapSummary summary_of(const DifferenceMap& map, double percentile) {
-  MapSummary summary;
-  std::vector<float> magnitudes;
-  magnitudes.reserve(map.values.size());
-  double sum = 0.0, magnitude_sum = 0.0;
-  for (std::size_t i = 0; i < map.values.size(); ++i) {
-    const float value = map.values[i];
-    if (!map.mask.at(i) || !std::isfinite(value)) continue;
-    magnitudes.push_back(std::abs(value));
-    sum += static_cast<double>(value);
-    magnitude_sum += static_cast<double>(std::abs(value));
-    if (std::abs(value) > std::abs(summary.largest)) {
-      summary.largest = value;
-      summary.pixel = i;
-    }
-  }
-  summary.count = magnitudes.size();
-  if (magnitudes.empty()) return summary;
-  const auto count = static_cast<double>(magnitudes.size());
-  summary.mean = sum / count;
-  summary.mean_magnitude = magnitude_sum / count;
-  const auto rank = magnitudes.begin() + static_cast<std::ptrdiff_t>(percentile / 100.0 * (count - 1.0));
-  std::ranges::nth_element(magnitudes, rank);
-  summary.high = static_cast<double>(*rank);
-  return summary;
+/// What a map's numbers come to: those that count and are finite.
+DifferenceSums<double> sums_of(const DifferenceMap& map) {
+  const auto width = static_cast<std::size_t>(map.width);
+  return sum_rows<DifferenceSums<double>>(static_cast<std::size_t>(map.height),
+                                          [&](std::size_t y, DifferenceSums<double>& sums) {
+                                            for (std::size_t i = y * width; i < (y + 1) * width; ++i)
+                                              if (map.mask.at(i) && std::isfinite(map.values[i]))
+                                                sums.add(static_cast<double>(map.values[i]), i);
+                                          });
 }
 
-void add_notes(DifferenceMap& map, const MapSummary& summary, const std::string& unit) {
-  if (summary.count == 0) {
+/// The magnitude that so many of a hundred do not exceed; 0 without any.
+double percentile_of(const DifferenceMap& map, double percent, std::uint64_t count) {
+  if (count == 0) return 0.0;
+  const auto magnitude_at = [&](std::size_t i) {
+    return map.mask.at(i) && std::isfinite(map.values[i]) ? std::abs(map.values[i]) : -1.0f;
+  };
+  const auto rank = static_cast<std::uint64_t>(percent / 100.0 * static_cast<double>(count - 1));
+  const std::size_t size = map.values.size();
+  return static_cast<double>(value_of_rank(size, magnitude_at, count_upper_halves(size, magnitude_at), rank));
+}
+
+void add_notes(DifferenceMap& map, const DifferenceSums<double>& sums, const std::string& unit) {
+  if (sums.values == 0) {
     map.notes.push_back("no pixel can be compared");
     return;
   }
   const auto width = static_cast<std::size_t>(map.width);
   map.notes.push_back(fmt::format("mean {}{:.4g}{}",
                                   map.colors == DifferenceColors::balance ? "magnitude " : "",
-                                  summary.mean_magnitude, unit));
-  map.notes.push_back(fmt::format("largest {:.4g}{} at ({}, {})", static_cast<double>(summary.largest), unit,
-                                  summary.pixel % width, summary.pixel / width));
+                                  sums.mean(sums.sum_abs), unit));
+  const double largest = sums.most > 0.0 ? static_cast<double>(map.values[sums.most_at]) : 0.0;
+  map.notes.push_back(
+      fmt::format("largest {:.4g}{} at ({}, {})", largest, unit, sums.most_at % width, sums.most_at / width));
 }
 
 DifferenceMap empty_map(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask) {
@@ -108,22 +97,22 @@ DifferenceMap color_difference(const ComparedImage& reference, const ComparedIma
   map.title = "Difference of colours";
   map.label = "largest channel (white = 1)";
   constexpr double k_percentile = 99.5;
-  const MapSummary summary = summary_of(map, k_percentile);
-  map.range = {0.0, std::clamp(summary.high, 1.0 / 255.0, 1.0)};
-  add_notes(map, summary, "");
+  const DifferenceSums<double> sums = sums_of(map);
+  map.range = {0.0, std::clamp(percentile_of(map, k_percentile, sums.values), 1.0 / 255.0, 1.0)};
+  add_notes(map, sums, "");
   return map;
 }
 
-DifferenceMap flip_difference(std::span<const float> flip, int width, const ImageMask& mask) {
+DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMask& mask) {
   DifferenceMap map;
   map.title = "FLIP";
   map.label = "FLIP (0 = alike, 1 = most)";
   map.width = width;
   map.height = static_cast<int>(flip.size() / static_cast<std::size_t>(width));
-  map.values.assign(flip.begin(), flip.end());
+  map.values = std::move(flip);
   map.mask = mask;
   map.range = {0.0, 1.0};
-  add_notes(map, summary_of(map, 100.0), "");
+  add_notes(map, sums_of(map), "");
   return map;
 }
 
@@ -131,17 +120,21 @@ DifferenceMap depth_difference(const ComparedImage& reference, const ComparedIma
                                const ImageMask& mask) {
   DifferenceMap map = empty_map(reference, test, mask);
   assert(reference.depth.size() == reference.pixels() && test.depth.size() == test.pixels());
-  // What lies infinitely far away in one picture only becomes infinite, in both NaN.
-  fill_values(map, [&](std::size_t pixel) { return test.depth[pixel] - reference.depth[pixel]; });
+  constexpr float k_infinite = std::numeric_limits<float>::infinity();
+  fill_values(map, [&](std::size_t pixel) {
+    const bool in_reference = is_depth(reference.depth[pixel]), in_test = is_depth(test.depth[pixel]);
+    if (in_reference && in_test) return test.depth[pixel] - reference.depth[pixel];
+    return in_reference ? k_infinite : in_test ? -k_infinite : k_none;
+  });
   map.title = "Difference of depth";
   map.label = "test - reference (m)";
   map.colors = DifferenceColors::balance;
   constexpr double k_percentile = 98.0, k_least_range = 0.001;
-  const MapSummary summary = summary_of(map, k_percentile);
-  const double range = std::max(summary.high, k_least_range);
+  const DifferenceSums<double> sums = sums_of(map);
+  const double range = std::max(percentile_of(map, k_percentile, sums.values), k_least_range);
   map.range = {-range, range};
-  if (summary.count > 0) map.notes.push_back(fmt::format("mean {:.4g} m", summary.mean));
-  add_notes(map, summary, " m");
+  if (sums.values > 0) map.notes.push_back(fmt::format("mean {:.4g} m", sums.mean(sums.sum)));
+  add_notes(map, sums, " m");
   return map;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -42,11 +41,11 @@ DifferenceMap color_difference(const ComparedImage& reference, const ComparedIma
                                const ImageMask& mask);
 
 /// FLIP's own map (compare/flip.h), 0 .. 1.
-DifferenceMap flip_difference(std::span<const float> flip, int width, const ImageMask& mask);
+DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMask& mask);
 
-/// Test minus reference of the depth layers, metres: positive is farther away in the test. The range is the
-/// 98th percentile of the magnitudes, to both sides, at least 1 mm; what only one picture has is told apart.
-/// Both pictures must have depth and one size.
+/// Test minus reference of the depth layers, metres: positive is farther away in the test. A depth that is
+/// none (is_depth()) is nothing there. The range is the 98th percentile of the magnitudes, to both sides, at
+/// least 1 mm; what only one picture has is told apart. Both pictures must have depth and one size.
 DifferenceMap depth_difference(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask);
 

@@ -1,39 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include "compare/error_metrics.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
-#include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "compare/float_ranks.h"
 #include "compare/logarithm.h"
+#include "compare/row_sums.h"
 #include "compare/srgb_curve.h"
 
 namespace alidade {
 namespace {
 
-/// Of one row. Differences of whole numbers are added as such, others as double.
+/// Of one row.
 template <class Number>
 struct RowErrors {
-  Number sum = 0, sum_abs = 0, sum_squares = 0, most = 0;
-  std::uint64_t values = 0, excluded = 0;
-  std::size_t most_at = 0;
+  DifferenceSums<Number> differences;
+  std::uint64_t excluded = 0;
 
-  /// What comes later in reading order.
-  void add(const RowErrors& other) {
-    sum += other.sum;
-    sum_abs += other.sum_abs;
-    sum_squares += other.sum_squares;
-    values += other.values;
-    excluded += other.excluded;
-    if (other.most > most) {
-      most = other.most;
-      most_at = other.most_at;
-    }
+  void add(const RowErrors& later) {
+    differences.add(later.differences);
+    excluded += later.excluded;
   }
 };
 
@@ -50,13 +38,8 @@ class Errors {
 
   /// `unit`: what a difference of 1 means.
   ErrorMetrics measure(double unit) const {
-    const std::size_t height = pixels_ / width_;
-    std::vector<RowErrors<Number>> rows(height);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, height, 16), [&](const auto& range) {
-      for (std::size_t y = range.begin(); y != range.end(); ++y) rows[y] = row(y);
-    });
-    RowErrors<Number> all;
-    for (const RowErrors<Number>& one : rows) all.add(one);
+    const auto all = sum_rows<RowErrors<Number>>(
+        pixels_ / width_, [&](std::size_t y, RowErrors<Number>& sums) { add_row(y, sums); });
     return metrics(all, unit);
   }
 
@@ -73,57 +56,38 @@ class Errors {
     return true;
   }
 
-  RowErrors<Number> row(std::size_t y) const {
-    RowErrors<Number> row;
+  void add_row(std::size_t y, RowErrors<Number>& sums) const {
     for (std::size_t pixel = y * width_; pixel < (y + 1) * width_; ++pixel) {
       if (!mask_.at(pixel)) continue;
-      RowErrors<Number> of_pixel;
-      for (std::size_t i = channels_ * pixel; i < channels_ * (pixel + 1); ++i) {
-        const Number difference = difference_(i), size = difference < 0 ? -difference : difference;
-        of_pixel.sum += difference;
-        of_pixel.sum_abs += size;
-        of_pixel.sum_squares += difference * difference;
-        if (size > of_pixel.most) {
-          of_pixel.most = size;
-          of_pixel.most_at = i;
-        }
-      }
+      DifferenceSums<Number> of_pixel;
+      for (std::size_t i = channels_ * pixel; i < channels_ * (pixel + 1); ++i)
+        of_pixel.add(difference_(i), i);
       // A value that is no number makes none of the sum.
-      if (!is_finite(of_pixel.sum_abs)) {
-        ++row.excluded;
-        continue;
-      }
-      row.values += channels_;
-      row.add(of_pixel);
+      if (is_finite(of_pixel.sum_abs))
+        sums.differences.add(of_pixel);
+      else
+        ++sums.excluded;
     }
-    return row;
   }
 
   ErrorMetrics metrics(const RowErrors<Number>& all, double unit) const {
-    ErrorMetrics metrics{.values = all.values, .excluded = all.excluded};
+    const DifferenceSums<Number>& sums = all.differences;
+    ErrorMetrics metrics{.values = sums.values, .excluded = all.excluded};
     metrics.psnr = std::numeric_limits<double>::quiet_NaN();
-    if (all.values == 0) return metrics;
-    const auto count = static_cast<double>(all.values);
-    metrics.mean = static_cast<double>(all.sum) / count * unit;
-    metrics.mean_abs = static_cast<double>(all.sum_abs) / count * unit;
-    const double mean_square = static_cast<double>(all.sum_squares) / count;
-    metrics.rmse = std::sqrt(mean_square) * unit;
+    if (sums.values == 0) return metrics;
+    metrics.mean = sums.mean(sums.sum) * unit;
+    metrics.mean_abs = sums.mean(sums.sum_abs) * unit;
+    metrics.rmse = std::sqrt(sums.mean(sums.sum_squares)) * unit;
     metrics.psnr = metrics.rmse > 0.0
                        ? -20.0 * binary_logarithm(metrics.rmse) / (std::numbers::log2e * std::numbers::ln10)
                        : std::numeric_limits<double>::infinity();
-    if (all.most > 0) {
-      metrics.max_abs = static_cast<double>(all.most) * unit;
-      const std::size_t pixel = all.most_at / channels_;
+    if (sums.most > 0) {
+      metrics.max_abs = static_cast<double>(sums.most) * unit;
+      const std::size_t pixel = sums.most_at / channels_;
       metrics.max_x = static_cast<int>(pixel % width_);
       metrics.max_y = static_cast<int>(pixel / width_);
-      metrics.max_channel = static_cast<int>(all.most_at % channels_);
+      metrics.max_channel = static_cast<int>(sums.most_at % channels_);
     }
-    metrics.percentile_95 = percentile(all) * unit;
-    return metrics;
-  }
-
-  double percentile(const RowErrors<Number>& all) const {
-    const std::size_t size = pixels_ * channels_;
     const bool do_all_count = mask_.counts.empty() && all.excluded == 0;
     const auto value_at = [&](std::size_t i) {
       if (!do_all_count) {
@@ -132,9 +96,8 @@ class Errors {
       }
       return std::fabs(static_cast<float>(difference_(i)));
     };
-    // The smallest whole number that is not below 95 % of the values, counted from 0.
-    const std::uint64_t rank = all.values - all.values / 20 - 1;
-    return value_of_rank(size, value_at, count_upper_halves(size, value_at), rank);
+    metrics.percentile_95 = percentile_95(pixels_ * channels_, value_at, sums.values) * unit;
+    return metrics;
   }
 
   const Difference& difference_;
@@ -158,6 +121,8 @@ const CurveTable* curve_of(const ComparedImage& image, ColorEncoding encoding) {
 
 ErrorMetrics error_metrics(std::span<const float> reference, std::span<const float> test, int channels,
                            int width, const ImageMask& mask) {
+  assert(channels >= 1 && width >= 1 && reference.size() == test.size() &&
+         reference.size() % (static_cast<std::size_t>(channels) * static_cast<std::size_t>(width)) == 0);
   const auto difference = [&](std::size_t i) {
     return static_cast<double>(test[i]) - static_cast<double>(reference[i]);
   };

@@ -48,9 +48,7 @@ Plane luminance(const ComparedImage& image, const ImageMask& mask) {
       // The weights of Rec. 709.
       const float light =
           0.2126f * image.color[3 * i] + 0.7152f * image.color[3 * i + 1] + 0.0722f * image.color[3 * i + 2];
-      const bool counts = mask.at(i) && std::isfinite(light) &&
-                          (image.alpha.empty() || image.alpha[i] >= 0.5f) &&
-                          (image.depth.empty() || std::isfinite(image.depth[i]));
+      const bool counts = mask.at(i) && std::isfinite(light) && shows_surface(image, i);
       plane.values[i] = !counts ? k_none : is_linear ? curve.at(light) : light;
     }
   });

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "compare/image_mask.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 
 namespace alidade {
@@ -37,7 +41,7 @@ bool tells_sky(const ComparedImage& image) {
 }
 
 bool is_sky(const ComparedImage& image, std::size_t pixel) {
-  return image.ids.empty() ? std::isinf(image.depth[pixel]) : image.ids[pixel] == 0;
+  return image.ids.empty() ? !is_depth(image.depth[pixel]) : image.ids[pixel] == 0;
 }
 
 std::vector<std::uint8_t> inside(const ComparedImage& image, std::span<const PixelRectangle> rectangles) {
@@ -62,7 +66,16 @@ std::uint64_t counted_pixels(const ImageMask& mask, std::size_t pixels) {
 }
 
 void keep_light(ImageMask& mask, const ComparedImage& mask_image, const ComparedImage& image) {
-  require_same_size(image, mask_image);
+  // Masks are often drawn in formats that know no data window, so only the size must be that of the image.
+  const auto size_of = [](const ComparedImage& of) {
+    return std::to_string(of.width) + " x " + std::to_string(of.height);
+  };
+  if (mask_image.width != image.width || mask_image.height != image.height) {
+    throw SizeMismatch({.file = mask_image.file.string(),
+                        .problem = "a mask of another size than " + image.file.string(),
+                        .expected = size_of(image),
+                        .found = size_of(mask_image)});
+  }
   if (!has_color(mask_image)) {
     throw Error({.file = mask_image.file.string(),
                  .problem = "a mask without colour",
@@ -88,8 +101,7 @@ void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const Com
     fail_layer("only pixels with a depth shall count", "depth (channel Z)", reference, test);
   for (const ComparedImage* const image : {&reference, &test}) {
     if (image->depth.empty()) continue;
-    keep(mask, image->pixels(),
-         [&](std::size_t pixel) { return std::isfinite(image->depth[pixel]) && image->depth[pixel] > 0.0f; });
+    keep(mask, image->pixels(), [&](std::size_t pixel) { return is_depth(image->depth[pixel]); });
   }
 }
 
@@ -119,14 +131,18 @@ void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
 std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
   // Whole numbers are always finite.
   if (reference.encoding == ColorEncoding::display && test.encoding == ColorEncoding::display) return 0;
-  std::uint64_t taken = 0;
-  ImageMask result = mask;
-  keep(result, reference.pixels(), [&](std::size_t pixel) {
-    const bool stays = is_finite(reference, pixel) && is_finite(test, pixel);
-    if (!stays) ++taken;
-    return stays;
-  });
-  if (taken > 0) mask = std::move(result);
+  const auto stays = [&](std::size_t pixel) { return is_finite(reference, pixel) && is_finite(test, pixel); };
+  // Most pictures have none of them, and need no copy of the mask then.
+  const std::size_t pixels = reference.pixels();
+  const std::uint64_t taken = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, pixels, 65536), std::uint64_t{0},
+      [&](const auto& range, std::uint64_t count) {
+        for (std::size_t pixel = range.begin(); pixel != range.end(); ++pixel)
+          if (mask.at(pixel) && !stays(pixel)) ++count;
+        return count;
+      },
+      std::plus<>());
+  if (taken > 0) keep(mask, pixels, stays);
   return taken;
 }
 

@@ -49,6 +49,29 @@ Value of_depth(const Comparison& comparison) {
   return of_layer(comparison.layers.depth, k_figure);
 }
 
+std::optional<MetricPlace> place(int x, int y) {
+  if (x < 0) return {};
+  return MetricPlace{x, y};
+}
+
+/// Where the largest difference of a layer is.
+template <auto k_layer>
+std::optional<MetricPlace> place_of_layer(const Comparison& comparison) {
+  const auto& layer = comparison.layers.*k_layer;
+  if (!layer) return {};
+  return place(layer->max_x, layer->max_y);
+}
+
+std::optional<MetricPlace> place_of_colors(const Comparison& comparison) {
+  if (!comparison.color) return {};
+  return place(comparison.color->stored.max_x, comparison.color->stored.max_y);
+}
+
+template <double AlphaMetrics::*k_figure>
+Value of_alpha(const Comparison& comparison) {
+  return of_layer(comparison.layers.alpha, k_figure);
+}
+
 template <double NormalMetrics::*k_figure>
 Value of_normals(const Comparison& comparison) {
   return of_layer(comparison.layers.normals, k_figure);
@@ -101,7 +124,8 @@ Value regions(const Comparison& comparison) {
 using Colors = ColorFigures;
 using Errors = ErrorMetrics;
 constexpr std::string_view k_colors = "Colours", k_linear = "Colours in linear light",
-                           k_matched = "Matched colours", k_pose = "Alignment", k_changes = "Change";
+                           k_display = "Colours as shown on a screen", k_matched = "Matched colours",
+                           k_pose = "Alignment", k_changes = "Change";
 constexpr auto k_kinds = std::to_array<MetricKind>({
     {"flip", k_colors, "FLIP, mean", "", lower,
      "what people see who switch between both: 0 nothing, 1 all there is", of_flip<&FlipResult::mean>},
@@ -122,14 +146,20 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
      of_errors<&Colors::stored, &Errors::rmse>},
     {"mean_abs", k_colors, "Mean absolute difference", "", lower, "of 1, over all channels",
      of_errors<&Colors::stored, &Errors::mean_abs>},
+    {"mean", k_colors, "Mean difference, with sign", "", lower, "above 0 the test is lighter",
+     of_errors<&Colors::stored, &Errors::mean>},
     {"p95", k_colors, "95th percentile", "", lower, "95 % of all absolute differences are at most this",
      of_errors<&Colors::stored, &Errors::percentile_95>},
     {"max", k_colors, "Largest difference", "", lower, "of any channel of any pixel",
-     of_errors<&Colors::stored, &Errors::max_abs>},
+     of_errors<&Colors::stored, &Errors::max_abs>, place_of_colors},
     {"psnr_linear", k_linear, "PSNR", "dB", higher, "with the sRGB curve undone",
      of_errors<&Colors::linear, &Errors::psnr>},
     {"rmse_linear", k_linear, "RMSE", "", lower, "with the sRGB curve undone",
      of_errors<&Colors::linear, &Errors::rmse>},
+    {"psnr_display", k_display, "PSNR", "dB", higher, "of sRGB values; linear light is cut off at 0 and 1",
+     of_errors<&Colors::display, &Errors::psnr>},
+    {"rmse_display", k_display, "RMSE", "", lower, "of sRGB values",
+     of_errors<&Colors::display, &Errors::rmse>},
     {"flip_matched", k_matched, "FLIP, mean", "", lower, "after --match", flip_of_matched},
     {"ssim_matched", k_matched, "SSIM", "", higher, "after --match", ssim_of_matched},
     {"psnr_matched", k_matched, "PSNR", "dB", higher, "after --match",
@@ -142,11 +172,13 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
      "correlation of gradients without a shift: 1 the same edges; needs --align", edges},
     {"depth_mean", k_depth_group, "Mean absolute difference", "m", lower,
      "of the layers Z, where both see something", of_depth<&DepthMetrics::mean_abs>},
+    {"depth_offset", k_depth_group, "Mean difference, with sign", "m", lower,
+     "above 0 the test is farther away", of_depth<&DepthMetrics::mean>},
     {"depth_rmse", k_depth_group, "RMSE", "m", lower, "of the layers Z", of_depth<&DepthMetrics::rmse>},
     {"depth_p95", k_depth_group, "95th percentile", "m", lower,
      "95 % of the absolute differences are at most this", of_depth<&DepthMetrics::percentile_95>},
     {"depth_max", k_depth_group, "Largest difference", "m", lower, "of the layers Z",
-     of_depth<&DepthMetrics::max_abs>},
+     of_depth<&DepthMetrics::max_abs>, place_of_layer<&LayerMetrics::depth>},
     {"depth_relative", k_depth_group, "Mean relative difference", "", lower,
      "absolute difference by depth of the reference", of_depth<&DepthMetrics::mean_relative>},
     {"depth_1cm", k_depth_group, "Within 1 cm", "%", higher, "pixels whose depths differ by at most 0.01 m",
@@ -162,8 +194,12 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
     {"normal_p95", k_normal_group, "95th percentile", "deg", lower, "95 % of the angles are at most this",
      of_normals<&NormalMetrics::percentile_95>},
     {"normal_max", k_normal_group, "Largest angle", "deg", lower, "between the normals",
-     of_normals<&NormalMetrics::max>},
+     of_normals<&NormalMetrics::max>, place_of_layer<&LayerMetrics::normals>},
     {"ids", k_id_group, "Equal ids", "%", higher, "pixels that show the same point in both", equal_ids},
+    {"alpha_mean", k_alpha_group, "Mean absolute difference", "", lower, "of 1; of the channels A",
+     of_alpha<&AlphaMetrics::mean_abs>},
+    {"alpha_max", k_alpha_group, "Largest difference", "", lower, "of 1", of_alpha<&AlphaMetrics::max_abs>,
+     place_of_layer<&LayerMetrics::alpha>},
     {"changed", k_changes, "Changed pixels", "%", lower, "of those that count; needs --changes", changed},
     {"regions", k_changes, "Regions", "", lower, "of changed pixels; needs --changes", regions},
 });
@@ -182,8 +218,14 @@ const MetricKind* find_metric(std::string_view name) {
 std::vector<Metric> metrics_of(const Comparison& comparison) {
   std::vector<Metric> metrics;
   for (const MetricKind& kind : k_kinds)
-    if (const Value value = kind.value(comparison)) metrics.push_back({&kind, *value});
+    if (const Value value = kind.value(comparison))
+      metrics.push_back({&kind, *value, kind.place != nullptr ? kind.place(comparison) : std::nullopt});
   return metrics;
+}
+
+std::string full_label(const MetricKind& kind) {
+  std::string label(kind.label);
+  return kind.group == k_colors ? label : std::string(kind.group) + ": " + label;
 }
 
 }  // namespace alidade

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -14,7 +15,13 @@ namespace alidade {
 enum class Better { lower, higher };
 
 // Groups of figures of layers, as tables head them.
-constexpr std::string_view k_depth_group = "Depth", k_normal_group = "Normals", k_id_group = "Ids";
+constexpr std::string_view k_depth_group = "Depth", k_normal_group = "Normals", k_id_group = "Ids",
+                           k_alpha_group = "Alpha";
+
+/// A pixel, from the top left of the compared part.
+struct MetricPlace {
+  int x = 0, y = 0;
+};
 
 /// A figure of a comparison under the name that thresholds, JSON and tables call it by.
 struct MetricKind {
@@ -26,6 +33,8 @@ struct MetricKind {
   std::string_view note;  ///< what it is, for people who do not know it
   /// Its value; empty where the pictures do not have what it is made of.
   std::optional<double> (*value)(const Comparison& comparison);
+  /// Of a largest difference, where it is; null for other figures, empty where nothing differs.
+  std::optional<MetricPlace> (*place)(const Comparison& comparison) = nullptr;
 };
 
 /// All figures, in the order of tables.
@@ -38,7 +47,11 @@ const MetricKind* find_metric(std::string_view name);
 struct Metric {
   const MetricKind* kind;
   double value;
+  std::optional<MetricPlace> place{};
 };
+
+/// "FLIP, mean" of colours, "Depth: RMSE" of others: what it is called outside of tables.
+std::string full_label(const MetricKind& kind);
 
 /// What is known of these two pictures, in the order of metric_kinds().
 std::vector<Metric> metrics_of(const Comparison& comparison);

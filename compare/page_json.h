@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 // How all JSON of comparisons is made. Keys keep their order.
@@ -17,11 +16,6 @@ inline Json json_number(double value) {
   if (std::isnan(value)) return "nan";
   if (std::isinf(value)) return value > 0.0 ? "infinity" : "-infinity";
   return value;
-}
-
-/// The same; null for nothing.
-inline Json json_number(const std::optional<double>& value) {
-  return value ? json_number(*value) : Json();
 }
 
 /// The document; bytes of names that are no UTF-8 become U+FFFD.

@@ -6,7 +6,8 @@
 
 #include <algorithm>
 
-#include "compare/page_json.h"
+#include "compare/compared_how.h"
+#include "compare/json_parts.h"
 #include "compare/page_parts.h"
 
 namespace alidade {
@@ -31,26 +32,14 @@ Json facts_json(const PictureFacts& facts) {
 Json rows_json(const Comparison& comparison) {
   Json rows = Json::array();
   for (const Metric& metric : metrics_of(comparison)) {
-    rows.push_back({{"name", metric.kind->name},
-                    {"group", metric.kind->group},
-                    {"label", metric.kind->label},
-                    {"unit", metric.kind->unit},
-                    {"note", metric.kind->note},
-                    {"value", json_number(metric.value)}});
+    Json row{{"name", metric.kind->name},         {"group", metric.kind->group},
+             {"label", metric.kind->label},       {"full_label", full_label(*metric.kind)},
+             {"unit", metric.kind->unit},         {"note", metric.kind->note},
+             {"value", json_number(metric.value)}};
+    if (metric.place) row["at"] = {metric.place->x, metric.place->y};
+    rows.push_back(row);
   }
   return rows;
-}
-
-Json thresholds_json(const Verdict& verdict) {
-  Json thresholds = Json::array();
-  for (const JudgedThreshold& judged : verdict.judged) {
-    thresholds.push_back({{"metric", judged.threshold.metric},
-                          {"fails_if", judged.fails_below ? "below" : "above"},
-                          {"limit", json_number(judged.threshold.limit)},
-                          {"value", json_number(judged.value)},
-                          {"fails", judged.fails}});
-  }
-  return thresholds;
 }
 
 /// Colours of a map from its lowest value to its highest, as CSS says them.
@@ -110,28 +99,21 @@ Json views_json(const std::vector<PagePicture>& pictures) {
   return views;
 }
 
-Json regions_json(const Comparison& comparison) {
-  Json regions = Json::array();
-  if (!comparison.changes) return regions;
-  for (const ChangeRegion& region : comparison.changes->regions) {
-    regions.push_back({{"left", region.left},
-                       {"top", region.top},
-                       {"right", region.right},
-                       {"bottom", region.bottom},
-                       {"pixels", region.pixels},
-                       {"strongest", json_number(region.strongest)}});
-  }
-  return regions;
+std::string plural(std::uint64_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
 std::string regions_note(const Comparison& comparison) {
   if (!comparison.changes) return {};
   const ChangeRegions& changes = *comparison.changes;
   std::string note =
-      fmt::format("{} of {} pixels have changed, in {} region{}", changes.changed_pixels, comparison.counted,
-                  changes.regions.size(), changes.regions.size() == 1 ? "" : "s");
-  if (changes.left_out_regions > 0)
-    note += fmt::format("; {} more are too small to be listed", changes.left_out_regions);
+      fmt::format("{} of {} pixels have changed, {} of them in {}", changes.changed_pixels,
+                  comparison.counted, changes.listed_pixels, plural(changes.regions.size(), "region"));
+  if (changes.small_regions > 0)
+    note += fmt::format("; {} of fewer than {} pixels left out", plural(changes.small_regions, "region"),
+                        comparison.options.changes.least_pixels);
+  if (changes.further_regions > 0)
+    note += fmt::format("; {} further ones not listed", changes.further_regions);
   return note + ".";
 }
 
@@ -156,7 +138,13 @@ std::string counted_note(const Comparison& comparison) {
   return note + ".";
 }
 
-Json page_json(const Comparison& comparison, const Verdict& verdict,
+Json lines_json(const std::vector<HowLine>& lines) {
+  Json json = Json::array();
+  for (const HowLine& line : lines) json.push_back({line.name, line.text});
+  return json;
+}
+
+Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdict& warnings,
                const std::vector<PagePicture>& pictures) {
   Json histograms = Json::array();
   for (const HistogramPicture& picture : comparison.pictures->histograms)
@@ -166,19 +154,22 @@ Json page_json(const Comparison& comparison, const Verdict& verdict,
           {"test", facts_json(comparison.test)},
           {"pass", verdict.pass()},
           {"thresholds", thresholds_json(verdict)},
+          {"warnings", thresholds_json(warnings)},
           {"remarks", comparison.remarks},
           {"tiles", {"flip", "ssim", "psnr", "rmse", "depth_mean", "shift"}},
           {"rows", rows_json(comparison)},
           {"counted_note", counted_note(comparison)},
+          {"how", lines_json(how_lines(comparison))},
           {"views", views_json(pictures)},
-          {"regions", regions_json(comparison)},
+          {"regions", comparison.changes ? regions_json(*comparison.changes) : Json::array()},
           {"regions_note", regions_note(comparison)},
           {"histograms", histograms}};
 }
 
 }  // namespace
 
-std::string report_page(const Comparison& comparison, const Verdict& verdict, PicturePacking packing) {
+std::string report_page(const Comparison& comparison, const Verdict& verdict, PicturePacking packing,
+                        const Verdict& warnings) {
   const ComparisonPictures& shown = *comparison.pictures;
   std::vector<BytePicture> painted;
   const std::vector<const DifferenceMap*> maps = shown.maps();
@@ -197,7 +188,7 @@ std::string report_page(const Comparison& comparison, const Verdict& verdict, Pi
     images += fmt::format("<img id=\"picture-{}\" alt=\"{}\" src=\"{}\">\n", picture.id,
                           html_text(picture.title), picture.address);
   const std::string title = html_text(name_of(comparison.test) + " against " + name_of(comparison.reference));
-  const std::string data = script_json(json_text(page_json(comparison, verdict, pictures), -1));
+  const std::string data = script_json(json_text(page_json(comparison, verdict, warnings, pictures), -1));
   const std::string script = std::string(k_page_js) + std::string(k_tables_js) + std::string(k_viewer_js);
   return fill_page(
       k_report_html,

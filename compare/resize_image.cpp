@@ -5,6 +5,7 @@
 #include <OpenImageIO/imagebufalgo.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace alidade {
 namespace {
@@ -20,6 +21,16 @@ std::vector<float> filtered(const ComparedImage& image, const std::vector<float>
   if (!OIIO::ImageBufAlgo::resize(target, source))
     throw Error({.file = image.file.string(), .problem = "cannot be resized: " + target.geterror()});
   return result;
+}
+
+/// The filter swings below black beside bright pixels, which tone mappers would show as white rings. Nothing
+/// becomes darker than black, or than the darkest pixel where the picture itself has light below 0.
+void end_below(std::vector<float>& color, const std::vector<float>& source) {
+  float least = 0.0f;
+  for (const float value : source)
+    if (std::isfinite(value)) least = std::min(least, value);
+  for (float& value : color)
+    if (value < least) value = least;
 }
 
 template <typename Value>
@@ -62,6 +73,8 @@ ComparedImage resized(const ComparedImage& image, int width, int height) {
   if (!image.alpha.empty()) result.alpha = filtered(image, image.alpha, 1, width, height);
   if (image.encoding == ColorEncoding::display)
     for (float& value : result.color) value = std::clamp(value, 0.0f, 1.0f);
+  else
+    end_below(result.color, image.color);
   for (float& value : result.alpha) value = std::clamp(value, 0.0f, 1.0f);
   result.depth = nearest(image, image.depth, 1, width, height);
   result.normals = nearest(image, image.normals, 3, width, height);

@@ -29,34 +29,34 @@ struct Means {
   double similarity[3] = {}, contrast[3] = {};
 };
 
-/// The picture continues as its mirror image.
-int mirrored(int place, int size) {
-  while (place < 0 || place >= size) place = place < 0 ? -1 - place : 2 * size - 1 - place;
-  return place;
-}
+/// Room for a tile.
+struct Room {
+  std::vector<PairPixels::Pair> pairs;  ///< of the tile and what its windows reach
+  SsimTile tile;
+};
 
 /// The similarity of the pictures that `pixels` has, pair by pair.
 template <class Pixels>
-class Comparison {
+class Windows {
  public:
-  Comparison(const Pixels& pixels, int width, int height, const ImageMask& counted, std::vector<float>* map)
-      : pixels_(pixels), width_(width), height_(height), counted_(counted), map_(map) {}
+  Windows(const Pixels& pixels, int width, int height, const ImageMask& counted)
+      : pixels_(pixels), width_(width), height_(height), counted_(counted) {}
 
   /// NaN without a window that counts.
   Means run() {
     const int across = (width_ + SsimTile::k_most_width - 1) / SsimTile::k_most_width;
     const int tiles = across * ((height_ + SsimTile::k_most_height - 1) / SsimTile::k_most_height);
-    if (map_) map_->assign(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_), 0.0f);
     std::vector<Sums> sums(static_cast<std::size_t>(tiles));
-    tbb::enumerable_thread_specific<SsimTile> rooms;
+    tbb::enumerable_thread_specific<Room> rooms;
     tbb::parallel_for(tbb::blocked_range<int>(0, tiles, 1), [&](const auto& range) {
-      SsimTile& tile = rooms.local();
+      Room& room = rooms.local();
       for (int i = range.begin(); i != range.end(); ++i) {
         const int left = i % across * SsimTile::k_most_width, top = i / across * SsimTile::k_most_height;
-        tile.begin(std::min(SsimTile::k_most_width, width_ - left),
-                   std::min(SsimTile::k_most_height, height_ - top));
+        room.tile.begin(std::min(SsimTile::k_most_width, width_ - left),
+                        std::min(SsimTile::k_most_height, height_ - top));
+        load(room, left, top);
         for (int channel = 0; channel < 3; ++channel)
-          add_channel(tile, left, top, channel, sums[static_cast<std::size_t>(i)]);
+          add_channel(room, left, top, channel, sums[static_cast<std::size_t>(i)]);
       }
     });
     return means(sums);
@@ -67,13 +67,23 @@ class Comparison {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }
 
-  void add_channel(SsimTile& tile, int left, int top, int channel, Sums& sums) {
+  /// Windows that reach beyond the picture do not count, whatever stands there.
+  void load(Room& room, int left, int top) const {
+    room.pairs.clear();
+    for (int row = 0; row < room.tile.rows_with_margin(); ++row) {
+      const int y = std::clamp(top + row - k_ssim_reach, 0, height_ - 1);
+      for (int column = 0; column < room.tile.columns_with_margin(); ++column)
+        room.pairs.push_back(pixels_.at(at(std::clamp(left + column - k_ssim_reach, 0, width_ - 1), y)));
+    }
+  }
+
+  void add_channel(Room& room, int left, int top, int channel, Sums& sums) const {
+    SsimTile& tile = room.tile;
+    const PairPixels::Pair* pair = room.pairs.data();
     for (int row = 0; row < tile.rows_with_margin(); ++row) {
-      const int y = mirrored(top + row - k_ssim_reach, height_);
-      for (int column = 0; column < tile.columns_with_margin(); ++column) {
-        const auto pair = pixels_.at(at(mirrored(left + column - k_ssim_reach, width_), y));
-        tile.values(0, row)[column] = pair.color[0][channel];
-        tile.values(1, row)[column] = pair.color[1][channel];
+      for (int column = 0; column < tile.columns_with_margin(); ++column, ++pair) {
+        tile.values(0, row)[column] = pair->color[0][channel];
+        tile.values(1, row)[column] = pair->color[1][channel];
       }
     }
     tile.filter_rows();
@@ -83,7 +93,6 @@ class Comparison {
       const int y = top + row;
       for (int column = 0; column < tile.width(); ++column) {
         const int x = left + column;
-        if (map_) (*map_)[at(x, y)] += static_cast<float>(similarity[column]) * (1.0f / 3.0f);
         const bool is_inside =
             x >= k_ssim_reach && x < width_ - k_ssim_reach && y >= k_ssim_reach && y < height_ - k_ssim_reach;
         if (!is_inside || !counted_.at(at(x, y))) continue;
@@ -115,7 +124,6 @@ class Comparison {
   const Pixels& pixels_;
   const int width_, height_;
   const ImageMask& counted_;
-  std::vector<float>* const map_;
 };
 
 /// Two pictures at half the size of two others.
@@ -169,42 +177,34 @@ void check(const ComparedImage& reference, const ComparedImage& test) {
           {.file = image->file.string(), .problem = "SSIM needs colour", .expected = "channels R G B"});
 }
 
-}  // namespace
-
-SimilarityMap ssim(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask) {
-  check(reference, test);
-  ImageMask counted = mask;
-  keep_finite(counted, reference, test);
-  const PairPixels pixels(reference, test, counted, ColorEncoding::display);
-  SimilarityMap result;
-  const Means means = Comparison(pixels, reference.width, reference.height, counted, &result.map).run();
-  result.mean = (means.similarity[0] + means.similarity[1] + means.similarity[2]) / 3.0;
-  return result;
+double mean_of(const double (&channels)[3]) {
+  return (channels[0] + channels[1] + channels[2]) / 3.0;
 }
 
-SimilarityMap ms_ssim(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask) {
+}  // namespace
+
+Similarity similarity(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask) {
   check(reference, test);
-  if (std::min(reference.width, reference.height) < k_shortest_side)
-    return {.mean = std::numeric_limits<double>::quiet_NaN(), .map = {}};
-  constexpr double k_weights[k_scales] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
   ImageMask counted = mask;
   keep_finite(counted, reference, test);
   const PairPixels pixels(reference, test, counted, ColorEncoding::display);
+  Means means = Windows(pixels, reference.width, reference.height, counted).run();
+  Similarity result{.ssim = mean_of(means.similarity)};
+  if (std::min(reference.width, reference.height) < k_shortest_side) return result;
+
+  constexpr double k_weights[k_scales] = {0.0448, 0.2856, 0.3001, 0.2363, 0.1333};
   double products[3] = {1.0, 1.0, 1.0};
-  HalfPictures half;
+  HalfPictures half = halved(pixels, reference.width, reference.height, counted);
   for (int scale = 0; scale < k_scales; ++scale) {
-    const bool is_whole = scale == 0, is_last = scale == k_scales - 1;
-    const Means means = is_whole
-                            ? Comparison(pixels, reference.width, reference.height, counted, nullptr).run()
-                            : Comparison(half, half.width, half.height, half.counted, nullptr).run();
+    const bool is_last = scale == k_scales - 1;
+    if (scale > 0) means = Windows(half, half.width, half.height, half.counted).run();
+    if (scale > 0 && !is_last) half = halved(half, half.width, half.height, half.counted);
     for (int channel = 0; channel < 3; ++channel)
       products[channel] *=
           weighted(is_last ? means.similarity[channel] : means.contrast[channel], k_weights[scale]);
-    if (is_last) break;
-    half = is_whole ? halved(pixels, reference.width, reference.height, counted)
-                    : halved(half, half.width, half.height, half.counted);
   }
-  return {.mean = (products[0] + products[1] + products[2]) / 3.0, .map = {}};
+  result.ms_ssim = mean_of(products);
+  return result;
 }
 
 }  // namespace alidade

@@ -57,13 +57,19 @@ std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::st
                          const std::string& test, const std::filesystem::path& page) {
   Json pairs = Json::array(), labels = Json::object();
   for (const PairOutcome& outcome : outcomes) pairs.push_back(pair_json(outcome, page.parent_path()));
-  for (const std::string_view name : k_figures) labels[std::string(name)] = find_metric(name)->label;
+  for (const std::string_view name : k_figures) {
+    const MetricKind& kind = *find_metric(name);
+    labels[std::string(name)] = {{"label", full_label(kind)}, {"unit", kind.unit}};
+  }
+  const bool is_judged = std::ranges::any_of(
+      outcomes, [](const PairOutcome& outcome) { return !outcome.verdict.judged.empty(); });
   const Json json{{"generator", "Alidade " ALIDADE_VERSION},
                   {"reference", reference},
                   {"test", test},
                   {"remarks", Json::array()},
                   {"tiles", k_figures},
                   {"labels", labels},
+                  {"judged", is_judged},
                   {"pairs", pairs}};
   const std::string data = script_json(json_text(json, -1));
   const std::string title = html_text(test + " against " + reference);

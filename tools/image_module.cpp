@@ -102,8 +102,9 @@ extern "C" void alidade_compare_pairs(const std::vector<alidade::ImagePair>& pai
 }
 
 extern "C" void alidade_report_page(const alidade::Comparison& comparison, const alidade::Verdict& verdict,
-                                    alidade::PicturePacking packing, std::string& page) {
-  page = alidade::report_page(comparison, verdict, packing);
+                                    alidade::PicturePacking packing, const alidade::Verdict& warnings,
+                                    std::string& page) {
+  page = alidade::report_page(comparison, verdict, packing, warnings);
 }
 
 extern "C" void alidade_write_difference(const alidade::DifferenceMap& map, const std::filesystem::path& file,

@@ -5,15 +5,18 @@ const limitText = threshold => (threshold.fails_if === 'above' ? 'at most ' : 'a
 function tellVerdict() {
   const failed = data.thresholds.filter(threshold => threshold.fails);
   const text = data.thresholds.length === 0 ? 'No thresholds were given.'
-    : failed.length === 0 ? `All ${data.thresholds.length} thresholds are kept.`
-    : failed.map(threshold => `${threshold.metric} is ${shown(threshold.value)}, allowed ${limitText(threshold)}`).join('; ');
-  showVerdict(data.pass, data.thresholds.length > 0, text);
+    : failed.length === 0 ? data.thresholds.length === 1 ? 'The threshold is kept.' : `All ${data.thresholds.length} thresholds are kept.`
+    : failed.map(threshold => `${threshold.metric} is ${shown(threshold.value)}, allowed ${limitText(threshold)}`).join('; ') + '.';
+  const warned = data.warnings.filter(threshold => threshold.fails)
+    .map(threshold => `Warning: ${threshold.metric} is ${shown(threshold.value)}, wished ${limitText(threshold)}.`);
+  showVerdict(data.pass, data.thresholds.length > 0, [text, ...warned].join(' '));
   const size = picture => `${picture.name} (${picture.size[0]} × ${picture.size[1]})`;
   showNames([['Reference', size(data.reference)], ['Test', size(data.test)]]);
   showRemarks(data.remarks);
 }
 
-const thresholdsOf = name => data.thresholds.filter(threshold => threshold.metric === name);
+const of = (thresholds, name) => thresholds.filter(threshold => threshold.metric === name);
+const thresholdsOf = name => of(data.thresholds, name);
 
 function fillTiles() {
   for (const name of data.tiles) {
@@ -21,7 +24,7 @@ function fillTiles() {
     if (!row) continue;
     const fails = thresholdsOf(name).some(threshold => threshold.fails);
     byId('tiles').append(make('li', { className: fails ? 'bad' : '' },
-      make('span', { className: 'name' }, row.group === 'Colours' ? row.label : `${row.group}: ${row.label.toLowerCase()}`),
+      make('span', { className: 'name' }, row.full_label),
       make('span', { className: 'value' }, shown(row.value, row.unit, 3))));
   }
 }
@@ -35,14 +38,22 @@ function fillMetrics() {
       body.append(make('tr', { className: 'group' }, make('th', { colSpan: 3, scope: 'rowgroup' }, group)));
     }
     const thresholds = thresholdsOf(row.name);
+    const limits = [...thresholds.map(threshold => limitText(threshold) + (threshold.fails ? ': fails' : ': kept')),
+      ...of(data.warnings, row.name).map(threshold => limitText(threshold) + (threshold.fails ? ': warns' : ': kept'))];
+    const value = make('td', { className: 'number' }, shown(row.value, row.unit));
+    if (row.at) value.append(make('small', {}, `at ${row.at[0]}, ${row.at[1]}`));
     body.append(make('tr', { className: thresholds.some(threshold => threshold.fails) ? 'bad' : '' },
       make('th', { scope: 'row' }, row.label, make('small', {}, row.note)),
-      make('td', { className: 'number' }, shown(row.value, row.unit)),
-      make('td', {}, thresholds.map(threshold => limitText(threshold) + (threshold.fails ? ': fails' : ': kept')).join(', '))));
+      value, make('td', {}, limits.join(', '))));
   }
   byId('metrics').append(make('thead', {}, make('tr', {}, make('th', { scope: 'col' }, 'Figure'),
     make('th', { scope: 'col', className: 'number' }, 'Value'), make('th', { scope: 'col' }, 'Threshold'))), body);
   byId('metrics-note').textContent = data.counted_note;
+}
+
+function fillHow() {
+  for (const [name, text] of data.how) byId('how').append(make('dt', {}, name), make('dd', {}, text));
+  byId('how-section').hidden = data.how.length === 0;
 }
 
 /** Long texts open on demand. */
@@ -93,6 +104,7 @@ function drawHistogram(histogram) {
 tellVerdict();
 fillTiles();
 fillMetrics();
+fillHow();
 fillProvenance();
 byId('histograms-section').hidden = data.histograms.length === 0;
 for (const histogram of data.histograms) byId('histograms').append(drawHistogram(histogram));

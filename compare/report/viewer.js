@@ -106,6 +106,15 @@ function moveDivider(percent) {
   place();
 }
 
+/** Moves what is seen of a zoomed picture; says whether there was anything to move. */
+function movePicture(x, y) {
+  if (state.zoom === 1) return false;
+  state.x -= x;
+  state.y -= y;
+  place();
+  return true;
+}
+
 /** A piece of a picture, at least 48 pixels wide, as it is stored. */
 function crop(id, title, region) {
   const margin = Math.max(8, Math.round(0.3 * Math.max(region.right - region.left, region.bottom - region.top)));
@@ -153,9 +162,11 @@ function onKey(event) {
   const inControl = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName), inButton = /^(BUTTON|SUMMARY)$/.test(event.target.tagName);
   const step = event.shiftKey ? 10 : 2, maps = data.views.filter(isMap);
   const turn = by => goToRegion((Math.max(state.region, by > 0 ? -1 : 0) + by + data.regions.length) % data.regions.length);
+  const move = (x, y) => !inControl && movePicture(20 * step * x, 20 * step * y);
+  const turnDivider = by => !inControl && state.view.kind === 'swipe' && moveDivider(Number(swipe.value) + by * step);
   const actions = {
-    ArrowLeft: () => !inControl && state.view.kind === 'swipe' && moveDivider(Number(swipe.value) - step),
-    ArrowRight: () => !inControl && state.view.kind === 'swipe' && moveDivider(Number(swipe.value) + step),
+    ArrowLeft: () => move(-1, 0) || turnDivider(-1), ArrowRight: () => move(1, 0) || turnDivider(1),
+    ArrowUp: () => move(0, -1), ArrowDown: () => move(0, 1),
     s: () => choose('swipe'), r: () => choose('reference'), t: () => choose('test'),
     b: () => state.view.kind !== 'blink' ? choose('blink') : state.timer ? stopBlinking() : startBlinking(),
     ' ': () => !inControl && !inButton && state.view.kind === 'blink' && (stopBlinking(), switchOnce()),

@@ -46,7 +46,7 @@ TEST(ChangeRegions, have_box_size_strength_and_the_place_of_the_strongest_pixel)
   EXPECT_NEAR(region.mean, 0.5, 1e-7);
   EXPECT_EQ(changes.regions[1].pixels, 1u);
   EXPECT_EQ(changes.changed_pixels, 6u);
-  EXPECT_EQ(changes.left_out_regions, 0u);
+  EXPECT_EQ(changes.small_regions + changes.further_regions, 0u);
   EXPECT_EQ(changes.labels[12], 1u);
   EXPECT_EQ(changes.labels[27], 2u);
   EXPECT_EQ(std::ranges::count(changes.labels, 0u), 44);
@@ -124,7 +124,9 @@ TEST(ChangeRegions, small_ones_and_those_beyond_the_most_are_counted_and_left_ou
   ASSERT_EQ(changes.regions.size(), 2u);
   EXPECT_EQ(changes.regions[0].left, 5);
   EXPECT_EQ(changes.regions[1].left, 2);
-  EXPECT_EQ(changes.left_out_regions, 3u);
+  EXPECT_EQ(changes.small_regions, 2u);
+  EXPECT_EQ(changes.further_regions, 1u);
+  EXPECT_EQ(changes.listed_pixels, 5u);
   EXPECT_EQ(changes.changed_pixels, 9u);
   EXPECT_EQ(std::ranges::count(changes.labels, 0u), 8);
 }

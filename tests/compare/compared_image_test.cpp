@@ -264,6 +264,23 @@ TEST_F(ComparedImageTest, a_crop_holds_the_pixels_inside_and_nothing_beyond_is_g
   EXPECT_THROW(cropped(image, {2, 0, 2, 2}), Error);
 }
 
+// The filter alone would leave -4.7 beside a light of 50 on black.
+TEST_F(ComparedImageTest, resizing_linear_light_makes_nothing_darker_than_black_or_the_darkest_pixel) {
+  ComparedImage image;
+  image.width = image.height = 16;
+  image.encoding = ColorEncoding::linear;
+  image.color_channels = 3;
+  image.color.assign(16 * 16 * 3, 0.0f);
+  for (std::size_t i = 0; i < 3; ++i) image.color[3 * (8 * 16 + 8) + i] = 50.0f;
+  const auto least = [](const ComparedImage& resized_image) {
+    return *std::min_element(resized_image.color.begin(), resized_image.color.end());
+  };
+  EXPECT_EQ(least(resized(image, 8, 8)), 0.0f);
+  EXPECT_GT(resized(image, 8, 8).color[3 * (4 * 8 + 4)], 5.0f);
+  image.color[0] = -0.25f;
+  EXPECT_EQ(least(resized(image, 8, 8)), -0.25f);
+}
+
 TEST_F(ComparedImageTest, resizing_filters_colours_and_picks_the_nearest_depth_and_id) {
   ComparedImage image;
   image.width = 8;

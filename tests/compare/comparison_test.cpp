@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "compare/comparison.h"
 
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -8,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "compare/compared_how.h"
 #include "compare/comparison_json.h"
 #include "tests/compare/picture_files.h"
 
@@ -87,6 +89,26 @@ TEST_F(ComparisonTest, another_size_is_an_error_of_its_own_unless_the_test_is_re
   EXPECT_NE(comparison.remarks[0].find("resized from 32 x 24"), std::string::npos) << comparison.remarks[0];
 }
 
+// EXR files may hold a part of a larger picture: their data window.
+TEST_F(ComparisonTest, a_resized_test_and_a_mask_need_not_know_the_place_of_the_references_data_window) {
+  OIIO::ImageSpec spec(k_width, k_height, 3, OIIO::TypeFloat);
+  spec.x = 100;
+  spec.y = 50;
+  spec.full_width = 400;
+  spec.full_height = 300;
+  const auto output = OIIO::ImageOutput::create("a.exr");
+  ASSERT_TRUE(output->open((folder / "a.exr").string(), spec));
+  output->write_image(OIIO::TypeFloat, wave().data());
+  output->close();
+  write_picture("small.exr", k_width / 2, k_height / 2, std::vector<float>(k_width * k_height * 3 / 4, 0.4f));
+  write("mask.png", std::vector<float>(k_width * k_height * 3, 1.0f));
+  EXPECT_THROW(compare("a.exr", "small.exr"), SizeMismatch);
+  ComparisonOptions options;
+  options.resize_to_reference = true;
+  options.mask = folder / "mask.png";
+  EXPECT_EQ(compare("a.exr", "small.exr", options).counted, static_cast<std::uint64_t>(k_width * k_height));
+}
+
 TEST_F(ComparisonTest, crops_rectangles_and_mask_files_leave_out_what_differs) {
   std::vector<float> other = wave();
   for (int y = 0; y < 10; ++y)
@@ -112,6 +134,42 @@ TEST_F(ComparisonTest, crops_rectangles_and_mask_files_leave_out_what_differs) {
   ComparisonOptions both = cropped;
   both.mask = folder / "mask.png";
   EXPECT_EQ(compare("a.png", "b.png", both).counted, 44u * (k_height - 10u)) << "masks are cropped too";
+}
+
+TEST_F(ComparisonTest, what_was_asked_for_stands_in_the_result) {
+  write("a.exr", wave());
+  write("b.exr", wave(0.5f));
+  ComparisonOptions options;
+  options.crop = PixelRectangle{4, 2, 60, 44};
+  options.ignore = {{0, 0, 8, 8}, {9, 9, 10, 10}};
+  options.match = ColorModel::affine;
+  options.align = true;
+  options.flip.pixels_per_degree = 40.0;
+  options.flip.tone_mapper = ToneMapper::hable;
+  options.find_changes = ChangeMap::color;
+  options.changes.threshold = 0.125;
+  const Comparison comparison = compare("a.exr", "b.exr", options);
+  const json how = as_json(comparison)["how"];
+  EXPECT_EQ(how, json::parse(R"({"crop": [4, 2, 60, 44], "ignore": [[0, 0, 8, 8], [9, 9, 10, 10]],
+    "pixels_per_degree": 40.0, "tone_mapper": "hable", "match": "affine", "largest_shift": 64,
+    "changes": "color", "change_threshold": 0.125, "least_pixels": 16})"));
+  std::string text;
+  for (const HowLine& line : how_lines(comparison)) text += line.name + ": " + line.text + "\n";
+  for (const char* const part : {"Part: 4,2,60,44", "Ignored: 0,0,8,8 9,9,10,10", "40.00 pixels per degree",
+                                 "tone mapper hable", "offsets", "Alignment: ", "color above 0.125"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+}
+
+TEST_F(ComparisonTest, warnings_stand_beside_thresholds_and_fail_nothing) {
+  write("a.png", wave());
+  write("b.png", wave(0.5f));
+  const Comparison comparison = compare("a.png", "b.png");
+  const json found = json::parse(comparison_json(comparison, judge(comparison, parse_thresholds("rmse=1")),
+                                                 judge(comparison, parse_thresholds("rmse=0.01"))));
+  EXPECT_EQ(found["pass"], true);
+  ASSERT_EQ(found["warnings"].size(), 1u);
+  EXPECT_EQ(found["warnings"][0]["threshold"], "rmse=0.01");
+  EXPECT_EQ(found["warnings"][0]["fails"], true);
 }
 
 TEST_F(ComparisonTest, nothing_that_counts_is_an_error_and_no_pass) {
@@ -201,8 +259,17 @@ TEST_F(ComparisonTest, changes_are_found_by_depth_with_ids_kept_for_their_points
 }
 
 TEST_F(ComparisonTest, results_do_not_depend_on_the_number_of_threads) {
-  write("a.exr", wave());
-  write("b.exr", wave(0.9f));
+  // Large enough for more than one piece of work in every step.
+  constexpr int k_wide = 700, k_high = 600;
+  std::vector<float> one(k_wide * k_high * 3), other = one;
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    const auto x = static_cast<float>(i / 3 % k_wide), y = static_cast<float>(i / 3 / k_wide);
+    one[i] = 0.4f + 0.2f * std::sin(0.3f * x) * std::cos(0.07f * y);
+    other[i] =
+        0.4f + 0.2f * std::sin(0.3f * x + 0.1f) * std::cos(0.07f * y) + 0.1f * std::sin(0.001f * x * y);
+  }
+  write_picture("a.exr", k_wide, k_high, one);
+  write_picture("b.exr", k_wide, k_high, other);
   ComparisonOptions options;
   options.match = ColorModel::affine;
   options.align = true;

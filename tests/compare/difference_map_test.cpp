@@ -85,6 +85,20 @@ TEST(DifferenceMap, of_depth_is_signed_and_tells_apart_what_only_one_picture_has
   EXPECT_NE(map.label.find("(m)"), std::string::npos);
 }
 
+TEST(DifferenceMap, of_depth_takes_what_is_no_depth_for_nothing) {
+  ComparedImage reference = even(6, 1, 0.5), test = reference;
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  reference.depth = {0.0f, 4.0f, -1.0f, nan, 0.0f, 4.0f};
+  test.depth = {4.0f, 0.0f, k_infinite, 4.0f, nan, -k_infinite};
+  const DifferenceMap map = depth_difference(reference, test, {});
+  EXPECT_EQ(map.values[0], -k_infinite);
+  EXPECT_EQ(map.values[1], k_infinite);
+  EXPECT_TRUE(std::isnan(map.values[2]));
+  EXPECT_EQ(map.values[3], -k_infinite);
+  EXPECT_TRUE(std::isnan(map.values[4]));
+  EXPECT_EQ(map.values[5], k_infinite);
+}
+
 TEST(DifferenceMap, painted_pixel_for_pixel_every_kind_of_pixel_has_its_own_colour) {
   const DepthPair pair;
   DifferenceMap map = depth_difference(pair.reference, pair.test, {});

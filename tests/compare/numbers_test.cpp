@@ -69,6 +69,24 @@ TEST(FloatRanks, ranks_and_quantiles_are_those_of_sorted_values) {
   }
 }
 
+// More than one task counts, and their counts are added up.
+TEST(FloatRanks, ranks_among_millions_are_those_of_sorted_values) {
+  std::vector<float> values(std::size_t{3} << 20);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    values[i] = static_cast<float>(static_cast<std::uint32_t>(i) * 2654435761u >> 8) * 0x1p-24f;
+  const auto value_at = [&](std::size_t i) { return values[i]; };
+  const FloatCounts counts = count_upper_halves(values.size(), value_at);
+  std::vector<float> sorted = values;
+  std::ranges::sort(sorted);
+  for (const std::size_t rank : {std::size_t{0}, values.size() / 3, values.size() - 1})
+    EXPECT_EQ(value_of_rank(values.size(), value_at, counts, rank), sorted[rank]) << rank;
+  double sum = 0.0, running = 0.0;
+  for (const float value : sorted) sum += value;
+  const auto median =
+      std::ranges::find_if(sorted, [&](float value) { return (running += value) > 0.5 * sum; });
+  EXPECT_EQ(weighted_rank(values.size(), value_at, counts, 0.5), *median);
+}
+
 TEST(FloatRanks, a_weighted_quantile_of_zeros_is_zero) {
   const auto value_at = [](std::size_t) { return 0.0f; };
   EXPECT_EQ(weighted_rank(10, value_at, count_upper_halves(10, value_at), 0.5), 0.0f);

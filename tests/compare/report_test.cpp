@@ -127,6 +127,80 @@ TEST_F(ReportTest, the_divider_follows_keys_the_slider_and_the_mouse) {
   expect_quiet(page);
 }
 
+TEST_F(ReportTest, arrows_move_a_zoomed_picture_and_letters_go_through_the_regions) {
+  Chromium page(folder, 1280, 900);
+  page.open(write_report());
+  const std::string place = "document.getElementById('scene').style.transform";
+  const auto whole = page.evaluate(place);
+  page.press("ArrowDown");
+  EXPECT_EQ(page.evaluate(place), whole) << "all of it is seen";
+  page.press("+");
+  page.press("+");
+  EXPECT_GT(number(page, "new DOMMatrix(" + place + ").a"), 2.0);
+  const auto x = [&] { return number(page, "new DOMMatrix(" + place + ").e"); };
+  const auto y = [&] { return number(page, "new DOMMatrix(" + place + ").f"); };
+  const double left = x(), top = y(), split = divider(page);
+  page.press("ArrowRight");
+  page.press("ArrowUp");
+  EXPECT_NEAR(x(), left - 40.0, 0.5);
+  EXPECT_NEAR(y(), top + 40.0, 0.5);
+  EXPECT_EQ(divider(page), split);
+  page.press("0");
+  EXPECT_EQ(number(page, "new DOMMatrix(" + place + ").a"), 1.0);
+  const std::string current =
+      "document.querySelector('#regions [aria-current=true]').textContent.slice(0, 2)";
+  page.press("n");
+  EXPECT_EQ(page.evaluate(current), "1.");
+  page.press("n");
+  EXPECT_EQ(page.evaluate(current), "2.");
+  page.press("p");
+  EXPECT_EQ(page.evaluate(current), "1.");
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, matched_colours_warnings_and_how_it_was_compared_are_told) {
+  write_pictures();
+  ComparisonOptions options;
+  options.match = ColorModel::exposure;
+  options.crop = PixelRectangle{0, 0, 120, 60};
+  options.keep_pictures = true;
+  const Comparison comparison = compare_files(folder / "wave.png", folder / "wave.png", options);
+  write_page(report_page(comparison, judge(comparison, parse_thresholds("flip=0.5")), PicturePacking::jpeg,
+                         judge(comparison, parse_thresholds("flip>-1"))),
+             folder / "report.html", false);
+  Chromium page(folder, 390, 844);
+  page.open(folder / "report.html");
+  EXPECT_EQ(text_of(page, "verdict"),
+            "PassThe threshold is kept. Warning: flip is 0, wished at most \u22121.");
+  EXPECT_NE(text_of(page, "how").find("0,0,120,60"), std::string::npos) << text_of(page, "how");
+  EXPECT_NE(text_of(page, "views").find("FLIP, colours matched"), std::string::npos)
+      << text_of(page, "views");
+  EXPECT_NE(text_of(page, "metrics").find("warns"), std::string::npos);
+  EXPECT_EQ(page.evaluate("[...document.images].every(image => image.src.startsWith('data:image/jpeg') && "
+                          "image.naturalHeight === 60)"),
+            true);
+  EXPECT_EQ(number(page, "document.documentElement.scrollWidth"), 390);
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, pictures_with_layers_only_have_a_page_too) {
+  std::vector<float> layers;
+  for (int i = 0; i < 120 * 80; ++i) layers.insert(layers.end(), {5.0f, 0.0f, 0.0f, 1.0f});
+  write_layers("a.exr", 120, 80, {"Z", "N.X", "N.Y", "N.Z"}, layers);
+  layers[4 * 121] = 6.0f;
+  write_layers("b.exr", 120, 80, {"Z", "N.X", "N.Y", "N.Z"}, layers);
+  ComparisonOptions options;
+  options.keep_pictures = true;
+  const Comparison comparison = compare_files(folder / "a.exr", folder / "b.exr", options);
+  write_page(report_page(comparison, {}, PicturePacking::automatic), folder / "report.html", false);
+  Chromium page(folder, 1280, 900);
+  page.open(folder / "report.html");
+  EXPECT_NE(text_of(page, "verdict").find("Measured"), std::string::npos);
+  EXPECT_EQ(number(page, "document.querySelectorAll('#scene img').length"), 3) << "two pictures, one map";
+  EXPECT_NE(text_of(page, "metrics").find("at 1, 1"), std::string::npos) << text_of(page, "metrics");
+  expect_quiet(page);
+}
+
 TEST_F(ReportTest, b_blinks_and_space_switches) {
   Chromium page(folder, 1280, 900);
   page.open(write_report());
@@ -177,6 +251,21 @@ TEST_F(ReportTest, on_a_phone_nothing_is_wider_than_the_screen_and_controls_have
                           "e.getBoundingClientRect().height < 36).length"),
             0)
       << "fingers need room";
+  expect_quiet(page);
+}
+
+TEST_F(ReportTest, a_summary_without_thresholds_passes_nobody) {
+  write_pictures();
+  BatchOptions options;
+  options.keep_thumbnails = true;
+  const std::vector<PairOutcome> outcomes =
+      compare_pairs({{"itself", folder / "wave.png", folder / "wave.png"}}, options);
+  write_page(summary_page(outcomes, "a", "b", folder / "summary.html"), folder / "summary.html", false);
+  Chromium page(folder, 1280, 900);
+  page.open(folder / "summary.html");
+  EXPECT_EQ(text_of(page, "verdict"), "Measured1 pair compared. No thresholds were given.");
+  EXPECT_NE(text_of(page, "pairs").find("PSNR ∞ dB"), std::string::npos) << text_of(page, "pairs");
+  EXPECT_EQ(number(page, "document.querySelectorAll('.badge.good').length"), 0);
   expect_quiet(page);
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "octree/error.h"
@@ -47,7 +48,10 @@ TEST(VerdictTest, every_figure_has_a_name_of_its_own_and_says_what_it_is) {
   for (const MetricKind& kind : metric_kinds()) {
     EXPECT_EQ(find_metric(kind.name), &kind) << kind.name;
     EXPECT_FALSE(kind.note.empty()) << kind.name;
+    names.push_back(kind.name);
   }
+  std::ranges::sort(names);
+  EXPECT_EQ(std::ranges::adjacent_find(names), names.end());
   EXPECT_EQ(find_metric("flop"), nullptr);
 }
 

@@ -119,7 +119,8 @@ ExitCode compare_one(const CompareRequest& request) {
                 warnings = judge(comparison, request.warn_above);
   if (!request.report.empty()) {
     std::string page;
-    load_report_maker()(comparison, verdict, request.packing.value_or(PicturePacking::automatic), page);
+    load_report_maker()(comparison, verdict, request.packing.value_or(PicturePacking::automatic), warnings,
+                        page);
     write_page(page, request.report, request.overwrite);
   }
   if (request.has_maps()) write_maps(request, *comparison.pictures);
@@ -129,7 +130,8 @@ ExitCode compare_one(const CompareRequest& request) {
     for (const std::string& remark : comparison.remarks) say_note(remark);
     for (const std::string& failure : failures_of(warnings)) say_warning("beyond " + failure);
   }
-  write_to_stdout(request.json ? comparison_json(comparison, verdict) : comparison_text(comparison, verdict));
+  write_to_stdout(request.json ? comparison_json(comparison, verdict, warnings)
+                               : comparison_text(comparison, verdict));
   return exit_code(request, verdict.pass(), !warnings.pass());
 }
 

@@ -27,7 +27,7 @@ PairComparer load_pair_comparer();
 
 /// report_page() of compare/report.h.
 using ReportMaker = void (*)(const Comparison& comparison, const Verdict& verdict, PicturePacking packing,
-                             std::string& page);
+                             const Verdict& warnings, std::string& page);
 ReportMaker load_report_maker();
 
 /// write_difference() of compare/difference_map.h.

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "compare/compared_how.h"
+
 namespace alidade {
 namespace {
 
@@ -15,8 +17,8 @@ std::string facts_text(const char* side, const PictureFacts& facts) {
 
 std::string regions_text(const ChangeRegions& changes) {
   constexpr std::size_t k_most_lines = 10;
-  std::string text = fmt::format("\nRegions of change: {}, of {} changed pixels\n", changes.regions.size(),
-                                 changes.changed_pixels);
+  std::string text = fmt::format("\nRegions of change: {}, with {} of {} changed pixels\n",
+                                 changes.regions.size(), changes.listed_pixels, changes.changed_pixels);
   for (std::size_t i = 0; i < std::min(k_most_lines, changes.regions.size()); ++i) {
     const ChangeRegion& region = changes.regions[i];
     text += fmt::format("  {:>3}  {} pixels in {},{},{},{}, strongest {:.4g} at {},{}\n", i + 1,
@@ -50,7 +52,12 @@ std::string comparison_text(const Comparison& comparison, const Verdict& verdict
     }
     text += fmt::format("  {:<18} {:>12.6g} {:<4} {}\n", metric.kind->name, metric.value, metric.kind->unit,
                         metric.kind->label);
+    if (metric.place)
+      text.insert(text.size() - 1, fmt::format(" at {},{}", metric.place->x, metric.place->y));
   }
+  const std::vector<HowLine> how = how_lines(comparison);
+  if (!how.empty()) text += "\nHow it was compared\n";
+  for (const HowLine& line : how) text += fmt::format("  {:<18} {}\n", line.name, line.text);
   if (comparison.changes) text += regions_text(*comparison.changes);
   if (verdict.judged.empty()) return text;
   text += "\nThresholds\n";
