@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 namespace alidade {
 namespace {
 
@@ -45,10 +47,12 @@ std::string alignment_text(const Alignment& found, int largest_shift) {
   if (!found.is_certain)
     return fmt::format("no shift up to {} pixels can be told; correlation of edges {:.3f}", largest_shift,
                        found.score_unshifted);
+  // No -0.00.
+  const auto hundredths = [](double shift) { return std::round(100.0 * shift) / 100.0 + 0.0; };
   return fmt::format(
       "the test lies {:.2f} pixels to the right and {:.2f} down; correlation of edges {:.3f} there, "
       "{:.3f} without the shift",
-      found.shift_x, found.shift_y, found.score, found.score_unshifted);
+      hundredths(found.shift_x), hundredths(found.shift_y), found.score, found.score_unshifted);
 }
 
 Json json_of(const PixelRectangle& box) {
