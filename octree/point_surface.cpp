@@ -134,9 +134,13 @@ bool off_sheet(const LocalPlane& plane, double reach) {
 }
 
 /// The surface of a point off the sheet of its neighbours: that of the others, as on the ground at the foot
-/// of a wall with many more points; or one of its own beside the sheet.
-PointSurface surface_beside(const Octree& octree, const glm::dvec3& place, double reach,
+/// of a wall with many more points; or one of its own beside the sheet. None where it stands far off with few
+/// others, like a bird above a field: its distance to its neighbours would make a wide disc of it.
+PointSurface surface_beside(const Octree& octree, const glm::dvec3& place, double spacing, double reach,
                             const LocalPlane& sheet) {
+  constexpr double k_far = 0.5;  // spacings
+  // A third of what a sheet with this spacing has within reach; one that ends here has half.
+  const double few = k_surface_neighbours / 3.0 * (reach / spacing) * (reach / spacing);
   std::vector<glm::dvec3> others;
   for (const PointHit& point : find(octree, place, PointQuery{.radius = reach})) {
     LocalPlane from_sheet = sheet;
@@ -144,9 +148,12 @@ PointSurface surface_beside(const Octree& octree, const glm::dvec3& place, doubl
     from_sheet.height += glm::dot(offset, sheet.normal);
     if (off_sheet(from_sheet, reach)) others.push_back(offset);
   }
+  const bool is_far = std::fabs(sheet.height) > k_far * spacing;
+  if (is_far && static_cast<double>(others.size()) < few) return {};
   const LocalPlane plane = local_plane(others, reach);
   if (plane.trust >= k_least_trust && !off_sheet(plane, reach))
     return {true, plane.normal, plane.height, plane.thickness};
+  if (is_far) return {};
   return {true, sheet.normal, 0.0, sheet.thickness};
 }
 
@@ -166,7 +173,7 @@ FittedSurface fit_surface(const Octree& octree, const glm::dvec3& place, double 
     if (fitted.trust < k_least_trust) continue;
     // Few points look like two sheets by chance.
     const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(octree, place, reach, fitted);
-    if (off_sheet(plane, reach)) return {surface_beside(octree, place, reach, plane)};
+    if (off_sheet(plane, reach)) return {surface_beside(octree, place, spacing, reach, plane)};
     const bool may_end = factor != k_reaches[0] || plane.off_center > k_centered * reach;
     return {{true, plane.normal, plane.height, plane.thickness}, may_end};
   }

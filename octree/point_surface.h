@@ -27,12 +27,13 @@ struct PointSurface {
 constexpr int k_surface_neighbours = 8;
 
 /// The same octree with the surface of every point, as surface_of() tells it. An octree that has surfaces is
-/// returned as it is. `progress` is in points. Requires spacings. Cost: about 2 microseconds of one thread
-/// per point, in parallel; 5 B per point. Where sheets end is measured, too (octree/sheet_edge.h).
-/// How: a plane is fitted (octree/local_plane.h) to the points within 2.5 spacings; where these are no
-/// surface, within 1.5, 1.1 (another surface is near) and 5 (noise is as large as the spacing). Two sheets
-/// are two values of the heights above that plane: their coefficient of bimodality is near 1 (SAS/STAT User's
-/// Guide, The CLUSTER Procedure).
+/// returned as it is. `progress` is in points. Requires spacings. Cost: about 5 microseconds of one thread
+/// per point, in parallel; 5 B per point. Where sheets end is measured, too (octree/sheet_edge.h). Points
+/// that stand off the sheet of their neighbours by more than half their spacing have a surface only with
+/// others like them. How: a plane is fitted (octree/local_plane.h) to the points within 2.5 spacings; where
+/// these are no surface, within 1.5, 1.1 (another surface is near) and 5 (noise is as large as the spacing).
+/// Two sheets are two values of the heights above that plane: their coefficient of bimodality is near 1
+/// (SAS/STAT User's Guide, The CLUSTER Procedure).
 Octree with_surfaces(const Octree& octree, const Progress& progress = {});
 
 /// The surface of a point: normals are good to 0.1 degree, heights to 19 %, thicknesses are rounded up by at

@@ -129,6 +129,18 @@ TEST(PointSurface, is_none_where_points_fill_space_or_stand_on_a_wire) {
   EXPECT_LT(leaves, foliage / 10);
 }
 
+TEST(PointSurface, is_none_of_a_bird_above_a_field_nor_of_a_few) {
+  Random random("birds");
+  PointCloud cloud = empty_cloud();
+  add(cloud, Square{{0.0, 0.0, 1.0}, 0.002}, random);
+  const std::size_t field = cloud.size();
+  add(cloud, {0.5, 0.5, 0.3});
+  for (const double x : {0.0, 0.02, 0.04}) add(cloud, {-0.7 + x, 0.2 - x * x, 0.4});
+  const Octree octree = with_all(cloud);
+  for (std::size_t id = field; id < cloud.size(); ++id)
+    EXPECT_FALSE(surface_of(octree.view(), id).exists) << id;
+}
+
 TEST(PointSurface, has_the_same_bits_on_every_instruction_set) {
   for (const test::PointFamily& family : test::point_families()) {
     if (family.cloud.size() == 0) continue;
