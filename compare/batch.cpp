@@ -83,9 +83,10 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
     return;
   }
   outcome.comparison->pictures.reset();
-  outcome.comparison->reference.ids = {};
-  outcome.comparison->test.ids = {};
-  if (outcome.comparison->changes) outcome.comparison->changes->labels = {};
+  // Swapped, since an assigned empty list would keep the memory.
+  std::vector<std::uint32_t>().swap(outcome.comparison->reference.ids);
+  std::vector<std::uint32_t>().swap(outcome.comparison->test.ids);
+  if (outcome.comparison->changes) std::vector<std::uint32_t>().swap(outcome.comparison->changes->labels);
   if (page.empty()) return;
   write_page(page, report, options.overwrite);
   outcome.report = report;

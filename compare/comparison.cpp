@@ -17,6 +17,12 @@ void require(bool holds, const ComparedImage& image, const char* problem, const 
   if (!holds) throw Error({.file = image.file.string(), .problem = problem, .expected = expected});
 }
 
+/// Empties a list and returns its memory, which assigning an empty one would keep.
+template <typename Value>
+void give_back(std::vector<Value>& values) {
+  std::vector<Value>().swap(values);
+}
+
 PictureFacts facts_of(const ComparedImage& image) {
   return {image.file, image.width, image.height, image.encoding, image.metadata, {}};
 }
@@ -43,7 +49,7 @@ class Run {
     done();
     if (comparison_.pictures) add_maps(*comparison_.pictures, pair_, std::move(maps_), std::move(flip_map()));
     for (std::optional<ColorFigures>* const set : {&comparison_.color, &comparison_.matched})
-      if (*set) (*set)->flip.map = {};
+      if (*set) give_back((*set)->flip.map);
     done();
   }
 
@@ -87,9 +93,9 @@ class Run {
   /// Large pictures need the memory for maps.
   void forget_layers(ComparedImage& image) const {
     const bool is_shown = options_.keep_pictures && image.color.empty();
-    if (!is_shown) image.normals = {};
-    if (!is_shown && !options_.find_changes) image.ids = {};
-    if (!options_.match && !options_.align) image.alpha = {};
+    if (!is_shown) give_back(image.normals);
+    if (!is_shown && !options_.find_changes) give_back(image.ids);
+    if (!options_.match && !options_.align) give_back(image.alpha);
   }
 
   ColorFigures figures() {
