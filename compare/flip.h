@@ -32,7 +32,7 @@ struct FlipOptions {
       alidade::pixels_per_degree(0.7, 0.7, 3840.0);  ///< 67.02, as in the authors' tool
   FlipRange range = FlipRange::automatic;
   ToneMapper tone_mapper = ToneMapper::aces;
-  std::optional<double> start_exposure, stop_exposure;  ///< stops; found from the reference if not told
+  std::optional<double> start_exposure, stop_exposure;  ///< stops, -1000 .. 1000; found from the reference
   std::optional<int> exposures;                         ///< 2 to 256; one per stop if not told
   InstructionSet instruction_set = InstructionSet::best;
 };

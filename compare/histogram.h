@@ -25,7 +25,7 @@ struct HistogramPicture {
   std::optional<Histogram> second{};
 };
 
-/// Counts the values of the pixels that count, without NaN and infinity. Requires low < high and bins >= 1.
+/// Counts values of pixels that count, in one pass, without NaN and infinity. Requires low < high, bins >= 1.
 Histogram count_values(std::string name, std::span<const float> values, const ImageMask& mask, double low,
                        double high, std::size_t bins = 64);
 

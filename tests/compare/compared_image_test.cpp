@@ -197,6 +197,14 @@ TEST_F(ComparedImageTest, what_is_no_picture_is_an_error_that_names_the_file) {
   EXPECT_NE(error_of(folder_).find("not a regular file"), std::string::npos);
 }
 
+TEST_F(ComparedImageTest, a_picture_of_no_pixels_is_an_error_that_names_the_file) {
+  for (const char* const size : {"0 0", "0 4", "4 0"}) {
+    const std::filesystem::path file = folder_ / "none.ppm";
+    std::ofstream(file, std::ios::binary) << "P6\n" << size << "\n255\n";
+    EXPECT_NE(error_of(file).find("none.ppm: "), std::string::npos) << size << ": " << error_of(file);
+  }
+}
+
 TEST_F(ComparedImageTest, a_picture_cut_short_is_an_error_in_every_format) {
   std::vector<std::uint8_t> values(128 * 96 * 3);
   std::uint32_t state = 1;
