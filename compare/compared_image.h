@@ -52,9 +52,14 @@ constexpr std::uint64_t k_most_compared_pixels = std::uint64_t{1} << 28;
 /// Reads an image of any format that OpenImageIO knows: the channels R G B, or a single one as grey, A, Z,
 /// N.X N.Y N.Z (also Nx Ny Nz) and id; others are not looked at. EXIF orientation is obeyed, CMYK turned into
 /// RGB, of several images in a file the first is taken. NaN and infinite values stay: the metrics count them.
-/// Errors: no such file, not a picture, no pixels or more than k_most_compared_pixels, more than 4096 pixels
-/// per byte of the file (no format packs so many), deep or 3D, pixels missing, none of the channels above.
+/// Whole ids may be stored as floating point, as long as all of them are exact: below 2^24 (half: 2^11).
+/// Memory for pixels is taken as they arrive, whatever size the file claims. Errors: no such file, not a
+/// picture, no pixels or more than k_most_compared_pixels, deep or 3D, pixels missing, ids that are not whole
+/// or not exact, none of the channels above.
 ComparedImage read_compared_image(const std::filesystem::path& file);
+
+/// Number of pixels that the file claims to have; 0 if it is no picture.
+std::uint64_t claimed_pixels(const std::filesystem::path& file);
 
 /// Three values of linear light per pixel: the sRGB curve (IEC 61966-2-1) undone where needed.
 std::vector<float> linear_color(const ComparedImage& image);

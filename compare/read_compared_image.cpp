@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <optional>
+#include <cmath>
 
 #include "compare/compared_image.h"
 #include "compare/orientation.h"
@@ -13,8 +13,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::uint64_t k_most_pixels_per_byte = 4096;
-constexpr std::uint64_t k_most_values_at_once = std::uint64_t{1} << 23;
 constexpr int k_longest_text = 4096;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem,
@@ -62,7 +60,7 @@ Places places_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
   return places;
 }
 
-void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::filesystem::path& file) {
+void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
   if (spec.deep || spec.depth > 1)
     fail(file, "not a flat picture", "one with a single value per channel and pixel");
   if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "a picture without pixels");
@@ -71,9 +69,6 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::file
   if (count > k_most_compared_pixels)
     fail(file, "too large to be compared", "at most " + std::to_string(k_most_compared_pixels) + " pixels",
          found);
-  if (count / k_most_pixels_per_byte > file_size)
-    fail(file, "a picture that cannot hold its pixels",
-         "more than " + std::to_string(file_size) + " bytes for them", found);
 }
 
 std::vector<std::pair<std::string, std::string>> texts_of(const OIIO::ImageSpec& spec) {
@@ -86,58 +81,143 @@ std::vector<std::pair<std::string, std::string>> texts_of(const OIIO::ImageSpec&
   return texts;
 }
 
-/// Reads bands of rows, each with all channels that are wanted, and hands their values to their layers.
+/// Where the values of a channel go.
+struct Target {
+  int channel;
+  std::vector<float>* layer;
+  std::size_t components, component;
+};
+
+std::vector<Target> targets_of(const Places& places, ComparedImage& image) {
+  std::vector<Target> targets;
+  const auto add = [&](int channel, std::vector<float>& layer, std::size_t components, std::size_t i) {
+    if (channel >= 0) targets.push_back({channel, &layer, components, i});
+  };
+  for (std::size_t i = 0; i < 3; ++i) add(places.color[i], image.color, 3, i);
+  for (std::size_t i = 0; i < 3; ++i) add(places.normal[i], image.normals, 3, i);
+  add(places.alpha, image.alpha, 1, 0);
+  add(places.depth, image.depth, 1, 0);
+  return targets;
+}
+
+/// Channels begin .. end - 1.
+struct ChannelRun {
+  int begin, end;
+};
+
+/// The wanted channels as runs of at most so many. A few others between them are read along, since compressed
+/// blocks are decoded anew for each run.
+std::vector<ChannelRun> runs_of(const std::vector<Target>& targets, int longest) {
+  constexpr int k_widest_gap = 4;
+  std::vector<int> channels;
+  for (const Target& target : targets) channels.push_back(target.channel);
+  std::ranges::sort(channels);
+  std::vector<ChannelRun> runs;
+  for (const int channel : channels) {
+    if (!runs.empty() && channel - runs.back().end <= k_widest_gap && channel < runs.back().begin + longest) {
+      runs.back().end = channel + 1;
+    } else {
+      runs.push_back({channel, channel + 1});
+    }
+  }
+  return runs;
+}
+
+/// The whole number that a channel of floating point holds. Errors: it holds something else, or so large a
+/// number that its neighbours look the same.
+std::uint32_t whole_id(float value, OIIO::TypeDesc stored) {
+  const float limit = stored == OIIO::TypeHalf ? 2048.0f : 16777216.0f;
+  if (value >= 0.0f && value < limit && value == std::floor(value)) return static_cast<std::uint32_t>(value);
+  throw Error({.problem = "the layer id holds what is no exact whole number",
+               .expected = "ids of 32 bits, or below " + std::to_string(static_cast<int>(limit)) +
+                           " as floating point",
+               .found = std::to_string(value)});
+}
+
+/// Reads bands of rows, and hands their values to the layers of an image.
 class BandReader {
  public:
-  BandReader(OIIO::ImageInput& input, const Places& places) : input_(input), spec_(input.spec()) {
-    begin_ = spec_.nchannels;
-    for (const int channel : places.all()) {
-      if (channel < 0) continue;
-      begin_ = std::min(begin_, channel);
-      end_ = std::max(end_, channel + 1);
-    }
-    const auto row_values =
-        static_cast<std::uint64_t>(spec_.width) * static_cast<std::uint64_t>(end_ - begin_);
-    const int most_rows = static_cast<int>(std::max<std::uint64_t>(1, k_most_values_at_once / row_values));
-    // Bands end where blocks of tiles or of compressed rows do.
-    const int block = spec_.tile_width > 0 ? spec_.tile_height : 64;
-    rows_ = std::min(spec_.height, std::max(block, most_rows / block * block));
+  BandReader(OIIO::ImageInput& input, const Places& places, ComparedImage& image)
+      : input_(input),
+        spec_(input.spec()),
+        image_(image),
+        targets_(targets_of(places, image)),
+        id_(places.id),
+        width_(static_cast<std::size_t>(spec_.width)) {
+    // Both counted in values.
+    constexpr std::size_t k_usual = std::size_t{1} << 23, k_most = std::size_t{1} << 25;
+    const std::size_t wanted = std::max<std::size_t>(1, targets_.size());
+    const auto fitting_rows = [&](std::size_t values) {
+      return static_cast<int>(std::clamp<std::size_t>(values / width_, 1, k_usual));
+    };
+    // Bands end where blocks of tiles or of compressed rows do. Wide rows, of which a block would be too
+    // much, are decoded more than once; tiles can only be read as a whole, so their channels come one by one.
+    const int block = spec_.tile_width > 0 ? std::min(spec_.tile_height, spec_.height) : 64;
+    rows_ = std::max(block, fitting_rows(k_usual / wanted) / block * block);
+    if (spec_.tile_width == 0) rows_ = std::min(rows_, fitting_rows(k_most));
+    rows_ = std::min(rows_, spec_.height);
+    const std::size_t longest = k_most / (width_ * static_cast<std::size_t>(rows_));
+    runs_ = runs_of(targets_, static_cast<int>(std::clamp<std::size_t>(longest, 1, 16)));
   }
 
-  void read(ComparedImage& image, const Places& places) {
-    std::vector<float> values(static_cast<std::size_t>(rows_) * static_cast<std::size_t>(spec_.width) *
-                              static_cast<std::size_t>(end_ - begin_));
+  /// `file_size` in bytes tells how many pixels are likely to come.
+  void read(std::uint64_t file_size) {
+    reserve(file_size);
     for (int top = 0; top < spec_.height; top += rows_) {
       const int bottom = std::min(top + rows_, spec_.height);
-      if (begin_ < end_) read_band(top, bottom, begin_, end_, OIIO::TypeFloat, values.data());
-      const std::size_t first = static_cast<std::size_t>(top) * static_cast<std::size_t>(spec_.width);
-      const std::size_t count =
-          static_cast<std::size_t>(bottom - top) * static_cast<std::size_t>(spec_.width);
-      const auto hand_over = [&](std::vector<float>& layer, std::size_t components, std::size_t component,
-                                 int channel) {
-        if (channel < 0) return;
-        const auto stride = static_cast<std::size_t>(end_ - begin_);
-        const float* from = values.data() + (channel - begin_);
-        float* to = layer.data() + first * components + component;
-        for (std::size_t i = 0; i < count; ++i) to[i * components] = from[i * stride];
-      };
-      for (std::size_t i = 0; i < 3; ++i) hand_over(image.color, 3, i, places.color[i]);
-      for (std::size_t i = 0; i < 3; ++i) hand_over(image.normals, 3, i, places.normal[i]);
-      hand_over(image.alpha, 1, 0, places.alpha);
-      hand_over(image.depth, 1, 0, places.depth);
-      // Ids beyond 2^24 would not survive as floats.
-      if (places.id >= 0)
-        read_band(top, bottom, places.id, places.id + 1, OIIO::TypeUInt, image.ids.data() + first);
+      for (const ChannelRun& run : runs_) read_run(top, bottom, run);
+      if (id_ >= 0) read_ids(top, bottom);
     }
   }
 
  private:
-  void read_band(int top, int bottom, int begin, int end, OIIO::TypeDesc type, void* values) {
-    const bool is_read =
-        spec_.tile_width > 0
-            ? input_.read_tiles(0, 0, spec_.x, spec_.x + spec_.width, spec_.y + top, spec_.y + bottom, 0, 1,
-                                begin, end, type, values)
-            : input_.read_scanlines(0, 0, spec_.y + top, spec_.y + bottom, 0, begin, end, type, values);
+  /// Growing takes twice the memory for a while, which only pictures of one colour shall need.
+  void reserve(std::uint64_t file_size) {
+    constexpr std::uint64_t k_likely_pixels_per_byte = 64;
+    const std::uint64_t likely =
+        std::min<std::uint64_t>(image_.pixels(), k_likely_pixels_per_byte * file_size);
+    for (const Target& target : targets_) target.layer->reserve(target.components * likely);
+    if (id_ >= 0) image_.ids.reserve(likely);
+  }
+
+  void read_run(int top, int bottom, const ChannelRun& run) {
+    const auto stride = static_cast<std::size_t>(run.end - run.begin);
+    const std::size_t first = width_ * static_cast<std::size_t>(top),
+                      count = width_ * static_cast<std::size_t>(bottom - top);
+    values_.resize(count * stride);
+    read_band(top, bottom, run, OIIO::TypeFloat, values_.data());
+    for (const Target& target : targets_) {
+      if (target.channel < run.begin || target.channel >= run.end) continue;
+      target.layer->resize(target.components * (first + count));
+      const float* const from = values_.data() + (target.channel - run.begin);
+      float* const to = target.layer->data() + first * target.components + target.component;
+      for (std::size_t i = 0; i < count; ++i) to[i * target.components] = from[i * stride];
+    }
+  }
+
+  /// Ids beyond 2^24 would not survive as floats, and floats not as whole numbers: those would stand for
+  /// parts of 1.
+  void read_ids(int top, int bottom) {
+    const std::size_t first = width_ * static_cast<std::size_t>(top),
+                      count = width_ * static_cast<std::size_t>(bottom - top);
+    const OIIO::TypeDesc stored = spec_.channelformat(id_);
+    const ChannelRun run{id_, id_ + 1};
+    if (!stored.is_floating_point()) {
+      image_.ids.resize(first + count);
+      read_band(top, bottom, run, OIIO::TypeUInt, image_.ids.data() + first);
+      return;
+    }
+    values_.resize(count);
+    read_band(top, bottom, run, OIIO::TypeFloat, values_.data());
+    for (const float value : values_) image_.ids.push_back(whole_id(value, stored));
+  }
+
+  void read_band(int top, int bottom, const ChannelRun& run, OIIO::TypeDesc type, void* values) {
+    const bool is_read = spec_.tile_width > 0
+                             ? input_.read_tiles(0, 0, spec_.x, spec_.x + spec_.width, spec_.y + top,
+                                                 spec_.y + bottom, 0, 1, run.begin, run.end, type, values)
+                             : input_.read_scanlines(0, 0, spec_.y + top, spec_.y + bottom, 0, run.begin,
+                                                     run.end, type, values);
     // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
     if (!is_read || input_.has_error()) {
       throw Error({.problem = "a picture with pixels missing: " + image_trouble(input_.geterror())});
@@ -146,7 +226,13 @@ class BandReader {
 
   OIIO::ImageInput& input_;
   OIIO::ImageSpec spec_;
-  int begin_ = 0, end_ = 0, rows_ = 1;
+  ComparedImage& image_;
+  std::vector<Target> targets_;
+  int id_ = -1;
+  std::size_t width_ = 0;
+  int rows_ = 1;
+  std::vector<ChannelRun> runs_;
+  std::vector<float> values_;
 };
 
 int largest_code_of(OIIO::TypeDesc type) {
@@ -164,7 +250,7 @@ ComparedImage read_compared_image(const std::filesystem::path& file) {
   const auto input = OIIO::ImageInput::open(file.string(), &hints);
   if (!input) fail(file, "not a picture that can be read: " + image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
-  check(spec, file_size, file);
+  check(spec, file);
   const Places places = places_of(spec, std::string_view(input->format_name()) == "openexr");
   if (std::ranges::all_of(places.all(), [](int channel) { return channel < 0; }))
     fail(file, "nothing to compare", "channels R G B, Y, A, Z, N.X N.Y N.Z or id");
@@ -179,19 +265,28 @@ ComparedImage read_compared_image(const std::filesystem::path& file) {
   const OIIO::TypeDesc type = spec.channelformat(std::max(places.color[0], 0));
   image.encoding = type.is_floating_point() ? ColorEncoding::linear : ColorEncoding::display;
   image.largest_code = largest_code_of(type);
-  if (places.color[0] >= 0) image.color.resize(3 * image.pixels());
-  if (places.normal[0] >= 0) image.normals.resize(3 * image.pixels());
-  if (places.alpha >= 0) image.alpha.resize(image.pixels());
-  if (places.depth >= 0) image.depth.resize(image.pixels());
-  if (places.id >= 0) image.ids.resize(image.pixels());
   image.metadata = texts_of(spec);
   try {
-    BandReader(*input, places).read(image, places);
+    BandReader(*input, places, image).read(file_size);
   } catch (const Error& error) {
     fail(file, error.what());
   }
   turn_upright(image, spec.get_int_attribute("Orientation", 1));
   return image;
+}
+
+std::uint64_t claimed_pixels(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return 0;
+  const auto input = OIIO::ImageInput::open(file.string());
+  if (!input) {
+    // Asked for, so that it is not taken for somebody else's trouble.
+    OIIO::geterror();
+    return 0;
+  }
+  const OIIO::ImageSpec& spec = input->spec();
+  return static_cast<std::uint64_t>(std::max(spec.width, 0)) *
+         static_cast<std::uint64_t>(std::max(spec.height, 0));
 }
 
 }  // namespace alidade

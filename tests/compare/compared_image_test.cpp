@@ -129,6 +129,56 @@ TEST_F(ComparedImageTest, float_files_hold_linear_light_and_layers_with_whole_id
   EXPECT_EQ(seed->second, "7");
 }
 
+TEST_F(ComparedImageTest, ids_of_floating_point_are_taken_if_they_are_exact_whole_numbers) {
+  OIIO::ImageSpec spec(3, 1, 1, OIIO::TypeFloat);
+  spec.channelnames = {"id"};
+  const auto floats = [&](float last) { return written("ids.exr", spec, std::vector<float>{0, 7, last}); };
+  EXPECT_EQ(read_compared_image(floats(16777215.0f)).ids, (std::vector<std::uint32_t>{0, 7, 16777215}));
+  const float not_a_number = std::numeric_limits<float>::quiet_NaN();
+  for (const float wrong : {16777216.0f, 1.5f, -1.0f, not_a_number})
+    EXPECT_NE(error_of(floats(wrong)).find("ids.exr: the layer id holds what is no exact whole number"),
+              std::string::npos)
+        << wrong;
+  // Half of them: 2049 is stored as 2048.
+  spec.set_format(OIIO::TypeHalf);
+  EXPECT_EQ(read_compared_image(floats(2047.0f)).ids, (std::vector<std::uint32_t>{0, 7, 2047}));
+  EXPECT_NE(error_of(floats(2049.0f)).find("no exact whole number"), std::string::npos);
+}
+
+TEST_F(ComparedImageTest, blank_pictures_that_compress_well_are_pictures) {
+  // A page of paper: a million white pixels in some hundred bytes.
+  OIIO::ImageSpec spec(1200, 900, 1, OIIO::TypeUInt8);
+  spec.attribute("oiio:BitsPerSample", 1);
+  spec.attribute("compression", "ccittfax4");
+  const auto file = written("blank.tif", spec, std::vector<std::uint8_t>(1200 * 900, 255));
+  EXPECT_LT(std::filesystem::file_size(file), 2000u);
+  const ComparedImage image = read_compared_image(file);
+  ASSERT_EQ(image.color.size(), 3u * 1200 * 900);
+  EXPECT_EQ(image.color.back(), 1.0f);
+}
+
+TEST_F(ComparedImageTest, layers_are_found_among_hundreds_of_other_channels) {
+  constexpr int k_channels = 300;
+  OIIO::ImageSpec spec(5, 70, k_channels, OIIO::TypeFloat);
+  for (int i = 0; i < k_channels; ++i)
+    spec.channelnames[static_cast<std::size_t>(i)] = "extra" + std::to_string(i);
+  const std::vector<std::pair<int, const char*>> named{
+      {3, "Z"}, {7, "R"}, {150, "G"}, {151, "B"}, {299, "A"}};
+  for (const auto& [channel, name] : named) spec.channelnames[static_cast<std::size_t>(channel)] = name;
+  std::vector<float> values(5 * 70 * k_channels);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<float>(i);
+  const ComparedImage image = read_compared_image(written("many.exr", spec, values));
+  ASSERT_EQ(image.pixels(), 350u);
+  for (std::size_t pixel = 0; pixel < 350; ++pixel) {
+    const float* const all = &values[pixel * k_channels];
+    EXPECT_EQ(image.depth[pixel], all[3]);
+    EXPECT_EQ(image.alpha[pixel], all[299]);
+    EXPECT_EQ(image.color[3 * pixel], all[7]);
+    EXPECT_EQ(image.color[3 * pixel + 1], all[150]);
+    EXPECT_EQ(image.color[3 * pixel + 2], all[151]);
+  }
+}
+
 TEST_F(ComparedImageTest, a_file_with_layers_only_has_no_colour) {
   OIIO::ImageSpec spec(2, 2, 1, OIIO::TypeFloat);
   spec.channelnames = {"Z"};
