@@ -106,8 +106,13 @@ class ShiftScores {
   std::map<Shift, double> known_;
 };
 
-bool is_within(const Shift& shift, int reach) {
-  return std::abs(shift.x) <= reach && std::abs(shift.y) <= reach;
+/// How far a search goes, pixels of a level.
+struct Reach {
+  int x = 0, y = 0;
+};
+
+bool is_within(const Shift& shift, const Reach& reach) {
+  return std::abs(shift.x) <= reach.x && std::abs(shift.y) <= reach.y;
 }
 
 bool is_better(const Candidate& a, const Candidate& b) {
@@ -115,10 +120,10 @@ bool is_better(const Candidate& a, const Candidate& b) {
 }
 
 /// Shifts of all neighbours, none of which does better.
-std::vector<Candidate> local_maxima(ShiftScores& scores, int reach) {
+std::vector<Candidate> local_maxima(ShiftScores& scores, const Reach& reach) {
   std::vector<Candidate> maxima;
-  for (int y = -reach; y <= reach; ++y) {
-    for (int x = -reach; x <= reach; ++x) {
+  for (int y = -reach.y; y <= reach.y; ++y) {
+    for (int x = -reach.x; x <= reach.x; ++x) {
       const Candidate here{{x, y}, scores.at({x, y})};
       bool is_highest = true;
       for (int dy = -1; dy <= 1; ++dy) {
@@ -136,9 +141,9 @@ std::vector<Candidate> local_maxima(ShiftScores& scores, int reach) {
 }
 
 /// Uphill from a shift.
-Candidate climb(ShiftScores& scores, Shift from, int reach) {
-  from.x = std::clamp(from.x, -reach, reach);
-  from.y = std::clamp(from.y, -reach, reach);
+Candidate climb(ShiftScores& scores, Shift from, const Reach& reach) {
+  from.x = std::clamp(from.x, -reach.x, reach.x);
+  from.y = std::clamp(from.y, -reach.y, reach.y);
   Candidate best{from, scores.at(from)};
   while (true) {
     Candidate next = best;
@@ -189,7 +194,7 @@ Peak fit_peak(ShiftScores& scores, const Shift& shift) {
 /// Score of the best shift that is another than the best one, not just a place on its slope; 0 if there is
 /// none.
 double best_rival(const std::vector<Candidate>& candidates) {
-  constexpr int k_slope = 3;
+  constexpr Reach k_slope{3, 3};
   for (const Candidate& each : candidates) {
     const Shift way{each.shift.x - candidates.front().shift.x, each.shift.y - candidates.front().shift.y};
     if (!is_within(way, k_slope)) return each.score;
@@ -210,6 +215,27 @@ int level_count(const ComparedImage& image, int largest_shift) {
   return levels;
 }
 
+/// Of a level: the largest shift, as long as anything of both pictures still lies on each other.
+Reach reach_of(const ComparedImage& image, int largest_shift, int level) {
+  const auto halved = [&](int length) { return (length + (1 << level) - 1) >> level; };
+  return {std::min(halved(largest_shift), halved(image.width) - 1),
+          std::min(halved(largest_shift), halved(image.height) - 1)};
+}
+
+/// Errors: the coarsest level, on which all shifts are tried, is too large for that.
+void check_work(const ComparedImage& image, int largest_shift, int level) {
+  // Half a minute on two cores. Only pictures a thousand times as long as they are wide come near it.
+  constexpr double k_most_work = 68719476736.0;
+  const Reach reach = reach_of(image, largest_shift, level);
+  const double pixels = std::ldexp(static_cast<double>(image.pixels()), -2 * level);
+  const double shifts = (2.0 * reach.x + 1.0) * (2.0 * reach.y + 1.0);
+  if (shifts * pixels <= k_most_work) return;
+  throw Error({.file = image.file.string(),
+               .problem = "too narrow for a search so wide, which would take too long",
+               .expected = "a smaller largest shift",
+               .found = std::to_string(largest_shift) + " pixels"});
+}
+
 }  // namespace
 
 Alignment align(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
@@ -223,6 +249,7 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
                  .found = std::to_string(options.largest_shift)});
   }
   const int levels = level_count(reference, options.largest_shift);
+  check_work(reference, options.largest_shift, levels - 1);
   const std::vector<GradientLevel> of_reference = gradient_pyramid(reference, mask, levels);
   const std::vector<GradientLevel> of_test = gradient_pyramid(test, mask, levels);
 
@@ -232,7 +259,7 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
   for (int level = levels - 1; level >= 0; --level) {
     const auto place = static_cast<std::size_t>(level);
     ShiftScores scores(of_reference[place], of_test[place]);
-    const int reach = (options.largest_shift + (1 << level) - 1) >> level;
+    const Reach reach = reach_of(reference, options.largest_shift, level);
     if (level == levels - 1) {
       candidates = local_maxima(scores, reach);
     } else {
@@ -253,7 +280,7 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
     alignment.score = best.score + peak.rise;
     alignment.is_certain =
         best.score >= k_least_score && best_rival(candidates) <= k_most_of_rival * best.score &&
-        peak.sharpness >= k_least_sharpness * best.score && is_within(best.shift, options.largest_shift - 1);
+        peak.sharpness >= k_least_sharpness * best.score && is_within(best.shift, {reach.x - 1, reach.y - 1});
   }
   return alignment;
 }

@@ -201,6 +201,21 @@ TEST(Alignment, is_the_same_on_any_number_of_threads) {
   EXPECT_EQ(alone.score, together.score);
 }
 
+TEST(Alignment, in_narrow_pictures_only_shifts_that_leave_something_are_tried) {
+  const auto strip = [](double shift) {
+    return draw_picture(400, 20, ColorEncoding::display, [&](int x, int y) {
+      const double value = blots(x - shift, y);
+      return std::array<double, 3>{value, value, value};
+    });
+  };
+  // In y there are 39 shifts, not 8193.
+  expect_shift(align(strip(0.0), strip(9.0), {}, {.largest_shift = 4096}), 9.0, 0.0, 0.2);
+  const ComparedImage ribbon = draw_picture(60000, 40, ColorEncoding::display, [](int, int) {
+    return std::array<double, 3>{0.5, 0.5, 0.5};
+  });
+  EXPECT_THROW(align(ribbon, ribbon, {}, {.largest_shift = 4096}), Error) << "it would take an hour";
+}
+
 TEST(Alignment, sizes_and_reach_are_checked) {
   const ComparedImage image = shifted_blots(0.0, 0.0);
   const ComparedImage small = draw_picture(20, 20, ColorEncoding::display, [](int, int) {
