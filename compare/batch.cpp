@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "compare/batch.h"
 
+#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <mutex>
+#include <new>
 #include <set>
 #include <tuple>
 
@@ -17,7 +21,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_most_at_once = 8;
+constexpr std::uint64_t k_most_at_once = 8, k_most_pixels_at_once = std::uint64_t{1} << 25;
 constexpr int k_thumbnail_side = 240;
 
 /// Names of the pairs as names of files, each once.
@@ -37,13 +41,42 @@ std::vector<std::filesystem::path> report_files(const std::vector<ImagePair>& pa
 }
 
 /// Lets a long task fail before it starts.
-void make_room(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& reports,
-               bool overwrite) {
+void make_room(const std::vector<std::filesystem::path>& reports, const std::vector<ImagePair>& pairs,
+               const BatchOptions& options) {
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  std::filesystem::create_directories(options.reports, error);
   if (error)
-    throw Error({.file = folder.string(), .problem = "cannot be made a folder", .found = error.message()});
-  for (const std::filesystem::path& report : reports) check_output(report, overwrite);
+    throw Error(
+        {.file = options.reports.string(), .problem = "cannot be made a folder", .found = error.message()});
+  const auto one_name = [](const std::filesystem::path& file) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);
+  };
+  std::set<std::filesystem::path> taken;
+  for (const std::filesystem::path& file : options.kept) taken.insert(one_name(file));
+  for (const ImagePair& pair : pairs) {
+    taken.insert(one_name(pair.reference));
+    taken.insert(one_name(pair.test));
+  }
+  for (const std::filesystem::path& report : reports) {
+    if (taken.contains(one_name(report)))
+      throw Error({.file = report.string(),
+                   .problem = "would be the report of a pair, and is something else already",
+                   .expected = "another folder for reports"});
+    check_output(report, options.overwrite);
+  }
+}
+
+/// So many that they fit into memory.
+std::size_t workers_for(const std::vector<ImagePair>& pairs) {
+  std::uint64_t workers = std::min({k_most_at_once, std::uint64_t{pairs.size()},
+                                    static_cast<std::uint64_t>(tbb::this_task_arena::max_concurrency())});
+  for (std::size_t i = 0; i < pairs.size() && workers > 1; ++i) {
+    for (const std::filesystem::path& file : {pairs[i].reference, pairs[i].test})
+      if (const std::uint64_t pixels = claimed_pixels(file); pixels > 0)
+        workers = std::min(workers, std::max<std::uint64_t>(1, k_most_pixels_at_once / pixels));
+  }
+  return workers;
 }
 
 void add_thumbnails(PairOutcome& outcome, const ComparisonPictures& pictures) {
@@ -59,7 +92,8 @@ void add_thumbnails(PairOutcome& outcome, const ComparisonPictures& pictures) {
 }
 
 /// Errors: reports that cannot be written; Cancelled.
-void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::filesystem::path& report) {
+void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::filesystem::path& report,
+                  const Progress& progress) {
   const ImagePair& pair = outcome.pair;
   if (pair.reference.empty() || pair.test.empty()) {
     outcome.error = pair.test.empty() ? "the test has no picture of that name"
@@ -70,7 +104,7 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
   what.keep_pictures = options.keep_thumbnails || !options.reports.empty();
   std::string page;
   try {
-    outcome.comparison = compare_files(pair.reference, pair.test, what);
+    outcome.comparison = compare_files(pair.reference, pair.test, what, progress);
     outcome.verdict = judge(*outcome.comparison, options.fail_above);
     outcome.warnings = judge(*outcome.comparison, options.warn_above);
     if (!options.reports.empty())
@@ -79,6 +113,10 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
   } catch (const Error& error) {
     outcome.error = error.what();
     outcome.sizes_differ = dynamic_cast<const SizeMismatch*>(&error) != nullptr;
+    outcome.comparison.reset();
+    return;
+  } catch (const std::bad_alloc&) {
+    outcome.error = "not enough memory";
     outcome.comparison.reset();
     return;
   }
@@ -112,32 +150,47 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
                                        const Progress& progress) {
   std::vector<PairOutcome> outcomes(pairs.size());
   const std::vector<std::filesystem::path> reports = report_files(pairs, options.reports);
-  if (!options.reports.empty()) make_room(options.reports, reports, options.overwrite);
+  if (!options.reports.empty()) make_room(reports, pairs, options);
   std::atomic<std::size_t> next = 0;
   std::atomic<bool> stopped = false;
   std::mutex reporting;
-  std::size_t done = 0;
+  std::uint64_t done = 0;
+  std::chrono::steady_clock::time_point asked{};
+  std::exception_ptr trouble;
+  const auto goes_on = [&](bool is_done) {
+    constexpr std::chrono::milliseconds k_pause{50};
+    const std::lock_guard lock(reporting);
+    done += is_done;
+    const auto now = std::chrono::steady_clock::now();
+    if (stopped || !progress || (!is_done && now - asked < k_pause)) return !stopped;
+    asked = now;
+    if (!progress(done, pairs.size())) stopped = true;
+    return !stopped;
+  };
   // Each worker holds one pair in memory, however many threads help with it.
   const auto work = [&] {
     for (std::size_t i = next++; i < pairs.size() && !stopped; i = next++) {
       outcomes[i].pair = pairs[i];
-      compare_pair(outcomes[i], options, reports[i]);
-      const std::lock_guard lock(reporting);
-      if (progress && !stopped && !progress(++done, pairs.size())) stopped = true;
+      compare_pair(outcomes[i], options, reports[i],
+                   [&](std::uint64_t, std::uint64_t) { return goes_on(false); });
+      goes_on(true);
     }
   };
   tbb::task_group workers;
-  for (std::size_t i = 0; i < std::min(k_most_at_once, pairs.size()); ++i) {
+  for (std::size_t i = workers_for(pairs); i > 0; --i) {
     workers.run([&] {
       try {
         work();
       } catch (...) {
+        // Thrown out of here, it would end the loops of other pairs, which then went on with half their data.
+        const std::lock_guard lock(reporting);
+        if (!trouble) trouble = std::current_exception();
         stopped = true;
-        throw;
       }
     });
   }
   workers.wait();
+  if (trouble) std::rethrow_exception(trouble);
   if (stopped) throw Cancelled();
   std::ranges::stable_sort(outcomes, [](const PairOutcome& a, const PairOutcome& b) {
     return std::tuple_cat(place_of(a), std::tie(a.pair.name)) <

@@ -18,6 +18,7 @@ struct BatchOptions {
   std::filesystem::path reports;  ///< folder for a report of each pair, made if absent; empty: none
   PicturePacking packing = PicturePacking::automatic;
   bool overwrite = false;
+  std::vector<std::filesystem::path> kept;  ///< files beside the pictures that reports must not replace
 };
 
 /// What became of a pair.
@@ -33,10 +34,12 @@ struct PairOutcome {
   bool pass() const { return error.empty() && verdict.pass(); }
 };
 
-/// Compares pairs on all threads, at most eight at a time; a pair that cannot be compared spoils no other.
+/// Compares pairs on all threads; a pair that cannot be compared, also for lack of memory, spoils no other.
 /// The worst comes first: errors, then failures, then passes; among them the largest FLIP (without colours:
-/// the largest mean error of depth), then by name. Progress counts pairs. Errors: reports that cannot be
-/// written; Cancelled.
+/// the largest mean error of depth), then by name. Progress counts pairs, and is asked several times for each
+/// whether to go on. Errors: reports that cannot be written, or would replace a picture or a kept file;
+/// Cancelled. Memory: that of one pair for each thread, but of at most eight pairs and, unless a single one
+/// is larger, of 32 million pixels (about 3 GB) at a time.
 std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, const BatchOptions& options,
                                        const Progress& progress = {});
 

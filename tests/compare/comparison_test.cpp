@@ -6,6 +6,7 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -322,6 +323,67 @@ TEST_F(ComparisonTest, a_batch_tells_errors_first_and_then_the_worst) {
   EXPECT_EQ(found["pass"], false);
   EXPECT_EQ(found["pairs"][0]["error"], "the test has no picture of that name");
   EXPECT_EQ(found["pairs"][4]["metrics"]["psnr"], "infinity");
+}
+
+/// Pairs whose reports take a while.
+class BatchTest : public ComparisonTest {
+ protected:
+  void SetUp() override {
+    ComparisonTest::SetUp();
+    write("a.png", wave());
+    write("b.png", wave(0.8f));
+    for (int i = 0; i < 6; ++i)
+      pairs.push_back({"pair" + std::to_string(i), folder / "a.png", folder / "b.png"});
+  }
+  BatchOptions options(const char* reports) const {
+    BatchOptions wishes;
+    wishes.fail_above = parse_thresholds("flip=0.5");
+    wishes.reports = folder / reports;
+    return wishes;
+  }
+  std::string page(const char* reports, int pair) const {
+    std::ifstream stream(folder / reports / ("pair" + std::to_string(pair) + ".html"), std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+  }
+  std::vector<ImagePair> pairs;
+};
+
+TEST_F(BatchTest, an_error_ends_it_and_spoils_no_page_that_is_written) {
+  compare_pairs(pairs, options("whole"));
+  // The first report that is asked about is that of a pair not begun yet; a folder takes its place.
+  bool is_first = true;
+  EXPECT_THROW(compare_pairs(pairs, options("ended"),
+                             [&](std::uint64_t, std::uint64_t) {
+                               if (is_first) std::filesystem::create_directory(folder / "ended/pair5.html");
+                               is_first = false;
+                               return true;
+                             }),
+               Error);
+  for (int pair = 0; pair < 5; ++pair) {
+    const std::string ended = page("ended", pair);
+    EXPECT_TRUE(ended.empty() || ended == page("whole", pair)) << pair;
+  }
+}
+
+TEST_F(BatchTest, can_be_stopped_in_the_midst_of_a_pair) {
+  EXPECT_THROW(compare_pairs(pairs, options("none"),
+                             [](std::uint64_t done, std::uint64_t total) {
+                               EXPECT_EQ(done, 0u);
+                               EXPECT_EQ(total, 6u);
+                               return false;
+                             }),
+               Cancelled);
+  EXPECT_TRUE(std::filesystem::is_empty(folder / "none"));
+}
+
+TEST_F(BatchTest, no_report_takes_the_place_of_a_picture_or_of_a_kept_file) {
+  BatchOptions wishes = options(".");
+  wishes.overwrite = true;
+  wishes.kept = {folder / "whole/../pair3.html"};
+  EXPECT_THROW(compare_pairs(pairs, wishes), Error);
+  wishes.kept.clear();
+  pairs[2].test = folder / "pair1.html";
+  EXPECT_THROW(compare_pairs(pairs, wishes), Error);
 }
 
 }  // namespace
