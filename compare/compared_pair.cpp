@@ -30,6 +30,15 @@ ImageMask mask_of(const ComparedPair& pair, const ComparisonOptions& options) {
   return mask;
 }
 
+/// FLIP takes display pictures as they are.
+void remark_unused(const FlipOptions& flip, const ComparedImage& reference,
+                   std::vector<std::string>& remarks) {
+  const bool is_asked =
+      flip.start_exposure || flip.stop_exposure || flip.exposures || flip.tone_mapper != ToneMapper::aces;
+  if (is_asked && reference.encoding == ColorEncoding::display)
+    remarks.push_back("exposures and tone mapper are for linear light, and the reference holds sRGB codes");
+}
+
 void remark_differences(const ComparedImage& reference, const ComparedImage& test,
                         std::vector<std::string>& remarks) {
   const auto tell = [&](const char* what, bool first, bool second) {
@@ -68,6 +77,7 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
   }
   require_same_size(pair.reference, pair.test);
   remark_differences(pair.reference, pair.test, remarks);
+  remark_unused(options.flip, pair.reference, remarks);
   pair.mask = mask_of(pair, options);
   if (options.crop) {
     const int width = pair.reference.width;

@@ -8,7 +8,6 @@
 
 #include "octree/cloud/append_rows.h"
 #include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/write_las.h"
 #include "octree/error.h"
 
 namespace alidade {
@@ -87,13 +86,6 @@ PointCloud points_of_regions(const PointCloud& cloud, std::span<const RegionPoin
     for (int shift = 0; shift < 32; shift += 8)
       regions.values.push_back(static_cast<std::uint8_t>(point.region >> shift));
   return result;
-}
-
-void write_region_points(const std::filesystem::path& file, const PointCloud& cloud,
-                         std::span<const RegionPoint> points, bool overwrite) {
-  LasWriteOptions options;
-  options.overwrite = overwrite;
-  write_las(file, points_of_regions(cloud, points), options);
 }
 
 }  // namespace alidade

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <span>
 #include <vector>
 
@@ -32,9 +31,5 @@ std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const
 /// number of the region in an extra dimension Region (uint32, from 1), which takes the place of one of that
 /// name. Memory: a copy of these points.
 PointCloud points_of_regions(const PointCloud& cloud, std::span<const RegionPoint> points);
-
-/// Writes them as LAS 1.4. Errors: as LasWriter's.
-void write_region_points(const std::filesystem::path& file, const PointCloud& cloud,
-                         std::span<const RegionPoint> points, bool overwrite);
 
 }  // namespace alidade

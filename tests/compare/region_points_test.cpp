@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "octree/cloud/read_cloud.h"
-#include "octree/error.h"
+#include "octree/cloud/write_las.h"
 
 namespace alidade::test {
 namespace {
@@ -66,7 +66,7 @@ PointCloud small_cloud() {
 TEST(RegionPoints, are_written_as_las_with_all_attributes_and_the_number_of_their_region) {
   const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "region_points.las";
   const PointCloud cloud = small_cloud();
-  write_region_points(file, cloud, std::vector<RegionPoint>{{2, 1}, {6, 300}}, true);
+  write_las(file, points_of_regions(cloud, std::vector<RegionPoint>{{2, 1}, {6, 300}}), {.overwrite = true});
   const PointCloud read = read_cloud(file);
   ASSERT_EQ(read.size(), 2u);
   EXPECT_EQ(read.lattice.scale, cloud.lattice.scale);
@@ -80,13 +80,6 @@ TEST(RegionPoints, are_written_as_las_with_all_attributes_and_the_number_of_thei
   EXPECT_EQ(read.extra_dimensions[1].name, "Region");
   EXPECT_EQ(read.extra_dimensions[1].type, ScalarType::uint32);
   EXPECT_EQ(read.extra_dimensions[1].values, (std::vector<std::uint8_t>{1, 0, 0, 0, 44, 1, 0, 0}));
-  EXPECT_THROW(write_region_points(file, cloud, {}, false), Error);
-}
-
-TEST(RegionPoints, without_points_a_file_without_points_is_written) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "no_region_points.las";
-  write_region_points(file, small_cloud(), {}, true);
-  EXPECT_EQ(read_cloud(file).size(), 0u);
 }
 
 }  // namespace

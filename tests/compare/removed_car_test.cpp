@@ -101,7 +101,7 @@ void expect_the_car(const ChangeRegions& changes) {
   const PointCloud before = read_cloud(scans.before), after = read_cloud(scans.after);
   const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "car.las";
   const std::vector<RegionPoint> points = region_points(scans.reference.ids, changes, before.size());
-  write_region_points(file, before, points, true);
+  write_las(file, points_of_regions(before, points), {.overwrite = true});
   const PointCloud car = read_cloud(file);
   EXPECT_GT(car.size(), 350u);
   EXPECT_GT(share_of_car(car), 0.75);

@@ -1,44 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include <nlohmann/json.hpp>
-
-#include "tests/tools/run_program.h"
+#include "tests/tools/compare_program.h"
 
 // `alidade compare` on pictures that the program itself renders.
 
 namespace alidade::test {
 namespace {
-
-using nlohmann::json;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-class CompareTest : public ProgramTest {
- protected:
-  void SetUp() override {
-    ProgramTest::SetUp();
-    write_square("square.csv");
-  }
-  /// A picture of the square from above, of so many pixels.
-  void render(const std::string& file, const std::string& size = "32x24",
-              const std::vector<std::string>& further = {}) {
-    std::vector<std::string> words{"render",    "--cloud", "square.csv", "--size", size,
-                                   "--samples", "2",       "-q",         "-o",     file};
-    words.insert(words.end(), further.begin(), further.end());
-    const ProgramResult result = run(words);
-    ASSERT_EQ(result.exit_code, 0) << result.err;
-  }
-  ProgramResult compare(const std::string& words) {
-    std::vector<std::string> list{"compare"};
-    for (std::size_t begin = 0; begin < words.size();) {
-      const std::size_t end = std::min(words.find(' ', begin), words.size());
-      list.push_back(words.substr(begin, end - begin));
-      begin = end + 1;
-    }
-    return run(list);
-  }
-};
 
 TEST_F(CompareTest, help_names_units_thresholds_exit_codes_and_examples) {
   const ProgramResult result = compare("--help");
@@ -73,6 +39,7 @@ TEST_F(CompareTest, exit_codes_are_those_of_diff_or_of_idiff) {
   EXPECT_EQ(compare("a.png b.png --idiff-codes --warn-above flip=0 --fail-above flip=0").exit_code, 2);
   EXPECT_EQ(compare("a.png small.png --idiff-codes").exit_code, 3);
   EXPECT_EQ(compare("a.png lost.png --idiff-codes").exit_code, 4);
+  EXPECT_EQ(compare("a.png a.png --idiff-codes --report-pictures png").exit_code, 4);
 }
 
 TEST_F(CompareTest, the_table_tells_figures_and_which_threshold_fails) {
@@ -98,6 +65,42 @@ TEST_F(CompareTest, wrong_thresholds_and_missing_words_are_usage_errors) {
   EXPECT_EQ(compare("a.png a.png --crop 0,0,10").exit_code, 2);
   EXPECT_EQ(compare("a.png a.png --crop 5,5,5,10").exit_code, 2);
   EXPECT_EQ(compare("a.png a.png --reference-points p.las").exit_code, 2);
+}
+
+TEST_F(CompareTest, repeated_thresholds_hold_together) {
+  render("a.png");
+  render("b.png", "32x24", {"--no-sun"});
+  EXPECT_EQ(compare("a.png b.png --fail-above flip=0 --fail-above flip=1").exit_code, 1);
+  const ProgramResult warned = compare("a.png b.png --warn-above flip=0 --warn-above rmse=0");
+  EXPECT_TRUE(contains(warned.err, "beyond flip=0") && contains(warned.err, "beyond rmse=0")) << warned.err;
+}
+
+TEST_F(CompareTest, options_that_would_do_nothing_are_errors) {
+  render("a.png");
+  for (const char* const folder_name : {"x", "y"}) {
+    std::filesystem::create_directory(folder / folder_name);
+    std::filesystem::copy(folder / "a.png", folder / folder_name / "one.png");
+  }
+  write("pairs.csv", "reference,test\na.png,a.png\n");
+  for (const char* const words :
+       {"a.png a.png --change-threshold 0.5", "a.png a.png --least-pixels 3", "a.png a.png --largest-shift 3",
+        "a.png a.png --report-pictures png", "x y --report s.html --report-pictures png",
+        "x y --reference-cloud square.csv", "a.png a.png --test-cloud square.csv",
+        "a.png a.png --reports pages", "--pairs pairs.csv a.png"})
+    EXPECT_EQ(compare(words).exit_code, 2) << words;
+  const ProgramResult result = compare("a.png a.png --exposures 5");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "the reference holds sRGB codes")) << result.err;
+}
+
+TEST_F(CompareTest, what_is_asked_for_and_not_there_is_found_before_anything_is_written) {
+  render("a.exr", "32x24", {"--layers", "color"});
+  const ProgramResult result =
+      compare("a.exr a.exr --report r.html --flip-map flip.png --depth-map depth.png");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "depth.png: no such map of these pictures")) << result.err;
+  for (const char* const name : {"r.html", "flip.png", "depth.png"})
+    EXPECT_FALSE(std::filesystem::exists(folder / name)) << name;
 }
 
 TEST_F(CompareTest, reports_and_maps_appear_whole_and_replace_nothing_unasked) {
@@ -141,7 +144,8 @@ TEST_F(CompareTest, points_behind_changes_of_depth_are_written) {
     ASSERT_EQ(rendered.exit_code, 0) << rendered.err;
   }
   const ProgramResult result = compare(
-      "before.exr after.exr --json --changes depth --reference-cloud before.xyz --reference-points gone.las");
+      "before.exr after.exr --json --changes depth --reference-cloud before.xyz --reference-points gone.las "
+      "--test-cloud after.xyz --test-points came.las --depth-map depth.png");
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(json::parse(result.out)["changes"]["regions"].size(), 1u);
   const ProgramResult info = run({"info", "--json", "gone.las"});
@@ -150,6 +154,17 @@ TEST_F(CompareTest, points_behind_changes_of_depth_are_written) {
   EXPECT_EQ(gone["bounds"]["max"][2], 3.0);
   EXPECT_GE(gone["points"].get<int>(), 100) << "the block";
   EXPECT_LE(gone["points"].get<int>(), 144) << "the block and the points beside it";
+  const json came = json::parse(run({"info", "--json", "came.las"}).out);
+  EXPECT_EQ(came["bounds"]["max"][2], 0.0) << "the ground below it";
+  EXPECT_TRUE(read("depth.png").starts_with("\x89PNG"));
+
+  // The cloud is another one: nothing is written, though all the rest could be.
+  write("other.xyz", "x y z\n0 0 0\n");
+  const ProgramResult other = compare(
+      "before.exr after.exr --changes depth --reference-cloud other.xyz --reference-points new.las "
+      "--report new.html --depth-map new.png");
+  EXPECT_EQ(other.exit_code, 2);
+  for (const std::string& name : names()) EXPECT_FALSE(name.starts_with("new.")) << name;
 }
 
 TEST_F(CompareTest, folders_and_tables_are_batches) {
@@ -175,6 +190,15 @@ TEST_F(CompareTest, folders_and_tables_are_batches) {
   EXPECT_EQ(found["failed"], 1);
   EXPECT_EQ(compare("--pairs pairs.csv --idiff-codes").exit_code, 4);
   EXPECT_EQ(compare("x y --flip-map f.png").exit_code, 2);
+
+  const std::string before = read("y/one.png");
+  for (const char* const output : {"y/one.png", "pairs.csv", "pages/first.html"}) {
+    const ProgramResult taken =
+        compare("--pairs pairs.csv --reports pages --overwrite --report " + std::string(output));
+    EXPECT_TRUE(contains(taken.err, "is read from as well") || contains(taken.err, "something else already"))
+        << output << ": " << taken.err;
+  }
+  EXPECT_EQ(read("y/one.png"), before);
 }
 
 }  // namespace

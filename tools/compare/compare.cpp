@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include <new>
+
 #include "compare/comparison_json.h"
 #include "compare/page_parts.h"
 #include "compare/region_points.h"
 #include "octree/cloud/read_cloud.h"
+#include "octree/cloud/write_las.h"
 #include "octree/error.h"
 #include "tools/command.h"
+#include "tools/compare/check_request.h"
 #include "tools/compare/compare_module.h"
 #include "tools/compare/compare_options.h"
 #include "tools/compare/compare_text.h"
@@ -16,44 +20,6 @@ namespace alidade {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_batch(const CompareRequest& request) {
-  std::error_code error;
-  return !request.pairs.empty() || fs::is_directory(request.reference, error) ||
-         fs::is_directory(request.test, error);
-}
-
-void require(bool holds, const char* problem, const char* expected) {
-  if (!holds) throw Error({.problem = problem, .expected = expected});
-}
-
-/// Errors that need no picture.
-void check_request(const CompareRequest& request) {
-  const bool has_both = !request.reference.empty() && !request.test.empty();
-  require(request.pairs.empty() ? has_both : request.reference.empty(), "nothing to compare",
-          "REFERENCE and TEST, or --pairs FILE.csv");
-  if (is_batch(request)) {
-    require(!request.has_maps() && !request.has_points(),
-            "maps and points are written for one pair of pictures", "--report or --reports for many");
-  } else {
-    require(request.reports.empty(), "--reports is for many pairs", "--report FILE.html");
-    require(!request.has_points() || request.comparison.find_changes,
-            "points are those behind regions of change",
-            "--changes flip|color|depth beside --reference-points or --test-points");
-    for (const RegionPointsRequest& points : {request.reference_points, request.test_points})
-      require(points.cloud.empty() == points.output.empty(),
-              "points behind regions need both their cloud and their file",
-              "--reference-cloud with --reference-points, --test-cloud with --test-points");
-  }
-  std::vector<fs::path> inputs;
-  for (const fs::path& input : {request.reference, request.test, request.pairs, request.comparison.mask,
-                                request.reference_points.cloud, request.test_points.cloud})
-    if (!input.empty()) inputs.push_back(input);
-  for (const fs::path& output : outputs_of(request)) {
-    check_writable(output, request.overwrite, inputs);
-    inputs.push_back(output);
-  }
-}
 
 ExitCode exit_code(const CompareRequest& request, bool pass, bool warned) {
   if (!pass) return request.idiff_codes ? ExitCode::failed : ExitCode::no;
@@ -75,37 +41,76 @@ ExitCode exit_code(const CompareRequest& request, const std::vector<PairOutcome>
   return only_sizes ? ExitCode::sizes_differ : ExitCode::unreadable;
 }
 
-void write_points(const RegionPointsRequest& points, const PictureFacts& facts, const CompareRequest& request,
-                  const ChangeRegions& changes) {
-  if (points.output.empty()) return;
+/// Points behind regions of change, to be written.
+struct PointsOutput {
+  fs::path file;
+  PointCloud points;
+};
+
+/// Errors: no layer of ids; a cloud that cannot be read or is another one.
+void find_points(std::vector<PointsOutput>& outputs, const RegionPointsRequest& wish,
+                 const PictureFacts& facts, const ChangeRegions& changes, Verbosity verbosity) {
+  if (wish.output.empty()) return;
   if (facts.ids.empty())
     throw Error({.file = facts.file.string(),
                  .problem = "has no layer of point ids",
                  .expected = "an EXR file rendered with the layer id"});
-  ProgressLine line("reading", "B", request.verbosity.verbosity());
-  const PointCloud cloud = read_cloud(points.cloud, {.progress = line.callback()});
+  ProgressLine line("reading", "B", verbosity);
+  const PointCloud cloud = read_cloud(wish.cloud, {.progress = line.callback()});
   line.finish();
   const std::vector<RegionPoint> found = region_points(facts.ids, changes, cloud.positions.size());
   if (found.empty()) {
-    say_warning(fmt::format("the regions show no points of {}; {} is not written", points.cloud.string(),
-                            points.output.string()));
+    say_warning(fmt::format("the regions show no points of {}; {} is not written", wish.cloud.string(),
+                            wish.output.string()));
     return;
   }
-  write_region_points(points.output, cloud, found, request.overwrite);
-  if (!request.verbosity.quiet)
-    say_note(fmt::format("wrote {} points to {}", found.size(), points.output.string()));
+  outputs.push_back({wish.output, points_of_regions(cloud, found)});
 }
 
-void write_maps(const CompareRequest& request, const ComparisonPictures& pictures) {
-  const auto write = [&](const fs::path& file, const std::optional<DifferenceMap>& map, const char* lacking) {
+/// A map to be written.
+struct MapOutput {
+  fs::path file;
+  const DifferenceMap* map;
+};
+
+/// Errors: the pictures have no such map.
+std::vector<MapOutput> maps_to_write(const CompareRequest& request, const ComparisonPictures& pictures) {
+  std::vector<MapOutput> outputs;
+  const auto add = [&](const fs::path& file, const std::optional<DifferenceMap>& map, const char* lacking) {
     if (file.empty()) return;
     if (!map)
       throw Error({.file = file.string(), .problem = "no such map of these pictures", .expected = lacking});
-    load_difference_writer()(*map, file, request.overwrite);
+    outputs.push_back({file, &*map});
   };
-  write(request.color_map, pictures.color_map, "two pictures with colours");
-  write(request.flip_map, pictures.flip_map, "two pictures with colours");
-  write(request.depth_map, pictures.depth_map, "two pictures with the layer Z");
+  add(request.color_map, pictures.color_map, "two pictures with colours");
+  add(request.flip_map, pictures.flip_map, "two pictures with colours");
+  add(request.depth_map, pictures.depth_map, "two pictures with the layer Z");
+  return outputs;
+}
+
+/// Finds everything that can be wrong before it writes anything.
+void write_files(const CompareRequest& request, const Comparison& comparison, const Verdict& verdict,
+                 const Verdict& warnings) {
+  std::string page;
+  if (!request.report.empty())
+    load_report_maker()(comparison, verdict, request.packing.value_or(PicturePacking::automatic), warnings,
+                        page);
+  std::vector<MapOutput> maps;
+  if (comparison.pictures) maps = maps_to_write(request, *comparison.pictures);
+  std::vector<PointsOutput> points;
+  if (comparison.changes) {
+    const Verbosity verbosity = request.verbosity.verbosity();
+    find_points(points, request.reference_points, comparison.reference, *comparison.changes, verbosity);
+    find_points(points, request.test_points, comparison.test, *comparison.changes, verbosity);
+  }
+  // Maps first: they need a font, which may be missing.
+  for (const MapOutput& map : maps) load_difference_writer()(*map.map, map.file, request.overwrite);
+  if (!request.report.empty()) write_page(page, request.report, request.overwrite);
+  for (const PointsOutput& output : points) {
+    write_las(output.file, output.points, {.overwrite = request.overwrite});
+    if (!request.verbosity.quiet)
+      say_note(fmt::format("wrote {} points to {}", output.points.size(), output.file.string()));
+  }
 }
 
 ExitCode compare_one(const CompareRequest& request) {
@@ -117,15 +122,7 @@ ExitCode compare_one(const CompareRequest& request) {
   line.finish();
   const Verdict verdict = judge(comparison, request.fail_above),
                 warnings = judge(comparison, request.warn_above);
-  if (!request.report.empty()) {
-    std::string page;
-    load_report_maker()(comparison, verdict, request.packing.value_or(PicturePacking::automatic), warnings,
-                        page);
-    write_page(page, request.report, request.overwrite);
-  }
-  if (request.has_maps()) write_maps(request, *comparison.pictures);
-  write_points(request.reference_points, comparison.reference, request, *comparison.changes);
-  write_points(request.test_points, comparison.test, request, *comparison.changes);
+  write_files(request, comparison, verdict, warnings);
   if (!request.verbosity.quiet) {
     for (const std::string& remark : comparison.remarks) say_note(remark);
     for (const std::string& failure : failures_of(warnings)) say_warning("beyond " + failure);
@@ -138,13 +135,15 @@ ExitCode compare_one(const CompareRequest& request) {
 ExitCode compare_many(const CompareRequest& request) {
   const std::vector<ImagePair> pairs =
       request.pairs.empty() ? pairs_of_folders(request.reference, request.test) : read_pairs(request.pairs);
+  check_pairs(request, pairs);
   const BatchOptions options{.comparison = request.comparison,
                              .fail_above = request.fail_above,
                              .warn_above = request.warn_above,
                              .keep_thumbnails = !request.report.empty(),
                              .reports = request.reports,
                              .packing = request.packing.value_or(PicturePacking::automatic),
-                             .overwrite = request.overwrite};
+                             .overwrite = request.overwrite,
+                             .kept = {request.pairs, request.comparison.mask, request.report}};
   ProgressLine line("comparing", "pairs", request.verbosity.verbosity());
   std::vector<PairOutcome> outcomes;
   load_pair_comparer()(pairs, options, line.callback(), outcomes);
@@ -164,15 +163,25 @@ ExitCode compare_many(const CompareRequest& request) {
 }
 
 ExitCode run(const CompareRequest& request) {
+  check_request(request);
+  return is_batch(request) ? compare_many(request) : compare_one(request);
+}
+
+/// With the exit codes of idiff, whose 2 is no error.
+ExitCode run_as_idiff(const CompareRequest& request) {
   try {
-    check_request(request);
-    return is_batch(request) ? compare_many(request) : compare_one(request);
-  } catch (const Error& error) {
-    if (!request.idiff_codes) throw;
+    return run(request);
+  } catch (const Cancelled&) {
+    throw;
+  } catch (const SizeMismatch& error) {
     say_error(error.what());
-    return dynamic_cast<const SizeMismatch*>(&error) != nullptr ? ExitCode::sizes_differ
-                                                                : ExitCode::unreadable;
+    return ExitCode::sizes_differ;
+  } catch (const std::bad_alloc&) {
+    say_error("not enough memory");
+  } catch (const std::exception& error) {
+    say_error(error.what());
   }
+  return ExitCode::unreadable;
 }
 
 /// The names of thresholds with what they are, as lines.
@@ -200,11 +209,11 @@ Command add_compare(CLI::App& program) {
       "\n"
       "REFERENCE and TEST are pictures of any format that OpenImageIO reads, or two folders, of which "
       "pictures of the same\n"
-      "name are compared, in parallel; those without a counterpart fail. Files of whole numbers hold sRGB "
-      "codes, files of\n"
-      "half or float numbers linear light, of which FLIP is computed over a range of exposures. Layers Z "
-      "(metres), N and id\n"
-      "of EXR files are compared too. NaN and infinite pixels are counted, told and left out.\n"
+      "name are compared, in parallel; one without a counterpart is an error. Files of whole numbers hold "
+      "sRGB codes, files\n"
+      "of half or float numbers linear light, of which FLIP is computed over a range of exposures. Layers Z "
+      "(metres), N and\n"
+      "id of EXR files are compared too. NaN and infinite pixels are counted, told and left out.\n"
       "\n"
       "Names for thresholds, as in --json and tables:\n" +
       names_of_figures() +
@@ -222,7 +231,8 @@ Command add_compare(CLI::App& program) {
       "  alidade compare expected/ rendered/ --fail-above flip=0.02 --report summary.html --reports pages\n");
   return {compare, [request] {
             ExitCode code = ExitCode::failed;
-            with_threads(request->threads, [&] { code = run(*request); });
+            with_threads(request->threads,
+                         [&] { code = request->idiff_codes ? run_as_idiff(*request) : run(*request); });
             return code;
           }};
 }

@@ -34,12 +34,23 @@ PixelRectangle parse_rectangle(const std::string& text) {
   return rectangle;
 }
 
-std::vector<Threshold> parse_threshold_list(const std::string& text) {
-  try {
-    return parse_thresholds(text);
-  } catch (const Error& error) {
-    throw CLI::ValidationError(error.what());
-  }
+/// An option that may be repeated; all its thresholds hold.
+void add_thresholds(CLI::App& command, const std::string& name, const std::string& help,
+                    std::vector<Threshold>& thresholds, const char* group) {
+  const auto take = [name, &thresholds](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) {
+      try {
+        const std::vector<Threshold> more = parse_thresholds(text);
+        thresholds.insert(thresholds.end(), more.begin(), more.end());
+      } catch (const Error& error) {
+        throw CLI::ValidationError(name, error.what());
+      }
+    }
+  };
+  command.add_option_function<std::vector<std::string>>(name, take, help)
+      ->option_text("LIST")
+      ->allow_extra_args(false)
+      ->group(group);
 }
 
 void add_file(CLI::App& command, const std::string& name, const std::string& kind, const std::string& help,
@@ -89,9 +100,12 @@ void add_what_counts(CLI::App& command, ComparisonOptions& options) {
   add_rectangles(command, "--ignore", "pixels in this rectangle do not count. May be repeated",
                  options.ignore, group);
   command
-      .add_flag("--opaque", options.use_alpha, "only pixels with an alpha of at least one half in both count")
+      .add_flag("--opaque", options.use_alpha,
+                "only pixels with an alpha of at least one half count, in every picture that has alpha")
       ->group(group);
-  command.add_flag("--valid-depth", options.valid_depth, "only pixels with finite depth in both count")
+  command
+      .add_flag("--valid-depth", options.valid_depth,
+                "only pixels with finite depth above 0 count, in every picture that has depth")
       ->group(group);
   command.add_flag("--ignore-sky", options.ignore_sky, "pixels in which both see no surface do not count")
       ->group(group);
@@ -105,16 +119,19 @@ void add_photographs(CLI::App& command, ComparisonOptions& options) {
              "a factor per channel (exposure, white balance), affine an offset too (haze, black level)",
              options.match, {{"exposure", ColorModel::exposure}, {"affine", ColorModel::affine}})
       ->group(group);
-  command
-      .add_flag("--align", options.align,
-                "look for the shift at which the edges of both fit best, which tells a camera that is off "
-                "from colours that "
-                "differ")
-      ->group(group);
+  CLI::Option* const align =
+      command
+          .add_flag(
+              "--align", options.align,
+              "look for the shift at which the edges of both fit best, which tells a camera that is off "
+              "from colours that "
+              "differ")
+          ->group(group);
   add_value(command, "--largest-shift", "PIXELS", "up to which --align looks (default: 64)",
             [&options](const std::string& text) {
               options.largest_shift = static_cast<int>(parse_count(text, 1, 4096));
             })
+      ->needs(align)
       ->group(group);
 }
 
@@ -152,19 +169,22 @@ void add_flip(CLI::App& command, FlipOptions& flip) {
 void add_changes(CLI::App& command, CompareRequest& request) {
   const char* const group = "Where it changed";
   ComparisonOptions& options = request.comparison;
-  add_choice(command, "--changes",
-             "list regions of changed pixels by size: by FLIP, by the difference of colours (0 to 1), or of "
-             "depth (metres)",
-             options.find_changes,
-             {{"flip", ChangeMap::flip}, {"color", ChangeMap::color}, {"depth", ChangeMap::depth}})
-      ->group(group);
+  CLI::Option* const changes = add_choice(
+      command, "--changes",
+      "list regions of changed pixels by size: by FLIP, by the difference of colours (0 to 1), or of "
+      "depth (metres)",
+      options.find_changes,
+      {{"flip", ChangeMap::flip}, {"color", ChangeMap::color}, {"depth", ChangeMap::depth}});
+  changes->group(group);
   add_value(command, "--change-threshold", "VALUE", "pixels above it have changed (default: 0.2)",
             [&options](const std::string& text) { options.changes.threshold = parse_number(text, 0.0, 1e9); })
+      ->needs(changes)
       ->group(group);
   add_value(command, "--least-pixels", "N", "regions of fewer changed pixels are left out (default: 16)",
             [&options](const std::string& text) {
               options.changes.least_pixels = parse_count(text, 1, 1'000'000'000);
             })
+      ->needs(changes)
       ->group(group);
   add_file(command, "--reference-points", "FILE.las",
            "points that the regions show in the reference, of --reference-cloud; needs the layer id",
@@ -179,19 +199,17 @@ void add_changes(CLI::App& command, CompareRequest& request) {
 
 void add_verdict(CLI::App& command, CompareRequest& request) {
   const char* const group = "Verdict";
-  add_value(command, "--fail-above", "LIST",
-            "thresholds beyond which the answer is no, as flip=0.05,psnr<30: NAME=LIMIT fails what is worse, "
-            "NAME<LIMIT what "
-            "is below, NAME>LIMIT what is above",
-            [&request](const std::string& text) { request.fail_above = parse_threshold_list(text); })
-      ->group(group);
-  add_value(command, "--warn-above", "LIST", "thresholds beyond which a warning is given, in the same form",
-            [&request](const std::string& text) { request.warn_above = parse_threshold_list(text); })
-      ->group(group);
+  add_thresholds(command, "--fail-above",
+                 "thresholds beyond which the answer is no, as flip=0.05,psnr<30: NAME=LIMIT fails what is "
+                 "worse, NAME<LIMIT what is below, NAME>LIMIT what is above. May be repeated",
+                 request.fail_above, group);
+  add_thresholds(command, "--warn-above",
+                 "thresholds beyond which a warning is given, in the same form. May be repeated",
+                 request.warn_above, group);
   command
       .add_flag("--idiff-codes", request.idiff_codes,
                 "end as OpenImageIO's idiff: 0 pass, 1 warning, 2 beyond a threshold, 3 sizes differ, 4 "
-                "anything wrong")
+                "anything else wrong; wrong options are 2 nevertheless")
       ->group(group);
 }
 
