@@ -14,7 +14,8 @@ namespace alidade {
 /// Finds for places on the ground the lowest height above them that is seen, as viewshed.h tells it.
 class LowestSeen {
  public:
-  /// The references must outlive this.
+  /// The references must outlive this. Memory: 8 B per point, unless all have one radius. Errors: more than
+  /// there is.
   LowestSeen(const Occluders& occluders, const ViewshedOptions& options);
 
   /// Lowers `heights`, one per target, where this observer sees something lower. Those it does not look at
@@ -33,7 +34,8 @@ class LowestSeen {
 
   void climb(const MapObserver& observer, std::span<const MapTarget> targets, std::span<double> heights);
   void halve(const MapObserver& observer, std::span<const MapTarget> targets, std::span<double> heights);
-  void aim(const MapObserver& observer, std::span<const MapTarget> targets);
+  /// Fills the batch with lines to what the searches from `begin` on try next; the end of those.
+  std::size_t aim(const MapObserver& observer, std::span<const MapTarget> targets, std::size_t begin);
   double radius_of(std::uint64_t point_id) const;
 
   const Occluders& occluders_;

@@ -123,7 +123,6 @@ class SeenCounter {
 /// Finds the lowest heights over the cells of a block.
 std::vector<float> lowest_heights(LowestSeen& lowest, std::span<const MapObserver> observers,
                                   const MapBlock& block, PairCounter& pairs) {
-  // Bent lines are made of many chords, which all stay in memory.
   constexpr std::size_t k_targets_at_once = 1 << 13;
   std::vector<double> heights(block.targets.size(), std::numeric_limits<double>::infinity());
   const std::span<const MapTarget> targets(block.targets);

@@ -64,9 +64,9 @@ struct Viewshed {
 /// `highest` if nothing in the view is. Out of range are cells with no such height.
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
-/// where much is hidden. Memory: 4 B per cell and some 100 MB; check_map_memory() of one band.
-/// Errors: no observer; places_across, target height or highest out of range; not enough memory; those of
-/// `parts`.
+/// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 8 B per point as well;
+/// check_map_memory() of one band. Errors: no observer; places_across, target height or highest out of range;
+/// not enough memory; those of `parts`.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const RasterGrid& grid, const ViewshedOptions& options);
 

@@ -46,6 +46,11 @@ class Place {
     sheet({x, y0, bottom}, {0, y1 - y0, 0}, {0, 0, top - bottom}, 6);
   }
 
+  void point(const glm::dvec3& place) {
+    cloud_.positions.push_back(*to_lattice(cloud_.lattice, place));
+    cloud_.classifications.push_back(5);
+  }
+
   /// Makes the index; nothing is added afterwards.
   const Occluders& occluders() {
     if (!occluders_) occluders_.emplace(build(cloud_), OccluderOptions{});
@@ -161,6 +166,21 @@ TEST(ViewshedTest, one_sees_below_a_bridge_and_the_lowest_height_is_there) {
   EXPECT_EQ(from_above.values.at(cell.x, cell.y), 0.0f);
   const Viewshed height = place.seen({&low, 1}, {.mode = ViewshedMode::height});
   EXPECT_EQ(height.values.at(cell.x, cell.y), 0.0f);
+}
+
+TEST(ViewshedTest, one_sees_through_the_gap_between_points_without_surface_and_the_lowest_height_is_there) {
+  // A wire half way: its lowest point hides the ground, the others what is 2.7 to 5.5 above. Its points are
+  // as far from each other as would make discs that reach from the one to the others.
+  Place place;
+  place.point({0, 1, 0.85});
+  for (int i = 0; i < 10; ++i) place.point({0, 1, 2.2 + 0.15 * i});
+  const Observer eye = at(-11, 1, 1.7);
+  const glm::ivec2 cell = *cell_at(Place::grid(), {11, 1});
+  EXPECT_EQ(place.seen({&eye, 1}).values.at(cell.x, cell.y), 0.0f);
+  EXPECT_EQ(place.seen({&eye, 1}, {.target_height = 4.0}).values.at(cell.x, cell.y), 0.0f);
+  const Viewshed height = place.seen({&eye, 1}, {.mode = ViewshedMode::height});
+  EXPECT_GT(height.values.at(cell.x, cell.y), 0.1f);
+  EXPECT_LT(height.values.at(cell.x, cell.y), 1.5f);
 }
 
 TEST(ViewshedTest, what_is_never_seen_has_the_highest_height) {
