@@ -22,33 +22,49 @@ struct Views {
   std::vector<SightLine> lines;
 };
 
-Views views_of(const Occluders& occluders, const Observer& observer, std::span<const PlacementTarget> targets,
-               double height) {
+/// A block of the targets. `ends`: where the lines to them end; empty if they end on the points themselves,
+/// which depends on who looks.
+struct TargetBlock {
+  std::span<const PlacementTarget> targets;
+  std::span<const SightEnd> ends;
+};
+
+std::vector<SightEnd> raised_ends(const Occluders& occluders, std::span<const PlacementTarget> targets,
+                                  double height) {
+  std::vector<SightEnd> ends(targets.size());
+  tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
+    ends[i] = end_near_surface(occluders, targets[i].position + glm::dvec3(0.0, 0.0, height));
+  });
+  return ends;
+}
+
+Views views_of(const Occluders& occluders, const Observer& observer, const TargetBlock& block) {
+  const auto& [targets, ends] = block;
   const FieldOfView field(observer);
   const SightEnd eye = end_near_surface(occluders, observer.position);
-  const glm::dvec3 lift(0.0, 0.0, height);
   Views views;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (field.reaches(targets[i].position + lift - observer.position)) views.targets.push_back(i);
+    const glm::dvec3& place = ends.empty() ? targets[i].position : ends[i].position;
+    if (field.reaches(place - observer.position)) views.targets.push_back(i);
   }
   views.lines.resize(views.targets.size());
   tbb::parallel_for(std::size_t{0}, views.lines.size(), [&](std::size_t i) {
-    const PlacementTarget& target = targets[views.targets[i]];
-    const SightEnd end = height > 0.0
-                             ? end_near_surface(occluders, target.position + lift)
-                             : end_on_point(occluders, target.point_id, target.position, observer.position);
-    views.lines[i] = sight_line(eye, end);
+    const std::size_t number = views.targets[i];
+    const PlacementTarget& target = targets[number];
+    views.lines[i] = sight_line(
+        eye, ends.empty() ? end_on_point(occluders, target.point_id, target.position, observer.position)
+                          : ends[number]);
   });
   return views;
 }
 
 /// A bit for each target, as Coverage::row() has them.
 std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& observer,
-                                   std::span<const PlacementTarget> targets, double height) {
-  const Views views = views_of(occluders, observer, targets, height);
+                                   const TargetBlock& block) {
+  const Views views = views_of(occluders, observer, block);
   std::vector<std::uint8_t> hidden(views.lines.size());
   blocked(occluders, views.lines, hidden);
-  std::vector<std::uint64_t> words((targets.size() + 63) / 64);
+  std::vector<std::uint64_t> words((block.targets.size() + 63) / 64);
   for (std::size_t i = 0; i < hidden.size(); ++i) {
     const std::size_t target = views.targets[i];
     if (hidden[i] == 0) words[target / 64] |= std::uint64_t{1} << (target % 64);
@@ -58,12 +74,18 @@ std::vector<std::uint64_t> seen_by(const Occluders& occluders, const Observer& o
 
 }  // namespace
 
-Coverage::Coverage(std::size_t candidates, std::size_t targets)
-    : candidates_(candidates), targets_(targets), row_words_((targets + 63) / 64) {
+void check_coverage(std::size_t candidates, std::size_t targets) {
+  const std::uint64_t row_bytes = std::uint64_t{8} * ((targets + 63) / 64);
   std::uint64_t bytes = 0;
-  if (__builtin_mul_overflow(std::uint64_t{candidates}, std::uint64_t{8} * row_words_, &bytes))
+  if (__builtin_mul_overflow(std::uint64_t{candidates}, row_bytes, &bytes) ||
+      __builtin_add_overflow(bytes, std::uint64_t{sizeof(SightEnd)} * targets, &bytes))
     bytes = std::numeric_limits<std::uint64_t>::max();
   check_memory(bytes, "who of the candidates sees which of the targets");
+}
+
+Coverage::Coverage(std::size_t candidates, std::size_t targets)
+    : candidates_(candidates), targets_(targets), row_words_((targets + 63) / 64) {
+  check_coverage(candidates, targets);
   words_.resize(candidates_ * row_words_);
 }
 
@@ -81,12 +103,16 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
     const std::size_t first = part % blocks * k_lines_at_once;
     return targets.subspan(first, std::min(k_lines_at_once, targets.size() - first));
   };
+  // Of each block, from when it is first looked at.
+  std::vector<std::vector<SightEnd>> ends(blocks);
   std::uint64_t done = 0;
   run_parts(
       parts, std::uint64_t{candidates.size()} * blocks,
       [&](std::uint64_t part, PartWriter& writer) {
+        std::vector<SightEnd>& block_ends = ends[part % blocks];
+        if (height > 0.0 && block_ends.empty()) block_ends = raised_ends(occluders, block(part), height);
         const std::vector<std::uint64_t> words =
-            seen_by(occluders, candidates[part / blocks], block(part), height);
+            seen_by(occluders, candidates[part / blocks], {block(part), block_ends});
         writer.put_all(words);
       },
       [&](std::uint64_t part, PartReader& reader) {

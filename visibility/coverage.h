@@ -14,10 +14,14 @@
 
 namespace alidade {
 
+/// Lets a run fail before it starts. Errors: more memory than there is for a Coverage and what see_targets()
+/// takes; the message tells how much it were.
+void check_coverage(std::size_t candidates, std::size_t targets);
+
 /// Which candidates see which targets: a bit for each pair.
 class Coverage {
  public:
-  /// Nobody sees anything yet. Errors: more memory than there is; the message tells how much it were.
+  /// Nobody sees anything yet. Errors: those of check_coverage().
   Coverage(std::size_t candidates, std::size_t targets);
 
   std::size_t candidates() const { return candidates_; }
@@ -53,8 +57,9 @@ struct PlacementTarget {
 /// `height` 0 is the point itself on its surface, as end_on_point() has it; else a place so many metres
 /// straight above it. Candidates that stand on a surface see over it (end_near_surface()). `progress` is in
 /// sight lines. The same on any number of threads. Cost: candidates times targets, up to a microsecond each;
-/// fast if targets near each other follow each other. `parts` keeps what is finished (a bit per line) unless
-/// it is null. Errors: those of Coverage; height negative or not finite.
+/// fast if targets near each other follow each other. Memory: a bit per pair, and 40 B per target. `parts`
+/// keeps what is finished (a bit per line) unless it is null. Errors: those of Coverage; height negative or
+/// not finite.
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
                      std::span<const PlacementTarget> targets, double height, const Progress& progress = {},
                      FinishedParts* parts = nullptr);

@@ -173,6 +173,8 @@ TEST(Placement, bad_input_is_an_error) {
 }
 
 TEST(Placement, coverage_beyond_memory_is_an_error) {
+  EXPECT_NO_THROW(check_coverage(1000, 1000));
+  EXPECT_THROW(check_coverage(std::size_t{1} << 25, std::size_t{1} << 25), Error);
   EXPECT_THROW(Coverage(std::size_t{1} << 40, std::size_t{1} << 40), Error);
   EXPECT_THROW(Coverage(std::size_t{1} << 25, std::size_t{1} << 25), Error);
 }

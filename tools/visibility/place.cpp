@@ -114,6 +114,7 @@ ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
   const auto cloud = load_cloud_alone(command.files, {}, verbosity);
   const std::vector<Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
   const std::vector<PlacementTarget> targets = targets_of(command, *cloud);
+  check_coverage(candidates.size(), targets.size());
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(candidates, *cloud, verbosity);
   if (!command.verbosity.quiet)
