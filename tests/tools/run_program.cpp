@@ -38,7 +38,7 @@ void redirect(const std::filesystem::path& path, int flags, int descriptor) {
 
 Program::Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
                  const std::filesystem::path& standard_output, const std::filesystem::path& standard_input,
-                 const std::filesystem::path& standard_error) {
+                 const std::filesystem::path& standard_error, std::optional<std::uint64_t> largest_file) {
   // What the program says is kept outside its folder, whose files the tests list.
   out_ = folder.string() + ".out";
   err_ = folder.string() + ".err";
@@ -53,6 +53,11 @@ Program::Program(const std::vector<std::string>& words, const std::filesystem::p
   if (process_ != 0) return;
   const rlimit processor_time{k_most_seconds, k_most_seconds + 1};
   if (::setrlimit(RLIMIT_CPU, &processor_time) != 0) ::_exit(125);
+  if (largest_file) {
+    const rlimit file_size{*largest_file, *largest_file};
+    // Writing further is an error then, and no signal.
+    if (::signal(SIGXFSZ, SIG_IGN) == SIG_ERR || ::setrlimit(RLIMIT_FSIZE, &file_size) != 0) ::_exit(125);
+  }
   redirect(standard_input, O_RDONLY, STDIN_FILENO);
   redirect(out, keep_out_ ? O_WRONLY : O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
   if (standard_error.empty()) {
@@ -113,6 +118,11 @@ void ProgramTest::TearDown() {
 ProgramResult ProgramTest::run(const std::vector<std::string>& words,
                                const std::filesystem::path& standard_output) {
   return Program(words, folder, standard_output).wait();
+}
+
+ProgramResult ProgramTest::run_on_full_disk(const std::vector<std::string>& words,
+                                            std::uint64_t largest_file) {
+  return Program(words, folder, {}, "/dev/null", {}, largest_file).wait();
 }
 
 ProgramResult ProgramTest::run_with_input(const std::vector<std::string>& words, const std::string& input) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/types.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -23,11 +24,12 @@ struct ProgramResult {
 class Program {
  public:
   /// Starts `alidade WORDS...` in `folder`; stdout goes to `standard_output` if one is given, stdin is
-  /// `standard_input` or else empty, stderr goes to `standard_error` if one is given.
+  /// `standard_input` or else empty, stderr goes to `standard_error` if one is given. No file
+  /// can have more bytes than `largest_file`, as on a full disk.
   Program(const std::vector<std::string>& words, const std::filesystem::path& folder,
           const std::filesystem::path& standard_output = {},
           const std::filesystem::path& standard_input = "/dev/null",
-          const std::filesystem::path& standard_error = {});
+          const std::filesystem::path& standard_error = {}, std::optional<std::uint64_t> largest_file = {});
   ~Program();
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -51,6 +53,8 @@ class ProgramTest : public ::testing::Test {
   void TearDown() override;
 
   ProgramResult run(const std::vector<std::string>& words, const std::filesystem::path& standard_output = {});
+  /// The same on a disk that is full when a file has so many bytes: what the program says must be shorter.
+  ProgramResult run_on_full_disk(const std::vector<std::string>& words, std::uint64_t largest_file);
   /// The same with `input` on stdin.
   ProgramResult run_with_input(const std::vector<std::string>& words, const std::string& input);
 

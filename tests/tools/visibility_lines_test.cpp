@@ -258,6 +258,24 @@ TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
       << ogrinfo("horizon.geojson");
 }
 
+TEST_F(VisibilityLinesTest, a_full_disk_is_an_error_that_leaves_nothing) {
+  std::string places = "x,y,z\n";
+  for (int i = 0; i < 20; ++i) places += fmt::format("{},3,1\n", 0.4 * i - 4.0);
+  write("places.csv", places);
+  for (const std::string output : {"l.csv", "l.json", "l.geojson"}) {
+    ASSERT_EQ(lines({"--places", "places.csv", "-o", output}).exit_code, 0);
+    const std::uintmax_t size = std::filesystem::file_size(folder / output);
+    std::filesystem::remove(folder / output);
+    for (const std::uintmax_t bytes : {std::uintmax_t{4096}, size - 1}) {
+      const ProgramResult full = run_on_full_disk(
+          {"visibility", "lines", "site.csv", "-q", "--places", "places.csv", "-o", output}, bytes);
+      EXPECT_EQ(full.exit_code, 2) << output << " " << bytes;
+      EXPECT_NE(full.err.find(output + ": writing failed"), std::string::npos) << full.err;
+      EXPECT_EQ(names(), (std::vector<std::string>{"places.csv", "site.csv"})) << output << " " << bytes;
+    }
+  }
+}
+
 TEST_F(VisibilityLinesTest, help_gives_units_and_examples) {
   const ProgramResult result = run({"visibility", "lines", "--help"});
   EXPECT_EQ(result.exit_code, 0);

@@ -114,6 +114,29 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_said) {
   EXPECT_NE(plain.err.find("has no classes"), std::string::npos) << plain.err;
 }
 
+TEST_F(VisibilityPlaceTest, a_full_disk_is_an_error_but_for_checkpoints_without_which_one_goes_on) {
+  const std::vector<std::string> words = {"visibility", "place",   "site.csv", "-q", "--observer-grid",
+                                          "0.5",        "--count", "60",       "-o", "best.json"};
+  ASSERT_EQ(run(words).exit_code, 0);
+  const std::string best = read("best.json");
+  std::filesystem::remove(folder / "best.json");
+  const ProgramResult full = run_on_full_disk(words, best.size() - 1);
+  EXPECT_EQ(full.exit_code, 2);
+  EXPECT_NE(full.err.find("best.json: writing failed"), std::string::npos) << full.err;
+  EXPECT_EQ(names(), std::vector<std::string>{"site.csv"});
+
+  // Of the 400 parts of the checkpoint, 48 bytes each at least, the first ones fit.
+  std::vector<std::string> kept = words;
+  kept.insert(kept.end(), {"--checkpoint", "state", "--checkpoint-interval", "0.001"});
+  const std::uint64_t limit = 12'000;
+  ASSERT_LT(best.size(), limit);
+  const ProgramResult result = run_on_full_disk(kept, limit);
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("no checkpoint: state: writing failed"), std::string::npos) << result.err;
+  EXPECT_EQ(read("best.json"), best);
+  EXPECT_EQ(names(), (std::vector<std::string>{"best.json", "site.csv"}));
+}
+
 TEST_F(VisibilityPlaceTest, help_gives_units_and_examples) {
   const ProgramResult result = run({"visibility", "place", "--help"});
   EXPECT_EQ(result.exit_code, 0);

@@ -344,14 +344,35 @@ TEST_F(VisibilityPointsTest, existing_output_is_kept_without_overwrite) {
   }
 }
 
-TEST_F(VisibilityPointsTest, no_space_is_an_error_that_leaves_nothing) {
+TEST_F(VisibilityPointsTest, what_is_no_regular_file_is_never_replaced) {
   write_garden();
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
   const ProgramResult result =
       run(with(k_points, {"--observer", k_eye, "-o", "seen.las", "--lists", "/dev/full", "--overwrite"}));
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "/dev/full")) << result.err;
+  EXPECT_TRUE(contains(result.err, "/dev/full: cannot be replaced: it is not a regular file")) << result.err;
   EXPECT_EQ(names(), Words{"garden.las"});
+}
+
+TEST_F(VisibilityPointsTest, a_full_disk_is_an_error_that_leaves_nothing) {
+  write_garden();
+  const Words words = with(k_points, {"-q", "--observer", k_eye});
+  for (const std::string output : {"seen.las", "seen.ply", "who.csv"}) {
+    const bool is_list = output == "who.csv";
+    const Words whole =
+        with(words, is_list ? Words{"-o", "seen.las", "--lists", output} : Words{"-o", output});
+    ASSERT_EQ(run(whole).exit_code, 0);
+    const std::uintmax_t size = std::filesystem::file_size(folder / output);
+    std::filesystem::remove(folder / output);
+    std::filesystem::remove(folder / "seen.las");
+    // The beginning fits; all but the end fits. Of two files, the other one is as large.
+    for (const std::uintmax_t bytes : {std::uintmax_t{4096}, size - 1}) {
+      const ProgramResult full = run_on_full_disk(whole, bytes);
+      EXPECT_EQ(full.exit_code, 2) << output << " " << bytes;
+      EXPECT_TRUE(contains(full.err, ": writing failed")) << full.err;
+      EXPECT_EQ(names(), Words{"garden.las"}) << output << " " << bytes;
+    }
+  }
 }
 
 TEST_F(VisibilityPointsTest, interrupted_it_ends_with_130_and_leaves_nothing) {

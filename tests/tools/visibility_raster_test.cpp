@@ -252,5 +252,21 @@ TEST_F(VisibilityRasterTest, clouds_in_degrees_are_refused) {
   EXPECT_TRUE(contains(result.err, "degrees.las: x and y are degrees")) << result.err;
 }
 
+TEST_F(VisibilityRasterTest, a_full_disk_is_an_error_that_leaves_nothing) {
+  const Words words = {"visibility",     "raster",       "garden.las", "-q", "--observer",
+                       "690005,5325010", "--resolution", "0.1",        "-o", "seen.tif"};
+  ASSERT_EQ(run(words).exit_code, 0);
+  const std::uintmax_t size = std::filesystem::file_size(folder / "seen.tif");
+  std::filesystem::remove(folder / "seen.tif");
+  ASSERT_GT(size, 2048u);
+  // The beginning fits; all but the end fits.
+  for (const std::uintmax_t bytes : {std::uintmax_t{2048}, size - 1}) {
+    const ProgramResult full = run_on_full_disk(words, bytes);
+    EXPECT_EQ(full.exit_code, 2) << bytes;
+    EXPECT_TRUE(contains(full.err, "seen.tif")) << full.err;
+    EXPECT_EQ(names(), Words{"garden.las"}) << bytes;
+  }
+}
+
 }  // namespace
 }  // namespace alidade::test
