@@ -68,8 +68,8 @@ class ReadObserversTest : public ::testing::Test {
   }
 
   /// Two points with attributes in a new file of that driver; `epsg` 0: no reference system.
-  fs::path write_vector_file(const std::string& name, const char* driver, int epsg,
-                             OGRwkbGeometryType type) const {
+  fs::path write_vector_file(const std::string& name, const char* driver, int epsg, OGRwkbGeometryType type,
+                             int masts = 2) const {
     RegisterOGRGeoPackage();
     RegisterOGRShape();
     const fs::path path = folder_ / name;
@@ -87,7 +87,7 @@ class ReadObserversTest : public ::testing::Test {
       OGR_L_CreateField(layer, definition, TRUE);
       OGR_Fld_Destroy(definition);
     }
-    for (int i = 0; i < 2; ++i) {
+    for (int i = 0; i < masts; ++i) {
       const OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
       OGR_F_SetFieldString(feature, 0, fmt::format("mast {}", i).c_str());
       if (i == 1) OGR_F_SetFieldDouble(feature, 1, 12.5);
@@ -252,6 +252,11 @@ TEST_F(ReadObserversTest, other_geometries_than_points_are_errors_naming_the_fea
 TEST_F(ReadObserversTest, empty_and_damaged_files_are_errors) {
   expect_problem("o.geojson", geojson(""), ": ", "holds no observers");
   expect_problem("o.geojson", "{\"type\":\"FeatureCollection\",\"features\":[{", ": ", "cannot be read");
+  for (const auto& [name, driver] : {std::pair("e.gpkg", "GPKG"), std::pair("e.shp", "ESRI Shapefile")}) {
+    const std::string problem =
+        problem_of(write_vector_file(name, driver, 25832, wkbPoint, 0), {.cloud = utm()});
+    EXPECT_NE(problem.find(std::string(name) + ": holds no observers"), std::string::npos) << problem;
+  }
   expect_problem("o.gpkg", "no data base at all", ": ", "cannot be read");
   expect_problem("o.shp", "no shapes", ": ", "cannot be read");
   expect_problem("o.las", "LASF", ": ", "expected CSV, GeoJSON, GeoPackage or Shapefile");
