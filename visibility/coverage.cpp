@@ -39,7 +39,8 @@ std::vector<SightEnd> raised_ends(const Occluders& occluders, std::span<const Pl
 }
 
 Views views_of(const Occluders& occluders, const Observer& observer, const TargetBlock& block) {
-  const auto& [targets, ends] = block;
+  const std::span<const PlacementTarget> targets = block.targets;
+  const std::span<const SightEnd> ends = block.ends;
   const FieldOfView field(observer);
   const SightEnd eye = end_near_surface(occluders, observer.position);
   Views views;

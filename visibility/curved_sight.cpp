@@ -9,6 +9,7 @@
 #include <glm/vec2.hpp>
 
 #include "octree/error.h"
+#include "visibility/chord_lines.h"
 
 namespace alidade {
 namespace {
@@ -55,13 +56,6 @@ ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overla
           static_cast<std::int64_t>(place(std::ceil((stretch.end + overlap) * chords) + 1.0))};
 }
 
-bool is_crossed(std::uint8_t answer) {
-  return answer != 0;
-}
-bool is_crossed(const std::optional<Blocker>& blocker) {
-  return blocker.has_value();
-}
-
 }  // namespace
 
 SightCurve::SightCurve(double coefficient, double unit) : coefficient_(coefficient) {
@@ -90,29 +84,18 @@ glm::dvec3 SightCurve::place(const glm::dvec3& from, const glm::dvec3& to, doubl
 }
 
 SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve)
-    : curve_(curve), reach_(occluders.octree().bounds()) {
+    : occluders_(occluders), curve_(curve), reach_(occluders.octree().bounds()) {
   // A line is blocked within a point's radius of the point.
   reach_.min -= occluders.largest_radius();
   reach_.max += occluders.largest_radius();
-  OccluderOptions options = occluders.options();
-  const int transparency = options.transparency;
-  // Straight lines are asked for all their crossings at once.
-  const int first = curve.coefficient() == 0.0 ? transparency : 1;
-  for (options.transparency = first; options.transparency < transparency; ++options.transparency)
-    occluders_.emplace_back(occluders.octree(), options);
-  occluders_.push_back(occluders);
-  chord_answers_.resize(occluders_.size());
-  chord_blockers_.resize(occluders_.size());
 }
 
 void SightBatch::add(const SightEnd& from, const SightEnd& to) {
   const double length = glm::length(to.position - from.position);
   if (!std::isfinite(length)) throw Error({.problem = "end of a sight line is not finite"});
   const std::int64_t count = curve_.chord_count(distance_between(from.position, to.position));
-  // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide. Where
-  // crossings are counted, it would count twice instead.
-  const double widest = occluders_.back().largest_sphere();
-  const double overlap = occluders_.size() == 1 ? 2.0 * std::max(widest, 0.0) / length : 0.0;
+  // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide.
+  const double overlap = 2.0 * std::max(occluders_.largest_sphere(), 0.0) / length;
   const ChordRange asked =
       count == 1 ? ChordRange{0, 1}
                  : chords_over(stretch_over(reach_, from.position, to.position), count, overlap);
@@ -136,50 +119,30 @@ void SightBatch::clear() {
   all_straight_ = true;
 }
 
-template <class Crossed>
-std::optional<SightBatch::Place> SightBatch::blocked_at(
-    std::size_t line, const std::vector<std::vector<Crossed>>& crossed) const {
-  std::size_t missing = crossed.size();
-  for (std::size_t chord = begin_[line]; chord < begin_[line + 1]; ++chord) {
-    std::size_t count = 0;
-    while (count < crossed.size() && is_crossed(crossed[count][chord])) ++count;
-    if (count >= missing) return Place{chord, missing - 1};
-    missing -= count;
-  }
-  return std::nullopt;
-}
-
 std::span<const std::uint8_t> SightBatch::blocked() {
   answers_.resize(size());
   if (all_straight_) {
-    alidade::blocked(occluders_.back(), chords_, answers_);
-    return answers_;
+    alidade::blocked(occluders_, chords_, answers_);
+  } else if (occluders_.options().transparency > 1) {
+    std::ranges::transform(first_blockers(), answers_.begin(),
+                           [](const std::optional<Blocker>& blocker) { return blocker ? 1 : 0; });
+  } else {
+    chord_answers_.resize(chords_.size());
+    alidade::blocked(occluders_, chords_, chord_answers_);
+    for (std::size_t line = 0; line < size(); ++line) {
+      const auto all = std::span(chord_answers_).subspan(begin_[line], begin_[line + 1] - begin_[line]);
+      answers_[line] = std::ranges::any_of(all, [](std::uint8_t answer) { return answer != 0; });
+    }
   }
-  for (std::size_t j = 0; j < occluders_.size(); ++j) {
-    chord_answers_[j].resize(chords_.size());
-    alidade::blocked(occluders_[j], chords_, chord_answers_[j]);
-  }
-  for (std::size_t line = 0; line < size(); ++line)
-    answers_[line] = blocked_at(line, chord_answers_).has_value();
   return answers_;
 }
 
 std::span<const std::optional<Blocker>> SightBatch::first_blockers() {
   blockers_.assign(size(), std::nullopt);
-  if (all_straight_) {
-    alidade::first_blockers(occluders_.back(), chords_, blockers_);
-    return blockers_;
-  }
-  for (std::size_t j = 0; j < occluders_.size(); ++j) {
-    chord_blockers_[j].resize(chords_.size());
-    alidade::first_blockers(occluders_[j], chords_, chord_blockers_[j]);
-  }
-  for (std::size_t line = 0; line < size(); ++line) {
-    const std::optional<Place> place = blocked_at(line, chord_blockers_);
-    if (!place) continue;
-    blockers_[line] = chord_blockers_[place->crossing][place->chord];
-    blockers_[line]->distance += chord_starts_[place->chord];
-  }
+  if (all_straight_)
+    alidade::first_blockers(occluders_, chords_, blockers_);
+  else
+    alidade::first_blockers(occluders_, ChordLines{chords_, chord_starts_, begin_}, blockers_);
   return blockers_;
 }
 

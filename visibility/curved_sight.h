@@ -60,33 +60,22 @@ class SightBatch {
   void add(const SightEnd& from, const SightEnd& to);
   void clear();
 
-  /// Whether each line, in the order of add(), is blocked; as long as the batch stays unchanged. With a
-  /// transparency above 1 crossings are counted over all chords of a line; one at the very joint of two may
-  /// count twice.
+  /// Whether each line, in the order of add(), is blocked; as long as the batch stays unchanged. Crossings
+  /// are counted over all chords of a line. Cost: sight_line.h's per chord; memory: 250 B per chord and line.
   std::span<const std::uint8_t> blocked();
   /// The first blocker of each line; its distance is from the line's start, along the straight line to within
   /// the sag.
   std::span<const std::optional<Blocker>> first_blockers();
 
  private:
-  /// Where a line is blocked: the chord, and the number of the crossing on it.
-  struct Place {
-    std::size_t chord;
-    std::size_t crossing;
-  };
-  /// crossed[j][c]: whether chord c has j + 1 separate crossings.
-  template <class Crossed>
-  std::optional<Place> blocked_at(std::size_t line, const std::vector<std::vector<Crossed>>& crossed) const;
-
-  std::vector<Occluders> occluders_;  ///< for 1, 2, .. crossings
+  Occluders occluders_;
   SightCurve curve_;
   Bounds reach_;              ///< over which anything can block
   bool all_straight_ = true;  ///< every line is one chord
   std::vector<SightLine> chords_;
   std::vector<double> chord_starts_;   ///< distance of each chord from its line's start
   std::vector<std::size_t> begin_{0};  ///< first chord of each line, and the end
-  std::vector<std::vector<std::uint8_t>> chord_answers_;
-  std::vector<std::vector<std::optional<Blocker>>> chord_blockers_;
+  std::vector<std::uint8_t> chord_answers_;
   std::vector<std::uint8_t> answers_;
   std::vector<std::optional<Blocker>> blockers_;
 };

@@ -36,7 +36,7 @@
 namespace alidade {
 
 /// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
-constexpr int k_answers_version = 2;
+constexpr int k_answers_version = 3;
 
 struct PartsOptions {
   std::filesystem::path file{};

@@ -11,7 +11,7 @@
 namespace alidade {
 namespace {
 
-constexpr int k_tubes = 512, k_rim_tubes = 64;
+constexpr int k_tubes = k_most_obstructions, k_rim_tubes = 64;
 
 /// The tubes that fill the zone, from the inside out, then those that only the verdict asks for.
 std::vector<CurveLine> tubes_of(const LineCurve& curve) {

@@ -27,7 +27,7 @@ struct OccluderOptions {
   /// Metres, of all points, > 0. Empty: each point has its own, by its spacing, the distance to its 8th
   /// neighbour: 0.92 of it for a disc, which leaves 0.1 % of a surface open, at most 16 times what the
   /// renderer's automatic radius would be; 0.35 of it for a sphere among discs, 0.5 where all are spheres, at
-  /// most that automatic radius. Discs of a given radius are not cut off at edges.
+  /// most that automatic radius. Given and widest discs are not cut off at edges.
   std::optional<double> radius{};
   /// So many separate crossings block, >= 1: 1 for solid things, more to see through foliage. Crossings
   /// within a point's diameter of the first of them are one.

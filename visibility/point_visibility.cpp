@@ -21,8 +21,12 @@
 namespace alidade {
 namespace {
 
-/// Points asked for at once: enough for all threads, few enough for their lines to stay near.
-constexpr std::size_t k_batch = 1 << 17;
+/// Points asked for at once: enough for all threads, few enough for their lines to stay near. Many lines to
+/// each make fewer of them, so that a part of the work is soon finished.
+std::size_t batch_size(int sub_rays) {
+  constexpr std::size_t k_most = 1 << 17, k_least = 1 << 13;
+  return std::max(k_least, k_most / static_cast<std::size_t>(sub_rays));
+}
 
 /// Places that cover a disc of radius 1 evenly, the first one in the middle.
 std::vector<glm::dvec2> disc_pattern(int count) {
@@ -52,11 +56,11 @@ struct Target {
 using Batch = std::vector<Leaf>;
 
 /// All leaves in the order of the octree.
-std::vector<Batch> batches_of(const TreeView& tree) {
+std::vector<Batch> batches_of(const TreeView& tree, std::size_t size) {
   std::vector<Batch> batches(1);
   std::size_t points = 0;
   for_each_leaf(tree, [&](const Leaf& leaf) {
-    if (points >= k_batch) {
+    if (points >= size) {
       batches.emplace_back();
       points = 0;
     }
@@ -200,14 +204,14 @@ class View {
   std::vector<std::optional<Blocker>> first_;
 };
 
-/// Adds what observer `number` sees of some points to what all see.
+/// Adds what observer `number` sees of some points to what all see, and to `seen` unless that is empty.
 void add_answers(const std::vector<Target>& targets, const BatchAnswers& answers, std::size_t number,
                  int lines_per_point, PointVisibility& all, std::vector<std::uint8_t>& seen) {
   // No two targets of a batch are the same point.
   tbb::parallel_for(std::size_t{0}, targets.size(), [&](std::size_t i) {
     const std::uint64_t id = targets[i].point_id;
     if (answers.seen[i] != 0) {
-      seen[id] = 1;
+      if (!seen.empty()) seen[id] = 1;
       ++all.counts[id];
       if (!all.masks.empty()) all.masks[id] |= std::uint64_t{1} << number;
     }
@@ -261,20 +265,26 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
   const auto lines_per_point = static_cast<std::uint64_t>(options.sub_rays);
   const std::uint64_t total = lines_per_point * tree.point_count * observers.size();
   const std::vector<glm::dvec2> pattern = disc_pattern(options.sub_rays);
-  const std::vector<Batch> batches = batches_of(tree);
+  const std::vector<Batch> batches = batches_of(tree, batch_size(options.sub_rays));
   PointVisibility all = make_columns(tree.point_count, observers.size(), options);
   std::uint64_t done = 0;
   std::optional<View> view;
   std::size_t viewer = observers.size();
   std::vector<Target> targets;
-  std::vector<std::uint8_t> seen(tree.point_count);
+  std::size_t targets_batch = batches.size();
+  const auto fetch_targets = [&](std::size_t batch) {
+    if (targets_batch != batch) targets = targets_of(tree, batches[batch]);
+    targets_batch = batch;
+  };
+  // By point id, if anybody wants to know.
+  std::vector<std::uint8_t> seen(options.each_observer ? tree.point_count : 0);
   run_parts(
       options.parts, batches.size() * observers.size(),
       [&](std::uint64_t part, PartWriter& writer) {
         const std::size_t number = part / batches.size();
         if (viewer != number) view.emplace(occluders, observers[number], pattern);
         viewer = number;
-        targets = targets_of(tree, batches[part % batches.size()]);
+        fetch_targets(part % batches.size());
         BatchAnswers answers(targets.size(), all);
         view->look_at(targets, answers);
         answers.put(writer);
@@ -282,7 +292,7 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
       [&](std::uint64_t part, PartReader& reader) {
         const std::size_t number = part / batches.size(), batch = part % batches.size();
         if (batch == 0) std::ranges::fill(seen, std::uint8_t{0});
-        targets = targets_of(tree, batches[batch]);
+        fetch_targets(batch);
         BatchAnswers answers(targets.size(), all);
         answers.take(reader);
         add_answers(targets, answers, number, options.sub_rays, all, seen);

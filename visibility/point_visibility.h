@@ -31,7 +31,8 @@ struct PointVisibilityOptions {
   /// Called for one observer after the other with what it sees: 1 or 0 by point id. May throw.
   std::function<void(std::size_t observer, std::span<const std::uint8_t> seen)> each_observer{};
   /// Parts that are finished already are not asked for again; null: nothing is kept. A part is what one
-  /// observer sees of some 65536 points; it takes 1 bit per point, 1 B more with sub_rays, 4 B with blockers.
+  /// observer sees of some 131072 points, with sub_rays of so many less, but of 8192 at least; it takes 1 bit
+  /// per point, 1 B more with sub_rays, 4 B with blockers.
   FinishedParts* parts = nullptr;
   Progress progress{};  ///< in sight lines
 };
@@ -63,7 +64,8 @@ struct PointVisibility {
 /// Looks from every observer at every point. The same answer on any number of threads and any instruction
 /// set. Observers on or a little above a surface are not blocked by it. Cost: sight_line.h's per line; lines
 /// of one observer go to points in the octree's order. Memory: 5 B per point, 8 B for masks, 4 B for
-/// fractions, and 4 B for the blockers of each observer. Errors: sub_rays out of range.
+/// fractions, and 4 B for the blockers of each observer. Errors: those of check_point_visibility(); of
+/// `parts`: those of run_parts().
 PointVisibility point_visibility(const Occluders& occluders, std::span<const Observer> observers,
                                  const PointVisibilityOptions& options);
 

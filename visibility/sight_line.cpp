@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "octree/error.h"
@@ -14,6 +16,7 @@
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/unit_direction.h"
+#include "visibility/chord_lines.h"
 #include "visibility/crossing.h"
 
 namespace alidade {
@@ -84,21 +87,39 @@ Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit&
   return blocker;
 }
 
-/// hits: all that block a line.
-std::optional<Blocker> separate_blocker(const Occluders& occluders, const SightLine& line,
-                                        const RayQuery& query, std::span<const Hit> hits) {
-  struct Crossing {
-    Blocker blocker;
-    double diameter;
-  };
-  std::vector<Crossing> crossings;
+/// Where a point blocks a line, and how much of the line it takes.
+struct Crossing {
+  Blocker blocker;
+  double diameter;
+};
+
+/// What of the hits of one chord that starts so far from the start of its line.
+void add_crossings(const Occluders& occluders, const SightLine& chord, double start, const RayQuery& query,
+                   std::span<const Hit> hits, std::vector<Crossing>& crossings) {
   for (const Hit& hit : hits) {
     const double radius = query.spacing_factor > 0.0 ? sphere_radius(query, hit) : query.radius;
     const bool is_disc =
         occluders.has_surfaces() && surface_of(occluders.octree().view(), hit.point_id).exists;
-    crossings.push_back(
-        {blocker_of(occluders, line, hit), 2.0 * (is_disc ? radius : sphere_of(occluders, radius))});
+    Blocker blocker = blocker_of(occluders, chord, hit);
+    blocker.distance += start;
+    crossings.push_back({blocker, 2.0 * (is_disc ? radius : sphere_of(occluders, radius))});
   }
+}
+
+/// Of the crossings of one point that which comes first.
+void keep_first_of_each_point(std::vector<Crossing>& crossings) {
+  std::ranges::sort(crossings, {}, [](const Crossing& crossing) {
+    return std::pair(crossing.blocker.point_id, crossing.blocker.distance);
+  });
+  const auto repeated =
+      std::unique(crossings.begin(), crossings.end(), [](const Crossing& one, const Crossing& next) {
+        return one.blocker.point_id == next.blocker.point_id;
+      });
+  crossings.erase(repeated, crossings.end());
+}
+
+/// The crossing that makes the k-th separate one.
+std::optional<Blocker> separate_blocker(std::vector<Crossing>& crossings, int transparency) {
   std::ranges::sort(crossings, {}, [](const Crossing& crossing) {
     return std::pair(crossing.blocker.distance, crossing.blocker.point_id);
   });
@@ -106,10 +127,27 @@ std::optional<Blocker> separate_blocker(const Occluders& occluders, const SightL
   double end = -std::numeric_limits<double>::infinity();
   for (const Crossing& crossing : crossings) {
     if (crossing.blocker.distance <= end) continue;
-    if (++count == occluders.options().transparency) return crossing.blocker;
+    if (++count == transparency) return crossing.blocker;
     end = crossing.blocker.distance + crossing.diameter;
   }
   return std::nullopt;
+}
+
+/// Answers some of the lines, [from, to), by all that blocks their chords.
+void count_crossings(const Occluders& occluders, const ChordLines& lines, std::size_t from, std::size_t to,
+                     std::span<std::optional<Blocker>> blockers) {
+  const std::size_t first = lines.begin[from];
+  const std::span<const SightLine> chords = lines.chords.subspan(first, lines.begin[to] - first);
+  const RayQuery query = query_of(occluders, chords);
+  const Answers<Hit> hits = find(occluders.octree(), rays_of(occluders, chords), query);
+  tbb::parallel_for(from, to, [&](std::size_t line) {
+    std::vector<Crossing> crossings;
+    for (std::size_t chord = lines.begin[line]; chord < lines.begin[line + 1]; ++chord)
+      add_crossings(occluders, lines.chords[chord], lines.starts[chord], query, hits[chord - first],
+                    crossings);
+    if (lines.begin[line + 1] - lines.begin[line] > 1) keep_first_of_each_point(crossings);
+    blockers[line] = separate_blocker(crossings, occluders.options().transparency);
+  });
 }
 
 void check_room(std::size_t lines, std::size_t answers) {
@@ -179,20 +217,41 @@ std::optional<Blocker> first_blocker(const Occluders& occluders, const SightLine
 void first_blockers(const Occluders& occluders, std::span<const SightLine> lines,
                     std::span<std::optional<Blocker>> blockers) {
   check_room(lines.size(), blockers.size());
-  const std::vector<Ray> rays = rays_of(occluders, lines);
-  const RayQuery query = query_of(occluders, lines);
+  if (occluders.options().transparency > 1) {
+    const std::vector<double> starts(lines.size());
+    std::vector<std::size_t> begin(lines.size() + 1);
+    std::iota(begin.begin(), begin.end(), std::size_t{0});
+    return first_blockers(occluders, ChordLines{lines, starts, begin}, blockers);
+  }
+  std::vector<std::optional<Hit>> hits(lines.size());
+  closest(occluders.octree(), rays_of(occluders, lines), query_of(occluders, lines), hits);
+  for_each_line(lines.size(), [&](std::size_t i) {
+    blockers[i].reset();
+    if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
+  });
+}
+
+void first_blockers(const Occluders& occluders, const ChordLines& lines,
+                    std::span<std::optional<Blocker>> blockers) {
+  check_room(lines.begin.size() - 1, blockers.size());
   if (occluders.options().transparency == 1) {
-    std::vector<std::optional<Hit>> hits(lines.size());
-    closest(occluders.octree(), rays, query, hits);
-    for_each_line(lines.size(), [&](std::size_t i) {
-      blockers[i].reset();
-      if (hits[i]) blockers[i] = blocker_of(occluders, lines[i], *hits[i]);
-    });
-  } else {
-    const Answers<Hit> hits = find(occluders.octree(), rays, query);
-    for_each_line(lines.size(), [&](std::size_t i) {
-      blockers[i] = separate_blocker(occluders, lines[i], query, hits[i]);
-    });
+    std::vector<std::optional<Blocker>> of_chords(lines.chords.size());
+    first_blockers(occluders, lines.chords, of_chords);
+    for (std::size_t line = 0; line < blockers.size(); ++line) {
+      std::size_t chord = lines.begin[line];
+      while (chord < lines.begin[line + 1] && !of_chords[chord]) ++chord;
+      blockers[line].reset();
+      if (chord == lines.begin[line + 1]) continue;
+      blockers[line] = of_chords[chord];
+      blockers[line]->distance += lines.starts[chord];
+    }
+    return;
+  }
+  // All that blocks them is in memory at once.
+  constexpr std::size_t k_chords_at_once = 1 << 12;
+  for (std::size_t from = 0, to = 0; from < blockers.size(); from = to) {
+    while (to < blockers.size() && lines.begin[to] - lines.begin[from] < k_chords_at_once) ++to;
+    count_crossings(occluders, lines, from, to, blockers);
   }
 }
 

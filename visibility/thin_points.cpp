@@ -10,11 +10,14 @@
 #include "octree/distance.h"
 #include "octree/error.h"
 #include "octree/tree_walk.h"
+#include "visibility/raster.h"
 
 namespace alidade {
 namespace {
 
 constexpr int k_cell_bits = 21;
+/// While the points are chosen: a node of the map with its share of the table, and a copy.
+constexpr std::uint64_t k_bytes_per_cell = 140;
 
 /// The point that stands for a cell so far.
 struct Best {
@@ -46,6 +49,8 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   const TreeView& tree = octree.view();
   const glm::dvec3 corner = octree.bounds().min;
   std::unordered_map<std::uint64_t, Best> cells;
+  // There are as many again when it is looked next.
+  std::size_t next_check = 1 << 20;
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const std::uint64_t id = point_id(tree, leaf.place + i);
@@ -65,11 +70,17 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
           here.distance < best.distance || (here.distance == best.distance && id < best.target.point_id);
       if (!is_new && is_nearer) best = here;
     }
+    if (cells.size() < next_check) return;
+    check_memory(k_bytes_per_cell * cells.size(), "targets so near each other");
+    next_check *= 2;
   });
   std::vector<Best> chosen;
+  chosen.reserve(cells.size());
   for (const auto& [key, best] : cells) chosen.push_back(best);
+  cells = {};
   std::ranges::sort(chosen, {}, &Best::place);
   std::vector<PlacementTarget> targets;
+  targets.reserve(chosen.size());
   for (const Best& best : chosen) targets.push_back(best.target);
   return targets;
 }

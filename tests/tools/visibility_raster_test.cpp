@@ -230,9 +230,40 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
   expect_refused(
       {"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "height", "--highest", "1", "--tz", "2"},
       "--highest must be above");
+  for (const Words& words : {Words{"--mode", "count", "--highest", "5"},
+                             {"--places", "4"},
+                             {"--mode", "height", "--places", "4"},
+                             {"--mode", "count", "--vv", "7"},
+                             {"--mode", "fraction", "--iv", "7"},
+                             {"--mode", "height", "--ov", "7"}})
+    expect_refused(with({"--observer", "690005,5325010", "-o", "seen.tif"}, words),
+                   "means nothing for this map");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "7", "--iv", "7"},
+                 "what is seen and what is not have the same value");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--direction_range", "90,0"},
+                 "expected the smaller angle first");
   write("seen.tif", "mine");
   EXPECT_EQ(raster(k_eye).exit_code, 2);
   EXPECT_EQ(read("seen.tif"), "mine");
+}
+
+TEST_F(VisibilityRasterTest, names_of_r_viewshed_mean_the_same) {
+  const Words own = {"--like",           "grass",  "--oz", "2.5", "--tz", "0.5", "--md", "8",
+                     "--horizontal-fov", "40,150", "--cc", "0.75"};
+  const Words others = {
+      "--like",         "grass", "--observer_elevation", "2.5",    "--target_elevation", "0.5",
+      "--max_distance", "8",     "--direction_range",    "-60,50", "--refraction_coeff", "0.25"};
+  std::string sights[2];
+  for (const bool is_own : {true, false}) {
+    const Words words =
+        with({"--observer", "690005,5325010", "--resolution", "1", "-o", "seen.tif", "--overwrite"},
+             is_own ? own : others);
+    const ProgramResult result = raster(words);
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    sights[is_own ? 0 : 1] = read_map("seen.tif").metadata.at("alidade_sight");
+  }
+  EXPECT_EQ(sights[0], sights[1]);
+  EXPECT_TRUE(contains(sights[0], "curvature 0.75; maximum distance 8; azimuth 40 to 150")) << sights[0];
 }
 
 TEST_F(VisibilityRasterTest, observers_in_the_ground_are_warned_of) {

@@ -114,6 +114,31 @@ TEST(SightBatchTest, crossings_are_counted_over_all_chords) {
   }
 }
 
+TEST(SightBatchTest, a_sphere_where_two_chords_meet_is_crossed_once) {
+  const SightCurve curve(1.0, 1.0);
+  const glm::dvec3 from(0, 0, 1), to(8000, 0, 1);
+  const auto chords = static_cast<double>(curve.chord_count(8000.0));
+  PointCloud cloud;
+  cloud.lattice.scale = glm::dvec3(0.0001);
+  const auto blocked_from = [&](int transparency) {
+    const Occluders occluders(build(cloud),
+                              {.shape = OccluderShape::sphere, .radius = 0.3, .transparency = transparency});
+    return is_blocked(occluders, curve, from, to);
+  };
+  const auto add_at = [&](double chord) {
+    cloud.positions.push_back(*to_lattice(cloud.lattice, curve.place(from, to, chord / chords)));
+  };
+  add_at(3.0);
+  EXPECT_TRUE(blocked_from(1));
+  EXPECT_FALSE(blocked_from(2));
+  add_at(6.5);
+  EXPECT_TRUE(blocked_from(2));
+  EXPECT_FALSE(blocked_from(3));
+  add_at(8.0);
+  EXPECT_TRUE(blocked_from(3));
+  EXPECT_FALSE(blocked_from(4));
+}
+
 /// The chords of a bent line, all of them, and what blocks any.
 std::optional<Blocker> unclipped_blocker(const Occluders& occluders, const SightCurve& curve,
                                          const glm::dvec3& from, const glm::dvec3& to) {

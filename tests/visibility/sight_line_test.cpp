@@ -249,6 +249,29 @@ TEST(SightLine, spheres_are_smaller_among_discs_which_close_the_surfaces) {
   }
 }
 
+TEST(SightLine, discs_as_wide_as_any_are_not_cut_off_nearer_than_their_sheet_ends) {
+  // Points of a sheet far from each other, in a cloud of points near each other: their discs are narrower
+  // than their spacings, the gap behind its edge is a fifth of these.
+  Random random("dense and sparse");
+  PointCloud cloud;
+  cloud.lattice.scale = glm::dvec3(0.0001);
+  const auto add = [&](const glm::dvec3& place) {
+    cloud.positions.push_back(*to_lattice(cloud.lattice, place));
+  };
+  for (int i = 0; i < 5000; ++i) add({100.0 + random.unit(), random.unit(), 0.0});
+  for (int i = 0; i < 15 * 15; ++i) add({i % 15, i / 15, 0.0});
+  const Occluders occluders(build(cloud), {});
+  const double widest = occluders.largest_radius();
+  ASSERT_LT(widest, 0.92 * 1.4);
+  const auto is_seen_beyond_the_edge = [&](double distance) {
+    const glm::dvec3 above(14.0 + distance, 7.0, 1.0);
+    return !first_blocker(occluders, sight_line({above}, {above - glm::dvec3(0.0, 0.0, 2.0)}));
+  };
+  EXPECT_FALSE(is_seen_beyond_the_edge(0.2));
+  EXPECT_FALSE(is_seen_beyond_the_edge(0.95 * widest));
+  EXPECT_TRUE(is_seen_beyond_the_edge(1.05 * widest));
+}
+
 TEST(SightLine, refuses_bad_input) {
   const PointCloud cloud = garden();
   const Octree octree = build(cloud);

@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <span>
 
@@ -132,9 +134,18 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
                  .problem = "holds a single place",
                  .expected = "two or more, which are paired"});
   }
-  const std::uint64_t count = std::uint64_t{ends.places.size()} * (ends.places.size() - 1) / 2;
-  check_memory(count * (sizeof(LinePair) + sizeof(LineReport)), "the reports on all pairs");
   return ends;
+}
+
+void check_report_memory(const LineEnds& ends, LineZones zones) {
+  std::uint64_t bytes_per_line = sizeof(LinePair) + sizeof(LineReport);
+  if (zones == LineZones::fresnel) bytes_per_line += k_most_obstructions * sizeof(Obstruction);
+  const std::uint64_t places = ends.places.size();
+  const std::uint64_t lines = ends.are_pairs ? places / 2 : places * (places - 1) / 2;
+  std::uint64_t bytes = 0;
+  if (__builtin_mul_overflow(lines, bytes_per_line, &bytes))
+    bytes = std::numeric_limits<std::uint64_t>::max();
+  check_memory(bytes, "the reports on all pairs");
 }
 
 void check_margin(const LineEnds& ends, double margin) {

@@ -34,8 +34,14 @@ struct LineEnds {
 
 /// Reads places and pairs and gives them their places on the cloud. Surfaces need not be measured. Errors:
 /// those of read_pair_table() and load_observers(); names that no place or two have; coordinates beside
-/// --places; a single place; more pairs than fit into memory.
+/// --places; a single place.
 LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity);
+
+/// What is reported on beside the lines themselves.
+enum class LineZones { none, fresnel };
+
+/// Errors: more lines than fit into memory, each with all obstructions that it can have.
+void check_report_memory(const LineEnds& ends, LineZones zones);
 
 /// Errors: a margin at either end that leaves nothing of a line.
 void check_margin(const LineEnds& ends, double margin);

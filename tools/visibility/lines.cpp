@@ -106,6 +106,7 @@ ExitCode run_lines(const LinesCommand& command, const CLI::App& words) {
   const LineReportOptions options = report_options(command, *cloud);
   check_line_report(options, command.occluders.transparency);
   const LineEnds ends = load_line_ends(command.pairs, *cloud, verbosity);
+  check_report_memory(ends, command.frequency ? LineZones::fresnel : LineZones::none);
   check_margin(ends, command.end_margin);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(ends.places, *cloud, verbosity);
@@ -191,7 +192,7 @@ Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_li
       "\n"
       "A row tells whether the line is visible, else the first point that blocks (blocker, its class and "
       "place, and\n"
-      "blocker_at metres from the first end); the clearance, which is the smallest distance of any point "
+      "blocker_at from the first end on); the clearance, which is the smallest distance of any point "
       "beside the line,\n"
       "where and which; and with --frequency of the first Fresnel zone: its radius in the middle, the share "
       "that is\n"

@@ -30,23 +30,35 @@ std::pair<double, double> parse_angles(const std::string& text, double least, do
 }
 
 void add_view(CLI::App& command, ObserverDefaults& defaults) {
-  add_value(command, "--max-distance,--md", "LENGTH",
+  add_value(command, "--max-distance,--md,--max_distance", "LENGTH",
             "nothing farther from the observer is seen (default: inf); along the line of sight",
             [&defaults](const std::string& text) {
               defaults.max_distance =
                   parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
             })
       ->group(k_group);
-  add_value(command, "--horizontal-fov", "A0,A1",
-            "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks north "
-            "(default: 0,360)",
+  CLI::Option* const azimuths = add_value(
+      command, "--horizontal-fov", "A0,A1",
+      "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks north "
+      "(default: 0,360)",
+      [&defaults](const std::string& text) {
+        const auto [from, to] = parse_angles(text, -360.0, 720.0);
+        if (from == to) throw CLI::ValidationError("expected two angles that differ, found '" + text + "'");
+        defaults.azimuth_min = from;
+        defaults.azimuth_max = to;
+      });
+  azimuths->group(k_group);
+  add_value(command, "--direction_range", "D0,D1",
+            "the same as r.viewshed has it: from D0 to D1 counterclockwise, 0 is east",
             [&defaults](const std::string& text) {
-              const auto [from, to] = parse_angles(text, -360.0, 720.0);
-              if (from == to)
-                throw CLI::ValidationError("expected two angles that differ, found '" + text + "'");
-              defaults.azimuth_min = from;
-              defaults.azimuth_max = to;
+              constexpr double k_north = 90.0;
+              const auto [from, to] = parse_angles(text, -360.0, 360.0);
+              if (from >= to)
+                throw CLI::ValidationError("expected the smaller angle first, found '" + text + "'");
+              defaults.azimuth_min = k_north - to;
+              defaults.azimuth_max = k_north - from;
             })
+      ->excludes(azimuths)
       ->group(k_group);
   add_value(command, "--vertical-fov", "E0,E1",
             "field of view in degrees up from the horizontal (default: -90,90)",
@@ -119,7 +131,7 @@ void add_observer_options(CLI::App& command, ObserverOptions& options) {
             "an observer on the ground in every square cell of this width over the cloud's extent",
             [&options](const std::string& text) { options.grid = parse_number(text, 1e-3, 1e9); })
       ->group(k_group);
-  add_value(command, "--observer-height,--oz", "LENGTH",
+  add_value(command, "--observer-height,--oz,--observer_elevation", "LENGTH",
             "of the eye above its foot (default: 0 for observers with a z, 2 for those on the ground)",
             [&options](const std::string& text) { options.defaults.height = parse_number(text, 0.0, 1e6); })
       ->group(k_group);
@@ -127,7 +139,8 @@ void add_observer_options(CLI::App& command, ObserverOptions& options) {
 }
 
 void add_target_height(CLI::App& command, std::optional<double>& height) {
-  add_value(command, "--target-height,--tz", "LENGTH", "of what is looked at above the ground (default: 0)",
+  add_value(command, "--target-height,--tz,--target_elevation", "LENGTH",
+            "of what is looked at above the ground (default: 0)",
             [&height](const std::string& text) { height = parse_number(text, 0.0, 1e6); })
       ->group(k_group);
 }
@@ -151,7 +164,6 @@ std::vector<Observer> load_observers(const ObserverOptions& options, const Visib
   }
   std::vector<Observer> observers = place_observers(given, options.defaults, height_at);
   if (verbosity != Verbosity::quiet) tell(observers);
-  if (cloud.occluders) say_observer_remarks(observers, cloud, verbosity);
   return observers;
 }
 

@@ -30,11 +30,11 @@ void add_observer_options(CLI::App& command, ObserverOptions& options);
 /// --target-height LENGTH: how far above its cell or point a target is looked at. At least 0.
 void add_target_height(CLI::App& command, std::optional<double>& height);
 
-/// Reads the observers, in the cloud's reference system, gives them their places, and says these. If the
-/// cloud's occluders are measured, it says as well what is strange about them; otherwise
-/// say_observer_remarks() is to be called then. Those of the command line come first, then the file's, then
-/// the grid's. `ground` is asked for observers without z; if it is empty, the cloud's is found where it is
-/// needed. Errors: nobody was asked for; read_observers(), observer_grid(), place_observers(), make_ground().
+/// Reads the observers, in the cloud's reference system, gives them their places, and says these; what is
+/// strange about them say_observer_remarks() tells, once occluders are measured. Those of the command line
+/// come first, then the file's, then the grid's. `ground` is asked for observers without z; if it is empty,
+/// the cloud's is found where it is needed. Errors: nobody was asked for; those of read_observers(),
+/// observer_grid(), place_observers() and make_ground().
 std::vector<Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
                                      Verbosity verbosity, const GroundHeight& ground = {});
 

@@ -22,8 +22,33 @@ ViewshedMode mode_of(const RasterCommand& command) {
   return command.mode.value_or(ViewshedMode::visible);
 }
 
+/// Errors: options that mean nothing for the mode, or nothing together.
+void check_values(const RasterCommand& command) {
+  const ViewshedMode mode = mode_of(command);
+  const auto check = [mode](bool is_given, const std::string& option, ViewshedMode of) {
+    if (!is_given || mode == of) return;
+    throw Error({.problem = "option " + option + " means nothing for this map",
+                 .expected = fmt::format("--mode {}", k_mode_words[static_cast<std::size_t>(of)])});
+  };
+  check(command.visible_value.has_value(), "--visible-value", ViewshedMode::visible);
+  check(command.invisible_value.has_value(), "--invisible-value", ViewshedMode::visible);
+  check(command.out_of_range_value.has_value(), "--out-of-range-value", ViewshedMode::visible);
+  check(command.highest.has_value(), "--highest", ViewshedMode::height);
+  check(command.places_across.has_value(), "--places", ViewshedMode::fraction);
+  const SeenValues values = seen_values_of(command);
+  if (values.visible == values.invisible) {
+    throw Error({.problem = "what is seen and what is not have the same value",
+                 .expected = "--visible-value and --invisible-value that differ",
+                 .found = std::to_string(values.visible)});
+  }
+  const double highest = command.highest.value_or(ViewshedOptions().highest);
+  if (mode == ViewshedMode::height && highest <= command.map.target_height.value_or(0.0))
+    throw Error({.problem = "--highest must be above --target-height"});
+}
+
 /// Errors that need no cloud.
 void check_options(const RasterCommand& command) {
+  check_values(command);
   check_raster_name(command.output);
   std::vector<std::filesystem::path> others = command.files;
   if (!command.observers.file.empty()) others.push_back(command.observers.file);
@@ -31,8 +56,6 @@ void check_options(const RasterCommand& command) {
   check_checkpoint(command.checkpoint, command.overwrite, {{command.output, command.map.preview}}, others);
   others.push_back(command.output);
   check_map_writing(command.map, command.overwrite, others);
-  if (mode_of(command) == ViewshedMode::height && command.highest <= command.map.target_height.value_or(0.0))
-    throw Error({.problem = "--highest must be above --target-height"});
 }
 
 /// Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
@@ -46,8 +69,8 @@ ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) 
   options.mode = mode_of(command);
   options.target_height = command.map.target_height.value_or(0.0);
   options.curve = curve_of(command, unit);
-  options.places_across = command.places_across;
-  options.highest = command.highest;
+  options.places_across = command.places_across.value_or(options.places_across);
+  options.highest = command.highest.value_or(options.highest);
   return options;
 }
 

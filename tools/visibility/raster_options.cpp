@@ -63,10 +63,15 @@ void add_sight(CLI::App& raster, RasterCommand& command) {
       "ground, curvature 0, values 1 and 0, no data out of range (default: gdal)",
       command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}})
       ->group(group);
-  add_value(
+  CLI::Option* const curvature = add_value(
       raster, "--curvature,--cc", "C",
       "how much of the Earth's curvature counts: 0 flat, 1 without air, 0.85714 for light, 0.75 for radio",
-      [&command](const std::string& text) { command.curvature = parse_number(text, 0.0, 10.0); })
+      [&command](const std::string& text) { command.curvature = parse_number(text, 0.0, 10.0); });
+  curvature->group(group);
+  add_value(raster, "--refraction_coeff", "R",
+            "the same as r.viewshed has it with -c and -r: curvature 1 - R",
+            [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); })
+      ->excludes(curvature)
       ->group(group);
 }
 

@@ -30,8 +30,8 @@ struct RasterCommand {
   std::optional<DefaultSet> like;    ///< empty: gdal
   std::optional<ViewshedMode> mode;  ///< empty: visible
   std::optional<double> curvature;
-  double highest = 200.0;
-  int places_across = 3;
+  std::optional<double> highest;
+  std::optional<int> places_across;
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
   std::filesystem::path output;
   bool overwrite = false;
