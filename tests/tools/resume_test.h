@@ -8,20 +8,10 @@
 #include <thread>
 
 #include "tests/support/random.h"
+#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
-
-using Words = std::vector<std::string>;
-
-inline bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
-inline Words with(Words words, const Words& more) {
-  words.insert(words.end(), more.begin(), more.end());
-  return words;
-}
 
 /// Long runs of `alidade visibility` that are killed, interrupted and gone on with.
 class ResumeTest : public ProgramTest {
@@ -49,6 +39,17 @@ class ResumeTest : public ProgramTest {
     wait_while(program, [&] { return !has_checkpoint(); });
     const std::uintmax_t head = checkpoint_size();
     wait_while(program, [&] { return checkpoint_size() == head; });
+  }
+
+  /// Leaves a checkpoint of a command that was interrupted.
+  void interrupt(const Words& command) const {
+    Program program(with(command, {"--checkpoint-interval", "0.001"}), folder);
+    wait_for_a_part(program);
+    program.send(SIGINT);
+    const ProgramResult result = program.wait();
+    ASSERT_EQ(result.exit_code, 130) << result.err;
+    EXPECT_TRUE(contains(result.err, "state keeps what has been computed; the same command with --resume"))
+        << result.err;
   }
 
   /// Runs a command whole; then kills it again and again soon after its checkpoint has grown, goes on from

@@ -28,16 +28,6 @@ class MapsResumeTest : public ResumeTest {
     for (int i = 0; i < 20 * 10; ++i) add(points / 2, points / 2 + i % 20, 1 + i / 20);
     return text;
   }
-  /// Leaves a checkpoint of a command that was interrupted.
-  void interrupt(const Words& command) {
-    Program program(with(command, {"--checkpoint-interval", "0.001"}), folder);
-    wait_for_a_part(program);
-    program.send(SIGINT);
-    const ProgramResult result = program.wait();
-    ASSERT_EQ(result.exit_code, 130) << result.err;
-    EXPECT_TRUE(contains(result.err, "state keeps what has been computed; the same command with --resume"))
-        << result.err;
-  }
   /// Expects the command to be told from that of the checkpoint, and to leave nothing.
   void expect_another_run(const Words& command, const std::string& difference) {
     const ProgramResult result = run(with(command, {"--resume"}));

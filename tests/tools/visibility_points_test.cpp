@@ -9,16 +9,11 @@
 
 #include "octree/cloud/read_cloud.h"
 #include "octree/cloud/write_las.h"
+#include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
 namespace {
-
-using Words = std::vector<std::string>;
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 /// A wall between two patches of ground, with attributes of all kinds: rows of the wall have class 6.
 PointCloud garden() {
@@ -71,10 +66,6 @@ class VisibilityPointsTest : public ProgramTest {
  protected:
   void write_garden() { write_las(folder / "garden.las", garden()); }
   PointCloud read_output(const std::string& name) const { return read_cloud(folder / name); }
-  static Words with(Words words, const Words& more) {
-    words.insert(words.end(), more.begin(), more.end());
-    return words;
-  }
 };
 
 const Words k_points = {"visibility", "points", "garden.las"};

@@ -19,15 +19,9 @@ TEST_F(ResumeTest, places_killed_at_many_moments_give_the_bytes_of_an_uninterrup
 }
 
 TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
-  const Words words = with(k_points, {"--observer-grid", "0.05", "--fraction", "255", "-o", "seen.las",
-                                      "--checkpoint", "state", "--checkpoint-interval", "0.001"});
-  Program program(words, folder);
-  wait_for_a_part(program);
-  program.send(SIGINT);
-  const ProgramResult result = program.wait();
-  EXPECT_EQ(result.exit_code, 130) << result.err;
-  EXPECT_TRUE(contains(result.err, "state keeps what has been computed; the same command with --resume"))
-      << result.err;
+  const Words words = with(
+      k_points, {"--observer-grid", "0.05", "--fraction", "255", "-o", "seen.las", "--checkpoint", "state"});
+  interrupt(words);
   EXPECT_EQ(names(), (Words{"square.xyz", "state"}));
 
   const ProgramResult refused = run(words);

@@ -2,95 +2,18 @@
 #include "visibility/viewshed.h"
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numbers>
-#include <optional>
-#include <span>
 #include <vector>
 
-#include "octree/build.h"
-#include "octree/error.h"
-#include "tests/support/random.h"
+#include "tests/visibility/viewshed_place.h"
 #include "visibility/map_targets.h"
 
 namespace alidade::test {
 namespace {
-
-/// Level ground, 60 x 60 around the origin, with whatever is put onto it.
-class Place {
- public:
-  explicit Place(double noise = 0.0) {
-    cloud_.lattice.scale = glm::dvec3(0.0001);
-    sheet({-30, -30, 0}, {60, 0, 0}, {0, 60, 0}, 2, noise);
-  }
-
-  /// Points on a parallelogram, some 0.25 apart; height above it by chance, as far as the noise.
-  void sheet(const glm::dvec3& corner, const glm::dvec3& u, const glm::dvec3& v, std::uint8_t point_class,
-             double noise = 0.0) {
-    const double area = glm::length(glm::cross(u, v));
-    const glm::dvec3 normal = glm::cross(u, v) / area;
-    for (int i = 0; i < 16.0 * area; ++i) {
-      const glm::dvec3 place = corner + random_.unit() * u + random_.unit() * v;
-      cloud_.positions.push_back(
-          *to_lattice(cloud_.lattice, place + random_.between(-noise, noise) * normal));
-      cloud_.classifications.push_back(point_class);
-    }
-  }
-  void wall(double x, double y0, double y1, double bottom, double top) {
-    sheet({x, y0, bottom}, {0, y1 - y0, 0}, {0, 0, top - bottom}, 6);
-  }
-
-  void point(const glm::dvec3& place) {
-    cloud_.positions.push_back(*to_lattice(cloud_.lattice, place));
-    cloud_.classifications.push_back(5);
-  }
-
-  /// Makes the index; nothing is added afterwards.
-  const Occluders& occluders() {
-    if (!occluders_) occluders_.emplace(build(cloud_), OccluderOptions{});
-    return *occluders_;
-  }
-  const Ground& ground() {
-    if (!ground_) ground_.emplace(make_ground(occluders().octree(), cloud_.classifications, {}));
-    return *ground_;
-  }
-  Viewshed seen(std::span<const Observer> observers, const ViewshedOptions& options = {}) {
-    return viewshed(occluders(), ground(), observers, grid(), options);
-  }
-  static RasterGrid grid() { return grid_over({{-28, -28, 0}, {28, 28, 0}}, 2.0); }
-
- private:
-  Random random_;
-  PointCloud cloud_;
-  std::optional<Occluders> occluders_;
-  std::optional<Ground> ground_;
-};
-
-/// How far discs of the points above may stand over the edge of what they were taken from, and end before it.
-constexpr double k_edge = 0.5, k_before_edge = 0.2;
-
-Observer at(double x, double y, double z) {
-  Observer observer;
-  observer.position = {x, y, z};
-  return observer;
-}
-
-/// Calls check(value, middle of the cell) for the cells that are not near the given x, where a line is
-/// neither here nor there.
-template <class Check>
-void for_cells(const Viewshed& seen, const Check& check) {
-  const RasterGrid& grid = seen.values.grid;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column)
-      check(seen.values.at(column, row), grid.center(column, row));
-  }
-}
 
 TEST(ViewshedTest, level_ground_is_seen_whole_from_eye_height) {
   for (const double noise : {0.0, 0.01}) {
@@ -361,87 +284,6 @@ TEST(ViewshedTest, many_places_of_a_cell_are_those_of_a_map_of_finer_cells) {
   EXPECT_GT(count, 0);
   EXPECT_LT(count, 64 * 64);
   EXPECT_EQ(share.values.at(0, 0), static_cast<float>(count) / (64.0f * 64.0f));
-}
-
-TEST(ViewshedTest, a_map_too_large_for_the_memory_is_refused_before_anything_is_laid_down) {
-  Place place;
-  const Observer eye = at(0, 0, 2);
-  RasterGrid grid;
-  grid.columns = 2'000'000'000;
-  grid.rows = 1'000'000;
-  EXPECT_THROW(viewshed(place.occluders(), place.ground(), {&eye, 1}, grid, {}), Error);
-}
-
-TEST(ViewshedTest, the_map_is_the_same_on_any_number_of_threads) {
-  Place place(0.02);
-  place.wall(0, -15, 15, 0, 3);
-  const std::vector<Observer> eyes{at(-10, 0, 2), at(20, 10, 2)};
-  for (const ViewshedMode mode : {ViewshedMode::count, ViewshedMode::height}) {
-    const Viewshed many = place.seen(eyes, {.mode = mode});
-    Viewshed one;
-    tbb::task_arena(1).execute([&] { one = place.seen(eyes, {.mode = mode}); });
-    EXPECT_EQ(many.values.values, one.values.values);
-    EXPECT_EQ(many.line_count, one.line_count);
-  }
-}
-
-/// A map that is stopped on one thread after half of the work, then gone on with.
-std::vector<float> stopped_and_gone_on_with(Place& place, std::span<const Observer> eyes,
-                                            ViewshedOptions options, const RasterGrid& grid) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "viewshed.state";
-  std::filesystem::remove(file);
-  const Identity identity{{"command", "raster"}};
-  {
-    FinishedParts parts({.file = file, .interval = 1e-3}, identity);
-    ViewshedOptions cut = options;
-    cut.parts = &parts;
-    cut.progress = [](std::uint64_t done, std::uint64_t total) { return 2 * done < total; };
-    tbb::task_arena(1).execute(
-        [&] { EXPECT_THROW(viewshed(place.occluders(), place.ground(), eyes, grid, cut), Cancelled); });
-  }
-  FinishedParts parts({.file = file, .resume = true}, identity);
-  EXPECT_GT(parts.finished(), 0u);
-  EXPECT_LT(parts.finished(), parts.count());
-  options.parts = &parts;
-  std::uint64_t last = 0, all = 1;
-  options.progress = [&](std::uint64_t done, std::uint64_t total) {
-    EXPECT_GE(done, last);
-    last = done;
-    all = total;
-    return true;
-  };
-  const Viewshed seen = viewshed(place.occluders(), place.ground(), eyes, grid, options);
-  EXPECT_EQ(last, all);
-  parts.remove();
-  return seen.values.values;
-}
-
-TEST(ViewshedTest, a_map_that_was_stopped_between_is_that_of_an_uninterrupted_run) {
-  Place place;
-  place.wall(3.0, -5.0, 5.0, 0.0, 2.0);
-  const std::vector<Observer> eyes{at(-10, 0, 2), at(20, 10, 2)};
-  // Three blocks beside each other.
-  const RasterGrid grid{.north_west = {-26, 2}, .cell_size = 0.1, .columns = 520, .rows = 40};
-  for (const ViewshedMode mode : {ViewshedMode::visible, ViewshedMode::count, ViewshedMode::height}) {
-    const ViewshedOptions options{.mode = mode, .highest = 5.0};
-    const std::vector<float> whole =
-        viewshed(place.occluders(), place.ground(), eyes, grid, options).values.values;
-    const std::vector<float> cut = stopped_and_gone_on_with(place, eyes, options, grid);
-    EXPECT_TRUE(std::ranges::equal(std::as_bytes(std::span(cut)), std::as_bytes(std::span(whole))))
-        << static_cast<int>(mode);
-  }
-}
-
-TEST(ViewshedTest, bad_wishes_are_errors_and_progress_can_stop_it) {
-  Place place;
-  const Observer eye = at(0, 0, 2);
-  EXPECT_THROW(place.seen({}), Error);
-  EXPECT_THROW(place.seen({&eye, 1}, {.target_height = -1.0}), Error);
-  EXPECT_THROW(place.seen({&eye, 1}, {.target_height = std::numeric_limits<double>::quiet_NaN()}), Error);
-  EXPECT_THROW(place.seen({&eye, 1}, {.mode = ViewshedMode::fraction, .places_across = 0}), Error);
-  EXPECT_THROW(place.seen({&eye, 1}, {.mode = ViewshedMode::height, .highest = 0.0}), Error);
-  EXPECT_THROW(place.seen({&eye, 1}, {.progress = [](std::uint64_t, std::uint64_t) { return false; }}),
-               Cancelled);
 }
 
 }  // namespace
