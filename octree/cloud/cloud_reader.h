@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "octree/bounds.h"
+#include "octree/cloud/damage.h"
 #include "octree/cloud/input_file.h"
 #include "octree/cloud/point_cloud.h"
 #include "octree/cloud/read_cloud.h"
@@ -28,6 +30,23 @@ struct CoordinateSurvey {
   glm::dvec3 resolution{0.0};
 };
 
+/// What a file says about all of its points at once.
+struct FileFacts {
+  Crs crs{};
+  bool gps_time_is_standard = false;  ///< as PointCloud's, and so are the next two
+  std::array<std::uint8_t, 16> project_id{};
+  std::uint16_t file_source_id = 0;
+  /// Box of all points, world coordinates: widened_header_box(). Empty if the header states none, or one that
+  /// cannot be true.
+  std::optional<Bounds> box{};
+};
+
+/// The box that a header states, made larger by what programs round it by: 8 steps of the lattice, or a
+/// hundred-thousandth of its longest side if that is more. Empty if it is no box, does not lie on the
+/// lattice, or holds several points in one place, as boxes do that nobody filled in.
+std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice,
+                                         std::uint64_t point_count);
+
 /// One cloud file, opened and its header understood, points not read yet. One class per format, made by
 /// `open_*` below; read_cloud.cpp joins them. Not thread safe.
 class CloudReader {
@@ -46,8 +65,11 @@ class CloudReader {
   /// The file's own lattice (LAS); empty for formats of free coordinates.
   virtual std::optional<Lattice> lattice() const = 0;
 
+  /// Known when the file is open, so that files can be compared before any is read.
+  virtual FileFacts facts() const { return {}; }
+
   /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's
-  /// size.
+  /// size. With Damage::read_over the most it can be: points that turn out to be lost are fewer rows.
   virtual std::optional<std::uint64_t> point_count() const = 0;
 
   /// First pass, only for readers without a lattice. `progress` is in bytes.
@@ -56,10 +78,15 @@ class CloudReader {
   /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from
   /// it by a whole number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks
   /// are first filled with zeros up to the cloud's size, and columns the cloud has and the file lacks get
-  /// zeros for the new rows. The caller has reserved room. CRS, records and warnings are added to `cloud` by
-  /// this call; cloud.files, which then still lists the earlier files only, is added to by the caller. See
-  /// append_rows.h.
+  /// zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings are added
+  /// to `cloud` by this call; facts() and file() by the caller. Nothing else of the cloud is looked at: it
+  /// may hold the files before this one or be a piece of its own. See append_rows.h.
   virtual void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) = 0;
+
+  /// The points that are missing from what read() gave, place by place in the order of the file; each point
+  /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
+  /// Damage::refuse.
+  virtual std::vector<LostPoints> lost() const { return {}; }
 
   /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while
   /// other files of a large set are looked at.
@@ -67,7 +94,7 @@ class CloudReader {
 };
 
 /// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
-std::unique_ptr<CloudReader> open_cloud(InputFile file);
+std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage = Damage::refuse);
 inline std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path) {
   return open_cloud(InputFile(path));
 }
@@ -77,12 +104,28 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options);
 
 /// One function per format; each throws Error if the content is not of that format. Each lives in
 /// read_<format>.cpp.
-std::unique_ptr<CloudReader> open_las(InputFile file);
-std::unique_ptr<CloudReader> open_ply(InputFile file);
-std::unique_ptr<CloudReader> open_pcd(InputFile file);
-std::unique_ptr<CloudReader> open_text(InputFile file);  ///< XYZ, CSV with header names, PTS
-std::unique_ptr<CloudReader> open_ptx(InputFile file);
+std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage);
+inline std::unique_ptr<CloudReader> open_las(InputFile file) {
+  return open_las(std::move(file), Damage::refuse);
+}
+std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage);
+std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage);
+std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage);  ///< XYZ, CSV with header names, PTS
+std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage);
+std::unique_ptr<CloudReader> open_e57(InputFile file);
 std::unique_ptr<CloudReader> open_index_cloud(InputFile file);  ///< octree/index_file.h
+inline std::unique_ptr<CloudReader> open_ply(InputFile file) {
+  return open_ply(std::move(file), Damage::refuse);
+}
+inline std::unique_ptr<CloudReader> open_pcd(InputFile file) {
+  return open_pcd(std::move(file), Damage::refuse);
+}
+inline std::unique_ptr<CloudReader> open_text(InputFile file) {
+  return open_text(std::move(file), Damage::refuse);
+}
+inline std::unique_ptr<CloudReader> open_ptx(InputFile file) {
+  return open_ptx(std::move(file), Damage::refuse);
+}
 inline std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path) {
   return open_las(InputFile(path));
 }
@@ -97,6 +140,9 @@ inline std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path)
 }
 inline std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path) {
   return open_ptx(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_e57(const std::filesystem::path& path) {
+  return open_e57(InputFile(path));
 }
 
 }  // namespace alidade

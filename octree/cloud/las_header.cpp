@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "octree/cloud/byte_order.h"
+#include "octree/cloud/laz/chunk_table.h"
 #include "octree/error.h"
 
 // Byte positions below are those of the public header block: LAS Specification 1.4 R15, table 3.
@@ -16,6 +17,7 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t k_shortest_header = 227;    // versions 1.0 to 1.2
+constexpr std::uint8_t k_laz_mark = 0x80;         // what is written
 constexpr std::uint8_t k_compressed_bits = 0xc0;  // of the point format: how LASzip marks its files
 
 /// What a header field must be, and an Error if it is not.
@@ -27,17 +29,6 @@ void require(bool holds, const InputFile& file, int byte, std::string problem, s
                .problem = std::move(problem),
                .expected = std::move(expected),
                .found = std::move(found)});
-}
-
-void refuse_compressed(InputFile& file, std::uint8_t point_format) {
-  if ((point_format & k_compressed_bits) == 0) return;
-  // A COPC file begins with a record of its own right behind a 1.4 header.
-  const std::span<const std::byte> start = file.view_up_to(k_las_header_size + 2, 4);
-  const bool copc = start.size() == 4 && las_text(start.data(), 4) == "copc";
-  throw Error(
-      {.file = file.name(),
-       .problem = fmt::format("is compressed ({}), which this version does not read", copc ? "COPC" : "LAZ"),
-       .expected = "uncompressed LAS"});
 }
 
 Lattice read_lattice(const InputFile& file, const std::byte* bytes) {
@@ -57,8 +48,24 @@ Lattice read_lattice(const InputFile& file, const std::byte* bytes) {
   return lattice;
 }
 
+Bounds read_bounds(const std::byte* bytes) {
+  Bounds bounds;
+  for (int axis = 0; axis < 3; ++axis) {
+    bounds.max[axis] = load<double>(bytes + 179 + 16 * axis);
+    bounds.min[axis] = load<double>(bytes + 187 + 16 * axis);
+    if (!(std::isfinite(bounds.min[axis]) && std::isfinite(bounds.max[axis])) ||
+        bounds.min[axis] > bounds.max[axis])
+      return {};
+  }
+  return bounds;
+}
+
+int place_of_count(const LasHeader& header) {
+  return header.version_minor >= 4 ? 247 : 107;
+}
+
 void read_point_count(LasHeader& header, const InputFile& file, const std::byte* bytes,
-                      std::vector<std::string>& warnings) {
+                      std::vector<std::string>& warnings, Damage damage) {
   const std::uint32_t legacy_count = load<std::uint32_t>(bytes + 107);
   header.point_count = legacy_count;
   if (header.version_minor >= 4) {
@@ -70,17 +77,20 @@ void read_point_count(LasHeader& header, const InputFile& file, const std::byte*
                       file.name(), legacy_count, count, header.point_count));
     }
   }
-  const std::uint64_t room = (file.size() - header.points_place) / header.point_size;
-  require(header.point_count <= room, file, header.version_minor >= 4 ? 247 : 107,
-          "the file ends before its last point",
-          fmt::format("{} points of {} bytes from byte {} on", header.point_count, header.point_size,
-                      header.points_place),
-          fmt::format("room for {}", room));
+  if (header.compressed) {
+    const std::uint64_t stream_bytes = file.size() - header.points_place;
+    require(header.point_count <= most_laz_points(stream_bytes), file, place_of_count(header),
+            "the file is too small for the points it counts",
+            fmt::format("at most {} in {} bytes", most_laz_points(stream_bytes), stream_bytes),
+            std::to_string(header.point_count));
+    return;
+  }
+  keep_points_inside(file, header, damage);
 }
 
 }  // namespace
 
-LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings) {
+LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, Damage damage) {
   std::array<std::byte, k_las_header_size> copy{};
   const std::byte* const bytes = copy.data();
   const std::span<const std::byte> start = file.view_up_to(0, copy.size());
@@ -94,7 +104,6 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings) {
   header.version_minor = load<std::uint8_t>(bytes + 25);
   require(major == 1 && header.version_minor <= 4, file, 24, "unknown LAS version", "1.0 to 1.4",
           fmt::format("{}.{}", major, header.version_minor));
-  refuse_compressed(file, load<std::uint8_t>(bytes + 104));
 
   header.header_size = load<std::uint16_t>(bytes + 94);
   const std::size_t smallest = header.version_minor >= 4 ? k_las_header_size : k_shortest_header;
@@ -115,7 +124,9 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings) {
           "bad place of the points", fmt::format("a byte from {} to {}", header.header_size, file.size()),
           std::to_string(header.points_place));
   header.record_count = load<std::uint32_t>(bytes + 100);
-  header.point_format = load<std::uint8_t>(bytes + 104);
+  const std::uint8_t point_format = load<std::uint8_t>(bytes + 104);
+  header.compressed = (point_format & k_compressed_bits) != 0;
+  header.point_format = point_format & ~k_compressed_bits;
   require(header.point_format < k_las_point_formats, file, 104, "unknown point format", "0 to 10",
           std::to_string(header.point_format));
   header.point_size = load<std::uint16_t>(bytes + 105);
@@ -123,16 +134,37 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings) {
           fmt::format("points of format {} are too short", header.point_format),
           fmt::format("{} bytes or more", header.layout().size), std::to_string(header.point_size));
   header.lattice = read_lattice(file, bytes);
-  read_point_count(header, file, bytes, warnings);
+  header.bounds = read_bounds(bytes);
+  read_point_count(header, file, bytes, warnings, damage);
 
   if (header.version_minor >= 4) {
     header.extended_records_place = load<std::uint64_t>(bytes + 235);
     header.extended_record_count = load<std::uint32_t>(bytes + 243);
+    // They stood behind the points that are gone.
+    if (header.lost_count > 0 && header.extended_record_count > 0) {
+      warnings.push_back(fmt::format("{}: the extended records behind the points are lost", file.name()));
+      header.extended_record_count = 0;
+    }
     require(header.extended_record_count == 0 || header.extended_records_place >= header.points_end(), file,
             235, "bad place of the extended records", fmt::format("a byte from {} on", header.points_end()),
             std::to_string(header.extended_records_place));
   }
   return header;
+}
+
+void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage) {
+  const std::uint64_t room = (file.size() - header.points_place) / header.point_size;
+  if (header.point_count <= room) return;
+  if (damage == Damage::refuse) {
+    throw DamagedFile({.file = file.name(),
+                       .place = fmt::format("byte {}", place_of_count(header)),
+                       .problem = "the file ends before its last point",
+                       .expected = fmt::format("{} points of {} bytes from byte {} on", header.point_count,
+                                               header.point_size, header.points_place),
+                       .found = fmt::format("room for {}", room)});
+  }
+  header.lost_count = header.point_count - room;
+  header.point_count = room;
 }
 
 std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& header) {
@@ -152,7 +184,7 @@ std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& head
   store<std::uint16_t>(bytes + 94, k_las_header_size);
   store(bytes + 96, header.points_place);
   store(bytes + 100, header.record_count);
-  store(bytes + 104, static_cast<std::uint8_t>(header.point_format));
+  store(bytes + 104, static_cast<std::uint8_t>(header.point_format | (header.compressed ? k_laz_mark : 0)));
   store(bytes + 105, header.point_size);
   const bool empty = header.bounds.empty();
   for (int axis = 0; axis < 3; ++axis) {

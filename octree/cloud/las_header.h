@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octree/bounds.h"
+#include "octree/cloud/damage.h"
 #include "octree/cloud/input_file.h"
 #include "octree/cloud/las_point.h"
 #include "octree/cloud/lattice.h"
@@ -32,22 +33,32 @@ struct LasHeader {
   std::uint32_t points_place = 0;  ///< byte of the first point
   std::uint32_t record_count = 0;  ///< variable length records between header and points
   int point_format = 6;
-  std::uint16_t point_size = 30;  ///< bytes per point, with extra bytes
-  std::uint64_t point_count = 0;
+  bool compressed = false;        ///< LAZ: the record "laszip encoded" says how
+  std::uint16_t point_size = 30;  ///< bytes per point, with extra bytes; of LAZ, once unpacked
+  std::uint64_t point_count = 0;  ///< those that are there; of LAZ, that should be
+  std::uint64_t lost_count = 0;   ///< announced, but behind the end of the file (Damage::read_over)
   std::array<std::uint64_t, 15> points_by_return{};  ///< not read, only written
   Lattice lattice;
-  Bounds bounds;  ///< not read, only written: many files are wrong here
+  Bounds bounds;  ///< as stated, which many files do wrongly; empty if that is no box
   std::uint64_t extended_records_place = 0;
   std::uint32_t extended_record_count = 0;
 
   const LasPointLayout& layout() const { return k_las_point_layouts[static_cast<std::size_t>(point_format)]; }
-  std::uint64_t points_end() const { return points_place + point_count * point_size; }
+  /// Behind the last byte of the points. Of compressed points only that they cannot end before.
+  std::uint64_t points_end() const {
+    return compressed ? points_place : points_place + point_count * point_size;
+  }
 };
 
-/// Reads and checks the header: afterwards all points lie inside the file and all fields have meaningful
-/// values. Oddities that do no harm are added to `warnings`. Errors: not LAS, compressed points, and whatever
-/// cannot be true.
-LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings);
+/// Reads and checks the header: afterwards all fields have meaningful values, and all points lie inside the
+/// file or, compressed, are not more than its bytes could hold. Oddities that do no harm are added to
+/// `warnings`. Errors: not LAS, a version after 1.4, and whatever cannot be true; a file that ends before its
+/// last point is damage.
+LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings,
+                          Damage damage = Damage::refuse);
+
+/// Counts the uncompressed points that lie inside the file; that some do not is damage.
+void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage);
 
 /// The header as 375 bytes of version 1.4. Requires a point format of 6 or more (legacy counts are then 0).
 std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& header);

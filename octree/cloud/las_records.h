@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "octree/cloud/las_header.h"
+#include "octree/cloud/laz/laz_layout.h"
 #include "octree/cloud/output_file.h"
 #include "octree/cloud/point_cloud.h"
 
 namespace alidade {
+
+/// A record that tells how points are stored.
+struct StorageRecord {
+  std::uint64_t place = 0;  ///< of its data in the file
+  std::vector<std::byte> data;
+};
 
 /// What the variable length records of a LAS file say.
 struct LasRecords {
@@ -18,12 +28,25 @@ struct LasRecords {
   /// are not described, or not by the first 341 entries, are dimensions "undocumented".
   std::vector<ExtraDimension> extra_dimensions;
   std::vector<VariableLengthRecord> others;
+  std::optional<StorageRecord> laszip;  ///< "laszip encoded" 22204, of LAZ
+  std::optional<StorageRecord>
+      copc_info;  ///< "copc" 1, if it is the first record behind a header of 375 bytes
 };
 
 /// Reads the records before and after the points. Records that contradict themselves but do no harm are left
-/// out and said in `warnings`. Errors: a record that does not end before the points, or before the end of the
-/// file. Memory: at most the size of the records in the file.
-LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings);
+/// out and said in `warnings`. Records about how the points are stored are in none of `others`, because
+/// whoever writes the points again stores them anew. Errors: a record that does not end before the points;
+/// two laszip records that differ; one behind the points that does not end before the end of the file is
+/// damage, and with Damage::read_over left out with those behind it, which is said in `warnings`. Memory: at
+/// most the size of the records in the file.
+LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
+                            Damage damage = Damage::refuse);
+
+/// How the points of a file are packed, by its laszip record; empty if they are not, whatever the header
+/// says: header.compressed follows. Errors: no such record, or one that contradicts itself or the header;
+/// points missing that are not packed, which is damage.
+std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, const LasRecords& records,
+                                      Damage damage = Damage::refuse);
 
 /// CRS as LAS records: WKT, and the GeoTIFF keys if there are any.
 std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);
@@ -32,6 +55,9 @@ std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);
 /// that fit.
 VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dimensions,
                                             const std::string& file_name);
+
+/// The header of a record, short or long.
+std::vector<std::byte> las_record_head(const VariableLengthRecord& record, bool extended);
 
 /// Appends a record with the short header (`data` at most 65535 bytes) or the long one.
 void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool extended);

@@ -13,7 +13,7 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t k_looked_at = 4096;
-constexpr const char* k_supported = "LAS, PLY, PCD, PTX, PTS, CSV, XYZ or an index file";
+constexpr const char* k_supported = "LAS, LAZ, PLY, PCD, E57, PTX, PTS, CSV, XYZ or an index file";
 
 /// The next line without spaces at its ends; `text` keeps what follows.
 std::string_view next_line(std::string_view& text) {
@@ -67,33 +67,29 @@ bool is_ptx(std::string_view start) {
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_cloud(InputFile file) {
+std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage) {
   const std::span<const std::byte> bytes = file.view_up_to(0, k_looked_at);
   // A copy, because the file is handed on.
   const std::string copy(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   std::string_view start = copy;
   if (start.empty()) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
-  if (start.starts_with("LASF")) return open_las(std::move(file));
+  if (start.starts_with("LASF")) return open_las(std::move(file), damage);
   if (is_index_file(std::as_bytes(std::span(start)))) return open_index_cloud(std::move(file));
-  if (start.starts_with("ASTM-E57")) {
-    throw Error({.file = file.name(),
-                 .problem = "is E57, which this version does not read",
-                 .expected = k_supported});
-  }
+  if (start.starts_with("ASTM-E57")) return open_e57(std::move(file));
   // Every reader of text skips a byte order mark.
   if (start.starts_with(k_byte_order_mark)) start.remove_prefix(k_byte_order_mark.size());
   if (start.starts_with("ply") && start.size() > 3 && (is_blank(start[3]) || start[3] == '\n')) {
-    return open_ply(std::move(file));
+    return open_ply(std::move(file), damage);
   }
-  if (is_pcd(start)) return open_pcd(std::move(file));
+  if (is_pcd(start)) return open_pcd(std::move(file), damage);
   if (!is_text(start)) {
     throw Error({.file = file.name(),
                  .problem = "is of no known format",
                  .expected = k_supported,
                  .found = "binary data"});
   }
-  if (is_ptx(start)) return open_ptx(std::move(file));
-  return open_text(std::move(file));
+  if (is_ptx(start)) return open_ptx(std::move(file), damage);
+  return open_text(std::move(file), damage);
 }
 
 }  // namespace alidade

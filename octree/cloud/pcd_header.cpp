@@ -146,7 +146,7 @@ void take_point_count(const TextScanner& scanner, const Lines& lines, PcdHeader&
                  std::to_string(*lines.points));
 }
 
-void check_room(const InputFile& input, const PcdHeader& header) {
+void check_room(const InputFile& input, const PcdHeader& header, Damage damage) {
   if (header.format == PcdFormat::binary_compressed) return;  // told by the sizes that stand before the data
   const bool ascii = header.format == PcdFormat::ascii;
   // In text, a value takes two bytes with the blank after it; the very last one may lack that.
@@ -154,11 +154,13 @@ void check_room(const InputFile& input, const PcdHeader& header) {
   const std::uint64_t room = ascii ? (left + 1) / 2 : left;
   const std::uint64_t size = ascii ? header.value_count() : header.point_size();
   if (header.point_count == 0 || (size > 0 && header.point_count <= room / size)) return;
-  throw Error({.file = input.name(),
-               .place = "byte " + std::to_string(header.data_place),
-               .problem = "the file is too short for its points",
-               .expected = std::to_string(header.point_count) + " points",
-               .found = size > 0 ? "room for " + std::to_string(room / size) : "points without values"});
+  if (size > 0 && damage == Damage::read_over) return;
+  throw DamagedFile(
+      {.file = input.name(),
+       .place = "byte " + std::to_string(header.data_place),
+       .problem = "the file is too short for its points",
+       .expected = std::to_string(header.point_count) + " points",
+       .found = size > 0 ? "room for " + std::to_string(room / size) : "points without values"});
 }
 
 }  // namespace
@@ -175,7 +177,7 @@ std::uint64_t PcdHeader::value_count() const {
   return count;
 }
 
-PcdHeader read_pcd_header(InputFile& input) {
+PcdHeader read_pcd_header(InputFile& input, Damage damage) {
   TextScanner scanner(input);
   PcdHeader header;
   Lines lines;
@@ -193,7 +195,7 @@ PcdHeader read_pcd_header(InputFile& input) {
   take_point_count(scanner, lines, header);
   header.data_place = scanner.place();
   header.line_count = scanner.line_number();
-  check_room(input, header);
+  check_room(input, header, damage);
   return header;
 }
 

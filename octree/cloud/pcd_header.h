@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octree/cloud/attributes.h"
+#include "octree/cloud/damage.h"
 #include "octree/cloud/input_file.h"
 
 namespace alidade {
@@ -35,9 +36,9 @@ struct PcdHeader {
   std::uint64_t value_count() const;
 };
 
-/// Reads and checks the header. Errors: anything that is not a PCD header, more points than the file has room
-/// for. VIEWPOINT is checked and otherwise left alone: it says where the sensor stood; points stay in the
-/// file's frame.
-PcdHeader read_pcd_header(InputFile& input);
+/// Reads and checks the header. Errors: anything that is not a PCD header, points without values; more points
+/// than the file has room for are damage. VIEWPOINT is checked and otherwise left alone: it says where the
+/// sensor stood; points stay in the file's frame.
+PcdHeader read_pcd_header(InputFile& input, Damage damage = Damage::refuse);
 
 }  // namespace alidade

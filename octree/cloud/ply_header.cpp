@@ -91,7 +91,7 @@ void find_vertex(const InputFile& input, PlyHeader& header) {
   header.vertex = static_cast<std::size_t>(found - header.elements.begin());
 }
 
-void check_count(const InputFile& input, const PlyHeader& header) {
+void check_count(const InputFile& input, const PlyHeader& header, Damage damage) {
   const PlyElement& vertex = header.elements[header.vertex];
   // In text, a value takes two bytes with the blank after it; the very last one may lack that.
   const std::uint64_t room = header.format == PlyFormat::ascii ? (input.size() - header.data_place + 1) / 2
@@ -99,7 +99,8 @@ void check_count(const InputFile& input, const PlyHeader& header) {
   const std::uint64_t size =
       header.format == PlyFormat::ascii ? vertex.properties.size() : vertex.smallest_size();
   if (vertex.count == 0 || (size > 0 && vertex.count <= room / size)) return;
-  throw Error(
+  if (size > 0 && damage == Damage::read_over) return;
+  throw DamagedFile(
       {.file = input.name(),
        .place = "byte " + std::to_string(header.data_place),
        .problem = "the file is too short for its vertices",
@@ -120,7 +121,7 @@ bool PlyElement::has_lists() const {
   return std::ranges::any_of(properties, &PlyProperty::is_list);
 }
 
-PlyHeader read_ply_header(InputFile& input) {
+PlyHeader read_ply_header(InputFile& input, Damage damage) {
   TextScanner scanner(input);
   const std::string first(scanner.next_line().value_or(""));
   Words words;
@@ -159,7 +160,7 @@ PlyHeader read_ply_header(InputFile& input) {
   header.data_place = scanner.place();
   header.line_count = scanner.line_number();
   find_vertex(input, header);
-  check_count(input, header);
+  check_count(input, header, damage);
   return header;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "octree/cloud/attributes.h"
+#include "octree/cloud/damage.h"
 #include "octree/cloud/input_file.h"
 
 namespace alidade {
@@ -39,8 +40,8 @@ struct PlyHeader {
 };
 
 /// Reads and checks the header. Errors: anything that is not a PLY 1.0 header, no element "vertex" or two of
-/// them, more vertices than the file has room for.
-PlyHeader read_ply_header(InputFile& input);
+/// them, vertices without properties; more vertices than the file has room for are damage.
+PlyHeader read_ply_header(InputFile& input, Damage damage = Damage::refuse);
 
 /// "binary_little_endian 1.0" and the like.
 std::string ply_version(PlyFormat format);

@@ -30,11 +30,22 @@ struct VariableLengthRecord {
 /// What was learnt about one input file. Of an index file these are the files it was made of.
 struct CloudFile {
   std::filesystem::path path;
-  std::string format;               ///< "LAS", "PLY", "PCD", "XYZ", "CSV", "PTS", "PTX", "Alidade index"
-  std::string version;              ///< "1.2", "ascii 1.0", ... ; empty if the format has none
-  std::optional<int> point_format;  ///< LAS point data record format
-  std::uint64_t point_count = 0;    ///< points taken into the cloud
-  std::uint64_t dropped_count = 0;  ///< points left out because a coordinate was not finite
+  std::string format;                   ///< "LAS", "PLY", "PCD", "E57", "XYZ", "CSV", "PTS", "PTX", ...
+  std::string version;                  ///< "1.2", "ascii 1.0", ... ; empty if the format has none
+  std::optional<int> point_format;      ///< LAS point data record format
+  std::uint64_t point_count = 0;        ///< points taken into the cloud
+  std::uint64_t dropped_count = 0;      ///< points left out because they have no finite position
+  std::uint64_t skipped_count = 0;      ///< points left unread, all of the file (ReadOptions::region)
+  std::optional<Bounds> stated_bounds;  ///< box of its points by its header (LAS), which may be wrong
+  std::uint64_t lost_count = 0;  ///< points that a damaged file does not give any more, as far as known
+};
+
+/// Where a scanner stood, by the pose of one of its scans.
+struct ScannerPosition {
+  std::string scan;          ///< name of the scan as the file gives it, maybe empty
+  glm::dvec3 position{0.0};  ///< world coordinates
+
+  bool operator==(const ScannerPosition&) const = default;
 };
 
 /// Points and their attributes, column by column. Point id = row; files in the order given.
@@ -62,6 +73,7 @@ struct PointCloud {
   bool gps_time_is_standard = false;          ///< LAS global encoding bit 0: adjusted standard GPS time
   std::array<std::uint8_t, 16> project_id{};  ///< LAS project GUID, first file's
   std::uint16_t file_source_id = 0;
+  std::vector<ScannerPosition> scanner_positions;  ///< of scans with a pose (E57), in the files' order
 
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;  ///< oddities that were read over, one sentence each, naming the file

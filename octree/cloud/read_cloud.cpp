@@ -2,6 +2,7 @@
 #include "octree/cloud/read_cloud.h"
 
 #include <fmt/format.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,90 +10,37 @@
 #include <memory>
 #include <optional>
 
+#include "octree/cloud/append_cloud.h"
+#include "octree/cloud/at_once.h"
+#include "octree/cloud/cloud_files.h"
 #include "octree/cloud/cloud_reader.h"
-#include "octree/cloud/fit_lattice.h"
+#include "octree/cloud/cloud_source.h"
+#include "octree/cloud/crs_name.h"
+#include "octree/cloud/crs_plausibility.h"
+#include "octree/cloud/is_las.h"
 #include "octree/cloud/join_records.h"
+#include "octree/cloud/joined_progress.h"
 #include "octree/cloud/spread_colors.h"
 #include "octree/error.h"
 
 namespace alidade {
 namespace {
 
-/// A file that waits to be read.
-struct Source {
-  std::unique_ptr<CloudReader> reader;
-  std::uint64_t bytes = 0;
-  CoordinateSurvey survey;  ///< of files without a lattice
+/// Files that are open, or read into pieces of their own, at once.
+constexpr std::size_t k_most_files_at_once = 32;
+/// Points of such pieces at once, if that is more than an eighth of all.
+constexpr std::uint64_t k_few_points = 1 << 22;
 
-  bool has_lattice() const { return reader->lattice().has_value(); }
-  const std::filesystem::path& path() const { return reader->file().path; }
-  std::uint64_t point_count() const {
-    return has_lattice() ? reader->point_count().value_or(0) : survey.finite_count;
-  }
-};
-
-/// Progress over several passes, each of which counts its own bytes.
-class JoinedProgress {
- public:
-  JoinedProgress(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
-
-  /// What to give to the next pass, over a file of `bytes` bytes.
-  Progress pass(std::uint64_t bytes) {
-    const std::uint64_t before = done_;
-    done_ += bytes;
-    if (!progress_) return {};
-    return [this, before, bytes](std::uint64_t done, std::uint64_t) {
-      return progress_(before + std::min(done, bytes), total_);
-    };
-  }
-
- private:
-  const Progress& progress_;
-  std::uint64_t total_;
-  std::uint64_t done_ = 0;
-};
-
-Lattice shared_lattice(const std::vector<Source>& sources) {
-  const Source* first = nullptr;
-  for (const Source& source : sources) {
-    // The lattice of a file without points binds nobody, unless there is no other.
-    if (!source.has_lattice() || (first && (first->point_count() > 0 || source.point_count() == 0))) continue;
-    first = &source;
-  }
-  if (!first) {
-    std::vector<CoordinateSurvey> surveys;
-    for (const Source& source : sources) surveys.push_back(source.survey);
-    return fit_lattice(surveys);
-  }
-  const Lattice lattice = *first->reader->lattice();
-  for (const Source& source : sources) {
-    if (source.point_count() == 0) continue;
-    if (source.has_lattice()) {
-      const Lattice own = *source.reader->lattice();
-      if (steps_between(own, lattice)) continue;
-      throw Error({.file = source.path().string(),
-                   .problem = "does not share the lattice of " + first->path().string(),
-                   .expected = fmt::format("scale {}, {}, {} and an offset that differs by whole steps",
-                                           lattice.scale.x, lattice.scale.y, lattice.scale.z),
-                   .found = fmt::format("scale {}, {}, {} and offset {}, {}, {}", own.scale.x, own.scale.y,
-                                        own.scale.z, own.offset.x, own.offset.y, own.offset.z)});
-    }
-    const Bounds& bounds = source.survey.bounds;
-    if (!to_lattice(lattice, bounds.min) || !to_lattice(lattice, bounds.max)) {
-      throw Error({.file = source.path().string(),
-                   .problem = "lies too far away for the lattice of " + first->path().string(),
-                   .found = fmt::format("a box from {}, {}, {} to {}, {}, {}", bounds.min.x, bounds.min.y,
-                                        bounds.min.z, bounds.max.x, bounds.max.y, bounds.max.z)});
-    }
-  }
-  return lattice;
+bool meet(const Bounds& a, const Bounds& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
+         a.min.z <= b.max.z && b.min.z <= a.max.z;
 }
 
 /// The rule stands at read_cloud(). It does not ask what floats of the size of the coordinates could tell
 /// apart: far from the origin that is centimetres.
-void warn_of_rounding(const Source& source, PointCloud& cloud) {
+void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
   constexpr double k_matters = 1e-6;
-  if (source.has_lattice() || source.point_count() == 0) return;
+  if (source.has_lattice || source.point_count() == 0) return;
   const glm::dvec3 sides = source.survey.bounds.max - source.survey.bounds.min;
   const double longest = std::max({sides.x, sides.y, sides.z});
   for (int axis = 0; axis < 3; ++axis) {
@@ -124,61 +72,233 @@ void warn_of_gaps(const std::vector<GivenRows>& given, AttributeSet wanted, Poin
   }
 }
 
+/// Takes over what the first file says about its points; of a later one, says where it differs.
+void join_facts(const CloudSource& source, PointCloud& cloud) {
+  const FileFacts& facts = source.facts;
+  const std::string file = source.path().string();
+  if (cloud.files.empty()) {
+    cloud.gps_time_is_standard = facts.gps_time_is_standard;
+    cloud.project_id = facts.project_id;
+    cloud.file_source_id = facts.file_source_id;
+  } else if (!cloud.gps_times.empty() && source.reader->attributes().contains(Attribute::gps_time) &&
+             cloud.gps_time_is_standard != facts.gps_time_is_standard) {
+    cloud.warnings.push_back(fmt::format(
+        "{}: counts GPS time another way (week or standard) than the first file; the times do not compare",
+        file));
+  }
+  if (!facts.crs.empty() && compare_crs(facts.crs, cloud.crs) == CrsAgreement::unknown) {
+    cloud.warnings.push_back(fmt::format(
+        "{}: states its coordinate reference system in another way ({}) than the files before it ({}), whose "
+        "way is kept",
+        file, crs_name(facts.crs), crs_name(cloud.crs)));
+  }
+}
+
+/// Says which files leave open what the others state.
+void warn_of_missing_crs(const std::vector<CloudSource>& sources, PointCloud& cloud) {
+  if (cloud.crs.empty()) return;
+  std::string first;
+  std::size_t count = 0;
+  for (const CloudSource& source : sources) {
+    if (!source.facts.crs.empty() || source.point_count() == 0) continue;
+    if (count++ == 0) first = source.path().string();
+  }
+  if (count == 0) return;
+  cloud.warnings.push_back(fmt::format(
+      "{}{}: no coordinate reference system is stated; it is taken to be that of the other files, {}", first,
+      count > 1 ? fmt::format(" and {} more files", count - 1) : "", crs_name(cloud.crs)));
+}
+
+/// Says what a damaged file does not give any more, and counts it.
+void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud) {
+  constexpr std::size_t k_most_places = 10;
+  const std::vector<LostPoints> lost = reader.lost();
+  const std::string file = reader.file().path.string();
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    count += lost[i].count;
+    if (i >= k_most_places) continue;
+    const std::string place = lost[i].place.empty() ? "" : ":" + lost[i].place;
+    cloud.warnings.push_back(fmt::format("{}{}: {}; {} lost", file, place, lost[i].problem,
+                                         lost[i].count == 0 ? std::string("nobody knows how many points are")
+                                         : lost[i].count == 1 ? std::string("1 point is")
+                                                              : fmt::format("{} points are", lost[i].count)));
+  }
+  if (lost.size() > k_most_places) {
+    cloud.warnings.push_back(fmt::format("{}: is damaged in {} more places; {} points are lost in all", file,
+                                         lost.size() - k_most_places, count));
+  }
+  if (!files.empty()) files.front().lost_count = count;
+}
+
+/// Opens files of which each is to be read, skipped, or to be looked through for its lattice.
+std::vector<CloudSource> open_sources(std::vector<InputFile> files, const ReadOptions& options) {
+  const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
+  std::vector<CloudSource> sources(files.size());
+  in_turns(files.size(), k_most_files_at_once, [&](std::size_t i) {
+    CloudSource& source = sources[i];
+    source.bytes = files[i].size();
+    source.reader = open_cloud(std::move(files[i]), damage);
+    source.has_lattice = source.reader->lattice().has_value();
+    source.facts = source.reader->facts();
+    source.is_skipped = options.region && !options.partial && source.has_lattice && source.facts.box &&
+                        !meet(*source.facts.box, *options.region);
+    source.reader->rest();
+  });
+  return sources;
+}
+
+/// Joins sources one by one, in their order.
+class Joining {
+ public:
+  Joining(PointCloud& cloud, const ReadOptions& options) : cloud_(cloud), options_(options) {}
+
+  /// Takes the next file: its points from `piece` if they have been read into one, else from the file.
+  void add(CloudSource& source, PointCloud* piece, const Progress& progress) {
+    const std::size_t first_row = cloud_.size(), first_record = cloud_.records.size();
+    join_facts(source, cloud_);
+    if (piece == nullptr) {
+      source.reader->read(cloud_, options_.attributes, progress);
+    } else {
+      append_cloud(cloud_, std::move(*piece));
+    }
+    records_.join(first_record);
+    const CloudFile& file = source.reader->file();
+    given_.push_back({file.path.string(), file.point_count, source.reader->attributes()});
+    warn_of_rounding(source, cloud_);
+    if (is_las(file) && cloud_.size() > first_row &&
+        (given_.back().attributes & options_.attributes).contains(Attribute::color)) {
+      colored_.push_back({file.path.string(), first_row, cloud_.size()});
+    }
+    std::vector<CloudFile> files = source.reader->sources();
+    warn_of_losses(*source.reader, files, cloud_);
+    std::ranges::move(files, std::back_inserter(cloud_.files));
+    source.reader.reset();
+  }
+
+  void skip(CloudSource& source) {
+    join_facts(source, cloud_);
+    CloudFile file = source.reader->file();
+    file.skipped_count = source.point_count();
+    file.point_count = 0;
+    cloud_.files.push_back(std::move(file));
+    source.reader.reset();
+  }
+
+  void finish() {
+    spread_colors(cloud_, colored_, options_.color_depth);
+    warn_of_gaps(given_, options_.attributes, cloud_);
+  }
+
+ private:
+  PointCloud& cloud_;
+  const ReadOptions& options_;
+  JoinedRecords records_{cloud_.records};
+  std::vector<GivenRows> given_;
+  std::vector<ColoredRows> colored_;
+};
+
+/// Where the files end that are read into pieces at once, from `first` on: at least one.
+std::size_t end_of_lot(const std::vector<CloudSource>& sources, std::size_t first,
+                       std::uint64_t most_points) {
+  std::uint64_t points = sources[first].is_skipped ? 0 : sources[first].point_count();
+  std::size_t end = first + 1;
+  while (end < sources.size() && end - first < k_most_files_at_once) {
+    points += sources[end].is_skipped ? 0 : sources[end].point_count();
+    if (points > most_points) break;
+    ++end;
+  }
+  return end;
+}
+
+/// Reads a lot of files at once, each into a cloud of its own; empty for files that are skipped.
+std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sources, std::size_t first,
+                                                   std::size_t end, const Lattice& lattice,
+                                                   AttributeSet wanted, JoinedProgress& progress) {
+  std::vector<std::optional<PointCloud>> pieces(end - first);
+  at_once(first, end, [&](std::size_t i) {
+    if (sources[i].is_skipped) return;
+    PointCloud& piece = pieces[i - first].emplace();
+    piece.lattice = lattice;
+    piece.positions.reserve(static_cast<std::size_t>(std::min(sources[i].point_count(), sources[i].bytes)));
+    sources[i].reader->read(piece, wanted, progress.pass(sources[i].bytes));
+    sources[i].reader->rest();
+  });
+  return pieces;
+}
+
 }  // namespace
 
 PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) {
-  std::vector<Source> sources;
+  std::vector<CloudSource> sources = open_sources(std::move(files), options);
   std::uint64_t bytes_to_read = 0;
-  for (InputFile& file : files) {
-    const std::uint64_t bytes = file.size();
-    Source& source = sources.emplace_back(Source{open_cloud(std::move(file)), bytes, {}});
-    bytes_to_read += source.has_lattice() ? bytes : 2 * bytes;
-    source.reader->rest();
-  }
+  for (const CloudSource& source : sources)
+    bytes_to_read += source.is_skipped ? 0 : source.has_lattice ? source.bytes : 2 * source.bytes;
   JoinedProgress progress(options.progress, bytes_to_read);
-  for (Source& source : sources) {
-    if (source.has_lattice()) continue;
-    source.survey = source.reader->survey(progress.pass(source.bytes));
-    source.reader->rest();
-  }
+  in_turns(sources.size(), k_most_files_at_once, [&](std::size_t i) {
+    if (sources[i].has_lattice) return;
+    sources[i].survey = sources[i].reader->survey(progress.pass(sources[i].bytes));
+    sources[i].reader->rest();
+  });
 
   PointCloud cloud;
-  cloud.lattice = shared_lattice(sources);
+  cloud.lattice = common_lattice(sources);
+  cloud.crs = common_crs(sources);
   std::uint64_t point_count = 0;
-  for (const Source& source : sources) point_count += source.point_count();
-  cloud.positions.reserve(static_cast<std::size_t>(point_count));
-
-  std::vector<GivenRows> given;
-  std::vector<ColoredRows> colored;
-  JoinedRecords records(cloud.records);
-  for (Source& source : sources) {
-    const std::size_t first_row = cloud.size(), first_record = cloud.records.size();
-    source.reader->read(cloud, options.attributes, progress.pass(source.bytes));
-    records.join(first_record);
-    const CloudFile& file = source.reader->file();
-    given.push_back({file.path.string(), file.point_count, source.reader->attributes()});
-    warn_of_rounding(source, cloud);
-    if (file.format == "LAS" && cloud.size() > first_row &&
-        (given.back().attributes & options.attributes).contains(Attribute::color)) {
-      colored.push_back({file.path.string(), first_row, cloud.size()});
-    }
-    std::ranges::move(source.reader->sources(), std::back_inserter(cloud.files));
-    source.reader.reset();
+  for (const CloudSource& source : sources) {
+    // Packed points rarely take less than a byte each; more of them are believed when they are there.
+    point_count += source.is_skipped ? 0 : std::min(source.point_count(), source.bytes);
   }
-  spread_colors(cloud, colored, options.color_depth);
-  warn_of_gaps(given, options.attributes, cloud);
+  cloud.positions.reserve(static_cast<std::size_t>(point_count));
+  warn_of_missing_crs(sources, cloud);
+
+  Joining joining(cloud, options);
+  const bool is_parallel = tbb::this_task_arena::max_concurrency() > 1;
+  const std::uint64_t most_points = std::max(k_few_points, point_count / 8);
+  for (std::size_t first = 0; first < sources.size();) {
+    const std::size_t end = is_parallel ? end_of_lot(sources, first, most_points) : first + 1;
+    std::vector<std::optional<PointCloud>> pieces(1);
+    if (end - first > 1)
+      pieces = read_pieces(sources, first, end, cloud.lattice, options.attributes, progress);
+    for (std::size_t i = first; i < end; ++i) {
+      std::optional<PointCloud>& piece = pieces[i - first];
+      if (sources[i].is_skipped) {
+        joining.skip(sources[i]);
+      } else {
+        joining.add(sources[i], piece ? &*piece : nullptr,
+                    piece ? Progress() : progress.pass(sources[i].bytes));
+      }
+      piece.reset();
+    }
+    first = end;
+  }
+  joining.finish();
+  if (is_geographic(cloud.crs) || is_geocentric(cloud.crs)) {
+    if (const auto problem = implausible_crs(cloud.crs, cloud.bounds())) cloud.warnings.push_back(*problem);
+  }
   report(options.progress, bytes_to_read, bytes_to_read);
   return cloud;
 }
 
 PointCloud read_cloud(std::span<const std::filesystem::path> paths, const ReadOptions& options) {
   std::vector<InputFile> files;
-  for (const std::filesystem::path& path : paths) files.emplace_back(path).rest();
+  for (const std::filesystem::path& path : expand_cloud_files(paths)) files.emplace_back(path).rest();
   return join_files(std::move(files), options);
 }
 
 PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
   return read_cloud(std::span(&file, 1), options);
+}
+
+Bounds stated_box(std::span<const std::filesystem::path> paths) {
+  const std::vector<std::filesystem::path> files = expand_cloud_files(paths);
+  std::vector<Bounds> boxes(files.size());
+  in_turns(files.size(), k_most_files_at_once, [&](std::size_t i) {
+    boxes[i] = open_cloud(InputFile(files[i]), Damage::read_over)->facts().box.value_or(Bounds());
+  });
+  Bounds all;
+  for (const Bounds& box : boxes) all.grow(box);
+  return all;
 }
 
 }  // namespace alidade

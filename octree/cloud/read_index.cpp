@@ -29,6 +29,7 @@ class IndexReader final : public CloudReader {
     return files.empty() ? CloudReader::sources() : files;
   }
   AttributeSet attributes() const override { return index_.attributes(); }
+  FileFacts facts() const override;
   std::optional<Lattice> lattice() const override { return index_.header().tree.lattice; }
   std::optional<std::uint64_t> point_count() const override { return about_.point_count; }
   CoordinateSurvey survey(const Progress&) override {
@@ -38,7 +39,6 @@ class IndexReader final : public CloudReader {
   void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
 
  private:
-  void add_file_facts(PointCloud& cloud) const;
   void take_positions(PointCloud& cloud, std::size_t first_row) const;
   void take_columns(PointCloud& cloud, AttributeSet kept, std::size_t first_row) const;
 
@@ -46,28 +46,14 @@ class IndexReader final : public CloudReader {
   CloudFile about_;
 };
 
-void IndexReader::add_file_facts(PointCloud& cloud) const {
+FileFacts IndexReader::facts() const {
   const PointCloud& own = index_.description();
-  cloud.warnings.insert(cloud.warnings.end(), own.warnings.begin(), own.warnings.end());
-  if (cloud.files.empty()) {
-    cloud.gps_time_is_standard = own.gps_time_is_standard;
-    cloud.project_id = own.project_id;
-    cloud.file_source_id = own.file_source_id;
-  } else if (!cloud.gps_times.empty() && attributes().contains(Attribute::gps_time) &&
-             cloud.gps_time_is_standard != own.gps_time_is_standard) {
-    cloud.warnings.push_back(fmt::format(
-        "{}: counts GPS time another way (week or standard) than the first file; the times do not compare",
-        index_.name()));
-  }
-  if (cloud.crs.empty()) {
-    cloud.crs = own.crs;
-  } else if (!own.crs.empty() && own.crs != cloud.crs) {
-    cloud.warnings.push_back(
-        fmt::format("{}: states another coordinate reference system than the files before it; theirs is kept",
-                    index_.name()));
-  }
-  const std::vector<VariableLengthRecord> records = index_.records();
-  cloud.records.insert(cloud.records.end(), records.begin(), records.end());
+  const Bounds& bounds = index_.header().tree.bounds;
+  return {.crs = own.crs,
+          .gps_time_is_standard = own.gps_time_is_standard,
+          .project_id = own.project_id,
+          .file_source_id = own.file_source_id,
+          .box = bounds.empty() ? std::nullopt : std::optional(bounds)};
 }
 
 void IndexReader::take_positions(PointCloud& cloud, std::size_t first_row) const {
@@ -110,7 +96,12 @@ void IndexReader::take_columns(PointCloud& cloud, AttributeSet kept, std::size_t
 }
 
 void IndexReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
-  add_file_facts(cloud);
+  const PointCloud& own = index_.description();
+  cloud.warnings.insert(cloud.warnings.end(), own.warnings.begin(), own.warnings.end());
+  cloud.scanner_positions.insert(cloud.scanner_positions.end(), own.scanner_positions.begin(),
+                                 own.scanner_positions.end());
+  const std::vector<VariableLengthRecord> records = index_.records();
+  cloud.records.insert(cloud.records.end(), records.begin(), records.end());
   const std::size_t first_row = cloud.size();
   const std::uint64_t bytes = index_.header().file_bytes;
   index_.tree();

@@ -4,14 +4,19 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <optional>
 
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/las_records.h"
+#include "octree/cloud/laz/laszip_record.h"
 #include "octree/error.h"
 
 namespace alidade {
 namespace {
 
+constexpr std::size_t k_record_header_size = 54;
+constexpr const char* k_copc_user_id = "copc";
+constexpr std::uint16_t k_copc_info_id = 1;
 constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
 
 /// A record's header and where its data stand.
@@ -28,7 +33,7 @@ struct RecordPlace {
 
 /// Reads the header of the record at `place`; its data must end at `end` or before.
 RecordPlace read_record_header(InputFile& file, std::uint64_t place, std::uint64_t end, bool extended) {
-  const std::size_t header_size = extended ? 60 : 54;
+  const std::size_t header_size = extended ? 60 : k_record_header_size;
   const auto fail = [&](std::uint64_t wanted) {
     throw Error({.file = file.name(),
                  .place = fmt::format("byte {}", place),
@@ -46,6 +51,21 @@ RecordPlace read_record_header(InputFile& file, std::uint64_t place, std::uint64
                      .extended = extended};
   if (record.size > end - record.place) fail(record.size);
   return record;
+}
+
+StorageRecord read_storage_record(InputFile& file, const RecordPlace& record) {
+  StorageRecord storage{record.place, std::vector<std::byte>(static_cast<std::size_t>(record.size))};
+  file.read_at(record.place, storage.data);
+  return storage;
+}
+
+void take_laszip(StorageRecord record, const InputFile& file, std::optional<StorageRecord>& known) {
+  if (known && known->data != record.data) {
+    throw Error({.file = file.name(),
+                 .place = fmt::format("byte {}", record.place),
+                 .problem = fmt::format("the laszip record differs from the one at byte {}", known->place)});
+  }
+  if (!known) known = std::move(record);
 }
 
 std::vector<std::uint8_t> read_data(InputFile& file, const RecordPlace& record) {
@@ -160,7 +180,8 @@ std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
 
 }  // namespace
 
-LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings) {
+LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
+                            Damage damage) {
   LasRecords result;
   std::vector<std::uint8_t> extra_bytes_data;
   std::string liblas_wkt;
@@ -182,6 +203,11 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
       extra_bytes_data = read_data(file, record);
     } else if (record.is("LASF_Spec", 65535)) {
       warnings.push_back(fmt::format("{}: wave packets are left out", file.name()));
+    } else if (record.is(k_laszip_user_id, k_laszip_record_id)) {
+      take_laszip(read_storage_record(file, record), file, result.laszip);
+    } else if (record.user_id == k_copc_user_id) {
+      const bool first = record.place == k_las_header_size + k_record_header_size;
+      if (first && record.record_id == k_copc_info_id) result.copc_info = read_storage_record(file, record);
     } else {
       // libLAS wrote WKT before the standard had a place for it. The record is handed on too.
       bool problem = false;
@@ -202,9 +228,16 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
   }
   place = header.extended_records_place;
   for (std::uint32_t i = 0; i < header.extended_record_count; ++i) {
-    const RecordPlace record = read_record_header(file, place, file.size(), true);
-    take(record);
-    place = record.place + record.size;
+    std::optional<RecordPlace> record;
+    try {
+      record = read_record_header(file, place, file.size(), true);
+    } catch (const Error& error) {
+      if (damage == Damage::refuse) throw DamagedFile(error.parts());
+      warnings.push_back(fmt::format("{}; this and the records behind it are left out", error.what()));
+      break;
+    }
+    take(*record);
+    place = record->place + record->size;
   }
 
   if (result.crs.wkt.empty()) result.crs.wkt = std::move(liblas_wkt);
@@ -217,6 +250,23 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
   const int extra_bytes = header.point_size - header.layout().size;
   result.extra_dimensions = read_extra_dimensions(file.name(), extra_bytes_data, extra_bytes, warnings);
   return result;
+}
+
+std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, const LasRecords& records,
+                                      Damage damage) {
+  if (!header.compressed) return std::nullopt;
+  if (!records.laszip) {
+    throw Error({.file = file.name(),
+                 .place = "byte 104",
+                 .problem = "the points are compressed, but no record says how",
+                 .expected = fmt::format("a record '{}' {}", k_laszip_user_id, k_laszip_record_id)});
+  }
+  LazLayout layout = parse_laszip_record(records.laszip->data, file.name(), records.laszip->place,
+                                         header.point_format, header.point_size);
+  if (layout.compressor != LazCompressor::none) return layout;
+  header.compressed = false;
+  keep_points_inside(file, header, damage);
+  return std::nullopt;
 }
 
 }  // namespace alidade

@@ -39,8 +39,8 @@ std::uint64_t packed_color_from(const Cell& cell, ScalarType type) {
 
 class PcdReader final : public TableReader {
  public:
-  PcdReader(InputFile input, PcdHeader header)
-      : TableReader(std::move(input), "PCD"), header_(std::move(header)) {
+  PcdReader(InputFile input, PcdHeader header, Damage damage)
+      : TableReader(std::move(input), "PCD", damage), header_(std::move(header)) {
     description_.version = header_.version;
     std::vector<TableColumn> columns;
     std::string skipped;
@@ -61,6 +61,7 @@ class PcdReader final : public TableReader {
   }
 
  protected:
+  std::optional<std::uint64_t> announced_rows() const override { return header_.point_count; }
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     switch (header_.format) {
       case PcdFormat::ascii:
@@ -185,9 +186,9 @@ class PcdReader final : public TableReader {
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_pcd(InputFile file) {
-  PcdHeader header = read_pcd_header(file);
-  return std::make_unique<PcdReader>(std::move(file), std::move(header));
+std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage) {
+  PcdHeader header = read_pcd_header(file, damage);
+  return std::make_unique<PcdReader>(std::move(file), std::move(header), damage);
 }
 
 }  // namespace alidade

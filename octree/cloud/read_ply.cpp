@@ -18,8 +18,8 @@ constexpr std::uint64_t k_rows_per_report = 1 << 16;
 
 class PlyReader final : public TableReader {
  public:
-  PlyReader(InputFile input, PlyHeader header)
-      : TableReader(std::move(input), "PLY"), header_(std::move(header)) {
+  PlyReader(InputFile input, PlyHeader header, Damage damage)
+      : TableReader(std::move(input), "PLY", damage), header_(std::move(header)) {
     description_.version = ply_version(header_.format);
     std::vector<TableColumn> columns;
     for (const PlyProperty& property : vertex().properties) {
@@ -31,6 +31,7 @@ class PlyReader final : public TableReader {
   }
 
  protected:
+  std::optional<std::uint64_t> announced_rows() const override { return vertex().count; }
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     if (header_.format == PlyFormat::ascii) {
       visit_text(visit, progress);
@@ -159,9 +160,9 @@ class PlyReader final : public TableReader {
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_ply(InputFile file) {
-  PlyHeader header = read_ply_header(file);
-  return std::make_unique<PlyReader>(std::move(file), std::move(header));
+std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage) {
+  PlyHeader header = read_ply_header(file, damage);
+  return std::make_unique<PlyReader>(std::move(file), std::move(header), damage);
 }
 
 }  // namespace alidade

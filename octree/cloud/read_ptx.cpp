@@ -17,6 +17,9 @@ namespace {
 constexpr std::uint64_t k_lines_per_report = 1 << 15;
 
 /// Rows of the matrix that takes a point of the scan, as a row vector (x, y, z, 1), to the world.
+/// More than any file holds; keeps products within 64 bits.
+constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;
+
 using Transform = std::array<std::array<double, 4>, 4>;
 
 struct ScanHeader {
@@ -31,7 +34,7 @@ struct ScanHeader {
 /// and are only checked to be numbers.
 class PtxReader final : public TableReader {
  public:
-  explicit PtxReader(InputFile input) : TableReader(std::move(input), "PTX") {
+  PtxReader(InputFile input, Damage damage) : TableReader(std::move(input), "PTX", damage) {
     TextScanner scanner(input_);
     while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
@@ -119,7 +122,7 @@ class PtxReader final : public TableReader {
     const std::uint64_t height = require_grid_size(scanner, "rows");
     // The shortest line is "0 0 0" and its end, which the last line may lack.
     const std::uint64_t room = (input_.size() - scanner.place() + 1) / 6;
-    if (height > 0 && width > room / height)
+    if (height > 0 && width > (damage() == Damage::refuse ? room : k_most_points) / height)
       scanner.fail("the file is too short for the points of the scan", "at most " + std::to_string(room),
                    std::to_string(width) + " times " + std::to_string(height));
     for (const char* what : {"the scanner's position", "its x axis", "its y axis", "its z axis"}) {
@@ -180,8 +183,8 @@ class PtxReader final : public TableReader {
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_ptx(InputFile file) {
-  return std::make_unique<PtxReader>(std::move(file));
+std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage) {
+  return std::make_unique<PtxReader>(std::move(file), damage);
 }
 
 }  // namespace alidade

@@ -17,8 +17,8 @@ constexpr std::uint64_t k_lines_per_report = 1 << 15;
 
 class TextReader final : public TableReader {
  public:
-  TextReader(InputFile input, TextLayout layout)
-      : TableReader(std::move(input), layout.format), layout_(std::move(layout)) {
+  TextReader(InputFile input, TextLayout layout, Damage damage)
+      : TableReader(std::move(input), layout.format, damage), layout_(std::move(layout)) {
     set_columns(layout_.columns, "line " + std::to_string(std::max<std::uint64_t>(layout_.line_count, 1)));
     for (const std::string& remark : layout_.remarks) warn(remark);
   }
@@ -64,7 +64,7 @@ class TextReader final : public TableReader {
                    std::to_string(words_.size()) + " words");
     // A value takes two bytes with the blank after it; the very last one may lack that.
     const std::uint64_t room = (input_.size() - scanner.place() + 1) / (2 * columns().size());
-    if (*count > room)
+    if (*count > room && damage() == Damage::refuse)
       scanner.fail("the file is too short for the points of the count line",
                    "at most " + std::to_string(room), std::to_string(*count));
     return *count;
@@ -107,9 +107,9 @@ class TextReader final : public TableReader {
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_text(InputFile file) {
+std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage) {
   TextLayout layout = read_text_layout(file);
-  return std::make_unique<TextReader>(std::move(file), std::move(layout));
+  return std::make_unique<TextReader>(std::move(file), std::move(layout), damage);
 }
 
 }  // namespace alidade

@@ -13,7 +13,8 @@
 
 namespace alidade {
 
-TableReader::TableReader(InputFile input, std::string format) : input_(std::move(input)) {
+TableReader::TableReader(InputFile input, std::string format, Damage damage)
+    : input_(std::move(input)), damage_(damage) {
   description_.path = input_.name();
   description_.format = std::move(format);
 }
@@ -31,9 +32,32 @@ void TableReader::set_columns(std::vector<TableColumn> columns, const std::strin
   columns_ = std::move(columns);
 }
 
+void TableReader::visit_whole_rows(const RowVisitor& visit, const Progress& progress) {
+  lost_.clear();
+  std::uint64_t rows = 0;
+  bool is_visiting = false;
+  try {
+    visit_rows(
+        [&](std::span<const Cell> row) {
+          is_visiting = true;
+          visit(row);
+          is_visiting = false;
+          ++rows;
+        },
+        progress);
+  } catch (const Error& error) {
+    if (is_visiting) throw;
+    if (damage_ == Damage::refuse) throw DamagedFile(error.parts());
+    const std::uint64_t announced = announced_rows().value_or(rows);
+    lost_.push_back({.count = announced > rows ? announced - rows : 0,
+                     .place = error.parts().place,
+                     .problem = error.parts().problem});
+  }
+}
+
 CoordinateSurvey TableReader::survey(const Progress& progress) {
   auto pass = std::make_unique<TableSurvey>(columns_);
-  visit_rows([&](std::span<const Cell> row) { pass->add(row); }, progress);
+  visit_whole_rows([&](std::span<const Cell> row) { pass->add(row); }, progress);
   survey_ = std::move(pass);
   return {.bounds = survey_->bounds(),
           .finite_count = survey_->finite_count(),
@@ -58,7 +82,7 @@ void TableReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& p
     appender.scale_intensities(
         assume(Attribute::intensity,
                intensity_scaling(type_of(ColumnRole::intensity), survey_->intensities(), intensity_scale())));
-  visit_rows(
+  visit_whole_rows(
       [&](std::span<const Cell> row) {
         if (appender.add(row)) return;
         fail({}, "a point does not fit on the lattice, or the file changed while it was read");

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,20 +26,25 @@ class TableReader : public CloudReader {
   std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
   CoordinateSurvey survey(const Progress& progress) override;
   void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
+  std::vector<LostPoints> lost() const override { return lost_; }
   void rest() override { input_.rest(); }
 
  protected:
   /// Takes one row, a cell for each column.
   using RowVisitor = std::function<void(std::span<const Cell>)>;
 
-  TableReader(InputFile input, std::string format);
+  TableReader(InputFile input, std::string format, Damage damage);
 
   /// Sets the columns, whose roles have been assigned; `place` is where the file tells them. Errors: two
   /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
   void set_columns(std::vector<TableColumn> columns, const std::string& place);
 
-  /// Shows every row to `visit`, in order. A point without a place has NaN coordinates.
+  /// Shows every row to `visit`, in order. A point without a place has NaN coordinates. An Error means that
+  /// this and the following rows cannot be had.
   virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
+
+  /// How many rows the header says there are, if it does.
+  virtual std::optional<std::uint64_t> announced_rows() const { return std::nullopt; }
 
   /// The resolution of the coordinates after a pass; by default from the types of the columns and the largest
   /// coordinates.
@@ -56,14 +62,19 @@ class TableReader : public CloudReader {
                          std::string found = {}) const;
 
   const std::vector<TableColumn>& columns() const { return columns_; }
+  /// With Damage::read_over, counts are not compared with the room in the file: it ends where it ends.
+  Damage damage() const { return damage_; }
   InputFile input_;
   CloudFile description_;
 
  private:
   ScalarType type_of(ColumnRole role) const;
+  void visit_whole_rows(const RowVisitor& visit, const Progress& progress);
 
   std::vector<TableColumn> columns_;
   std::vector<std::string> warnings_;
+  Damage damage_;
+  std::vector<LostPoints> lost_;         ///< in the last pass
   std::unique_ptr<TableSurvey> survey_;  ///< after the first pass
 };
 

@@ -7,10 +7,13 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "octree/cloud/append_rows.h"
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/las_records.h"
+#include "octree/cloud/laz/laz_point_writer.h"
+#include "octree/cloud/laz/write_laszip_record.h"
 #include "octree/cloud/output_file.h"
 #include "octree/error.h"
 
@@ -65,6 +68,7 @@ struct LasWriter::State {
   LatticePosition low{std::numeric_limits<std::int32_t>::max()},
       high{std::numeric_limits<std::int32_t>::min()};
   std::vector<std::byte> block;
+  std::optional<LazPointWriter> packed_points;  ///< of LAZ
 
   State(const std::filesystem::path& path, const LasWriteOptions& write_options)
       : file(path, write_options.overwrite), options(write_options) {}
@@ -114,6 +118,12 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
     records.push_back(las_extra_bytes_record(state_->extra_dimensions, path.string()));
   }
   records.insert(records.end(), like.records.begin(), like.records.end());
+  std::optional<LazLayout> packing;
+  header.compressed = is_laz_name(path);
+  if (header.compressed) {
+    packing = standard_laz_layout(header.point_format, header.point_size);
+    records.push_back(laszip_record(*packing));
+  }
   OutputFile& file = state_->file;
   file.write(encode_las_header(header));
   for (VariableLengthRecord& record : records) {
@@ -131,6 +141,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
                  .found = fmt::format("{} bytes", file.size())});
   }
   header.points_place = static_cast<std::uint32_t>(file.size());
+  if (packing) state_->packed_points.emplace(file, *packing);
 }
 
 LasWriter::~LasWriter() = default;
@@ -201,7 +212,11 @@ void LasWriter::write(const PointCloud& batch) {
     const std::size_t count = std::min(step, batch.size() - first);
     state.encode(batch, first, count);
     state.count_points(batch, first, count);
-    state.file.write(state.block);
+    if (state.packed_points) {
+      state.packed_points->write(state.block);
+    } else {
+      state.file.write(state.block);
+    }
     report(state.options.progress, state.header.point_count, total);
   }
 }
@@ -209,6 +224,7 @@ void LasWriter::write(const PointCloud& batch) {
 void LasWriter::finish() {
   State& state = *state_;
   LasHeader& header = state.header;
+  if (state.packed_points) state.packed_points->finish();
   if (header.point_count > 0) {
     header.bounds.grow(to_world(header.lattice, state.low));
     header.bounds.grow(to_world(header.lattice, state.high));
@@ -219,6 +235,14 @@ void LasWriter::finish() {
     write_las_record(state.file, record, true);
   state.file.write_at(0, encode_las_header(header));
   state.file.commit();
+}
+
+bool is_laz_name(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& letter : ending) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return ending == ".laz";
 }
 
 void write_las(const std::filesystem::path& path, const PointCloud& cloud, const LasWriteOptions& options) {

@@ -18,8 +18,10 @@ struct LasWriteOptions {
   std::uint16_t creation_day = 0, creation_year = 0;
 };
 
-/// Writes LAS 1.4 piece by piece in bounded memory. The file appears under its name only in finish(): until
-/// then it is written beside it and removed again if the writer is destroyed first.
+/// Writes LAS 1.4 piece by piece in bounded memory, or LAZ where the name says so: is_laz_name(). LAZ is
+/// packed in chunks of 50000 points, in parallel; its bytes do not depend on the number of threads. The file
+/// appears under its name only in finish(): until then it is written beside it and removed again if the
+/// writer is destroyed first.
 class LasWriter {
  public:
   /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and
@@ -45,6 +47,9 @@ class LasWriter {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// Whether a file of this name is written as LAZ: it ends in .laz, in letters of any case.
+bool is_laz_name(const std::filesystem::path& path);
 
 /// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is
 /// kept.

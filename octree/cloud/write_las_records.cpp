@@ -97,10 +97,10 @@ VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dime
   return record;
 }
 
-void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool extended) {
+std::vector<std::byte> las_record_head(const VariableLengthRecord& record, bool extended) {
   assert(extended || record.data.size() <= k_longest_las_record);
-  std::array<std::byte, 60> bytes{};
-  std::byte* const at = bytes.data();
+  std::vector<std::byte> head(extended ? 60 : 54);
+  std::byte* const at = head.data();
   store_las_text(at + 2, 16, record.user_id);
   store(at + 18, record.record_id);
   if (extended) {
@@ -109,7 +109,11 @@ void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool
     store(at + 20, static_cast<std::uint16_t>(record.data.size()));
   }
   store_las_text(at + (extended ? 28 : 22), 32, record.description);
-  file.write(std::span(bytes).first(extended ? 60 : 54));
+  return head;
+}
+
+void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool extended) {
+  file.write(las_record_head(record, extended));
   file.write(std::as_bytes(std::span(record.data)));
 }
 

@@ -149,13 +149,38 @@ TEST(LasMalformedTest, unknown_versions_and_formats_are_an_error) {
   EXPECT_NE(error_with(104, std::uint8_t{11}).find("unknown point format"), std::string::npos);
 }
 
-TEST(LasMalformedTest, compressed_points_are_an_error_that_names_the_format) {
-  EXPECT_NE(error_with(104, std::uint8_t{7 | 128}).find("(LAZ)"), std::string::npos);
-  EXPECT_NE(error_with(104, std::uint8_t{7 | 64}).find("(LAZ)"), std::string::npos);
-  test::LasFile copc = sample_las(4, 7);
-  copc.records.insert(copc.records.begin(), {"copc", 1, "", std::vector<std::uint8_t>(160)});
-  const std::vector<std::byte> bytes = with(build_las(copc), 104, std::uint8_t{7 | 128});
-  EXPECT_NE(error_of([&] { read_memory(bytes); }).find("(COPC)"), std::string::npos);
+TEST(LasMalformedTest, compressed_points_without_a_record_that_says_how_are_an_error) {
+  EXPECT_NE(error_with(104, std::uint8_t{7 | 128}).find("no record says how"), std::string::npos);
+  EXPECT_NE(error_with(104, std::uint8_t{7 | 64}).find("no record says how"), std::string::npos);
+}
+
+TEST(LasMalformedTest, records_of_packing_that_differ_are_an_error) {
+  test::LasFile file = sample_las(4, 7);
+  file.records.push_back({"laszip encoded", 22204, "", std::vector<std::uint8_t>(34)});
+  file.records.push_back({"laszip encoded", 22204, "", std::vector<std::uint8_t>(40)});
+  EXPECT_NE(error_of([&] { read_memory(build_las(file)); }).find("the laszip record differs"),
+            std::string::npos);
+}
+
+TEST(LasMalformedTest, points_packed_by_compressor_none_are_plain_points) {
+  test::LasFile file = sample_las(2, 3);
+  const PointCloud plain = read_memory(build_las(file));
+  file.records.push_back({"laszip encoded", 22204, "", std::vector<std::uint8_t>(34)});
+  const std::vector<std::byte> bytes = with(build_las(file), 104, std::uint8_t{3 | 128});
+  const PointCloud cloud = read_memory(bytes);
+  EXPECT_EQ(cloud.positions, plain.positions);
+  EXPECT_EQ(cloud.records, plain.records) << "the record says nothing about the points themselves";
+  const std::vector<std::byte> cut(bytes.begin(), bytes.end() - 200);
+  EXPECT_NE(error_of([&] { read_memory(cut); }).find("the file ends before its last point"),
+            std::string::npos);
+}
+
+TEST(LasMalformedTest, records_of_copc_are_not_handed_on) {
+  test::LasFile file = sample_las(4, 7);
+  const PointCloud plain = read_memory(build_las(file));
+  file.records.insert(file.records.begin(), {"copc", 1, "", std::vector<std::uint8_t>(160)});
+  file.extended_records.push_back({"copc", 1000, "", std::vector<std::uint8_t>(32)});
+  EXPECT_EQ(read_memory(build_las(file)).records, plain.records);
 }
 
 TEST(LasMalformedTest, damaged_geotiff_keys_are_a_warning) {

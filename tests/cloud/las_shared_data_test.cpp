@@ -287,10 +287,7 @@ TEST(LasSharedFilesTest, damaged_files_are_errors) {
                        "expected 1065 points of 34 bytes from byte 229 on, found room for 1064"));
   EXPECT_TRUE(contains(error("1.2-no-points.las"), "found room for 0"));
   EXPECT_TRUE(contains(error("garbage_nVariableLength.las"), "byte "));
-  EXPECT_TRUE(contains(error("lone-star-invalid-tile_2-2-2-2.laz"), "unknown LAS version"));
-  EXPECT_TRUE(contains(error("laszip-generated_with2bytespadding.laz"), "(LAZ)"));
-  EXPECT_TRUE(contains(error("simple-laszip-compressor-version-1.2r0.laz"), "(LAZ)"));
-  EXPECT_TRUE(contains(error("corrupt_crc.e57"), "E57"));
+  EXPECT_TRUE(contains(error("corrupt_crc.e57"), "page 33: the checksum is wrong"));
 }
 
 TEST(LasSharedFilesTest, odd_files_are_clean_reads) {

@@ -94,12 +94,14 @@ TEST(OpenCloudTest, binary_of_no_known_format_is_an_error_that_lists_the_formats
                          "ELF\2\1\1\0\0\0\0",
                          11)));
   });
-  EXPECT_NE(message.find("LAS, PLY, PCD, PTX, PTS, CSV, XYZ or an index file"), std::string::npos) << message;
+  EXPECT_NE(message.find("LAS, LAZ, PLY, PCD, E57, PTX, PTS, CSV, XYZ or an index file"), std::string::npos)
+      << message;
 }
 
-TEST(OpenCloudTest, e57_is_an_error_that_names_it) {
-  EXPECT_NE(error_of([] { test::read_memory(text("ASTM-E57 and so on")); }).find("is E57"),
-            std::string::npos);
+TEST(OpenCloudTest, e57_is_told_by_its_signature) {
+  EXPECT_NE(
+      error_of([] { test::read_memory(text("ASTM-E57 and so on")); }).find("header: the file ends early"),
+      std::string::npos);
 }
 
 TEST(OpenCloudTest, a_missing_file_is_an_error) {
@@ -134,6 +136,13 @@ TEST(ReadCloudTest, another_scale_or_a_fraction_of_a_step_is_an_error_that_names
       << scale;
   const std::string offset = error_of([] { join({build_las(las({1})), build_las(las({1}, 0.005))}); });
   EXPECT_NE(offset.find("offset 0.005"), std::string::npos) << offset;
+}
+
+TEST(ReadCloudTest, the_first_file_is_named_if_most_do_not_share_its_lattice) {
+  const std::string message = error_of([] {
+    join({build_las(las({1}, 0, 0.03)), build_las(las({1})), build_las(las({2}))});
+  });
+  EXPECT_TRUE(message.starts_with("first: does not share the lattice of second")) << message;
 }
 
 TEST(ReadCloudTest, files_too_far_apart_for_32_bits_are_an_error) {
@@ -174,16 +183,6 @@ TEST(ReadCloudTest, extra_dimensions_are_joined_by_meaning) {
   EXPECT_EQ(range.values[4], two.points[0].extra[0]);
   EXPECT_EQ(cloud.extra_dimensions[4].values.size(), 5u * 11);
   EXPECT_EQ(cloud.extra_dimensions[0].values[8], 0) << "the second file has no Deviation";
-}
-
-TEST(ReadCloudTest, another_crs_is_a_warning_that_names_the_file) {
-  LasFile one = las({1}), two = las({2});
-  one.records = {{"LASF_Projection", 2112, "", {'A', '[', ']', 0}}};
-  two.records = {{"LASF_Projection", 2112, "", {'B', '[', ']', 0}}};
-  const PointCloud cloud = join({build_las(one), build_las(two)});
-  EXPECT_EQ(cloud.crs.wkt, "A[]");
-  EXPECT_TRUE(warns(cloud, "second: states another coordinate reference system"));
-  EXPECT_FALSE(warns(join({build_las(one), build_las(one), build_las(las({3}))}), "coordinate reference"));
 }
 
 TEST(ReadCloudTest, records_that_tiles_repeat_are_kept_once) {

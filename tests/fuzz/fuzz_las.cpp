@@ -8,15 +8,18 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));
-  try {
-    alidade::open_las(alidade::InputFile(bytes, "input"));
-    // The same file twice also goes through the joining of lattices, columns and records.
-    std::vector<alidade::InputFile> files;
-    files.emplace_back(bytes, "first");
-    files.emplace_back(bytes, "second");
-    const alidade::PointCloud cloud = alidade::join_files(std::move(files), {});
-    if (cloud.size() * 20 > 2 * size) std::abort();
-  } catch (const alidade::Error&) {
+  for (const bool partial : {false, true}) {
+    try {
+      alidade::open_las(alidade::InputFile(bytes, "input"),
+                        partial ? alidade::Damage::read_over : alidade::Damage::refuse);
+      // The same file twice also goes through the joining of lattices, columns and records.
+      std::vector<alidade::InputFile> files;
+      files.emplace_back(bytes, "first");
+      files.emplace_back(bytes, "second");
+      const alidade::PointCloud cloud = alidade::join_files(std::move(files), {.partial = partial});
+      if (cloud.size() * 20 > 2 * size) std::abort();
+    } catch (const alidade::Error&) {
+    }
   }
   return 0;
 }

@@ -4,6 +4,6 @@
 
 // A point takes two bytes at least, before compression.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  alidade::test::fuzz_reader(alidade::open_pcd, data, size, alidade::k_lzf_largest_ratio);
+  alidade::test::fuzz_damaged(alidade::open_pcd, data, size, alidade::k_lzf_largest_ratio);
   return 0;
 }

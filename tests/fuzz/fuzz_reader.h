@@ -15,10 +15,11 @@ namespace alidade::test {
 
 /// Any bytes through a reader: an Error, or a cloud that agrees with its survey and has at most
 /// `largest_ratio` points for each byte of input.
-inline void fuzz_reader(std::unique_ptr<CloudReader> (*open)(InputFile), const std::uint8_t* data,
-                        std::size_t size, std::size_t largest_ratio) {
+template <class Open>
+void fuzz_opened(const Open& open, const std::uint8_t* data, std::size_t size, std::size_t largest_ratio) {
   try {
-    const auto reader = open(InputFile(std::as_bytes(std::span(data, size)), "input"));
+    const std::unique_ptr<CloudReader> reader =
+        open(InputFile(std::as_bytes(std::span(data, size)), "input"));
     const CoordinateSurvey survey = reader->survey({});
     PointCloud cloud;
     cloud.lattice = fit_lattice({&survey, 1});
@@ -38,6 +39,20 @@ inline void fuzz_reader(std::unique_ptr<CloudReader> (*open)(InputFile), const s
       if (!(std::abs(bounds.max[axis] - survey.bounds.max[axis]) <= step)) std::abort();
     }
   } catch (const Error&) {
+  }
+}
+
+/// The same by a function of cloud_reader.h.
+inline void fuzz_reader(std::unique_ptr<CloudReader> (*open)(InputFile), const std::uint8_t* data,
+                        std::size_t size, std::size_t largest_ratio) {
+  fuzz_opened(open, data, size, largest_ratio);
+}
+
+/// The same with and without reading over damage.
+inline void fuzz_damaged(std::unique_ptr<CloudReader> (*open)(InputFile, Damage), const std::uint8_t* data,
+                         std::size_t size, std::size_t largest_ratio) {
+  for (const Damage damage : {Damage::refuse, Damage::read_over}) {
+    fuzz_opened([&](InputFile file) { return open(std::move(file), damage); }, data, size, largest_ratio);
   }
 }
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <vector>
+
+namespace alidade {
+
+/// Calls work(i) for every i in [first, end), in parallel. If some of them throw, the exception of the
+/// smallest i is thrown on when all that were begun have ended, whatever the number of threads.
+template <class Work>
+void at_once(std::size_t first, std::size_t end, const Work& work) {
+  std::vector<std::exception_ptr> failures(end - first);
+  std::atomic<std::size_t> first_failed = end;
+  tbb::parallel_for(
+      first, end,
+      [&](std::size_t i) {
+        if (i > first_failed.load()) return;
+        try {
+          work(i);
+        } catch (...) {
+          failures[i - first] = std::current_exception();
+          std::size_t known = first_failed.load();
+          while (i < known && !first_failed.compare_exchange_weak(known, i)) {
+          }
+        }
+      },
+      tbb::simple_partitioner());
+  for (const std::exception_ptr& failure : failures) {
+    if (failure) std::rethrow_exception(failure);
+  }
+}
+
+/// The same, `most` calls at a time, each lot when the one before it has ended.
+template <class Work>
+void in_turns(std::size_t count, std::size_t most, const Work& work) {
+  for (std::size_t first = 0; first < count; first += most)
+    at_once(first, count - first < most ? count : first + most, work);
+}
+
+}  // namespace alidade

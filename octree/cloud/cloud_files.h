@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace alidade {
+
+/// The files that names of files, folders and patterns stand for, in the order of the names:
+/// - what is neither a folder nor a pattern is one file, whether it is there or not;
+/// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
+///   pts, ptx, xyz, txt or csv, in capitals or not;
+/// - a pattern is what it matches: * any letters but '/', ? one letter, [a-c] one of these, [!a-c] one that
+///   is not, in the name of the file or of folders above it. If the name's last part has no '.', only cloud
+///   files are taken, as from a folder.
+/// A name that is there is taken as it stands, whatever letters are in it. Hidden files (.name) and index
+/// files (.alidade) are left out unless named: by the first letters, or the ending, of the pattern. The files
+/// of one name are sorted by the bytes of their paths.
+///
+/// Errors: a folder without cloud files or that cannot be read; a pattern that matches none. Each says what
+/// was looked for. Cost: one look into each folder concerned.
+std::vector<std::filesystem::path> expand_cloud_files(std::span<const std::filesystem::path> names);
+
+}  // namespace alidade

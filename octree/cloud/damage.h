@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "octree/error.h"
+
+namespace alidade {
+
+/// What a reader does where a file is damaged behind a header that makes sense.
+enum class Damage {
+  refuse,     ///< throws DamagedFile at the first place
+  read_over,  ///< leaves out the points that cannot be had and tells of them in CloudReader::lost()
+};
+
+/// Points that a damaged file does not give any more.
+struct LostPoints {
+  std::uint64_t count = 0;  ///< 0 = nobody knows how many
+  std::string place;        ///< as Error's: "byte 36405", "line 17"; may be empty
+  std::string problem;      ///< what is wrong, one clause in lower case, without full stop
+};
+
+/// The Error for damage that Damage::read_over would read over. Its message ends with the option that does
+/// so.
+class DamagedFile : public Error {
+ public:
+  explicit DamagedFile(Parts parts) : Error(with_hint(std::move(parts))) {}
+
+ private:
+  static Parts with_hint(Parts parts) {
+    std::string& last = !parts.found.empty()      ? parts.found
+                        : !parts.expected.empty() ? parts.expected
+                                                  : parts.problem;
+    last += "; --partial reads what is whole";
+    return parts;
+  }
+};
+
+}  // namespace alidade

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/e57/e57_appender.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "octree/cloud/append_rows.h"
+#include "octree/cloud/byte_order.h"
+
+namespace alidade {
+namespace {
+
+std::size_t index_dimension(PointCloud& cloud, const char* name, const char* description) {
+  ExtraDimension dimension;
+  dimension.name = name;
+  dimension.description = description;
+  dimension.type = ScalarType::uint32;
+  dimension.byte_count = scalar_size(ScalarType::uint32);
+  return find_extra_dimension(cloud, dimension);
+}
+
+/// Nearest whole number, held at the ends of the type; NaN becomes 0.
+template <class Integer>
+Integer nearest(double value) {
+  constexpr double k_most = static_cast<double>(std::numeric_limits<Integer>::max());
+  if (!(value > 0.0)) return 0;
+  return value >= k_most ? std::numeric_limits<Integer>::max() : static_cast<Integer>(value + 0.5);
+}
+
+/// Nearest float; what is too large for one becomes 0, as no part of a normal is.
+float to_float(double value) {
+  return std::abs(value) <= std::numeric_limits<float>::max() ? static_cast<float>(value) : 0.0f;
+}
+
+}  // namespace
+
+E57Appender::E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count)
+    : cloud_(cloud),
+      filled_(filled),
+      next_(cloud.size()),
+      end_(cloud.size() + static_cast<std::size_t>(count)) {
+  if (filled.contains(Attribute::extra_dimensions)) {
+    row_dimension_ = index_dimension(cloud, "rowIndex", "row of the scanner's grid");
+    column_dimension_ = index_dimension(cloud, "columnIndex", "column of the scanner's grid");
+  }
+  append_rows(cloud, filled, static_cast<std::size_t>(count));
+}
+
+void E57Appender::begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin) {
+  scan_ = &scan;
+  scaling_ = &scaling;
+  time_origin_ = time_origin;
+}
+
+bool E57Appender::add(const E57Points& points) {
+  for (std::size_t i = 0; i < points.positions.size(); ++i) {
+    if (points.is_left_out(i)) continue;
+    const auto position = to_lattice(cloud_.lattice, points.positions[i]);
+    if (!position || complete()) return false;
+    cloud_.positions[next_] = *position;
+    put(points, i);
+    ++next_;
+  }
+  return true;
+}
+
+bool E57Appender::is_invalid(const E57Points& points, E57Role flag, std::size_t i, std::size_t kind) {
+  if (!points.has(flag) || std::abs(points.value(flag, i)) < 0.5) return false;
+  ++invalid_[kind];
+  return true;
+}
+
+void E57Appender::put_index(std::size_t dimension, double value) {
+  auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[dimension].values.data());
+  store(bytes + next_ * sizeof(std::uint32_t), nearest<std::uint32_t>(value));
+}
+
+void E57Appender::put(const E57Points& points, std::size_t i) {
+  const auto value = [&](E57Role role) { return points.value(role, i); };
+  if (points.has(E57Role::red) && !is_invalid(points, E57Role::color_invalid, i, 0)) {
+    cloud_.colors[next_] = {scaling_->colors[0].apply(value(E57Role::red)),
+                            scaling_->colors[1].apply(value(E57Role::green)),
+                            scaling_->colors[2].apply(value(E57Role::blue))};
+  }
+  if (points.has(E57Role::intensity) && !is_invalid(points, E57Role::intensity_invalid, i, 1))
+    cloud_.intensities[next_] = scaling_->intensities.apply(value(E57Role::intensity));
+  if (points.has(E57Role::time) && !is_invalid(points, E57Role::time_invalid, i, 2))
+    cloud_.gps_times[next_] = time_origin_ + value(E57Role::time);
+  if (points.has(E57Role::row)) put_index(row_dimension_, value(E57Role::row));
+  if (points.has(E57Role::column)) put_index(column_dimension_, value(E57Role::column));
+  // Counted from 0 in the file.
+  if (points.has(E57Role::return_index))
+    cloud_.returns[next_].number = nearest<std::uint8_t>(value(E57Role::return_index) + 1.0);
+  if (points.has(E57Role::return_count))
+    cloud_.returns[next_].count = nearest<std::uint8_t>(value(E57Role::return_count));
+  if (points.has(E57Role::normal_x)) {
+    glm::dvec3 normal(value(E57Role::normal_x), value(E57Role::normal_y), value(E57Role::normal_z));
+    if (scan_->pose && scan_->pose->is_rotated) normal = scan_->pose->rotation * normal;
+    cloud_.normals[next_] = {to_float(normal.x), to_float(normal.y), to_float(normal.z)};
+  }
+}
+
+}  // namespace alidade

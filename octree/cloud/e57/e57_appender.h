@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "octree/cloud/e57/e57_points.h"
+#include "octree/cloud/e57/e57_scaling.h"
+#include "octree/cloud/point_cloud.h"
+
+namespace alidade {
+
+/// Puts the points of scans into new rows of a cloud. Attributes that a scan lacks stay 0.
+class E57Appender {
+ public:
+  /// Makes `count` rows of zeros and the columns of `filled`.
+  E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count);
+
+  /// How the next scan's values are to be read: its scaling, its pose for normals, and what its time stamps
+  /// count from.
+  void begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin);
+
+  /// Takes the next points, without those that are left out. False if the cloud's lattice cannot hold one or
+  /// more come than were announced: the file is not what the first pass saw.
+  bool add(const E57Points& points);
+
+  /// Whether as many points came as were announced.
+  bool complete() const { return next_ == end_; }
+  /// Values that their flags call invalid and that became 0: colours, intensities, time stamps.
+  const std::array<std::uint64_t, 3>& invalid() const { return invalid_; }
+
+ private:
+  void put(const E57Points& points, std::size_t i);
+  bool is_invalid(const E57Points& points, E57Role flag, std::size_t i, std::size_t kind);
+  void put_index(std::size_t dimension, double value);
+
+  PointCloud& cloud_;
+  AttributeSet filled_;
+  std::size_t row_dimension_ = 0, column_dimension_ = 0;
+  const E57Scan* scan_ = nullptr;
+  const E57Scaling* scaling_ = nullptr;
+  double time_origin_ = 0.0;
+  std::size_t next_, end_;
+  std::array<std::uint64_t, 3> invalid_{};
+};
+
+}  // namespace alidade

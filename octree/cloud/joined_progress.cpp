@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/joined_progress.h"
+
+#include <algorithm>
+#include <memory>
+
+namespace alidade {
+
+Progress JoinedProgress::pass(std::uint64_t bytes) {
+  if (!progress_) return {};
+  // Shared, because functions are copied.
+  return [this, bytes, before = std::make_shared<std::uint64_t>(0)](std::uint64_t done, std::uint64_t) {
+    const std::uint64_t now = std::max(std::min(done, bytes), *before);
+    const std::uint64_t more = now - *before;
+    *before = now;
+    return add(more);
+  };
+}
+
+bool JoinedProgress::add(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  done_ += bytes;
+  if (!is_stopped_) is_stopped_ = !progress_(done_, total_);
+  return !is_stopped_;
+}
+
+}  // namespace alidade

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// Folders and patterns as cloud files.
+#include "octree/cloud/cloud_files.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/las_builder.h"
+
+namespace alidade {
+namespace {
+
+namespace fs = std::filesystem;
+using test::error_of;
+
+class CloudFilesTest : public ::testing::Test {
+ protected:
+  void SetUp() override { folder_ = test::test_folder(); }
+
+  void make(const std::vector<std::string>& names) const {
+    for (const std::string& name : names) {
+      fs::create_directories((folder_ / name).parent_path());
+      test::write_text(folder_ / name, "x");
+    }
+  }
+
+  /// What a name inside the folder stands for, without the folder's own name.
+  std::vector<std::string> expand(const std::vector<std::string>& names) const {
+    std::vector<fs::path> paths;
+    for (const std::string& name : names) paths.push_back(folder_ / name);
+    std::vector<std::string> found;
+    for (const fs::path& file : expand_cloud_files(paths)) found.push_back(file.lexically_relative(folder_));
+    return found;
+  }
+
+  using Names = std::vector<std::string>;
+  fs::path folder_;
+};
+
+TEST_F(CloudFilesTest, a_folder_is_the_cloud_files_in_it_sorted_by_bytes) {
+  make({"tiles/b.laz", "tiles/a_2.las", "tiles/a_10.las", "tiles/C.PLY", "tiles/d.pcd", "tiles/e.e57",
+        "tiles/f.pts", "tiles/g.ptx", "tiles/h.xyz", "tiles/i.txt", "tiles/j.csv"});
+  EXPECT_EQ(expand({"tiles"}), (Names{"tiles/C.PLY", "tiles/a_10.las", "tiles/a_2.las", "tiles/b.laz",
+                                      "tiles/d.pcd", "tiles/e.e57", "tiles/f.pts", "tiles/g.ptx",
+                                      "tiles/h.xyz", "tiles/i.txt", "tiles/j.csv"}));
+  EXPECT_EQ(expand({"tiles/"}), expand({"tiles"}));
+}
+
+TEST_F(CloudFilesTest, hidden_and_index_files_and_folders_inside_are_left_out_unless_named) {
+  make({"tiles/a.las", "tiles/.b.las", "tiles/c.alidade", "tiles/d.md", "tiles/inside/e.las",
+        "tiles/folder.las/f.las"});
+  EXPECT_EQ(expand({"tiles"}), (Names{"tiles/a.las"}));
+  EXPECT_EQ(expand({"tiles/*"}), (Names{"tiles/a.las"}));
+  EXPECT_EQ(expand({"tiles/*.*"}), (Names{"tiles/a.las", "tiles/d.md"}));
+  EXPECT_EQ(expand({"tiles/.*.las"}), (Names{"tiles/.b.las"}));
+  EXPECT_EQ(expand({"tiles/*.alidade"}), (Names{"tiles/c.alidade"}));
+  EXPECT_EQ(expand({"tiles/.b.las", "tiles/c.alidade"}), (Names{"tiles/.b.las", "tiles/c.alidade"}));
+}
+
+TEST_F(CloudFilesTest, patterns_match_names_of_files_and_folders) {
+  make({"2019/a1.las", "2019/a2.las", "2019/b1.laz", "2020/a1.las", "notes/a1.txt"});
+  EXPECT_EQ(expand({"2019/a?.las"}), (Names{"2019/a1.las", "2019/a2.las"}));
+  EXPECT_EQ(expand({"2019/[!b]*"}), (Names{"2019/a1.las", "2019/a2.las"}));
+  EXPECT_EQ(expand({"20*/a[1-1].las"}), (Names{"2019/a1.las", "2020/a1.las"}));
+  EXPECT_EQ(expand({"20*/b1.laz"}), (Names{"2019/b1.laz"}));
+}
+
+TEST_F(CloudFilesTest, names_stand_in_the_order_given) {
+  make({"b/2.las", "b/1.las", "a.las"});
+  EXPECT_EQ(expand({"b", "a.las", "gone.las"}), (Names{"b/1.las", "b/2.las", "a.las", "gone.las"}));
+}
+
+TEST_F(CloudFilesTest, a_name_that_is_there_is_no_pattern) {
+  make({"a[1].las", "a1.las"});
+  EXPECT_EQ(expand({"a[1].las"}), (Names{"a[1].las"}));
+}
+
+TEST_F(CloudFilesTest, nothing_found_is_an_error_that_says_what_was_looked_for) {
+  make({"tiles/readme.md"});
+  fs::create_directories(folder_ / "empty");
+  const std::string other = error_of([&] { expand({"tiles"}); });
+  EXPECT_NE(other.find("tiles: the folder holds no cloud files; expected names that end in .las, .laz"),
+            std::string::npos)
+      << other;
+  EXPECT_NE(other.find("found 1 other names"), std::string::npos) << other;
+  EXPECT_NE(error_of([&] { expand({"empty"}); }).find("found nothing"), std::string::npos);
+  const std::string pattern = error_of([&] { expand({"tiles/*.laz"}); });
+  EXPECT_NE(pattern.find("tiles/*.laz: no cloud file matches"), std::string::npos) << pattern;
+  EXPECT_NE(error_of([&] { expand({"none/*/x.las"}); }).find("no cloud file matches"), std::string::npos);
+}
+
+TEST_F(CloudFilesTest, a_cloud_is_read_from_a_folder_or_a_pattern) {
+  for (int i = 0; i < 3; ++i) {
+    test::LasFile tile;
+    tile.points.emplace_back().x = i;
+    test::write_bytes(folder_ / ("tile_" + std::to_string(i) + ".las"), test::build_las(tile));
+  }
+  for (const fs::path& name : {folder_, folder_ / "tile_*.las"}) {
+    const PointCloud cloud = read_cloud(name);
+    ASSERT_EQ(cloud.size(), 3u);
+    EXPECT_EQ(cloud.positions[2].x, 2);
+    EXPECT_EQ(cloud.files[1].path, folder_ / "tile_1.las");
+  }
+}
+
+}  // namespace
+}  // namespace alidade

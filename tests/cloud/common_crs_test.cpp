@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// Coordinate reference systems of files that are to be one cloud.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "octree/cloud/crs_name.h"
+#include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/las_builder.h"
+
+namespace alidade {
+namespace {
+
+using test::build_las;
+using test::error_of;
+using test::LasFile;
+using test::warns;
+
+const char* const k_utm_32 =
+    R"(PROJCS["WGS 84 / UTM zone 32N",GEOGCS["WGS 84",AUTHORITY["EPSG","4326"]],AUTHORITY["EPSG","32632"]])";
+const char* const k_utm_33 =
+    R"(PROJCS["WGS 84 / UTM zone 33N",GEOGCS["WGS 84",AUTHORITY["EPSG","4326"]],AUTHORITY["EPSG","32633"]])";
+const char* const k_esri_32 = R"(PROJCS["WGS_1984_UTM_Zone_32N",GEOGCS["GCS_WGS_1984"]])";
+
+Crs of_wkt(const std::string& wkt) {
+  return {.wkt = wkt, .geotiff_keys = {}, .geotiff_doubles = {}, .geotiff_ascii = {}};
+}
+
+Crs of_keys(std::vector<std::uint16_t> keys) {
+  std::vector<std::uint16_t> directory = {1, 1, 0, static_cast<std::uint16_t>(keys.size() / 2)};
+  for (std::size_t i = 0; i < keys.size(); i += 2)
+    directory.insert(directory.end(), {keys[i], 0, 1, keys[i + 1]});
+  return {.wkt = {}, .geotiff_keys = directory, .geotiff_doubles = {}, .geotiff_ascii = {}};
+}
+
+TEST(CrsNameTest, a_system_is_called_by_its_wkt_else_by_its_codes) {
+  EXPECT_EQ(crs_name(of_wkt(k_utm_32)), "WGS 84 / UTM zone 32N");
+  EXPECT_EQ(crs_name(of_keys({3072, 32632, 4096, 5773})), "EPSG:32632, vertical EPSG:5773");
+  EXPECT_EQ(crs_name(of_keys({3072, 32767})), "GeoTIFF keys without EPSG code");
+  EXPECT_EQ(crs_name({}), "none");
+}
+
+TEST(CompareCrsTest, systems_are_compared_by_their_codes_where_both_have_one) {
+  using enum CrsAgreement;
+  EXPECT_EQ(compare_crs(of_wkt(k_utm_32), of_keys({3072, 32632})), same);
+  EXPECT_EQ(compare_crs(of_wkt(k_utm_32), of_keys({3072, 32633})), different);
+  EXPECT_EQ(compare_crs(of_wkt(k_utm_32), of_wkt(k_utm_33)), different);
+  EXPECT_EQ(compare_crs(of_keys({2048, 4326}), of_keys({2048, 4258})), different);
+  EXPECT_EQ(compare_crs(of_keys({3072, 32632, 2048, 4326}), of_keys({3072, 32632})), same);
+  const std::string iso = R"(PROJCRS["other words",ID["EPSG",32632]])";
+  EXPECT_EQ(compare_crs(of_wkt(iso), of_wkt(k_utm_32)), same);
+  EXPECT_EQ(compare_crs(of_wkt("COMPD_CS[\"both\"," + std::string(k_utm_32) + "]"), of_wkt(k_utm_32)), same);
+}
+
+TEST(CompareCrsTest, heights_of_two_codes_are_different) {
+  EXPECT_EQ(compare_crs(of_keys({3072, 32632, 4096, 5773}), of_keys({3072, 32632, 4096, 7837})),
+            CrsAgreement::different);
+  EXPECT_EQ(compare_crs(of_keys({3072, 32632, 4096, 5773}), of_keys({3072, 32632})), CrsAgreement::same);
+}
+
+TEST(CompareCrsTest, wkt_without_codes_is_compared_by_letters_and_digits_of_its_names) {
+  using enum CrsAgreement;
+  EXPECT_EQ(compare_crs(of_wkt(k_esri_32), of_wkt(R"(PROJCS["wgs 1984 UTM zone 32N",DATUM[]])")), same);
+  EXPECT_EQ(compare_crs(of_wkt(k_esri_32), of_wkt(R"(PROJCS["wgs 1984 UTM zone 33N"])")), different);
+  EXPECT_EQ(compare_crs(of_wkt(k_esri_32), of_keys({3072, 32632})), unknown);
+  EXPECT_EQ(compare_crs(of_keys({3072, 32767}), of_keys({3072, 32767, 3076, 9001})), different);
+}
+
+TEST(CompareCrsTest, damaged_wkt_is_no_trouble) {
+  for (const char* const wkt : {"PROJCS[", "PROJCS[\"", "PROJCS[AUTHORITY[\"EPSG\"", "PROJCS[]]]]",
+                                "PROJCS[ID[\"EPSG\",99999999999999999999]]", "[[[[\"EPSG\""})
+    EXPECT_NO_THROW(compare_crs(of_wkt(wkt), of_wkt(k_utm_32))) << wkt;
+}
+
+/// One point, and a WKT record if it is not empty.
+std::vector<std::byte> tile(const std::string& wkt, bool has_point = true) {
+  LasFile file;
+  if (!wkt.empty()) {
+    file.records = {{"LASF_Projection", 2112, "", {wkt.begin(), wkt.end()}}};
+    file.records[0].data.push_back(0);
+  }
+  if (has_point) file.points.emplace_back();
+  return build_las(file);
+}
+
+PointCloud join(const std::vector<std::vector<std::byte>>& tiles) {
+  std::vector<InputFile> files;
+  for (std::size_t i = 0; i < tiles.size(); ++i) files.emplace_back(tiles[i], "tile_" + std::to_string(i));
+  return join_files(std::move(files), {});
+}
+
+TEST(CommonCrsTest, another_system_is_an_error_that_names_the_odd_file_and_both_systems) {
+  const std::string message = error_of([] { join({tile(k_utm_32), tile(k_utm_32), tile(k_utm_33)}); });
+  EXPECT_EQ(message,
+            "tile_2: states another coordinate reference system than tile_0; expected WGS 84 / UTM zone 32N "
+            "(transform the file to it, or leave it out and read it by itself), found WGS 84 / UTM zone 33N");
+  EXPECT_TRUE(error_of([] {
+                join({tile(k_utm_32), tile(k_utm_33), tile(k_utm_33)});
+              }).starts_with("tile_0: states another"));
+}
+
+TEST(CommonCrsTest, files_that_state_none_are_warned_of_once) {
+  const PointCloud cloud = join({tile(k_utm_32), tile(""), tile(""), tile(k_utm_32)});
+  EXPECT_EQ(cloud.crs.wkt, k_utm_32);
+  EXPECT_EQ(cloud.warnings, (std::vector<std::string>{
+                                "tile_1 and 1 more files: no coordinate reference system is stated; it is "
+                                "taken to be that of the other files, WGS 84 / UTM zone 32N"}));
+  EXPECT_TRUE(join({tile(""), tile("")}).warnings.empty());
+}
+
+TEST(CommonCrsTest, the_system_of_a_file_without_points_binds_nobody) {
+  EXPECT_EQ(join({tile(k_utm_33, false), tile(k_utm_32)}).crs.wkt, k_utm_32);
+  EXPECT_EQ(join({tile(k_utm_33, false)}).crs.wkt, k_utm_33);
+}
+
+TEST(CommonCrsTest, systems_that_cannot_be_compared_are_a_warning) {
+  LasFile keys;
+  keys.points.emplace_back();
+  const std::vector<std::uint16_t> directory = {1, 1, 0, 1, 3072, 0, 1, 32632};
+  const auto bytes = std::as_bytes(std::span(directory));
+  keys.records = {{"LASF_Projection", 34735, "", {}}};
+  for (const std::byte byte : bytes) keys.records[0].data.push_back(std::to_integer<std::uint8_t>(byte));
+  const PointCloud cloud = join({tile(k_esri_32), build_las(keys)});
+  EXPECT_TRUE(warns(cloud, "tile_1: states its coordinate reference system in another way (EPSG:32632)"));
+  EXPECT_TRUE(join({tile(k_utm_32), build_las(keys)}).warnings.empty());
+}
+
+}  // namespace
+}  // namespace alidade

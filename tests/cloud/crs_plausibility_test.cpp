@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/crs_plausibility.h"
+
+#include <gtest/gtest.h>
+
+namespace alidade {
+namespace {
+
+constexpr const char* k_degrees = R"(GEOGCS["WGS 84",DATUM["WGS_1984"],UNIT["degree",0.0174532925199433]])";
+
+Bounds box(double x, double y) {
+  Bounds bounds;
+  bounds.min = {x - 0.01, y - 0.01, -5000.0};
+  bounds.max = {x + 0.01, y + 0.01, 9000.0};
+  return bounds;
+}
+
+Crs keys(std::uint16_t model) {
+  Crs crs;
+  crs.geotiff_keys = {1, 1, 0, 2, 1024, 0, 1, model, 2048, 0, 1, 4326};
+  return crs;
+}
+
+Crs wkt(const std::string& text) {
+  Crs crs;
+  crs.wkt = text;
+  return crs;
+}
+
+TEST(CrsPlausibility, a_geographic_system_is_told_from_a_projected_one) {
+  EXPECT_TRUE(is_geographic(wkt(k_degrees)));
+  EXPECT_TRUE(is_geographic(wkt(R"(GEOGCRS["WGS 84",DATUM["World Geodetic System 1984"]])")));
+  EXPECT_TRUE(is_geographic(wkt(std::string(R"(COMPD_CS["with heights",)") + k_degrees + "]")));
+  EXPECT_FALSE(is_geographic(wkt(std::string(R"(PROJCS["UTM zone 32N",)") + k_degrees + "]")));
+  EXPECT_FALSE(is_geographic(wkt(R"(LOCAL_CS["site"])")));
+  EXPECT_TRUE(is_geographic(keys(2)));
+  EXPECT_FALSE(is_geographic(keys(1)));
+  EXPECT_FALSE(is_geographic(Crs{}));
+
+  Crs without_model;
+  without_model.geotiff_keys = {1, 1, 0, 1, 2048, 0, 1, 4326};
+  EXPECT_TRUE(is_geographic(without_model));
+  without_model.geotiff_keys = {1, 1, 0, 2, 2048, 0, 1, 4326, 3072, 0, 1, 32632};
+  EXPECT_FALSE(is_geographic(without_model));
+}
+
+TEST(CrsPlausibility, wkt_decides_where_geotiff_keys_differ) {
+  Crs both = keys(2);
+  both.wkt = R"(PROJCS["UTM zone 32N"])";
+  EXPECT_FALSE(is_geographic(both));
+}
+
+TEST(CrsPlausibility, degrees_where_coordinates_are_no_angles_are_said) {
+  const auto said = implausible_crs(wkt(k_degrees), box(515368.0, 4918340.0));
+  ASSERT_TRUE(said);
+  EXPECT_NE(said->find("no angle"), std::string::npos);
+  EXPECT_TRUE(implausible_crs(wkt(k_degrees), box(10.0, 4918340.0)));
+}
+
+TEST(CrsPlausibility, geocentric_points_lie_at_the_surface_of_the_earth) {
+  Bounds at_vienna = box(4085700.0, 1201000.0);
+  at_vienna.min.z = 4732000.0;
+  at_vienna.max.z = 4732100.0;
+  for (const Crs& crs : {keys(3), wkt(R"(GEOCCS["WGS 84 geocentric",DATUM["WGS_1984"]])")}) {
+    EXPECT_TRUE(is_geocentric(crs));
+    EXPECT_FALSE(is_geographic(crs));
+    EXPECT_FALSE(implausible_crs(crs, at_vienna));
+    EXPECT_TRUE(implausible_crs(crs, box(515368.0, 4918340.0)));
+  }
+  EXPECT_FALSE(is_geocentric(keys(2)));
+  EXPECT_FALSE(is_geocentric(wkt(k_degrees)));
+}
+
+TEST(CrsPlausibility, angles_and_projected_coordinates_are_not_wrong) {
+  EXPECT_FALSE(implausible_crs(wkt(k_degrees), box(-94.67, 31.04)));
+  EXPECT_FALSE(implausible_crs(keys(1), box(515368.0, 4918340.0)));
+  EXPECT_FALSE(implausible_crs(Crs{}, box(515368.0, 4918340.0)));
+  EXPECT_FALSE(implausible_crs(wkt(k_degrees), Bounds{}));
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "octree/cloud/laz/laszip_record.h"
+
+#include <gtest/gtest.h>
+
+#include "octree/cloud/las_point.h"
+#include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/laz/laszip_data.h"
+
+namespace alidade {
+namespace {
+
+using test::error_of;
+
+constexpr std::uint64_t k_place = 281;
+
+std::vector<std::byte> data_of(const LazLayout& layout) {
+  const std::vector<std::uint8_t> data = test::laszip_data(layout);
+  const auto bytes = std::as_bytes(std::span(data));
+  return {bytes.begin(), bytes.end()};
+}
+
+LazLayout parse(const std::vector<std::byte>& data, int format = 7, std::size_t size = 38) {
+  return parse_laszip_record(data, "file", k_place, format, size);
+}
+
+/// The Error when a field of a good record of format 7 with two extra bytes is overwritten.
+template <class T>
+std::string error_with(std::size_t place, T value) {
+  std::vector<std::byte> data = data_of(standard_laz_layout(7, 38));
+  std::memcpy(data.data() + place, &value, sizeof value);
+  return error_of([&] { parse(data); });
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(LaszipRecordTest, what_writers_write_is_read) {
+  for (int format = 0; format < k_las_point_formats; ++format) {
+    const LazLayout layout = standard_laz_layout(format, 100, 1234);
+    EXPECT_EQ(parse(data_of(layout), format, 100), layout) << format;
+  }
+}
+
+TEST(LaszipRecordTest, all_bits_set_or_none_are_chunks_of_different_sizes) {
+  LazLayout layout = standard_laz_layout(7, 38);
+  std::vector<std::byte> data = data_of(layout);
+  for (const std::uint32_t size : {0u, 0xffffffffu}) {
+    std::memcpy(data.data() + 12, &size, sizeof size);
+    EXPECT_EQ(parse(data).chunk_size, 0u);
+  }
+}
+
+TEST(LaszipRecordTest, older_versions_of_items_are_known) {
+  LazLayout layout = standard_laz_layout(3, 35);
+  for (LazItem& item : layout.items) item.version = 1;
+  EXPECT_EQ(parse(data_of(layout), 3, 35), layout);
+  layout.compressor = LazCompressor::pointwise;
+  EXPECT_EQ(parse(data_of(layout), 3, 35), layout);
+  LazLayout layered = standard_laz_layout(7, 38);
+  for (const int version : {2, 4}) {
+    for (LazItem& item : layered.items) item.version = static_cast<std::uint16_t>(version);
+    EXPECT_EQ(parse(data_of(layered)), layered);
+  }
+}
+
+TEST(LaszipRecordTest, with_compressor_none_nothing_else_is_looked_at) {
+  std::vector<std::byte> data(34, std::byte{0xee});
+  data[0] = data[1] = std::byte{0};
+  EXPECT_EQ(parse(data).compressor, LazCompressor::none);
+}
+
+TEST(LaszipRecordTest, errors_name_file_and_place) {
+  EXPECT_TRUE(contains(error_with(0, std::uint16_t{4}), "file:byte 281: unknown compressor"));
+  EXPECT_TRUE(contains(error_with(2, std::uint16_t{1}), "file:byte 283: unknown entropy coder"));
+}
+
+TEST(LaszipRecordTest, items_must_be_those_of_the_format) {
+  const std::string wrong = "do not make a point of format 7 and 38 bytes";
+  EXPECT_TRUE(contains(error_with(34, std::uint16_t{6}), wrong)) << "an old item";
+  EXPECT_TRUE(contains(error_with(34, std::uint16_t{99}), wrong)) << "an unknown item";
+  EXPECT_TRUE(contains(error_with(36, std::uint16_t{31}), wrong)) << "another size";
+  EXPECT_TRUE(contains(error_with(40, std::uint16_t{12}), wrong)) << "the infrared of format 8";
+  EXPECT_TRUE(contains(error_with(48, std::uint16_t{0}), wrong)) << "no extra bytes";
+  EXPECT_TRUE(
+      contains(error_of([] { parse(data_of(standard_laz_layout(7, 38)), 7, 39); }), "7 and 39 bytes"));
+}
+
+TEST(LaszipRecordTest, sizes_of_the_record_must_agree) {
+  EXPECT_TRUE(contains(error_with(32, std::uint16_t{0}), "bad number of items"));
+  EXPECT_TRUE(contains(error_with(32, std::uint16_t{6}), "bad number of items"));
+  EXPECT_TRUE(contains(error_with(32, std::uint16_t{4}), "bad size of the laszip record"));
+  EXPECT_TRUE(contains(error_of([] { parse(std::vector<std::byte>(33)); }), "too short"));
+}
+
+TEST(LaszipRecordTest, versions_must_exist) {
+  EXPECT_TRUE(contains(error_with(38, std::uint16_t{1}), "byte 319: unknown version of item 10"));
+  EXPECT_TRUE(contains(error_with(38, std::uint16_t{5}), "expected 2 to 4, found 5"));
+  LazLayout layout = standard_laz_layout(4, 57);
+  layout.items.back().version = 2;
+  EXPECT_TRUE(contains(error_of([&] { parse(data_of(layout), 4, 57); }), "expected 1 to 1, found 2"));
+}
+
+TEST(LaszipRecordTest, old_formats_are_pointwise_and_new_ones_layered) {
+  EXPECT_TRUE(contains(error_with(0, std::uint16_t{2}), "cannot hold points of format 7"));
+  EXPECT_TRUE(contains(error_with(0, std::uint16_t{1}), "cannot hold points of format 7"));
+  LazLayout layout = standard_laz_layout(1, 28);
+  layout.compressor = LazCompressor::layered;
+  EXPECT_TRUE(contains(error_of([&] { parse(data_of(layout), 1, 28); }), "cannot hold points of format 1"));
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "octree/cloud/laz/arithmetic_encoder.h"
+#include "octree/cloud/laz/integer_compressor.h"
+#include "octree/cloud/laz/layered_codec.h"
+#include "octree/cloud/laz/laz_layout.h"
+#include "octree/cloud/laz/pointwise_codec.h"
+#include "tests/cloud/las_builder.h"
+#include "tests/cloud/laz/laszip_data.h"
+
+// LAZ files of every kind a writer may choose, for tests. Header, records and table are put together by hand;
+// only the chunks come from the library's encoders, which have tests of their own.
+
+namespace alidade::test {
+
+enum class TablePlace {
+  at_start,  ///< before the chunks stands where the table is
+  at_end,    ///< -1 stands there, and the place behind the table
+  unknown,   ///< as a writer that was interrupted leaves it; there is no table
+};
+
+struct LazOptions {
+  /// Points of every chunk, the last of which may be larger than what is left; of compressor 1 it is not
+  /// used.
+  std::vector<std::uint32_t> chunk_sizes = {7};
+  bool variable = false;    ///< the table lists the counts
+  bool one_stream = false;  ///< compressor 1
+  TablePlace table = TablePlace::at_start;
+};
+
+struct PackedChunk {
+  std::uint32_t byte_count, point_count;
+};
+
+/// The chunk table: version, number of chunks, and their sizes as one arithmetic stream.
+inline std::vector<std::byte> laz_chunk_table(const std::vector<PackedChunk>& chunks, bool variable) {
+  ByteSink sink;
+  sink.add<std::uint32_t>(0).add<std::uint32_t>(static_cast<std::uint32_t>(chunks.size()));
+  std::vector<std::byte> table = sink.take();
+  if (chunks.empty()) return table;
+  ArithmeticEncoder encoder;
+  IntegerCompressor numbers(32, 2);
+  PackedChunk before{0, 0};
+  const auto add = [&](std::uint32_t last, std::uint32_t now, int context) {
+    numbers.encode(encoder, static_cast<std::int32_t>(last), static_cast<std::int32_t>(now), context);
+  };
+  for (const PackedChunk& chunk : chunks) {
+    if (variable) add(before.point_count, chunk.point_count, 0);
+    add(before.byte_count, chunk.byte_count, 1);
+    before = chunk;
+  }
+  const std::vector<std::byte> stream = encoder.finish();
+  table.insert(table.end(), stream.begin(), stream.end());
+  return table;
+}
+
+/// The bytes of the LAZ file that holds what `file` holds.
+inline std::vector<std::byte> build_laz(LasFile file, const LazOptions& options = {}) {
+  const int size = k_las_point_sizes[static_cast<std::size_t>(file.point_format)] + file.extra_bytes;
+  const std::size_t point_size = static_cast<std::size_t>(size);
+  LazLayout layout =
+      standard_laz_layout(file.point_format, point_size, options.variable ? 0 : options.chunk_sizes.front());
+  if (options.one_stream) layout.compressor = LazCompressor::pointwise;
+  file.records.push_back({"laszip encoded", 22204, "http://laszip.org", laszip_data(layout)});
+  std::vector<std::byte> las = build_las(file);
+  las[104] |= std::byte{128};
+  std::uint32_t points_place = 0;
+  std::memcpy(&points_place, las.data() + 96, 4);
+  const std::size_t points_bytes = file.points.size() * point_size;
+  std::vector<std::byte> laz(las.begin(), las.begin() + points_place);
+  const std::span<const std::byte> points(las.data() + points_place, points_bytes);
+  const auto put = [&laz](std::size_t place, auto value) {
+    std::memcpy(laz.data() + place, &value, sizeof value);
+  };
+
+  if (options.one_stream) {
+    if (!points.empty()) {
+      PointwiseEncoder encoder(layout);
+      const std::vector<std::byte> stream = encoder.encode(points);
+      laz.insert(laz.end(), stream.begin(), stream.end());
+    }
+  } else {
+    laz.resize(laz.size() + 8);
+    put(points_place, std::int64_t{0});
+    std::vector<PackedChunk> chunks;
+    for (std::size_t first = 0; first < file.points.size();) {
+      const std::size_t wanted = options.chunk_sizes[std::min(chunks.size(), options.chunk_sizes.size() - 1)];
+      const std::size_t count = std::min(wanted, file.points.size() - first);
+      const std::span<const std::byte> records = points.subspan(first * point_size, count * point_size);
+      std::vector<std::byte> chunk;
+      if (layout.compressor == LazCompressor::layered) {
+        chunk = LayeredEncoder(layout).encode(records);
+      } else {
+        chunk = PointwiseEncoder(layout).encode(records);
+      }
+      laz.insert(laz.end(), chunk.begin(), chunk.end());
+      chunks.push_back({static_cast<std::uint32_t>(chunk.size()), static_cast<std::uint32_t>(count)});
+      first += count;
+    }
+    const std::int64_t place = static_cast<std::int64_t>(laz.size());
+    if (options.table != TablePlace::unknown) {
+      const std::vector<std::byte> table = laz_chunk_table(chunks, options.variable);
+      laz.insert(laz.end(), table.begin(), table.end());
+    }
+    if (options.table == TablePlace::at_start) put(points_place, place);
+    if (options.table == TablePlace::at_end) {
+      put(points_place, std::int64_t{-1});
+      laz.resize(laz.size() + 8);
+      put(laz.size() - 8, place);
+    }
+  }
+  if (file.version_minor >= 4 && !file.extended_records.empty()) put(235, std::uint64_t{laz.size()});
+  laz.insert(laz.end(), las.begin() + static_cast<std::ptrdiff_t>(points_place + points_bytes), las.end());
+  return laz;
+}
+
+}  // namespace alidade::test

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <vector>
+
+#include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/laz/laz_builder.h"
+#include "tests/cloud/laz/laz_records.h"
+
+namespace alidade {
+namespace {
+
+using test::build_laz;
+using test::LazOptions;
+using test::read_laz;
+using test::ReadLaz;
+using test::sample_las;
+using test::TablePlace;
+
+std::uint32_t points_place(const std::vector<std::byte>& bytes) {
+  std::uint32_t place = 0;
+  std::memcpy(&place, bytes.data() + 96, sizeof place);
+  return place;
+}
+
+/// Files of every kind, small enough to damage them everywhere.
+std::vector<std::vector<std::byte>> samples() {
+  std::vector<std::vector<std::byte>> files;
+  for (const int format : {3, 7}) {
+    const test::LasFile file = sample_las(test::oldest_las_version(format), format, 30);
+    files.push_back(build_laz(file));
+    files.push_back(build_laz(file, {.chunk_sizes = {3, 9, 1, 17}, .variable = true}));
+    files.push_back(build_laz(file, {.table = TablePlace::at_end}));
+    files.push_back(build_laz(file, {.table = TablePlace::unknown}));
+    if (format < 6) files.push_back(build_laz(file, {.one_stream = true}));
+  }
+  return files;
+}
+
+/// Reads a file in both ways: an Error or a cloud, never anything else. Answers whether it gave a cloud.
+bool reads(std::span<const std::byte> bytes) {
+  bool is_read = false;
+  for (const bool partial : {true, false}) {
+    try {
+      const PointCloud cloud = test::read_memory(bytes, {.partial = partial});
+      is_read = true;
+    } catch (const Error&) {
+      is_read = false;
+    }
+  }
+  return is_read;
+}
+
+TEST(LazMalformedTest, a_prefix_is_an_error_or_a_clean_read) {
+  for (const std::vector<std::byte>& sample : samples()) {
+    for (std::size_t length = 0; length < sample.size(); length += length < 227 ? 50 : 11) {
+      // A copy of exactly this length, so that the address sanitizer sees every byte read beyond it.
+      reads(std::vector<std::byte>(sample.begin(), sample.begin() + static_cast<std::ptrdiff_t>(length)));
+    }
+    EXPECT_TRUE(reads(sample));
+  }
+}
+
+TEST(LazMalformedTest, a_flipped_bit_is_an_error_or_a_clean_read) {
+  for (const std::vector<std::byte>& sample : samples()) {
+    std::vector<std::byte> bytes = sample;
+    for (std::size_t place = 94; place < bytes.size(); place += place < 375 ? 3 : 19) {
+      const std::byte flipped = static_cast<std::byte>(1u << (place * 5 % 8));
+      bytes[place] ^= flipped;
+      reads(bytes);
+      bytes[place] ^= flipped;
+    }
+  }
+}
+
+TEST(LazMalformedTest, errors_name_file_chunk_and_point) {
+  std::vector<std::byte> bytes = build_laz(sample_las(2, 3, 40), {.chunk_sizes = {10}});
+  const std::vector<LazChunk> chunks = [&] {
+    InputFile file(bytes, "memory");
+    std::vector<std::string> warnings;
+    const LasHeader header = read_las_header(file, warnings);
+    std::string missing;
+    return *read_chunk_table(file, header, standard_laz_layout(3, 34 + 13, 10), missing);
+  }();
+  ASSERT_EQ(chunks.size(), 4u);
+  // All ones never occur in a stream.
+  std::memset(bytes.data() + chunks[2].place + 47, 0xff, 60);
+  const std::string error = test::error_of([&] { test::read_memory(bytes); });
+  EXPECT_NE(error.find("memory:chunk 2, point 2"), std::string::npos) << error;
+  EXPECT_NE(error.find("the compressed points are damaged"), std::string::npos);
+  EXPECT_NE(error.find("--partial reads what is whole"), std::string::npos);
+}
+
+TEST(LazMalformedTest, chunks_that_are_whole_are_kept_if_damage_is_read_over) {
+  for (const int format : {3, 7}) {
+    const test::LasFile file = sample_las(4, format, 40);
+    std::vector<std::byte> bytes = build_laz(file, {.chunk_sizes = {10}});
+    const ReadLaz whole = read_laz(bytes);
+    InputFile input(bytes, "memory");
+    std::string missing;
+    const LazLayout layout = standard_laz_layout(format, whole.header.point_size, 10);
+    const std::vector<LazChunk> chunks = *read_chunk_table(input, whole.header, layout, missing);
+    // The count of a layered chunk, or the start of a stream.
+    std::memset(bytes.data() + chunks[1].place + whole.header.point_size, 0xff, 4);
+    const ReadLaz rest = read_laz(bytes, Damage::read_over);
+    const std::size_t chunk_bytes = 10u * whole.header.point_size;
+    std::vector<std::byte> expected(whole.records.begin(),
+                                    whole.records.begin() + static_cast<std::ptrdiff_t>(chunk_bytes));
+    expected.insert(expected.end(), whole.records.begin() + static_cast<std::ptrdiff_t>(2 * chunk_bytes),
+                    whole.records.end());
+    EXPECT_EQ(rest.records, expected);
+    ASSERT_EQ(rest.lost.size(), 1u);
+    EXPECT_EQ(rest.lost[0].count, 10u);
+    EXPECT_NE(rest.lost[0].place.find("chunk 1"), std::string::npos);
+    const PointCloud cloud = test::read_memory(bytes, {.partial = true});
+    EXPECT_EQ(cloud.size(), 30u);
+    EXPECT_EQ(cloud.files.at(0).point_count, 30u);
+    EXPECT_EQ(cloud.files.at(0).lost_count, 10u);
+  }
+}
+
+TEST(LazMalformedTest, files_cut_within_a_chunk_keep_those_before) {
+  for (const int format : {3, 7}) {
+    const std::vector<std::byte> whole = build_laz(sample_las(4, format, 40), {.chunk_sizes = {10}});
+    std::vector<std::byte> cut(
+        whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>((points_place(whole) + whole.size()) / 2));
+    const ReadLaz rest = read_laz(cut, Damage::read_over);
+    const std::size_t rows = rest.records.size() / rest.header.point_size;
+    EXPECT_GE(rows, 10u);
+    std::uint64_t lost = 0;
+    for (const LostPoints& points : rest.lost) lost += points.count;
+    EXPECT_EQ(rows + lost, 40u);
+  }
+}
+
+TEST(LazMalformedTest, counts_no_file_of_that_size_can_hold_are_errors) {
+  std::vector<std::byte> bytes = build_laz(sample_las(4, 7));
+  const std::uint64_t count = 4'000'000'000;
+  std::memcpy(bytes.data() + 247, &count, sizeof count);
+  EXPECT_NE(test::error_of([&] { test::read_memory(bytes); }).find("too small for the points it counts"),
+            std::string::npos);
+}
+
+TEST(LazMalformedTest, points_that_a_chunk_only_claims_take_no_memory) {
+  // One chunk that claims as many points as its bytes might hold at the very most.
+  for (const int format : {1, 6}) {
+    std::vector<std::byte> bytes = build_laz(sample_las(4, format, 2000), {.chunk_sizes = {0x7fffffff}});
+    const std::uint64_t count = most_laz_points(bytes.size() / 2);
+    std::memcpy(bytes.data() + 247, &count, sizeof count);
+    std::memset(bytes.data() + 107, 0, 4);
+    InputFile file(bytes, "memory");
+    class Meter final : public LazSink {
+     public:
+      void make_room(std::uint64_t points) override { rows += points; }
+      void take(const std::byte*, std::size_t, std::uint64_t) override {}
+      std::uint64_t rows = 0;
+    } meter;
+    std::vector<std::string> warnings;
+    const LasHeader header = read_las_header(file, warnings);
+    ASSERT_GT(header.point_count, 50'000'000u);
+    const LazLayout layout = standard_laz_layout(format, header.point_size, 0x7fffffff);
+    LazPoints points(file, header, layout, Damage::refuse);
+    EXPECT_THROW(points.read({}, meter, {}), DamagedFile);
+    EXPECT_LE(meter.rows, 2000u + 4096u);
+  }
+}
+
+}  // namespace
+}  // namespace alidade

@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: MIT
+// Many files as one cloud: read at once, or left unread outside a region.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "octree/cloud/attribute_columns.h"
+#include "octree/cloud/row_ids.h"
+#include "tests/cloud/cloud_test_support.h"
+#include "tests/cloud/las_builder.h"
+
+namespace alidade {
+namespace {
+
+using test::build_las;
+using test::error_of;
+using test::LasFile;
+using test::warns;
+using Bytes = std::vector<std::byte>;
+
+PointCloud join(const std::vector<Bytes>& tiles, const ReadOptions& options, int threads) {
+  std::vector<InputFile> files;
+  for (std::size_t i = 0; i < tiles.size(); ++i) files.emplace_back(tiles[i], "tile_" + std::to_string(i));
+  PointCloud cloud;
+  // The limit allows more threads than the machine has; the arena then asks for them.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads));
+  tbb::task_arena arena(threads);
+  arena.execute([&] { cloud = join_files(std::move(files), options); });
+  return cloud;
+}
+
+Bytes text(const std::string& content) {
+  const auto bytes = std::as_bytes(std::span(content));
+  return {bytes.begin(), bytes.end()};
+}
+
+/// Tiles of every point format, of other columns, without points, and texts between them.
+std::vector<Bytes> mixed_tiles() {
+  std::vector<Bytes> tiles;
+  for (int i = 0; i < 70; ++i) {
+    const int format = i % 11;
+    LasFile las = test::sample_las(4, format, i % 9 == 0 ? 0 : static_cast<std::size_t>(1 + i * 7 % 50),
+                                   static_cast<std::uint64_t>(i));
+    if (i % 4 == 0) las.records.resize(1);
+    if (i % 4 == 0) las.records[0].data[8] = 'x';
+    las.records.push_back({"tile", i % 5, "", {static_cast<std::uint8_t>(i % 3)}});
+    las.global_encoding = i % 13 == 5 ? 1 : 0;
+    tiles.push_back(build_las(las));
+    if (i % 10 == 3)
+      tiles.push_back(text("x,y,z,intensity,spare\n690000.25,5325000.5,500,3,4\n690000.5,5325001,nan,1,2\n"));
+  }
+  return tiles;
+}
+
+void expect_same(const PointCloud& a, const PointCloud& b) {
+  EXPECT_TRUE(test::same_bits(a.positions, b.positions));
+  EXPECT_EQ(a.attributes(), b.attributes());
+  for_each_column(a, b, [](Attribute attribute, const auto& of_a, const auto& of_b) {
+    EXPECT_TRUE(test::same_bits(of_a, of_b)) << static_cast<std::uint32_t>(attribute);
+  });
+  ASSERT_EQ(a.extra_dimensions.size(), b.extra_dimensions.size());
+  for (std::size_t i = 0; i < a.extra_dimensions.size(); ++i) {
+    EXPECT_EQ(a.extra_dimensions[i].name, b.extra_dimensions[i].name);
+    EXPECT_EQ(a.extra_dimensions[i].values, b.extra_dimensions[i].values);
+  }
+  EXPECT_EQ(a.lattice, b.lattice);
+  EXPECT_EQ(a.crs, b.crs);
+  EXPECT_EQ(a.records, b.records);
+  EXPECT_EQ(a.warnings, b.warnings);
+  EXPECT_EQ(a.gps_time_is_standard, b.gps_time_is_standard);
+  ASSERT_EQ(a.files.size(), b.files.size());
+  for (std::size_t i = 0; i < a.files.size(); ++i) {
+    EXPECT_EQ(a.files[i].path, b.files[i].path);
+    EXPECT_EQ(a.files[i].point_count, b.files[i].point_count);
+    EXPECT_EQ(a.files[i].dropped_count, b.files[i].dropped_count);
+  }
+}
+
+TEST(TilesTest, the_result_is_the_same_for_any_number_of_threads) {
+  const std::vector<Bytes> tiles = mixed_tiles();
+  for (const AttributeSet wanted :
+       {AttributeSet::all(), AttributeSet(), Attribute::color | Attribute::extra_dimensions}) {
+    const PointCloud one = join(tiles, {.attributes = wanted}, 1);
+    EXPECT_GT(one.size(), 1000u);
+    EXPECT_GT(one.warnings.size(), 5u);
+    for (const int threads : {2, 3, 8}) expect_same(one, join(tiles, {.attributes = wanted}, threads));
+  }
+}
+
+TEST(TilesTest, columns_are_reserved_once_for_all_tiles) {
+  const PointCloud cloud = join(mixed_tiles(), {}, 4);
+  EXPECT_EQ(cloud.positions.capacity(), cloud.size());
+  EXPECT_EQ(cloud.intensities.capacity(), cloud.size());
+}
+
+TEST(TilesTest, of_several_bad_files_the_first_is_named) {
+  std::vector<Bytes> tiles = mixed_tiles();
+  for (const std::size_t bad : {std::size_t{60}, std::size_t{17}, std::size_t{18}}) {
+    // The second pass finds a point that is on no lattice of 32 bits; the header tells nothing.
+    LasFile far;
+    far.offset = {690000 + 1e7, 5325000, 500};
+    far.points.emplace_back().x = 2147483647;
+    tiles[bad] = build_las(far);
+  }
+  for (int i = 0; i < 20; ++i) {
+    const std::string message = error_of([&] { join(tiles, {}, 4); });
+    EXPECT_TRUE(message.starts_with("tile_17:")) << message;
+  }
+}
+
+TEST(TilesTest, whoever_watches_is_called_by_one_thread_at_a_time_and_told_ever_more) {
+  const std::vector<Bytes> tiles = mixed_tiles();
+  std::atomic<int> inside = 0;
+  std::uint64_t last = 0, whole = 0;
+  ReadOptions options;
+  options.progress = [&](std::uint64_t done, std::uint64_t total) {
+    EXPECT_EQ(inside.fetch_add(1), 0);
+    EXPECT_GE(done, last);
+    EXPECT_LE(done, total);
+    last = done;
+    whole = total;
+    std::this_thread::yield();
+    inside.fetch_sub(1);
+    return true;
+  };
+  join(tiles, options, 4);
+  EXPECT_EQ(last, whole);
+}
+
+TEST(TilesTest, reading_stops_when_asked_to_and_asks_no_more) {
+  const std::vector<Bytes> tiles = mixed_tiles();
+  int calls = 0;
+  ReadOptions options;
+  options.progress = [&](std::uint64_t, std::uint64_t) { return ++calls < 20; };
+  EXPECT_THROW(join(tiles, options, 4), Cancelled);
+  EXPECT_EQ(calls, 20);
+}
+
+/// A tile of points on a row from x = first to x = first + 9, y = z = 0, one per unit; its header says so.
+Bytes tile_of_box(int first, int low, int high) {
+  LasFile file;
+  file.point_format = 0;
+  file.offset = {0, 0, 0};
+  for (int i = 0; i < 10; ++i) file.points.emplace_back().x = 100 * (first + i);
+  Bytes bytes = build_las(file);
+  const double box[] = {double(high), double(low), 0, 0, 0, 0};
+  std::memcpy(bytes.data() + 179, box, sizeof box);
+  return bytes;
+}
+
+std::vector<Bytes> row_of_tiles() {
+  std::vector<Bytes> tiles;
+  for (int i = 0; i < 6; ++i) tiles.push_back(tile_of_box(20 * i, 20 * i, 20 * i + 9));
+  return tiles;
+}
+
+TEST(RegionTest, files_whose_box_does_not_meet_the_region_are_left_unread) {
+  for (const int threads : {1, 3}) {
+    const PointCloud cloud = join(row_of_tiles(), {.region = Bounds{{45, -1, -1}, {61, 1, 1}}}, threads);
+    ASSERT_EQ(cloud.size(), 20u);
+    EXPECT_EQ(cloud.world(0).x, 40);
+    ASSERT_EQ(cloud.files.size(), 6u);
+    EXPECT_EQ(cloud.files[1].skipped_count, 10u);
+    EXPECT_EQ(cloud.files[1].point_count, 0u);
+    EXPECT_EQ(cloud.files[2].skipped_count, 0u);
+    EXPECT_EQ(cloud.files[2].point_count, 10u);
+  }
+}
+
+TEST(RegionTest, faces_are_included_and_boxes_are_widened_by_what_headers_round) {
+  const auto tiles_read = [](double low, double high) {
+    return join(row_of_tiles(), {.region = Bounds{{low, 0, 0}, {high, 0, 0}}}, 1).size() / 10;
+  };
+  EXPECT_EQ(tiles_read(9, 20), 2u);
+  EXPECT_EQ(tiles_read(9.079, 19.921), 2u) << "8 steps of 0.01";
+  EXPECT_EQ(tiles_read(9.081, 19.919), 0u);
+  const double inf = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(tiles_read(-inf, inf), 6u);
+  EXPECT_EQ(tiles_read(50, inf), 3u);
+}
+
+TEST(RegionTest, rows_are_numbered_as_if_all_files_had_been_read) {
+  const PointCloud all = join(row_of_tiles(), {}, 1);
+  const PointCloud some = join(row_of_tiles(), {.region = Bounds{{25, 0, 0}, {25, 0, 0}}}, 1);
+  const PointCloud others = join({row_of_tiles()[0], row_of_tiles()[5], row_of_tiles()[1]},
+                                 {.region = Bounds{{-5, 0, 0}, {25, 0, 0}}}, 1);
+  const RowIds ids(some.files), none(all.files), later(others.files);
+  EXPECT_EQ(ids.skipped_files(), 5u);
+  for (std::size_t row = 0; row < some.size(); ++row) EXPECT_EQ(some.world(row), all.world(ids(row)));
+  EXPECT_EQ(none.skipped_files(), 0u);
+  EXPECT_EQ(none(59), 59u);
+  EXPECT_EQ(later(9), 9u);
+  EXPECT_EQ(later(10), 20u);
+}
+
+TEST(RegionTest, boxes_that_cannot_be_true_are_ignored) {
+  const Bounds far{{1000, 0, 0}, {1001, 0, 0}};
+  const auto is_read = [&](int low, int high) {
+    return join({tile_of_box(0, low, high)}, {.region = far}, 1).size() == 10;
+  };
+  EXPECT_FALSE(is_read(0, 9));
+  EXPECT_TRUE(is_read(9, 0)) << "inverted";
+  EXPECT_TRUE(is_read(0, 0)) << "ten points in one place";
+  EXPECT_TRUE(is_read(0, 2000000000)) << "beyond 32 bits of steps";
+  Bytes nan = tile_of_box(0, 0, 9);
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  std::memcpy(nan.data() + 187, &none, sizeof none);
+  EXPECT_EQ(join({nan}, {.region = far}, 1).size(), 10u);
+}
+
+TEST(RegionTest, a_region_is_ignored_for_damaged_files_and_for_texts) {
+  const Bounds far{{1000, 0, 0}, {1001, 0, 0}};
+  EXPECT_EQ(join(row_of_tiles(), {.partial = true, .region = far}, 1).size(), 60u);
+  EXPECT_EQ(join({text("1 2 3\n4 5 6\n")}, {.region = far}, 1).size(), 2u);
+}
+
+TEST(RegionTest, skipped_files_still_have_to_fit) {
+  std::vector<Bytes> tiles = row_of_tiles();
+  const double scale = 0.03;
+  std::memcpy(tiles[4].data() + 131, &scale, sizeof scale);
+  const Bounds near{{0, 0, 0}, {5, 0, 0}};
+  EXPECT_TRUE(error_of([&] { join(tiles, {.region = near}, 1); }).starts_with("tile_4: does not share"));
+}
+
+}  // namespace
+}  // namespace alidade
