@@ -64,6 +64,7 @@ class Reader {
     if (value > 1) fail(1, "bad flag in the metadata", "0 or 1", std::to_string(value));
     return value == 1;
   }
+  bool at_end() const { return used_ == bytes_.size(); }
   void finish() const {
     if (used_ != bytes_.size())
       fail(0, "bytes behind the metadata", std::to_string(used_), std::to_string(bytes_.size()));
@@ -177,13 +178,19 @@ std::vector<std::byte> encode_index_metadata(const PointCloud& cloud) {
     writer.add<std::uint8_t>(record.extended);
     writer.add<std::uint64_t>(record.data.size());
   }
+  if (cloud.scanner_positions.empty()) return writer.take();
+  writer.add<std::uint64_t>(cloud.scanner_positions.size());
+  for (const ScannerPosition& scanner : cloud.scanner_positions) {
+    writer.add_all(scanner.scan);
+    for (int axis = 0; axis < 3; ++axis) writer.add(scanner.position[axis]);
+  }
   return writer.take();
 }
 
 IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t place,
                                   const std::string& file_name) {
   // The fewest bytes that an entry of each list takes.
-  constexpr std::size_t k_file = 44, k_warning = 8, k_extra_dimension = 48, k_record = 27;
+  constexpr std::size_t k_file = 44, k_warning = 8, k_extra_dimension = 48, k_record = 27, k_scanner = 32;
   Reader reader(section, place, file_name);
   IndexMetadata metadata;
   PointCloud& cloud = metadata.cloud;
@@ -203,6 +210,14 @@ IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint6
     record.description = reader.text();
     record.extended = reader.flag();
     metadata.record_bytes.push_back(reader.get<std::uint64_t>());
+  }
+  // A cloud without scanner positions has no list of them, as the first index files had none.
+  if (!reader.at_end()) {
+    for (std::uint64_t left = reader.count(k_scanner); left > 0; --left) {
+      ScannerPosition& scanner = cloud.scanner_positions.emplace_back();
+      scanner.scan = reader.text();
+      for (int axis = 0; axis < 3; ++axis) scanner.position[axis] = reader.get<double>();
+    }
   }
   reader.finish();
   return metadata;

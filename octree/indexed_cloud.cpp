@@ -2,11 +2,15 @@
 #include "octree/indexed_cloud.h"
 
 #include <utility>
+#include <vector>
+
+#include "octree/cloud/cloud_files.h"
 
 namespace alidade {
 
-IndexedCloud load_indexed_cloud(std::span<const std::filesystem::path> files,
+IndexedCloud load_indexed_cloud(std::span<const std::filesystem::path> names,
                                 const IndexCloudOptions& options) {
+  const std::vector<std::filesystem::path> files = expand_cloud_files(names);
   IndexedCloud loaded;
   if (files.size() == 1 && is_index_file(files[0])) {
     loaded.index = open_index(files[0]);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "octree/index_metadata.h"
 #include "tests/octree/index_layout.h"
 
 namespace alidade {
@@ -88,9 +89,21 @@ TEST(IndexMetadata, are_as_documented) {
       }
       data += record.data.size();
     }
+    ASSERT_EQ(reader.next<std::uint64_t>(), cloud.scanner_positions.size());
+    for (const ScannerPosition& scanner : cloud.scanner_positions) {
+      EXPECT_EQ(reader.text(), scanner.scan);
+      for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(reader.next<double>(), scanner.position[axis]);
+    }
     EXPECT_EQ(reader.place(), sections.at(32).place + sections.at(32).bytes);
     EXPECT_EQ(data, sections.at(33).place + sections.at(33).bytes);
   });
+}
+
+TEST(IndexMetadata, without_scanner_positions_have_no_list_of_them) {
+  PointCloud cloud;
+  const std::size_t without = encode_index_metadata(cloud).size();
+  cloud.scanner_positions = {{"ab", {1, 2, 3}}};
+  EXPECT_EQ(encode_index_metadata(cloud).size(), without + 8 + 8 + 2 + 24);
 }
 
 /// Bytes of a type as the page names it: "u32", "f64[3]", "u8[3][8]", "entry[32]".

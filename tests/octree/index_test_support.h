@@ -55,8 +55,9 @@ inline void fill_everything(PointCloud& cloud, Random& random) {
   cloud.gps_time_is_standard = true;
   for (std::uint8_t& byte : cloud.project_id) byte = static_cast<std::uint8_t>(random.bits());
   cloud.file_source_id = 513;
-  cloud.files = {{"folder/a.las", "LAS", "1.4", 7, cloud.size(), 0},
-                 {"b.xyz", "XYZ", "", std::nullopt, 0, 3}};
+  cloud.files = {{"folder/a.las", "LAS", "1.4", 7, cloud.size(), 0, 0, std::nullopt, 0},
+                 {"b.xyz", "XYZ", "", std::nullopt, 0, 3, 0, std::nullopt, 0}};
+  cloud.scanner_positions = {{"north side", {690000.25, 5325000.5, 601.75}}, {"", {-1.0, 0.0, 1e300}}};
   cloud.warnings = {"a.las: is odd", ""};
 }
 
@@ -97,6 +98,7 @@ inline void expect_same_facts(const PointCloud& a, const PointCloud& b) {
   EXPECT_EQ(a.gps_time_is_standard, b.gps_time_is_standard);
   EXPECT_EQ(a.project_id, b.project_id);
   EXPECT_EQ(a.file_source_id, b.file_source_id);
+  EXPECT_EQ(a.scanner_positions, b.scanner_positions);
 }
 
 }  // namespace alidade::test
