@@ -7,6 +7,7 @@
 #include "octree/build.h"
 #include "octree/checksum.h"
 #include "octree/cloud/attribute_columns.h"
+#include "octree/cloud/cloud_files.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/index_file.h"
 #include "octree/spacing.h"
@@ -72,9 +73,11 @@ LoadedCloud map_cloud(const CloudSettings& settings, const Progress& progress) {
 
 LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, const Progress& afterwards) {
   const std::string name = names(settings.files);
-  const AttributeSet seen = check_color_of_files(settings.color, settings.files, name);
+  const AttributeSet seen = check_color_of_files(settings.color, settings.files,
+                                                 settings.partial ? Damage::read_over : Damage::refuse, name);
   PointCloud cloud = read_cloud(settings.files, {.attributes = attributes_for(settings.color),
                                                  .color_depth = settings.color_depth,
+                                                 .partial = settings.partial,
                                                  .progress = reading});
   LoadedCloud loaded;
   const PointColoring coloring =
@@ -90,7 +93,9 @@ LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, 
 
 }  // namespace
 
-LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress, const Progress& measuring) {
+LoadedCloud load_cloud(const CloudSettings& wanted, const Progress& progress, const Progress& measuring) {
+  CloudSettings settings = wanted;
+  settings.files = expand_cloud_files(wanted.files);
   // Reading counts the work; what follows is asked whether to go on, at the place where reading ended.
   std::uint64_t done = 0, total = 0;
   const Progress reading = [&](std::uint64_t bytes, std::uint64_t all_bytes) {

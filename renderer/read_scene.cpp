@@ -39,8 +39,8 @@ AdaptedRadius read_adapted_radius(const JsonNode& node) {
 }
 
 CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
-  const JsonFields fields(
-      node, {"files", "file", "radius", "hits", "color", "color_depth", "normals", "max_level", "material"});
+  const JsonFields fields(node, {"files", "file", "partial", "radius", "hits", "color", "color_depth",
+                                 "normals", "max_level", "material"});
   CloudSettings cloud;
   const auto files = fields.find("files"), file = fields.find("file");
   if (files && file) file->fail("both \"file\" and \"files\"", "one of them", "the second");
@@ -50,6 +50,7 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
     for (const JsonNode& each : files->elements(1, std::size_t(-1)))
       cloud.files.push_back(path_beside(scene_file, each));
   }
+  if (const auto partial = fields.find("partial")) cloud.partial = partial->boolean();
   if (const auto radius = fields.find("radius")) {
     if (radius->is_object())
       cloud.adapted_radius = read_adapted_radius(*radius);

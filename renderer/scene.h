@@ -52,7 +52,8 @@ inline constexpr int k_max_level = 255;
 
 /// The scanned part of a scene.
 struct CloudSettings {
-  std::vector<std::filesystem::path> files;
+  std::vector<std::filesystem::path> files;  ///< and folders and patterns (octree/cloud/cloud_files.h)
+  bool partial = false;                      ///< ReadOptions::partial
   ColorDepth color_depth = ColorDepth::automatic;
   std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing
   std::optional<AdaptedRadius> adapted_radius;  ///< takes the place of radius

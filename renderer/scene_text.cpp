@@ -78,9 +78,9 @@ class Text {
     add_all(by, attribute, map, range, percentiles, classes);
   }
   void add(const CloudSettings& cloud) {
-    const auto& [files, color_depth, radius, adapted_radius, hits, color, material, normals, max_level] =
-        cloud;
-    add_all(files, color_depth, radius, adapted_radius, hits, color, material, normals, max_level);
+    const auto& [files, partial, color_depth, radius, adapted_radius, hits, color, material, normals,
+                 max_level] = cloud;
+    add_all(files, partial, color_depth, radius, adapted_radius, hits, color, material, normals, max_level);
   }
   void add(const Sphere& sphere) {
     const auto& [center, radius, material] = sphere;

@@ -9,13 +9,14 @@
 
 namespace alidade {
 
-/// Which reference system observers are in, and which they are wanted in.
+/// Which reference system observers, or other things on the ground, are in, and which they are wanted in.
 struct ObserverReference {
   /// What the user says, above what a file says: anything GDAL understands ("EPSG:4326", WKT, PROJ), x east
   /// and y north whatever its axes; "cloud" for the cloud's own. Empty: what the file says.
   std::string given{};
   Crs cloud{};
   std::string option = "--observers-crs";  ///< how the user says it, for messages
+  std::string whose = "observers";         ///< what they are, for messages
 };
 
 /// Turns places into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z and

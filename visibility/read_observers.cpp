@@ -3,75 +3,20 @@
 
 #include <fmt/format.h>
 #include <ogr_api.h>
-#include <ogr_srs_api.h>
-#include <ogrsf_frmts.h>
 
-#include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "octree/cloud/text_scanner.h"
 #include "octree/error.h"
-#include "renderer/gdal_handles.h"
 #include "visibility/file_ending.h"
 #include "visibility/observer_fields.h"
 #include "visibility/observer_table.h"
+#include "visibility/vector_file.h"
 
 namespace alidade {
 namespace {
 
 constexpr const char* k_expected = "CSV, GeoJSON, GeoPackage or Shapefile with points";
-
-struct DestroyFeature {
-  void operator()(void* feature) const { OGR_F_Destroy(feature); }
-};
-using Feature = std::unique_ptr<void, DestroyFeature>;
-
-GdalDataset open_vector_file(const std::filesystem::path& path) {
-  // Asked here, because GDAL takes many a text that is no file's name for something to read.
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error))
-    throw Error({.file = path.string(), .problem = "is no file", .expected = k_expected});
-  RegisterOGRGeoJSON();
-  RegisterOGRGeoPackage();
-  RegisterOGRShape();
-  const char* const drivers[] = {"GeoJSON", "GPKG", "ESRI Shapefile", nullptr};
-  GdalDataset dataset(GDALOpenEx(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
-                                 drivers, nullptr, nullptr));
-  if (!dataset) {
-    throw Error({.file = path.string(),
-                 .problem = "cannot be read as observers",
-                 .expected = k_expected,
-                 .found = CPLGetLastErrorMsg()});
-  }
-  return dataset;
-}
-
-/// The only layer. Errors: none, or several.
-OGRLayerH only_layer(const GdalDataset& dataset, const std::filesystem::path& path) {
-  const int count = GDALDatasetGetLayerCount(dataset.get());
-  if (count == 1) return GDALDatasetGetLayer(dataset.get(), 0);
-  std::string names;
-  for (int i = 0; i < count; ++i) {
-    if (i > 0) names += ", ";
-    names += OGR_L_GetName(GDALDatasetGetLayer(dataset.get(), i));
-  }
-  throw Error({.file = path.string(),
-               .problem = count == 0 ? "holds no layer" : "holds several layers",
-               .expected = "one layer of points",
-               .found = count == 0 ? "nothing" : names});
-}
-
-std::string wkt_of_layer(OGRLayerH layer) {
-  const OGRSpatialReferenceH reference = OGR_L_GetSpatialRef(layer);
-  if (reference == nullptr) return "";
-  char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT2_2018", nullptr};
-  OSRExportToWktEx(reference, &text, options);
-  std::string wkt = text != nullptr ? text : "";
-  CPLFree(text);
-  return wkt;
-}
 
 /// Takes the attributes that are known.
 void read_attributes(OGRFeatureH feature, GivenObserver& observer) {
@@ -126,21 +71,12 @@ void add_feature(OGRFeatureH feature, const std::filesystem::path& path,
     add_point(OGR_G_GetGeometryRef(geometry, i), observer, observers);
 }
 
-std::vector<GivenObserver> read_vector_file(const std::filesystem::path& path,
-                                            const ObserverReference& reference) {
+std::vector<GivenObserver> read_vector_observers(const std::filesystem::path& path,
+                                                 const ObserverReference& reference) {
   std::vector<GivenObserver> observers;
-  std::string wkt;
-  {
-    const QuietGdal quiet;
-    const GdalDataset dataset = open_vector_file(path);
-    const OGRLayerH layer = only_layer(dataset, path);
-    wkt = wkt_of_layer(layer);
-    CPLErrorReset();
-    OGR_L_ResetReading(layer);
-    while (const Feature feature{OGR_L_GetNextFeature(layer)}) add_feature(feature.get(), path, observers);
-    if (CPLGetLastErrorType() >= CE_Failure)
-      throw Error({.file = path.string(), .problem = "is damaged", .found = CPLGetLastErrorMsg()});
-  }
+  const std::string wkt =
+      read_vector_file(path, {.content = "observers", .expected = k_expected, .features = "points"},
+                       [&](void* feature) { add_feature(feature, path, observers); });
   if (observers.empty())
     throw Error({.file = path.string(), .problem = "holds no observers", .expected = "a point for each"});
   to_cloud_reference(observers, wkt, reference);
@@ -152,7 +88,7 @@ std::vector<GivenObserver> read_vector_file(const std::filesystem::path& path,
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
                                           const ObserverReference& reference) {
   const std::string ending = file_ending(path);
-  if (ending != ".csv" && ending != ".txt") return read_vector_file(path, reference);
+  if (ending != ".csv" && ending != ".txt") return read_vector_observers(path, reference);
   std::vector<GivenObserver> observers = read_observer_table(path);
   if (!reference.given.empty()) to_cloud_reference(observers, "", reference);
   return observers;

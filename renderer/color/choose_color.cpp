@@ -114,12 +114,12 @@ AttributeSet attributes_for(const PointColoring& coloring) {
 }
 
 AttributeSet check_color_of_files(const PointColoring& coloring, std::span<const std::filesystem::path> files,
-                                  const std::string& name) {
+                                  Damage damage, const std::string& name) {
   const AttributeSet needed = attributes_for(coloring);
   AttributeSet seen;
   if (coloring.by == PointColor::automatic || needed == AttributeSet()) return seen;
   for (const std::filesystem::path& file : files) {
-    seen = seen | open_cloud(file)->attributes();
+    seen = seen | open_cloud(InputFile(file), damage)->attributes();
     if ((seen & needed) == needed) return seen;
   }
   fail(name, color_word(coloring), seen, {});

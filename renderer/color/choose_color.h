@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octree/cloud/attribute_columns.h"
+#include "octree/cloud/damage.h"
 #include "renderer/color/point_color.h"
 
 // Whether a cloud has what its points are to be coloured by.
@@ -20,7 +21,7 @@ AttributeSet attributes_for(const PointColoring& coloring);
 /// cloud's in messages. Returns the attributes that were seen. Errors: none of the files has the attribute;
 /// the message lists what they have. Those of open_cloud().
 AttributeSet check_color_of_files(const PointColoring& coloring, std::span<const std::filesystem::path> files,
-                                  const std::string& name);
+                                  Damage damage, const std::string& name);
 
 /// A cloud that is about to be coloured.
 struct ColorSource {

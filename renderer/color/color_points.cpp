@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "octree/cloud/is_las.h"
 #include "renderer/color/classification_colors.h"
 #include "renderer/color/gps_date.h"
 #include "renderer/color/height_unit.h"
@@ -32,8 +33,7 @@ std::string title_of(const std::string& word) {
 
 /// The kind of clock in words, and where on it the labels' 0 lies.
 std::string time_origin(double origin, const PointCloud& facts) {
-  const bool las =
-      std::ranges::all_of(facts.files, [](const CloudFile& file) { return file.format == "LAS"; });
+  const bool las = std::ranges::all_of(facts.files, is_las);
   if (std::fabs(origin) < 1e15) {
     const auto seconds = static_cast<std::int64_t>(origin);
     if (facts.gps_time_is_standard) {

@@ -75,6 +75,7 @@ std::string text(const CloudSettings& cloud) {
   for (const auto& file : cloud.files) result += file.string() + " ";
   result += fmt::format("depth {} hits {} {}normals {} ", int(cloud.color_depth), int(cloud.hits),
                         text(cloud.color), int(cloud.normals));
+  if (cloud.partial) result += "partial ";
   if (cloud.max_level != k_max_level) result += fmt::format("levels {} ", cloud.max_level);
   if (cloud.adapted_radius) {
     const AdaptedRadius& radius = *cloud.adapted_radius;

@@ -30,7 +30,7 @@ std::string with(const std::string& rest) {
 TEST(ReadSceneTest, a_scene_says_what_its_file_says) {
   const Scene scene = parse_scene(R"({
     "version": 1, "description": "all of it",
-    "cloud": { "files": ["a.las", "../b.ply"], "radius": 0.05, "hits": "t", "color": "intensity", "color_depth": 8, "normals": "smooth", "max_level": 4,
+    "cloud": { "files": ["a.las", "../b.ply"], "partial": true, "radius": 0.05, "hits": "t", "color": "intensity", "color_depth": 8, "normals": "smooth", "max_level": 4,
                "material": { "type": "metal", "roughness": 0.25 } },
     "objects": [ { "type": "sphere", "center": [2, 1.5, -1], "radius": 0.5,
                    "material": { "type": "metal", "albedo": [0.9, 0.8, 0.7], "roughness": 0.1 } },
@@ -45,21 +45,21 @@ TEST(ReadSceneTest, a_scene_says_what_its_file_says) {
     "render": { "samples": 7, "max_bounces": 0, "seed": 18446744073709551615 },
     "output": { "file": "out/yard.exr", "layers": ["id", "variance"], "exposure": -1.5, "precision": "float" } })",
                                   "scenes/yard.json");
-  EXPECT_EQ(
-      describe(scene),
-      "cloud scenes/a.las b.ply depth 1 hits 1 color intensity normals 1 levels 4 0.050000000000000003 metal "
-      "own 0.25 \n"
-      "sphere 2 1.5 -1 0.5 metal 0.89999997615814209 0.80000001192092896 0.69999998807907104 "
-      "0.10000000000000001 \n"
-      "sphere 0 0 0 1 dielectric 1.3300000000000001 \n"
-      "sphere 0 0 0 2 emissive 5 6 7 \n"
-      "plane 3 lambertian 0 0.5 1 \n"
-      "plane 0 lambertian 0.5 0.5 0.5 \n"
-      "sky constant 0.25 0.5 0.75 \n"
-      "sun 90 45 1 2 3 0 \n"
-      "camera chosen\n"
-      "render 7 0 18446744073709551615\n"
-      "output 'scenes/out/yard.exr' half false -1.5 6 7 ");
+  EXPECT_EQ(describe(scene),
+            "cloud scenes/a.las b.ply depth 1 hits 1 color intensity normals 1 partial levels 4 "
+            "0.050000000000000003 "
+            "metal own 0.25 \n"
+            "sphere 2 1.5 -1 0.5 metal 0.89999997615814209 0.80000001192092896 0.69999998807907104 "
+            "0.10000000000000001 \n"
+            "sphere 0 0 0 1 dielectric 1.3300000000000001 \n"
+            "sphere 0 0 0 2 emissive 5 6 7 \n"
+            "plane 3 lambertian 0 0.5 1 \n"
+            "plane 0 lambertian 0.5 0.5 0.5 \n"
+            "sky constant 0.25 0.5 0.75 \n"
+            "sun 90 45 1 2 3 0 \n"
+            "camera chosen\n"
+            "render 7 0 18446744073709551615\n"
+            "output 'scenes/out/yard.exr' half false -1.5 6 7 ");
 }
 
 TEST(ReadSceneTest, what_a_scene_leaves_out_is_as_in_the_structs) {

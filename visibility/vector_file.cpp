@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/vector_file.h"
+
+#include <ogr_api.h>
+#include <ogr_srs_api.h>
+#include <ogrsf_frmts.h>
+
+#include <memory>
+
+#include "octree/error.h"
+#include "renderer/gdal_handles.h"
+
+namespace alidade {
+namespace {
+
+struct DestroyFeature {
+  void operator()(void* feature) const { OGR_F_Destroy(feature); }
+};
+using Feature = std::unique_ptr<void, DestroyFeature>;
+
+GdalDataset open_vector_file(const std::filesystem::path& path, const VectorContent& content) {
+  // Asked here, because GDAL takes many a text that is no file's name for something to read.
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    throw Error({.file = path.string(), .problem = "is no file", .expected = content.expected});
+  RegisterOGRGeoJSON();
+  RegisterOGRGeoPackage();
+  RegisterOGRShape();
+  const char* const drivers[] = {"GeoJSON", "GPKG", "ESRI Shapefile", nullptr};
+  GdalDataset dataset(GDALOpenEx(path.c_str(), GDAL_OF_VECTOR | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR,
+                                 drivers, nullptr, nullptr));
+  if (!dataset) {
+    throw Error({.file = path.string(),
+                 .problem = "cannot be read as " + content.content,
+                 .expected = content.expected,
+                 .found = CPLGetLastErrorMsg()});
+  }
+  return dataset;
+}
+
+/// The only layer. Errors: none, or several.
+OGRLayerH only_layer(const GdalDataset& dataset, const std::filesystem::path& path,
+                     const VectorContent& content) {
+  const int count = GDALDatasetGetLayerCount(dataset.get());
+  if (count == 1) return GDALDatasetGetLayer(dataset.get(), 0);
+  std::string names;
+  for (int i = 0; i < count; ++i) {
+    if (i > 0) names += ", ";
+    names += OGR_L_GetName(GDALDatasetGetLayer(dataset.get(), i));
+  }
+  throw Error({.file = path.string(),
+               .problem = count == 0 ? "holds no layer" : "holds several layers",
+               .expected = "one layer of " + content.features,
+               .found = count == 0 ? "nothing" : names});
+}
+
+std::string wkt_of_layer(OGRLayerH layer) {
+  const OGRSpatialReferenceH reference = OGR_L_GetSpatialRef(layer);
+  if (reference == nullptr) return "";
+  char* text = nullptr;
+  const char* const options[] = {"FORMAT=WKT2_2018", nullptr};
+  OSRExportToWktEx(reference, &text, options);
+  std::string wkt = text != nullptr ? text : "";
+  CPLFree(text);
+  return wkt;
+}
+
+}  // namespace
+
+std::string read_vector_file(const std::filesystem::path& path, const VectorContent& content,
+                             const std::function<void(void* feature)>& take) {
+  const QuietGdal quiet;
+  const GdalDataset dataset = open_vector_file(path, content);
+  const OGRLayerH layer = only_layer(dataset, path, content);
+  CPLErrorReset();
+  OGR_L_ResetReading(layer);
+  while (const Feature feature{OGR_L_GetNextFeature(layer)}) take(feature.get());
+  if (CPLGetLastErrorType() >= CE_Failure)
+    throw Error({.file = path.string(), .problem = "is damaged", .found = CPLGetLastErrorMsg()});
+  return wkt_of_layer(layer);
+}
+
+}  // namespace alidade
