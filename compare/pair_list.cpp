@@ -117,6 +117,10 @@ std::vector<ImagePair> pairs_of_folders(const fs::path& reference, const fs::pat
 std::vector<ImagePair> read_pairs(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   if (!stream) throw Error({.file = file.string(), .problem = "cannot be read"});
+  return read_pairs(stream, file);
+}
+
+std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
   std::vector<ImagePair> pairs;
   std::size_t columns = 0;
   std::string line;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -24,5 +25,7 @@ std::vector<ImagePair> pairs_of_folders(const std::filesystem::path& reference,
 /// that of the test. Errors name the line: another header, another number of fields, an empty path, a quote
 /// without end.
 std::vector<ImagePair> read_pairs(const std::filesystem::path& file);
+/// The same from a stream of the file's text.
+std::vector<ImagePair> read_pairs(std::istream& stream, const std::filesystem::path& file);
 
 }  // namespace alidade

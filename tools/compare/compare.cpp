@@ -56,7 +56,7 @@ void find_points(std::vector<PointsOutput>& outputs, const RegionPointsRequest& 
                  .problem = "has no layer of point ids",
                  .expected = "an EXR file rendered with the layer id"});
   ProgressLine line("reading", "B", verbosity);
-  const PointCloud cloud = read_cloud(wish.cloud, {.progress = line.callback()});
+  const PointCloud cloud = read_cloud(wish.cloud, {.partial = wish.partial, .progress = line.callback()});
   line.finish();
   const std::vector<RegionPoint> found = region_points(facts.ids, changes, cloud.positions.size());
   if (found.empty()) {

@@ -186,15 +186,22 @@ void add_changes(CLI::App& command, CompareRequest& request) {
             })
       ->needs(changes)
       ->group(group);
-  add_file(command, "--reference-points", "FILE.las",
+  add_file(command, "--reference-points", "FILE.las|FILE.laz",
            "points that the regions show in the reference, of --reference-cloud; needs the layer id",
            request.reference_points.output, group);
   add_file(command, "--reference-cloud", "CLOUD", "the cloud that the reference was made of",
            request.reference_points.cloud, group);
-  add_file(command, "--test-points", "FILE.las", "points that the regions show in the test, of --test-cloud",
-           request.test_points.output, group);
+  add_file(command, "--test-points", "FILE.las|FILE.laz",
+           "points that the regions show in the test, of --test-cloud", request.test_points.output, group);
   add_file(command, "--test-cloud", "CLOUD", "the cloud that the test was made of", request.test_points.cloud,
            group);
+  command
+      .add_flag_function(
+          "--partial",
+          [&request](std::int64_t) { request.reference_points.partial = request.test_points.partial = true; },
+          "read what is whole of damaged clouds, as the pictures were made with --partial")
+      ->option_text(" ")
+      ->group(group);
 }
 
 void add_verdict(CLI::App& command, CompareRequest& request) {

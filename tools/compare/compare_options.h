@@ -13,6 +13,7 @@ namespace alidade {
 /// Points behind regions of change: the cloud that a picture was made of, and where its points go.
 struct RegionPointsRequest {
   std::filesystem::path cloud, output;
+  bool partial = false;  ///< ReadOptions::partial, as when the picture was made
 };
 
 /// What the command line of `alidade compare` asks for.
