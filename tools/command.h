@@ -30,6 +30,7 @@ using CommandLine = std::vector<std::string>;
 Command add_info(CLI::App& program);
 Command add_generate(CLI::App& program);
 Command add_index(CLI::App& program);
+Command add_convert(CLI::App& program);
 Command add_query(CLI::App& program);
 Command add_render(CLI::App& program, const CommandLine& command_line);
 Command add_compare(CLI::App& program);

@@ -32,7 +32,7 @@ ExitCode run_courtyard(const GenerateCommand& command) {
 
 Command add_generate(CLI::App& program) {
   auto command = std::make_shared<GenerateCommand>();
-  CLI::App* generate = program.add_subcommand("generate", "Scan a simulated site into a LAS file");
+  CLI::App* generate = program.add_subcommand("generate", "Scan a simulated site into a LAS or LAZ file");
   add_value(
       *generate, "site", "courtyard",
       "the site: a yard with houses, trees, lamp posts and a car, scanned from the ground and from the air",
@@ -40,8 +40,10 @@ Command add_generate(CLI::App& program) {
         if (text != "courtyard") throw CLI::ValidationError("expected courtyard, found '" + text + "'");
       })
       ->required();
-  generate->add_option("-o,--output", command->output, "LAS 1.4 file to write; metres, UTM zone 32N")
-      ->option_text("FILE.las")
+  generate
+      ->add_option("-o,--output", command->output,
+                   "LAS 1.4 or LAZ file to write, by the ending; metres, UTM zone 32N")
+      ->option_text("FILE.las|FILE.laz")
       ->required();
   add_value(*generate, "--points", "N", "exact number of points, also as 2e6 (default 2e6; up to 4294967295)",
             [command](const std::string& text) {
@@ -55,9 +57,10 @@ Command add_generate(CLI::App& program) {
   add_verbosity(*generate, command->verbosity);
   generate->footer(
       "Form:\n"
-      "  alidade generate courtyard -o FILE.las [OPTIONS]\n"
+      "  alidade generate courtyard -o FILE.las|FILE.laz [OPTIONS]\n"
       "\n"
-      "The scan is written as it is made, in bounded memory: about 36 bytes of disk per point.\n"
+      "The scan is written as it is made, in bounded memory: about 36 bytes of disk per point, fewer as "
+      "LAZ.\n"
       "\n"
       "Examples:\n"
       "  alidade generate courtyard -o courtyard.las\n"

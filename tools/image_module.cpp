@@ -9,6 +9,7 @@
 #include "visibility/map_picture.h"
 #include "visibility/raster_file.h"
 #include "visibility/read_observers.h"
+#include "visibility/read_polygons.h"
 #include "visibility/skyline_picture.h"
 #include "visibility/sun_path.h"
 
@@ -49,6 +50,12 @@ extern "C" void alidade_read_observers(const std::filesystem::path& path,
 extern "C" void alidade_transform_observers(const alidade::ObserverReference& reference,
                                             std::vector<alidade::GivenObserver>& observers) {
   alidade::to_cloud_reference(observers, "", reference);
+}
+
+extern "C" void alidade_read_polygons(const std::filesystem::path& path,
+                                      const alidade::ObserverReference& reference,
+                                      std::vector<alidade::PlanePolygon>& polygons) {
+  polygons = alidade::read_polygons(path, reference);
 }
 
 extern "C" void alidade_lon_lat(const alidade::Crs& crs, const std::vector<glm::dvec3>& places,

@@ -1,100 +1,61 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include "octree/build.h"
 #include "octree/cloud/read_cloud.h"
-#include "octree/index_file.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
+#include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/progress.h"
+#include "tools/write_index.h"
 
 namespace alidade {
 namespace {
 
 struct IndexCommand {
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   std::filesystem::path output;
+  IndexRequest index;
   std::optional<Organisation> organisation;
-  double cell_size = 0.0;
   std::optional<ColorDepth> color_depth;
-  bool stored_order = false;
-  std::optional<int> spacing_neighbours;
-  bool surfaces = false;
-  bool overwrite = false;
   std::optional<int> threads;
   VerbosityOptions verbosity;
 };
 
 PointCloud read(const IndexCommand& command) {
   ProgressLine line("reading", "B", command.verbosity.verbosity());
-  PointCloud cloud = read_cloud(
-      command.files,
-      {.color_depth = command.color_depth.value_or(ColorDepth::automatic), .progress = line.callback()});
+  PointCloud cloud =
+      read_cloud(command.files, {.color_depth = command.color_depth.value_or(ColorDepth::automatic),
+                                 .partial = command.partial,
+                                 .progress = line.callback()});
   line.finish();
   if (command.verbosity.quiet) return cloud;
   for (const std::string& warning : cloud.warnings) say_warning(warning);
   return cloud;
 }
 
-Octree build_from(const IndexCommand& command, PointCloud& cloud) {
-  ProgressLine line("building", "points", command.verbosity.verbosity());
-  BuildOptions options;
-  options.organisation = command.organisation.value_or(Organisation::adaptive);
-  options.cell_size = command.cell_size;
-  options.progress = line.callback();
-  Octree octree =
-      command.stored_order ? build_in_stored_order(cloud, options) : build(std::move(cloud), options);
-  line.finish();
-  return octree;
-}
-
-Octree with_surfaces(const IndexCommand& command, const Octree& octree) {
-  if (!command.surfaces) return octree;
-  ProgressLine line("fitting surfaces", "points", command.verbosity.verbosity());
-  Octree with = with_surfaces(octree, line.callback());
-  line.finish();
-  return with;
-}
-
-Octree measured(const IndexCommand& command, const Octree& octree) {
-  const std::optional<int> neighbours = command.surfaces ? k_surface_neighbours : command.spacing_neighbours;
-  if (!neighbours) return octree;
-  ProgressLine line("measuring spacings", "points", command.verbosity.verbosity());
-  const Octree with = with_spacings(octree, *neighbours, line.callback());
-  line.finish();
-  return with_surfaces(command, with);
-}
-
 ExitCode run(const IndexCommand& command) {
-  if (command.cell_size > 0.0 && command.organisation != Organisation::fixed)
+  if (command.index.cell_size > 0.0 && command.organisation != Organisation::fixed)
     throw Error({.problem = "--cell-size is for --organisation fixed"});
   if (command.output.extension() != ".alidade") {
     throw Error({.file = command.output.string(),
                  .problem = "is no name of an index file",
                  .expected = "a name that ends in .alidade"});
   }
-  if (command.surfaces && command.spacing_neighbours && *command.spacing_neighbours != k_surface_neighbours) {
+  if (command.index.surfaces && command.index.spacing_neighbours &&
+      *command.index.spacing_neighbours != k_surface_neighbours) {
     throw Error({.problem = "--surfaces goes by the 8th neighbour",
                  .expected = "--spacings 8, or none",
-                 .found = std::to_string(*command.spacing_neighbours)});
+                 .found = std::to_string(*command.index.spacing_neighbours)});
   }
-  check_writable(command.output, command.overwrite, command.files);
+  check_writable(command.output, command.index.overwrite, command.files);
+  IndexRequest request = command.index;
+  request.organisation = command.organisation.value_or(Organisation::adaptive);
   PointCloud cloud = read(command);
-  const Octree octree = measured(command, build_from(command, cloud));
-  ProgressLine line("writing", "B", command.verbosity.verbosity());
-  save_index(command.output, octree, cloud, {.overwrite = command.overwrite, .progress = line.callback()});
-  line.finish();
-  if (!command.verbosity.quiet) {
-    const auto bytes = static_cast<double>(std::filesystem::file_size(command.output));
-    const auto points = static_cast<double>(octree.size());
-    say_note(fmt::format("{} points, {:.1f} bytes each, {:.1f} of them octree; wrote {}", octree.size(),
-                         octree.size() ? bytes / points : 0.0,
-                         octree.size() ? static_cast<double>(octree.memory()) / points : 0.0,
-                         command.output.string()));
-  }
+  write_index(command.output, cloud, request, command.verbosity.verbosity());
   return ExitCode::done;
 }
 
@@ -104,7 +65,8 @@ Command add_index(CLI::App& program) {
   auto command = std::make_shared<IndexCommand>();
   CLI::App* index =
       program.add_subcommand("index", "Make an index file, which takes the place of cloud files");
-  index->add_option("files", command->files, "cloud files; several are joined into one cloud")
+  add_cloud_files(*index, "files", command->files,
+                  "cloud files, folders or patterns as 'tiles/*.las'; several are joined into one cloud")
       ->option_text("FILE...")
       ->required();
   index->add_option("-o,--output", command->output, "index file to write")
@@ -124,11 +86,12 @@ Command add_index(CLI::App& program) {
       "longest side of a cell of --organisation fixed, in the unit of the CRS, mostly metres (default: cells "
       "that hold 32 points on average)",
       [command](const std::string& text) {
-        command->cell_size = parse_number(text, 0.0);
-        if (command->cell_size == 0.0) throw CLI::ValidationError("expected a length above 0, found '0'");
+        command->index.cell_size = parse_number(text, 0.0);
+        if (command->index.cell_size == 0.0)
+          throw CLI::ValidationError("expected a length above 0, found '0'");
       });
   index->add_flag(
-      "--stored-order", command->stored_order,
+      "--stored-order", command->index.stored_order,
       "number the points as the octree stores them: 4 bytes per point less, but point ids are not those "
       "of the input any more");
   add_choice<ColorDepth>(*index, "--color-depth",
@@ -139,13 +102,15 @@ Command add_index(CLI::App& program) {
             "'alidade "
             "render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
             [command](const std::string& text) {
-              command->spacing_neighbours = static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
+              command->index.spacing_neighbours =
+                  static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
             });
   index->add_flag(
-      "--surfaces", command->surfaces,
+      "--surfaces", command->index.surfaces,
       "store the surface that each point lies on, for 'alidade visibility', which then has nothing "
       "to measure; implies --spacings 8; 4 bytes per point");
-  index->add_flag("--overwrite", command->overwrite, "replace an existing output");
+  index->add_flag("--overwrite", command->index.overwrite, "replace an existing output");
+  add_partial(*index, command->partial);
   add_threads(*index, command->threads);
   add_verbosity(*index, command->verbosity);
   index->footer(
@@ -164,7 +129,7 @@ Command add_index(CLI::App& program) {
       "\n"
       "Examples:\n"
       "  alidade index site.las -o site.alidade\n"
-      "  alidade index tile_1.las tile_2.las -o site.alidade --organisation layered\n"
+      "  alidade index tiles/ -o site.alidade --organisation layered\n"
       "  alidade index site.las -o site.alidade --spacings 8\n"
       "  alidade index site.las -o site.alidade --surfaces\n");
   return {index, [command] {

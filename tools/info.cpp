@@ -5,11 +5,19 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "octree/cloud/cloud_files.h"
 #include "octree/cloud/cloud_reader.h"
+#include "octree/cloud/crs_name.h"
+#include "octree/cloud/is_las.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/index_file.h"
+#include "tools/cloud_options.h"
 #include "tools/command.h"
+#include "tools/describe_copc.h"
+#include "tools/describe_e57.h"
 #include "tools/describe_index.h"
+#include "tools/extract_images.h"
+#include "tools/header_box.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/progress.h"
@@ -19,7 +27,8 @@ namespace {
 
 struct InfoOptions {
   std::vector<std::filesystem::path> files;
-  bool json = false, verify = false;
+  bool partial = false, json = false, verify = false, overwrite = false;
+  std::string image_folder;  ///< empty: no images are extracted
   VerbosityOptions verbosity;
 };
 
@@ -30,6 +39,7 @@ struct Description {
   AttributeSet attributes;
   Bounds bounds;
   std::vector<IndexFile> indexes;  ///< those of the files that are index files
+  std::vector<E57File> e57_files;
 };
 
 /// What a single index file tells without its points being read.
@@ -38,21 +48,34 @@ Description describe(const IndexFile& index) {
           .point_count = index.header().tree.point_count,
           .attributes = index.attributes(),
           .bounds = index.header().tree.bounds,
-          .indexes = {index}};
+          .indexes = {index},
+          .e57_files = {}};
+}
+
+std::vector<std::filesystem::path> e57_files(const InfoOptions& options) {
+  std::vector<std::filesystem::path> files = expand_cloud_files(options.files);
+  std::erase_if(files, [](const std::filesystem::path& file) { return !is_e57_file(file); });
+  return files;
 }
 
 Description describe(const InfoOptions& options) {
   if (options.files.size() == 1 && is_index_file(options.files.front()))
     return describe(open_index(options.files.front()));
   Description description;
+  const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
   for (const std::filesystem::path& file : options.files) {
     if (is_index_file(file)) description.indexes.push_back(open_index(file));
-    description.attributes = description.attributes | open_cloud(file)->attributes();
+    description.attributes = description.attributes | open_cloud(InputFile(file), damage)->attributes();
+  }
+  for (const std::filesystem::path& file : e57_files(options)) {
+    description.e57_files.emplace_back(InputFile(file));
+    description.e57_files.back().pages().rest();
   }
   // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
   ProgressLine line("reading", "B", options.verbosity.verbosity());
   const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
-  description.cloud = read_cloud(options.files, {.attributes = wanted, .progress = line.callback()});
+  description.cloud = read_cloud(
+      options.files, {.attributes = wanted, .partial = options.partial, .progress = line.callback()});
   description.point_count = description.cloud.size();
   description.bounds = description.cloud.bounds();
   if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
@@ -77,23 +100,9 @@ void verify(const InfoOptions& options) {
 /// Largest difference between a coordinate in the files and the one in the cloud, per axis.
 glm::dvec3 rounding_error(const PointCloud& cloud) {
   for (const CloudFile& file : cloud.files) {
-    if (file.format != "LAS") return 0.5 * cloud.lattice.scale;
+    if (!is_las(file)) return 0.5 * cloud.lattice.scale;
   }
   return glm::dvec3(0.0);
-}
-
-/// EPSG codes that GeoTIFF keys give directly: geographic, projected and vertical system.
-std::vector<std::string> epsg_codes(const Crs& crs) {
-  constexpr std::uint16_t k_geographic = 2048, k_projected = 3072, k_vertical = 4096, k_user_defined = 32767;
-  std::vector<std::string> codes;
-  for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
-    const std::uint16_t key = crs.geotiff_keys[i], value = crs.geotiff_keys[i + 3];
-    const bool stored_in_place = crs.geotiff_keys[i + 1] == 0;
-    if (!stored_in_place || value == 0 || value == k_user_defined) continue;
-    if (key == k_geographic || key == k_projected) codes.push_back(fmt::format("EPSG:{}", value));
-    if (key == k_vertical) codes.push_back(fmt::format("vertical EPSG:{}", value));
-  }
-  return codes;
 }
 
 Json triple(const glm::dvec3& value) {
@@ -104,17 +113,25 @@ Json to_json(const Description& description, bool verified) {
   const PointCloud& cloud = description.cloud;
   Json files = Json::array();
   for (const CloudFile& file : cloud.files) {
-    files.push_back({{"file", file.path.string()},
-                     {"format", file.format},
-                     {"version", file.version},
-                     {"point_format", file.point_format ? Json(*file.point_format) : Json()},
-                     {"points", file.point_count},
-                     {"dropped", file.dropped_count}});
+    const std::optional<Bounds>& stated = file.stated_bounds;
+    files.push_back(
+        {{"file", file.path.string()},
+         {"format", file.format},
+         {"version", file.version},
+         {"point_format", file.point_format ? Json(*file.point_format) : Json()},
+         {"points", file.point_count},
+         {"dropped", file.dropped_count},
+         {"lost", file.lost_count},
+         {"header_box", stated ? Json{{"min", triple(stated->min)}, {"max", triple(stated->max)}} : Json()}});
   }
   Json extra_dimensions = Json::array();
   for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
   Json indexes = Json::array();
   for (const IndexFile& index : description.indexes) indexes.push_back(index_json(index, verified));
+  Json e57 = Json::array(), scanners = Json::array();
+  for (const E57File& file : description.e57_files) e57.push_back(e57_json(file));
+  for (const ScannerPosition& scanner : cloud.scanner_positions)
+    scanners.push_back({{"scan", scanner.scan}, {"position", triple(scanner.position)}});
   const bool empty = description.bounds.empty();
   return {{"points", description.point_count},
           {"files", files},
@@ -129,7 +146,9 @@ Json to_json(const Description& description, bool verified) {
           {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
           {"geotiff_keys", cloud.crs.geotiff_keys},
           {"epsg", epsg_codes(cloud.crs)},
+          {"scanner_positions", scanners},
           {"indexes", indexes},
+          {"e57", e57},
           {"warnings", cloud.warnings}};
 }
 
@@ -161,15 +180,8 @@ std::array<std::string, 3> on_lattice(const glm::dvec3& value, const Lattice& la
   return words;
 }
 
-/// Name of the system, which is the first quoted word of a WKT.
-std::string wkt_name(const std::string& wkt) {
-  const std::size_t begin = wkt.find('"');
-  const std::size_t end = begin == std::string::npos ? begin : wkt.find('"', begin + 1);
-  return end == std::string::npos ? wkt : wkt.substr(begin + 1, end - begin - 1);
-}
-
 std::string crs_text(const Crs& crs, Verbosity verbosity) {
-  if (!crs.wkt.empty()) return verbosity == Verbosity::verbose ? crs.wkt : wkt_name(crs.wkt);
+  if (!crs.wkt.empty()) return verbosity == Verbosity::verbose ? crs.wkt : crs_name(crs);
   if (crs.geotiff_keys.empty()) return "none";
   return "GeoTIFF keys without WKT: " + joined(epsg_codes(crs), "no EPSG code");
 }
@@ -181,13 +193,27 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
     text += row("index", index.name());
     for (const std::string& line : index_lines(index, verified)) text += row("", line);
   }
+  for (const E57File& file : description.e57_files) {
+    text += row("E57", file.pages().name());
+    for (const std::string& line : e57_lines(file, verbosity)) text += row("", line);
+  }
+  std::size_t first_row = 0;
   for (const CloudFile& file : cloud.files) {
     text += row("file", file.path.string());
     std::string format = file.format + (file.version.empty() ? "" : " " + file.version);
     if (file.point_format) format += fmt::format(", point format {}", *file.point_format);
     text += row("", fmt::format("{}, {} points", format, file.point_count));
+    if (file.format == "COPC" && description.indexes.empty()) text += row("", copc_text(file.path));
     if (file.dropped_count > 0)
       text += row("", fmt::format("{} points without a position left out", file.dropped_count));
+    if (file.lost_count > 0) text += row("", fmt::format("{} points lost", file.lost_count));
+    if (file.stated_bounds) {
+      // Only files that state a box hold their points in a row of rows here; index files state none.
+      const Bounds points = bounds_of_rows(cloud, first_row, first_row + file.point_count);
+      if (const auto box = header_box_text(*file.stated_bounds, points, cloud.lattice))
+        text += row("", "header box " + *box);
+    }
+    first_row += file.point_count;
   }
   text += row("points", fmt::format("{}", description.point_count));
   if (!description.bounds.empty()) {
@@ -205,11 +231,15 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
   std::vector<std::string> extra_dimensions;
   for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
   if (!extra_dimensions.empty()) text += row("extra", joined(extra_dimensions, ""));
+  if (!cloud.scanner_positions.empty())
+    text += row("scanners", fmt::format("{} positions are known", cloud.scanner_positions.size()));
   return text + row("CRS", crs_text(cloud.crs, verbosity));
 }
 
 ExitCode run(const InfoOptions& options) {
   if (options.verify) verify(options);
+  if (!options.image_folder.empty())
+    extract_images(e57_files(options), options.image_folder, options.overwrite);
   const Description description = describe(options);
   if (options.json) {
     // File names need not be UTF-8; JSON must be.
@@ -229,7 +259,9 @@ ExitCode run(const InfoOptions& options) {
 Command add_info(CLI::App& program) {
   auto options = std::make_shared<InfoOptions>();
   CLI::App* command = program.add_subcommand("info", "Say what cloud files hold");
-  command->add_option("files", options->files, "cloud files; several are taken together as one cloud")
+  add_cloud_files(
+      *command, "files", options->files,
+      "cloud files, folders or patterns as 'tiles/*.las'; several are taken together as one cloud")
       ->option_text("FILE...")
       ->required();
   command->add_flag("--json", options->json, "print JSON instead of a table; the keys are below");
@@ -237,9 +269,18 @@ Command add_info(CLI::App& program) {
       "--verify", options->verify,
       "read all of each index file, compare it with its checksums, and check that its octree holds "
       "every point once; damage is an error that names section and byte");
+  add_partial(*command, options->partial);
+  CLI::Option* const folder =
+      command
+          ->add_option("--extract-images", options->image_folder,
+                       "write the images in E57 files into this folder, with their cameras as camera files "
+                       "for 'alidade render --camera' and what is known about each in images.json")
+          ->option_text("FOLDER");
+  command->add_flag("--overwrite", options->overwrite, "replace extracted files that exist")->needs(folder);
   add_verbosity(*command, options->verbosity);
   command->footer(
-      "Formats are told by content: LAS 1.0-1.4, PLY, PCD, PTX, PTS, CSV with header names, XYZ,\n"
+      "Formats are told by content: LAS 1.0-1.4, LAZ, COPC, PLY, PCD, E57, PTX, PTS, CSV with header names, "
+      "XYZ,\n"
       "and index files ('alidade index'), which tell what the files they were made of told, at once.\n"
       "Coordinates, scale and rounding are in the unit of the file's coordinate reference system (CRS), "
       "mostly metres.\n"
@@ -248,7 +289,9 @@ Command add_info(CLI::App& program) {
       "\n"
       "Keys of the JSON object:\n"
       "  points            number of points in all files\n"
-      "  files             list of {file, format, version, point_format (LAS, else null), points, dropped}\n"
+      "  files             list of {file, format, version, point_format (LAS, else null), points, dropped, "
+      "lost,\n"
+      "                    header_box ({min, max} as the header of a LAS file states it, else null)}\n"
       "  bounds            {min: [x, y, z], max: [x, y, z]}; null for both if there are no points\n"
       "  scale, offset     of the lattice: coordinate = offset + scale * integer\n"
       "  rounding_error    largest error of a coordinate per axis; 0 for LAS, whose integers are kept\n"
@@ -257,15 +300,21 @@ Command add_info(CLI::App& program) {
       "  crs               WKT, or null\n"
       "  geotiff_keys      GeoTIFF key directory as stored, in groups of four; empty if there is none\n"
       "  epsg              EPSG codes the GeoTIFF keys name\n"
+      "  scanner_positions list of {scan, position: [x, y, z]} of scans with a pose (E57)\n"
       "  indexes           of each index file: {file, version, bytes, bytes_per_point, "
       "octree_bytes_per_point,\n"
       "                    organisation, levels, nodes, stored_order, verified}\n"
+      "  e57               of each E57 file: {file, guid, scans: [{name, guid, records, scanner, fields}],\n"
+      "                    images: [{name, guid, scan_guid, camera, pictures: [{projection, format, width,\n"
+      "                    height, bytes, mask}]}]}\n"
       "  warnings          oddities of the files, one sentence each\n"
       "\n"
       "Examples:\n"
       "  alidade info site.las\n"
-      "  alidade info --json tile_1.las tile_2.las\n"
-      "  alidade info --verify site.alidade\n");
+      "  alidade info --json tiles/\n"
+      "  alidade info --partial 'tiles/*.las'\n"
+      "  alidade info --verify site.alidade\n"
+      "  alidade info --extract-images photographs site.e57\n");
   return {command, [options] { return run(*options); }};
 }
 

@@ -89,13 +89,10 @@ ExitCode run(const CommandLine& command_line) {
       "Exit codes: 0 done, 1 the answer is no, 2 anything wrong, 130 interrupted.\n"
       "ALIDADE_INSTRUCTION_SET=scalar (or another set of the machine) chooses how queries are computed; "
       "answers are the same.\n");
-  const std::vector<Command> commands = {add_info(program),
-                                         add_generate(program),
-                                         add_index(program),
-                                         add_query(program),
-                                         add_render(program, command_line),
-                                         add_compare(program),
-                                         add_visibility(program, command_line)};
+  const std::vector<Command> commands = {add_info(program),    add_generate(program),
+                                         add_index(program),   add_convert(program),
+                                         add_query(program),   add_render(program, command_line),
+                                         add_compare(program), add_visibility(program, command_line)};
   // Behind the program's name.
   const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
 

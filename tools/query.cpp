@@ -77,7 +77,7 @@ Command add_query(CLI::App& program) {
       "      points  query_id,rank,point_id,x,y,z,distance\n"
       "      --count ray_id,count; --occluded ray_id,occluded (0 or 1); and so on\n"
       "  .jsonl      an object per row with the same keys; null for an infinite number\n"
-      "  .las        LAS 1.4: a point per row with all its attributes and the extra bytes Distance (double), "
+      "  .las, .laz  LAS 1.4: a point per row with all its attributes and the extra bytes Distance (double), "
       "RayT (double)\n"
       "              and RayId (uint64); ConeT, ConeId, PathT, PathId, RegionId, BoxId, QueryId for the "
       "others\n"

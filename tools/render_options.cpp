@@ -9,6 +9,7 @@
 #include "octree/point_spacing.h"
 #include "renderer/image.h"
 #include "renderer/read_scene.h"
+#include "tools/cloud_options.h"
 
 namespace alidade {
 namespace {
@@ -162,6 +163,7 @@ std::string cloud_option(const RenderCommand& command) {
   if (command.hits) return "--hits";
   if (command.normals) return "--normals";
   if (command.max_level) return "--max-level";
+  if (command.partial) return "--partial";
   return given_option(command.color);
 }
 
@@ -178,6 +180,7 @@ void apply_cloud_options(const RenderCommand& command, Scene& scene) {
   cloud.hits = command.hits.value_or(cloud.hits);
   cloud.normals = command.normals.value_or(cloud.normals);
   cloud.max_level = command.max_level.value_or(cloud.max_level);
+  cloud.partial = cloud.partial || command.partial;
 }
 
 }  // namespace
@@ -186,7 +189,8 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   auto command = std::make_shared<RenderCommand>();
   CLI::Option* scene =
       render.add_option("scene", command->scene_file, "scene file")->option_text("SCENE.json");
-  render.add_option("--cloud", command->cloud_files, "cloud files to show without a scene file")
+  add_cloud_files(render, "--cloud", command->cloud_files,
+                  "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file")
       ->option_text("FILE...")
       ->excludes(scene);
   render
@@ -203,6 +207,7 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   add_cloud_options(render, *command);
   add_color_options(render, command->color);
   add_long_render_options(render, command->long_render);
+  add_partial(render, command->partial);
   add_threads(render, command->threads);
   add_verbosity(render, command->verbosity);
   return command;

@@ -31,6 +31,7 @@ struct RadiusRequest {
 struct RenderCommand {
   std::filesystem::path scene_file;
   std::vector<std::filesystem::path> cloud_files;
+  bool partial = false;
   std::filesystem::path output;
   CameraRequest camera;
   LightRequest light;

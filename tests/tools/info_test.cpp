@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/tools/run_program.h"
@@ -66,6 +67,23 @@ TEST_F(InfoTest, generated_las_says_format_crs_and_exact_coordinates) {
   EXPECT_TRUE(contains(info.at("crs").get<std::string>(), "UTM zone 32N"));
   const Json attributes = info.at("attributes");
   EXPECT_NE(std::find(attributes.begin(), attributes.end(), "color"), attributes.end());
+}
+
+TEST_F(InfoTest, header_box_that_is_not_that_of_the_points_is_told) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "3000", "-o", "yard.las", "-q"}).exit_code, 0);
+  EXPECT_FALSE(contains(run({"info", "yard.las"}).out, "header box"));
+  const Json info = Json::parse(run({"info", "--json", "yard.las"}).out);
+  const double max_x = info.at("files")[0].at("header_box").at("max")[0].get<double>();
+  EXPECT_NEAR(max_x, info.at("bounds").at("max")[0].get<double>(), 1e-9);
+
+  const auto with_max_x = [&](double value) {
+    std::fstream file(folder / "yard.las", std::ios::binary | std::ios::in | std::ios::out);
+    file.seekp(179).write(reinterpret_cast<const char*>(&value), sizeof value);
+    file.close();
+    return run({"info", "yard.las"}).out;
+  };
+  EXPECT_TRUE(contains(with_max_x(max_x + 0.002), "header box up to 0.0020 wider than the points"));
+  EXPECT_TRUE(contains(with_max_x(max_x - 1.5), "header box leaves out points by up to 1.5000"));
 }
 
 TEST_F(InfoTest, table_for_people_names_points_and_bounds) {

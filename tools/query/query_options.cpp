@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <string_view>
 
 #include "octree/error.h"
+#include "tools/cloud_options.h"
 #include "tools/query/target_kind.h"
 #include "visibility/file_ending.h"
 
@@ -104,6 +107,31 @@ void add_conditions(CLI::App& query, QueryCommand& command) {
       ->group(group);
 }
 
+/// "800000000", "512M", "2G": bytes.
+std::size_t parse_size(const std::string& text) {
+  constexpr std::uint64_t k_most = std::uint64_t{1} << 50;
+  const std::string_view units = "kMGT";
+  const std::size_t unit = text.empty() ? units.npos : units.find(text.back());
+  if (unit == units.npos) return static_cast<std::size_t>(parse_count(text, 1, k_most));
+  const double factor = std::pow(1024.0, static_cast<double>(unit + 1));
+  const double number =
+      parse_number(text.substr(0, text.size() - 1), 0, static_cast<double>(k_most) / factor);
+  return static_cast<std::size_t>(std::max(number * factor, 1.0));
+}
+
+void add_copc(CLI::App& query, QueryCommand& command) {
+  const char* const group = "COPC";
+  query
+      .add_flag("--load", command.is_loaded,
+                "read the whole cloud and build an octree, also of a COPC file, which else is asked where it "
+                "lies; pays for some ten thousands of targets")
+      ->group(group);
+  add_value(query, "--memory", "SIZE",
+            "points of a COPC file to keep in memory: bytes, or a number with k, M, G or T (default: 512M)",
+            [&command](const std::string& text) { command.memory = parse_size(text); })
+      ->group(group);
+}
+
 void add_answers(CLI::App& query, QueryCommand& command) {
   const char* const group = "Answers";
   CLI::Option* const occluded =
@@ -116,7 +144,7 @@ void add_answers(CLI::App& query, QueryCommand& command) {
       ->group(group);
   query
       .add_option("-o,--output", command.output,
-                  "file to write: .csv, .jsonl or .las (default: CSV to stdout)")
+                  "file to write: .csv, .jsonl, .las or .laz (default: CSV to stdout)")
       ->option_text("FILE")
       ->group(group);
   add_choice<AnswerForm>(
@@ -138,13 +166,12 @@ void add_answers(CLI::App& query, QueryCommand& command) {
 
 std::shared_ptr<QueryCommand> add_query_options(CLI::App& query) {
   auto command = std::make_shared<QueryCommand>();
-  query
-      .add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
-      ->option_text("CLOUD...")
-      ->required();
+  add_cloud_files(query, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
   add_targets(query, *command);
   add_conditions(query, *command);
   add_answers(query, *command);
+  add_copc(query, *command);
+  add_partial(query, command->partial);
   add_threads(query, command->threads);
   add_verbosity(query, command->verbosity);
   return command;
@@ -186,11 +213,11 @@ AnswerForm chosen_form(const QueryCommand& command) {
   if (!form && command.output.empty()) form = AnswerForm::csv;
   if (!form && ending == ".csv") form = AnswerForm::csv;
   if (!form && (ending == ".jsonl" || ending == ".ndjson")) form = AnswerForm::json_lines;
-  if (!form && ending == ".las") form = AnswerForm::las;
+  if (!form && (ending == ".las" || ending == ".laz")) form = AnswerForm::las;
   if (!form) {
     throw Error({.file = command.output.string(),
                  .problem = "the name does not tell the form of the answers",
-                 .expected = ".csv, .jsonl or .las, or --format"});
+                 .expected = ".csv, .jsonl, .las or .laz, or --format"});
   }
   if (form == AnswerForm::las && command.output.empty())
     throw Error({.problem = "LAS is not written to stdout", .expected = "-o FILE.las"});

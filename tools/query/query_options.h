@@ -31,6 +31,7 @@ enum class AnswerForm { csv, json_lines, las };
 /// What was asked of `alidade query`.
 struct QueryCommand {
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   GivenTargets targets[k_target_families];
   std::optional<double> radius, t_min, t_max, entry_min;
   std::optional<std::size_t> k;
@@ -38,6 +39,8 @@ struct QueryCommand {
   std::optional<int> max_level;
   std::optional<std::bitset<256>> classes;
   bool occluded = false, count = false, explain = false;
+  bool is_loaded = false;             ///< a COPC file is not asked where it lies
+  std::optional<std::size_t> memory;  ///< bytes to keep of a COPC file that is
   std::filesystem::path output;
   std::optional<AnswerForm> format;
   bool overwrite = false;

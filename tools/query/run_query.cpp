@@ -16,7 +16,10 @@
 #include "tools/query/answer_text.h"
 #include "tools/query/ask.h"
 #include "tools/query/batch_size.h"
+#include "tools/query/copc_asker.h"
+#include "tools/query/copc_source.h"
 #include "tools/query/explain_table.h"
+#include "tools/query/query_region.h"
 #include "tools/query/target_reader.h"
 
 namespace alidade {
@@ -55,11 +58,13 @@ typename Family<Target>::Query conditions(const QueryCommand& command) {
   return query;
 }
 
-IndexedCloud load(const QueryCommand& command, bool all_attributes) {
+IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::optional<Bounds>& region) {
   const Verbosity verbosity = command.verbosity.verbosity();
   ProgressLine line("loading cloud", "B", verbosity);
   IndexCloudOptions options;
   options.read.progress = line.callback();
+  options.read.partial = command.partial;
+  options.read.region = region;
   options.read.attributes = all_attributes    ? AttributeSet::all()
                             : command.classes ? AttributeSet(Attribute::classification)
                                               : AttributeSet();
@@ -68,6 +73,11 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes) {
   line.finish();
   if (verbosity != Verbosity::quiet) {
     for (const std::string& warning : cloud.cloud.warnings) say_warning(warning);
+    const std::size_t all_files = cloud.cloud.files.size();
+    const std::size_t skipped_files = RowIds(cloud.cloud.files).skipped_files();
+    if (skipped_files > 0)
+      say_note(fmt::format("read {} of {} files: no target comes near the boxes that the others state",
+                           all_files - skipped_files, all_files));
   }
   if (command.max_level && cloud.octree.view().organisation != Organisation::layered) {
     throw Error({.file = command.files.front().string(),
@@ -82,6 +92,9 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
   if (!command.classes || cloud.octree.size() == 0) return {};
   const std::span<const std::uint8_t> classifications = cloud.columns().classifications;
   if (classifications.empty()) {
+    // Files with classes make those of files without 0, even if nothing of them was read.
+    if (RowIds(cloud.cloud.files).skipped_files() > 0)
+      return [is_wanted = command.classes->test(0)](const Candidate&) { return is_wanted; };
     throw Error(
         {.file = command.files.front().string(), .problem = "points have no classification for --class"});
   }
@@ -91,31 +104,37 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
 }
 
 template <class Target>
-std::unique_ptr<AnswerOutput> open_output(const QueryCommand& command, AnswerForm form,
-                                          const IndexedCloud& cloud) {
-  if (form == AnswerForm::las) {
-    auto las =
-        std::make_unique<AnswerLas>(command.output, command.overwrite, cloud, answer_dimensions<Target>());
-    if (!command.verbosity.quiet) {
-      for (const std::string& name : las->replaced())
-        say_warning(fmt::format("{}: the cloud's own {} gives way to that of this query",
-                                command.output.string(), name));
-    }
-    return las;
+std::unique_ptr<AnswerOutput> open_las(const QueryCommand& command, const IndexedCloud& cloud) {
+  auto las =
+      std::make_unique<AnswerLas>(command.output, command.overwrite, cloud, answer_dimensions<Target>());
+  if (!command.verbosity.quiet) {
+    for (const std::string& name : las->replaced())
+      say_warning(fmt::format("{}: the cloud's own {} gives way to that of this query",
+                              command.output.string(), name));
   }
+  return las;
+}
+
+/// `files`: those of the cloud, of which some may have been skipped.
+template <class Target>
+std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm form,
+                                        std::span<const CloudFile> files) {
   auto columns = command.occluded ? number_columns<Target>("occluded")
                  : command.count  ? number_columns<Target>("count")
                                   : answer_columns<Target>();
   std::unique_ptr<OutputFile> file;
   if (!command.output.empty()) file = std::make_unique<OutputFile>(command.output, command.overwrite);
-  return std::make_unique<AnswerText>(
+  auto text = std::make_unique<AnswerText>(
       std::move(columns), form == AnswerForm::csv ? TextForm::csv : TextForm::json_lines, std::move(file));
+  RowIds ids(files);
+  if (ids.skipped_files() == 0 || only_numbers(command)) return text;
+  return std::make_unique<RenumberedAnswers>(std::move(text), std::move(ids));
 }
 
 /// Writes the answers of a batch, in the order of the targets; tells how many there were. No more than
 /// `limit` of each target are held at once, but for a single target that has more.
-template <class Target>
-std::size_t answer_batch(Asker<Target>& asker, const TargetBatch<Target>& batch, std::size_t limit,
+template <class Target, class AnyAsker>
+std::size_t answer_batch(AnyAsker& asker, const TargetBatch<Target>& batch, std::size_t limit,
                          AnswerOutput& output) {
   const std::span<const Target> targets = batch.targets;
   const std::span<const std::uint64_t> ids = batch.ids;
@@ -137,8 +156,8 @@ std::size_t answer_batch(Asker<Target>& asker, const TargetBatch<Target>& batch,
   return written;
 }
 
-template <class Target>
-std::size_t count_batch(Asker<Target>& asker, const TargetBatch<Target>& batch, bool any_is_enough,
+template <class Target, class AnyAsker>
+std::size_t count_batch(AnyAsker& asker, const TargetBatch<Target>& batch, bool any_is_enough,
                         AnswerOutput& output) {
   const std::vector<std::size_t> counts = asker.count(batch.targets, any_is_enough);
   output.write(number_rows(counts, batch.ids));
@@ -156,8 +175,8 @@ struct Tally {
 };
 
 /// Asks for all targets and writes their answers.
-template <class Target>
-Tally answer_all_targets(TargetReader<Target>& reader, Asker<Target>& asker, const QueryCommand& command,
+template <class Target, class AnyAsker>
+Tally answer_all_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
                          AnswerOutput& output, const Progress& progress) {
   Tally tally;
   BatchSize size;
@@ -178,6 +197,25 @@ Tally answer_all_targets(TargetReader<Target>& reader, Asker<Target>& asker, con
   return tally;
 }
 
+/// Asks all targets, says how far it is, and ends the output. Answers the work as a table.
+template <class Target, class AnyAsker>
+std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const QueryCommand& command,
+                        AnswerOutput& output) {
+  // Two texts on one terminal would run into each other.
+  const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
+  const TargetKind& kind = target_kind<Target>();
+  ProgressLine line("asking", std::string(kind.plural),
+                    to_terminal ? Verbosity::quiet : command.verbosity.verbosity());
+  const Tally tally = answer_all_targets(reader, asker, command, output, line.callback());
+  output.finish();
+  line.finish();
+  if (!command.output.empty() && !command.verbosity.quiet) {
+    say_note(fmt::format("{} {} in {}", tally.rows, only_numbers(command) ? "rows" : "points found",
+                         command.output.string()));
+  }
+  return explain_table(asker.statistics(), kind, tally.targets, tally.rows);
+}
+
 }  // namespace
 
 template <class Target>
@@ -191,24 +229,31 @@ ExitCode run_query(const QueryCommand& command, TargetFamily family) {
     check_writable(command.output, command.overwrite, inputs);
   }
   TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
-  const IndexedCloud cloud = load(command, form == AnswerForm::las);
-  query.filter = class_filter(command, cloud);
-
-  const std::unique_ptr<AnswerOutput> output = open_output<Target>(command, form, cloud);
-  Asker<Target> asker(cloud.octree, query, command.explain);
-  // Two texts on one terminal would run into each other.
-  const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
-  const TargetKind& kind = target_kind<Target>();
-  ProgressLine line("asking", std::string(kind.plural),
-                    to_terminal ? Verbosity::quiet : command.verbosity.verbosity());
-  const Tally tally = answer_all_targets(reader, asker, command, *output, line.callback());
-  output->finish();
-  line.finish();
-  if (!command.output.empty() && !command.verbosity.quiet) {
-    say_note(fmt::format("{} {} in {}", tally.rows, only_numbers(command) ? "rows" : "points found",
-                         command.output.string()));
+  std::string table;
+  if (asks_in_place(command, form)) {
+    const CopcSource source = open_copc(command);
+    if (!command.verbosity.quiet) {
+      for (const std::string& warning : source.file->warnings()) say_warning(warning);
+    }
+    const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form, {});
+    CopcAsker<Target> asker(*source.cache, query);
+    table = run_targets(reader, asker, command, *output);
+    table += copc_table(*source.cache);
+  } else {
+    if (command.memory) {
+      throw Error({.problem = "--memory limits nothing here",
+                   .expected = "a COPC file as the only cloud, asked where it lies"});
+    }
+    const IndexedCloud cloud =
+        load(command, form == AnswerForm::las, query_region<Target>(command, family, form));
+    query.filter = class_filter(command, cloud);
+    const std::unique_ptr<AnswerOutput> output = form == AnswerForm::las
+                                                     ? open_las<Target>(command, cloud)
+                                                     : open_text<Target>(command, form, cloud.cloud.files);
+    Asker<Target> asker(cloud.octree, query, command.explain);
+    table = run_targets(reader, asker, command, *output);
   }
-  if (command.explain) write_to_stderr(explain_table(asker.statistics(), kind, tally.targets, tally.rows));
+  if (command.explain) write_to_stderr(table);
   return ExitCode::done;
 }
 

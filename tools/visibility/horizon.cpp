@@ -11,6 +11,7 @@
 #include "octree/error.h"
 #include "renderer/camera.h"
 #include "renderer/color/height_unit.h"
+#include "tools/cloud_options.h"
 #include "tools/image_writer.h"
 #include "tools/message.h"
 #include "tools/options.h"
@@ -32,6 +33,7 @@ namespace {
 
 struct HorizonCommand {
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   ObserverOptions observers;
   OccluderRequest occluders;
   double step = 0.5, resolution = 0.01;
@@ -205,7 +207,7 @@ ExitCode run(const HorizonCommand& command) {
   check_options(command);
   load_writers(command);
   const Verbosity verbosity = command.verbosity.verbosity();
-  const auto cloud = load_cloud_alone(command.files, Attribute::classification, verbosity);
+  const auto cloud = load_cloud_alone(command.files, command.partial, Attribute::classification, verbosity);
   const Observer observer = only_observer(command, *cloud);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(std::span(&observer, 1), *cloud, verbosity);
@@ -256,13 +258,11 @@ Command add_visibility_horizon(CLI::App& visibility, const CommandLine& words) {
   command->words = words;
   CLI::App* const horizon =
       visibility.add_subcommand("horizon", "Look around from one place: horizon line, sky, panorama");
-  horizon
-      ->add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
-      ->option_text("CLOUD...")
-      ->required();
+  add_cloud_files(*horizon, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
   add_observer_options(*horizon, command->observers);
   add_occluder_options(*horizon, command->occluders);
   add_answers(*horizon, *command);
+  add_partial(*horizon, command->partial);
   add_threads(*horizon, command->threads);
   add_verbosity(*horizon, command->verbosity);
   horizon->footer(

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "octree/error.h"
+#include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/message.h"
 #include "tools/options.h"
@@ -25,6 +26,7 @@ constexpr double k_radio_factor = 4.0 / 3.0;
 struct LinesCommand {
   CommandLine command_line;
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   PairRequest pairs;
   std::optional<double> frequency;                    ///< Hz
   std::optional<std::optional<double>> earth_factor;  ///< empty inside: off
@@ -102,7 +104,7 @@ ExitCode run_lines(const LinesCommand& command, const CLI::App& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
-  const auto cloud = load_cloud_alone(command.files, {}, verbosity);
+  const auto cloud = load_cloud_alone(command.files, command.partial, {}, verbosity);
   const LineReportOptions options = report_options(command, *cloud);
   check_line_report(options, command.occluders.transparency);
   const LineEnds ends = load_line_ends(command.pairs, *cloud, verbosity);
@@ -164,10 +166,7 @@ Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_li
   command->command_line = command_line;
   CLI::App* const lines = visibility.add_subcommand(
       "lines", "Report on sight lines between pairs of places, and on their Fresnel zones");
-  lines
-      ->add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
-      ->option_text("CLOUD...")
-      ->required();
+  add_cloud_files(*lines, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
   add_pair_options(*lines, command->pairs);
   add_margin(*lines, *command);
   add_radio(*lines, *command);
@@ -177,6 +176,7 @@ Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_li
       ->required();
   lines->add_flag("--overwrite", command->overwrite, "replace an existing file");
   add_checkpoint_options(*lines, command->checkpoint);
+  add_partial(*lines, command->partial);
   add_threads(*lines, command->threads);
   add_verbosity(*lines, command->verbosity);
   lines->footer(

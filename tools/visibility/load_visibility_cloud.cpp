@@ -14,11 +14,12 @@
 namespace alidade {
 namespace {
 
-IndexedCloud load(const std::vector<std::filesystem::path>& files, AttributeSet attributes,
+IndexedCloud load(const std::vector<std::filesystem::path>& files, bool partial, AttributeSet attributes,
                   Verbosity verbosity) {
   ProgressLine line("loading cloud", "B", verbosity);
   IndexCloudOptions options;
   options.read.progress = line.callback();
+  options.read.partial = partial;
   options.read.attributes = attributes | Attribute::classification;
   IndexedCloud cloud = load_indexed_cloud(files, options);
   line.finish();
@@ -70,9 +71,10 @@ std::string description_of(const Occluders& occluders, const OccluderRequest& re
 }  // namespace
 
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesystem::path>& files,
-                                                  AttributeSet attributes, Verbosity verbosity) {
+                                                  bool partial, AttributeSet attributes,
+                                                  Verbosity verbosity) {
   auto loaded = std::make_unique<VisibilityCloud>();
-  loaded->cloud = load(files, attributes, verbosity);
+  loaded->cloud = load(files, partial, attributes, verbosity);
   check_map_unit(loaded->cloud.cloud);
   loaded->columns = loaded->cloud.columns();
   return loaded;
@@ -95,14 +97,6 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
   cloud.occluders.emplace(measured(cloud.cloud.octree, options, verbosity), options);
   cloud.what_blocks = description_of(*cloud.occluders, request, has_ignored);
   if (verbosity != Verbosity::quiet) say_note(cloud.what_blocks);
-}
-
-std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<std::filesystem::path>& files,
-                                                             const OccluderRequest& request,
-                                                             AttributeSet attributes, Verbosity verbosity) {
-  auto loaded = load_cloud_alone(files, attributes, verbosity);
-  measure_occluders(*loaded, request, verbosity);
-  return loaded;
 }
 
 }  // namespace alidade

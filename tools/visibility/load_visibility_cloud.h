@@ -28,15 +28,10 @@ struct VisibilityCloud {
 /// and `attributes` say is in memory then. Errors: as load_indexed_cloud(); no points; coordinates
 /// in degrees (check_map_unit.h).
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesystem::path>& files,
-                                                  AttributeSet attributes, Verbosity verbosity);
+                                                  bool partial, AttributeSet attributes, Verbosity verbosity);
 
 /// Measures what the cloud lacks, shows progress, and says what blocks. May take long, so what else can be
 /// wrong is better found before. Errors: as Occluders.
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
-
-/// Both.
-std::unique_ptr<const VisibilityCloud> load_visibility_cloud(const std::vector<std::filesystem::path>& files,
-                                                             const OccluderRequest& request,
-                                                             AttributeSet attributes, Verbosity verbosity);
 
 }  // namespace alidade

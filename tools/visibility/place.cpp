@@ -6,6 +6,7 @@
 
 #include "octree/error.h"
 #include "renderer/image.h"
+#include "tools/cloud_options.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/split_list.h"
@@ -24,6 +25,7 @@ namespace {
 struct PlaceCommand {
   CommandLine command_line;
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   ObserverOptions candidates;
   std::optional<double> target_height;
   double target_spacing = 1.0;
@@ -111,7 +113,7 @@ ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
   const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
   if (!command.curve.empty()) load_coverage_writer();
-  const auto cloud = load_cloud_alone(command.files, {}, verbosity);
+  const auto cloud = load_cloud_alone(command.files, command.partial, {}, verbosity);
   const std::vector<Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
   const std::vector<PlacementTarget> targets = targets_of(command, *cloud);
   check_coverage(candidates.size(), targets.size());
@@ -199,15 +201,13 @@ Command add_visibility_place(CLI::App& visibility, const CommandLine& command_li
   command->command_line = command_line;
   CLI::App* const place =
       visibility.add_subcommand("place", "Choose the few of many places from which one sees most");
-  place
-      ->add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
-      ->option_text("CLOUD...")
-      ->required();
+  add_cloud_files(*place, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
   add_observer_options(*place, command->candidates);
   add_targets(*place, *command);
   add_occluder_options(*place, command->occluders);
   add_answers(*place, *command);
   add_checkpoint_options(*place, command->checkpoint);
+  add_partial(*place, command->partial);
   add_threads(*place, command->threads);
   add_verbosity(*place, command->verbosity);
   place->footer(

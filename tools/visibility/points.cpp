@@ -5,6 +5,7 @@
 
 #include "octree/cloud/output_file.h"
 #include "octree/error.h"
+#include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/message.h"
 #include "tools/options.h"
@@ -24,6 +25,7 @@ enum class BlockerColumns { none, all };
 
 struct PointsCommand {
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   ObserverOptions observers;
   OccluderRequest occluders;
   CheckpointRequest checkpoint;
@@ -111,10 +113,11 @@ void check_observer_count(const PointsCommand& command, std::size_t observers) {
   if (file_ending(command.output) != ".ply" || observers <= k_most_in_double ||
       observers > k_most_mask_observers)
     return;
-  throw Error({.file = command.output.string(),
-               .problem = "PLY has no numbers for so many observers in VisibleBy",
-               .expected = fmt::format("a name that ends in .las, or at most {} observers", k_most_in_double),
-               .found = std::to_string(observers)});
+  throw Error(
+      {.file = command.output.string(),
+       .problem = "PLY has no numbers for so many observers in VisibleBy",
+       .expected = fmt::format("a name that ends in .las or .laz, or at most {} observers", k_most_in_double),
+       .found = std::to_string(observers)});
 }
 
 /// Whether blockers are told: by default those of a single observer. Errors: too many columns.
@@ -158,7 +161,7 @@ PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
 ExitCode run(const PointsCommand& command, const CLI::App& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
-  const auto cloud = load_cloud_alone(command.files, AttributeSet::all(), verbosity);
+  const auto cloud = load_cloud_alone(command.files, command.partial, AttributeSet::all(), verbosity);
   const std::vector<Observer> observers = load_observers(command.observers, *cloud, verbosity);
   check_observer_count(command, observers.size());
   const PointVisibilityOptions options =
@@ -194,8 +197,8 @@ ExitCode run(const PointsCommand& command, const CLI::App& words) {
 
 void add_answers(CLI::App& points, PointsCommand& command) {
   const char* const group = "Answers";
-  points.add_option("-o,--output", command.output, "cloud to write: LAS 1.4 or PLY, by the ending")
-      ->option_text("FILE.las|FILE.ply")
+  points.add_option("-o,--output", command.output, "cloud to write: LAS 1.4, LAZ or PLY, by the ending")
+      ->option_text("FILE.las|FILE.laz|FILE.ply")
       ->required()
       ->group(group);
   add_value(
@@ -226,14 +229,12 @@ Command add_visibility_points(CLI::App& visibility) {
   auto command = std::make_shared<PointsCommand>();
   CLI::App* const points = visibility.add_subcommand(
       "points", "Say of every point of a cloud whether it is seen, and what blocks it");
-  points
-      ->add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
-      ->option_text("CLOUD...")
-      ->required();
+  add_cloud_files(*points, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
   add_observer_options(*points, command->observers);
   add_occluder_options(*points, command->occluders);
   add_answers(*points, *command);
   add_checkpoint_options(*points, command->checkpoint);
+  add_partial(*points, command->partial);
   add_threads(*points, command->threads);
   add_verbosity(*points, command->verbosity);
   points->footer(

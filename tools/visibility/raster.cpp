@@ -136,7 +136,7 @@ ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& gi
   };
   if (default_set(command) == DefaultSet::grass)
     command.observers.defaults.height_on_ground = k_grass_observer;
-  const auto cloud = load_cloud_alone(command.files, AttributeSet(), verbosity);
+  const auto cloud = load_cloud_alone(command.files, command.partial, AttributeSet(), verbosity);
   const Crs& crs = cloud->cloud.cloud.crs;
   const CloudUnit unit = cloud_unit(crs);
   const ViewshedOptions options = options_of(command, unit);

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "tools/cloud_options.h"
 #include "visibility/map_targets.h"
 
 namespace alidade {
@@ -79,10 +80,7 @@ void add_sight(CLI::App& raster, RasterCommand& command) {
 
 std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster) {
   auto command = std::make_shared<RasterCommand>();
-  raster
-      .add_option("cloud", command->files, "cloud files, taken together as one, or an index file (.alidade)")
-      ->option_text("CLOUD...")
-      ->required();
+  add_cloud_files(raster, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
   add_output(raster, *command);
   add_map_options(raster, command->map);
   add_values(raster, *command);
@@ -91,6 +89,7 @@ std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster) {
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);
   add_checkpoint_options(raster, command->checkpoint);
+  add_partial(raster, command->partial);
   add_threads(raster, command->threads);
   add_verbosity(raster, command->verbosity);
   return command;

@@ -23,6 +23,7 @@ enum class DefaultSet { gdal, grass };
 /// What was asked of `alidade visibility raster`.
 struct RasterCommand {
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   ObserverOptions observers;
   OccluderRequest occluders;
   MapOptions map;

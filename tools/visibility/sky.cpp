@@ -85,7 +85,7 @@ Command add_visibility_sky(CLI::App& visibility, const CommandLine& words) {
       ->group("Answers");
   sky->footer(
       "Form:\n"
-      "  alidade visibility sky CLOUD... -o FILE.las|FILE.ply|FILE.tif [OPTIONS]\n"
+      "  alidade visibility sky CLOUD... -o FILE.las|.laz|.ply|.tif [OPTIONS]\n"
       "\n"
       "The sky-view factor is the light of an even sky that a receiver gets, as a share of what a horizontal "
       "one gets\n"

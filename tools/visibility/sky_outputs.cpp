@@ -8,6 +8,7 @@
 
 #include "octree/checksum.h"
 #include "octree/error.h"
+#include "tools/cloud_options.h"
 #include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/observer_options.h"
@@ -24,13 +25,13 @@ void check_sky_request(const SkyRequest& request) {
     throw Error({.problem = "option " + option + " means nothing for this output", .expected = kind});
   };
   if (request.is_map()) {
-    if (request.receiver) refuse("--receiver", "points (.las, .ply); cells of a map lie horizontally");
+    if (request.receiver) refuse("--receiver", "points (.las, .laz, .ply); cells of a map lie horizontally");
   } else {
     const std::string ending = file_ending(request.output);
-    if (ending != ".las" && ending != ".ply") {
+    if (ending != ".las" && ending != ".laz" && ending != ".ply") {
       throw Error({.file = request.output.string(),
                    .problem = "the name tells no format",
-                   .expected = "a name ending in .las, .ply or .tif"});
+                   .expected = "a name ending in .las, .laz, .ply or .tif"});
     }
     if (const std::string option = given_map_option(request.map); !option.empty())
       refuse(option, "a map (.tif)");
@@ -52,14 +53,11 @@ bool SkyRequest::is_map() const {
 }
 
 void add_sky_request(CLI::App& command, SkyRequest& request) {
-  command
-      .add_option("cloud", request.files, "cloud files, taken together as one, or an index file (.alidade)")
-      ->option_text("CLOUD...")
-      ->required();
+  add_cloud_files(command, "cloud", request.files, k_cloud_help)->option_text("CLOUD...")->required();
   command
       .add_option("-o,--output", request.output,
                   "LAS 1.4 or PLY: the cloud with a value for every point; GeoTIFF: a map of the ground")
-      ->option_text("FILE.las|FILE.ply|FILE.tif")
+      ->option_text("FILE.las|FILE.laz|FILE.ply|FILE.tif")
       ->required()
       ->group(k_group);
   command.add_flag("--overwrite", request.overwrite, "replace existing files")->group(k_group);
@@ -79,6 +77,7 @@ void add_sky_request(CLI::App& command, SkyRequest& request) {
   command.get_option("--target-height")->group(k_map_group);
   add_occluder_options(command, request.occluders);
   add_checkpoint_options(command, request.checkpoint);
+  add_partial(command, request.partial);
   add_threads(command, request.threads);
   add_verbosity(command, request.verbosity);
 }
@@ -87,7 +86,7 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   check_sky_request(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
   const Verbosity verbosity = request.verbosity.verbosity();
-  SkySite site{load_cloud_alone(request.files, attributes, verbosity), {}, {}, {}};
+  SkySite site{load_cloud_alone(request.files, request.partial, attributes, verbosity), {}, {}, {}};
   if (!request.is_map()) return site;
   site.ground = find_map_ground(request.map, *site.cloud, verbosity);
   site.unit = cloud_unit(site.cloud->cloud.cloud.crs).name;

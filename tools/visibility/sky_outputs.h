@@ -25,6 +25,7 @@ namespace alidade {
 /// What both commands are asked.
 struct SkyRequest {
   std::vector<std::filesystem::path> files;
+  bool partial = false;
   OccluderRequest occluders;
   std::optional<SkyReceiver> receiver;  ///< points only
   MapOptions map;                       ///< maps only

@@ -222,7 +222,7 @@ Command add_visibility_sun(CLI::App& visibility, const CommandLine& words) {
   add_time(*sun, *command);
   sun->footer(
       "Form:\n"
-      "  alidade visibility sun CLOUD... --from DATE [--to DATE] -o FILE.las|FILE.ply|FILE.tif [OPTIONS]\n"
+      "  alidade visibility sun CLOUD... --from DATE [--to DATE] -o FILE.las|.laz|.ply|.tif [OPTIONS]\n"
       "\n"
       "Points of a cloud are given back in their order, with all that they had, and\n"
       "  SunHours   float  hours of direct sun\n"

@@ -93,10 +93,10 @@ void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud
 
 void check_points_name(const std::filesystem::path& file) {
   const std::string ending = file_ending(file);
-  if (ending == ".las" || ending == ".ply") return;
+  if (ending == ".las" || ending == ".laz" || ending == ".ply") return;
   throw Error({.file = file.string(),
                .problem = "the name does not tell a form that points are written in",
-               .expected = "a name that ends in .las or .ply"});
+               .expected = "a name that ends in .las, .laz or .ply"});
 }
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
@@ -109,7 +109,7 @@ void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
           fmt::format("{}: the cloud's own {} gives way to that of this command", file.string(), name));
   }
   ProgressLine line("writing", "points", verbosity);
-  if (file_ending(file) == ".las") {
+  if (file_ending(file) != ".ply") {
     write_las_rows(file, cloud, rows, overwrite, line.callback());
   } else {
     PlyWriteOptions options;

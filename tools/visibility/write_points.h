@@ -38,7 +38,7 @@ ResultColumn result_column(std::string name, std::string description, ScalarType
   return column;
 }
 
-/// Error unless the name ends in .las or .ply.
+/// Error unless the name ends in .las, .laz or .ply.
 void check_points_name(const std::filesystem::path& file);
 
 /// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS

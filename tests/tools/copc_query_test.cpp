@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+// COPC files asked where they lie.
+#include <algorithm>
+#include <fstream>
+
+#include "tests/octree/copc_builder.h"
+#include "tests/tools/run_program.h"
+
+namespace alidade::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class CopcQueryTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    const CopcSample sample = build_copc(3000);
+    std::ofstream file(folder / "site.copc.laz", std::ios::binary);
+    file.write(reinterpret_cast<const char*>(sample.bytes.data()),
+               static_cast<std::streamsize>(sample.bytes.size()));
+    nodes_ = sample.keys.size();
+    write("rays.csv",
+          "ox,oy,oz,dx,dy,dz\n690000,5325000,600,0,0,-1\n690030,5324990,600,0.1,0,-1\n"
+          "689950,5324950,480,1,1,0\n0,0,0,1,0,0\n");
+  }
+
+  ProgramResult ask(Words words) {
+    words.insert(words.begin(), {"query", "site.copc.laz", "-q"});
+    return run(words);
+  }
+
+  /// The same answers in place and loaded, byte for byte; and some.
+  void expect_same(const Words& words) {
+    Words loaded = words;
+    loaded.push_back("--load");
+    const ProgramResult in_place = ask(words), expected = ask(loaded);
+    EXPECT_EQ(in_place.exit_code, 0) << in_place.err;
+    EXPECT_EQ(in_place.out, expected.out);
+    EXPECT_GT(std::count(in_place.out.begin(), in_place.out.end(), '\n'), 2);
+  }
+
+  std::size_t nodes_ = 0;
+};
+
+TEST_F(CopcQueryTest, answers_in_place_have_the_bytes_of_those_of_the_loaded_cloud) {
+  expect_same({"--rays", "rays.csv", "--radius", "2"});
+  expect_same({"--rays", "rays.csv", "--radius", "3", "--k", "2", "--measure", "t"});
+  expect_same({"--rays", "rays.csv", "--radius", "2", "--count"});
+  expect_same({"--rays", "rays.csv", "--radius", "2", "--occluded"});
+  expect_same({"--rays", "rays.csv", "--format", "jsonl"});
+  expect_same({"--cone", "690000,5325000,600,0,0,-1,5"});
+  expect_same({"--vertex", "689940,5324940,480", "--vertex", "690060,5325060,482", "--radius", "3"});
+  expect_same({"--plane", "690000,5325000,480,1,0,0", "--plane", "690003,5325000,480,-1,0,0"});
+  expect_same({"--box", "690000,5325000,470,690010,5325020,490"});
+  expect_same({"--point", "690000,5325000,480", "--k", "12"});
+  expect_same({"--point", "690000,5325000,480", "--k", "12", "--class", "3,7,200,201,202,203,204,205"});
+}
+
+TEST_F(CopcQueryTest, explain_tells_how_much_of_the_file_was_read) {
+  const ProgramResult result = ask({"--ray", "690000,5325000,600,0,0,-1", "--radius", "0.5", "--explain"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "nodes visited"));
+  EXPECT_TRUE(contains(result.err, "chunks read"));
+  EXPECT_TRUE(contains(result.err, "points decoded"));
+  const ProgramResult all = ask({"--box", "-inf,-inf,-inf,inf,inf,inf", "--explain", "--count"});
+  EXPECT_TRUE(contains(all.err, "100.00%")) << all.err;
+  EXPECT_TRUE(contains(all.err, std::to_string(nodes_))) << all.err;
+  EXPECT_FALSE(contains(ask({"--point", "0,0,0", "--explain", "--load"}).err, "chunks"));
+}
+
+TEST_F(CopcQueryTest, little_memory_gives_the_same_answers) {
+  expect_same({"--rays", "rays.csv", "--radius", "2"});
+  const Words words = {"--rays", "rays.csv", "--radius", "2"};
+  Words narrow = words;
+  narrow.insert(narrow.end(), {"--memory", "4k"});
+  EXPECT_EQ(ask(narrow).out, ask(words).out);
+}
+
+TEST_F(CopcQueryTest, memory_without_a_copc_file_in_place_is_an_error) {
+  for (const Words& words : {Words{"--load"}, Words{"--max-level", "2"}}) {
+    Words all = {"--point", "0,0,0", "--memory", "1M"};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramResult result = ask(all);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, "--memory limits nothing here")) << result.err;
+  }
+}
+
+TEST_F(CopcQueryTest, answers_with_all_attributes_load_the_cloud) {
+  EXPECT_EQ(ask({"--point", "690000,5325000,480", "--k", "5", "-o", "found.las"}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder / "found.las"));
+}
+
+TEST_F(CopcQueryTest, info_tells_levels_nodes_and_spacing) {
+  const ProgramResult result = run({"info", "site.copc.laz"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.out, "COPC 1.4, point format 7, 3000 points")) << result.out;
+  EXPECT_TRUE(contains(result.out, std::to_string(nodes_) + " nodes with points, spacing 1.5 in the root"));
+}
+
+}  // namespace
+}  // namespace alidade::test
