@@ -3,7 +3,7 @@
 
 build_packages=(
   cmake ninja-build g++                            # compiling
-  libglm-dev libtbb-dev libfmt-dev libhwy-dev libxxhash-dev  # octree
+  libglm-dev libtbb-dev libfmt-dev libhwy-dev libxxhash-dev libpugixml-dev  # octree
   libopenimageio-dev openimageio-tools libopenexr-dev libgdal-dev libnova-dev  # pictures
   libfreetype-dev fonts-dejavu-core                # legends
   nlohmann-json3-dev libcli11-dev                  # the program
