@@ -39,11 +39,18 @@ function(alidade_choose_lanes target)
   endif()
 endfunction()
 
+# alidade_compile_quickly(TARGET) is for code that nobody waits for when it runs, but everybody when it is compiled: tests
+# and command lines, full of templates. It halves their compile time.
+function(alidade_compile_quickly target)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-O0>)
+endfunction()
+
 # alidade_test(NAME LIBRARIES... SOURCES files...) declares one GoogleTest program, one CTest entry per test program.
 function(alidade_test name)
   cmake_parse_arguments(TEST "" "" "LIBRARIES;SOURCES" ${ARGN})
   add_executable(${name} ${TEST_SOURCES})
   target_link_libraries(${name} PRIVATE alidade_flags ${TEST_LIBRARIES} GTest::gtest GTest::gtest_main)
+  alidade_compile_quickly(${name})
   if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
     target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/thread_sanitizer_tbb.cpp)
     target_link_libraries(${name} PRIVATE TBB::tbb)

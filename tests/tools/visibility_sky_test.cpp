@@ -171,7 +171,7 @@ TEST_F(SkyTest, options_of_maps_mean_nothing_for_points_nor_the_other_way) {
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--receiver", "surface"}).err, "--receiver"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--preview", "a.png"}).err, "--preview"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--preview", "a.jpg"}).err, ".png"));
-  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.txt"}).err, ".las, .ply or .tif"));
+  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.txt"}).err, ".las, .laz, .ply or .tif"));
   EXPECT_EQ(visibility("sky", {"-o", "a.las", "--directions", "0"}).exit_code, 2);
 }
 
