@@ -67,14 +67,16 @@ std::vector<PlanePolygon> read_polygons(const CropOptions& options, const Crs& c
 }  // namespace
 
 void add_crop_options(CLI::App& command, CropOptions& options) {
-  add_value(command, "--crop", "BOX|FILE",
-            "keep what lies in x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, or in the polygons of a GeoJSON, GeoPackage "
-            "or Shapefile; what lies on the border stays",
-            [&options](const std::string& text) {
-              options.text = text;
-              options.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
-              options.polygons = options.box ? "" : text;
-            });
+  add_value(
+      command, "--crop", "BOX|FILE",
+      "keep what lies in x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, coordinates of the cloud in its unit, mostly "
+      "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; what lies on the border stays",
+      [&options](const std::string& text) {
+        if (text.empty()) throw CLI::ValidationError("expected a box or a file, found nothing");
+        options.text = text;
+        options.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
+        options.polygons = options.box ? "" : text;
+      });
   add_value(command, "--crop-crs", "SYSTEM",
             "reference system of the polygons, as EPSG:4326, above what their file says; 'cloud' for the "
             "cloud's own",

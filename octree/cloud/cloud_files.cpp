@@ -58,7 +58,7 @@ std::vector<fs::path> files_of_folder(const fs::path& folder) {
   for (const fs::path& entry : entries) {
     std::error_code error;
     const bool is_hidden = entry.filename().native().starts_with('.');
-    if (!is_hidden && has_cloud_ending(entry) && fs::is_regular_file(entry, error)) files.push_back(entry);
+    if (!is_hidden && has_cloud_ending(entry) && !fs::is_directory(entry, error)) files.push_back(entry);
   }
   if (files.empty()) {
     throw Error({.file = folder.string(),
@@ -69,15 +69,17 @@ std::vector<fs::path> files_of_folder(const fs::path& folder) {
   return files;
 }
 
-/// Whether a last part of a pattern takes this file, which it matches.
+/// Whether a last part of a pattern takes this file, which it matches. A link that leads nowhere is a file:
+/// who opens it says so.
 bool takes(const std::string& part, const fs::path& file) {
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) return false;
+  if (fs::is_directory(file, error)) return false;
   if (part.find('.') == std::string::npos) return has_cloud_ending(file);
   return ending_of(file) != "alidade" || ending_of(part) == "alidade";
 }
 
-std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
+/// What matches a pattern, folders only where its last part is the name of one.
+std::vector<fs::path> matches_of(const fs::path& pattern) {
   std::vector<fs::path> found = {fs::path()};
   for (auto part = pattern.begin(); part != pattern.end(); ++part) {
     const std::string text = part->string();
@@ -85,11 +87,12 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
     std::vector<fs::path> next;
     for (const fs::path& folder : found) {
       std::error_code error;
-      if (!is_pattern(text)) {
-        // A folder that only some of the matches have is no error.
-        if (fs::exists(folder / *part, error)) next.push_back(folder / *part);
+      if (fs::exists(folder / *part, error)) {
+        next.push_back(folder / *part);
         continue;
       }
+      // A folder that only some of the matches have is no error.
+      if (!is_pattern(text)) continue;
       if (!folder.empty() && !fs::is_directory(folder, error)) continue;
       for (const fs::path& entry : entries_of(folder)) {
         if (fnmatch(text.c_str(), entry.filename().c_str(), FNM_PERIOD | FNM_NOESCAPE) != 0) continue;
@@ -98,13 +101,26 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
     }
     found = std::move(next);
   }
-  if (found.empty()) {
+  return found;
+}
+
+std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
+  std::vector<fs::path> files;
+  for (const fs::path& match : matches_of(pattern)) {
+    std::error_code error;
+    if (fs::is_directory(match, error)) {
+      std::ranges::move(files_of_folder(match), std::back_inserter(files));
+    } else {
+      files.push_back(match);
+    }
+  }
+  if (files.empty()) {
     throw Error({.file = pattern.string(),
                  .problem = "no cloud file matches",
                  .expected = "a file, a folder, or a pattern that matches files in it"});
   }
-  std::ranges::sort(found, {}, &fs::path::native);
-  return found;
+  std::ranges::sort(files, {}, &fs::path::native);
+  return files;
 }
 
 }  // namespace

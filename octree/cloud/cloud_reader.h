@@ -43,9 +43,8 @@ struct FileFacts {
 
 /// The box that a header states, made larger by what programs round it by: 8 steps of the lattice, or a
 /// hundred-thousandth of its longest side if that is more. Empty if it is no box, does not lie on the
-/// lattice, or holds several points in one place, as boxes do that nobody filled in.
-std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice,
-                                         std::uint64_t point_count);
+/// lattice, or is a single place, as boxes are that nobody filled in.
+std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice);
 
 /// One cloud file, opened and its header understood, points not read yet. One class per format, made by
 /// `open_*` below; read_cloud.cpp joins them. Not thread safe.

@@ -5,7 +5,6 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -15,11 +14,11 @@
 #include "octree/cloud/cloud_files.h"
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/cloud_source.h"
-#include "octree/cloud/crs_name.h"
 #include "octree/cloud/crs_plausibility.h"
 #include "octree/cloud/is_las.h"
 #include "octree/cloud/join_records.h"
 #include "octree/cloud/joined_progress.h"
+#include "octree/cloud/joined_warnings.h"
 #include "octree/cloud/spread_colors.h"
 #include "octree/error.h"
 
@@ -34,101 +33,6 @@ constexpr std::uint64_t k_few_points = 1 << 22;
 bool meet(const Bounds& a, const Bounds& b) {
   return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
          a.min.z <= b.max.z && b.min.z <= a.max.z;
-}
-
-/// The rule stands at read_cloud(). It does not ask what floats of the size of the coordinates could tell
-/// apart: far from the origin that is centimetres.
-void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
-  constexpr double k_matters = 1e-6;
-  if (source.has_lattice || source.point_count() == 0) return;
-  const glm::dvec3 sides = source.survey.bounds.max - source.survey.bounds.min;
-  const double longest = std::max({sides.x, sides.y, sides.z});
-  for (int axis = 0; axis < 3; ++axis) {
-    const double resolution = source.survey.resolution[axis];
-    const double rounding = 0.5 * cloud.lattice.scale[axis];
-    if (resolution == 0.0 || rounding <= std::max(resolution * (1 + 1e-9), k_matters * longest)) continue;
-    cloud.warnings.push_back(fmt::format("{}: coordinates are rounded to steps of {}", source.path().string(),
-                                         cloud.lattice.scale[axis]));
-    return;
-  }
-}
-
-/// What one file gave to the cloud.
-struct GivenRows {
-  std::string file_name;
-  std::uint64_t point_count = 0;
-  AttributeSet attributes;
-};
-
-/// Says which attributes were filled with zeros, and where.
-void warn_of_gaps(const std::vector<GivenRows>& given, AttributeSet wanted, PointCloud& cloud) {
-  const AttributeSet present = cloud.attributes() & wanted;
-  for (const GivenRows& rows : given) {
-    AttributeSet missing;
-    missing.bits = present.bits & ~rows.attributes.bits;
-    if (missing.bits == 0 || rows.point_count == 0) continue;
-    cloud.warnings.push_back(fmt::format("{}: has no {}, which is filled with zeros", rows.file_name,
-                                         fmt::join(attribute_names(missing), ", ")));
-  }
-}
-
-/// Takes over what the first file says about its points; of a later one, says where it differs.
-void join_facts(const CloudSource& source, PointCloud& cloud) {
-  const FileFacts& facts = source.facts;
-  const std::string file = source.path().string();
-  if (cloud.files.empty()) {
-    cloud.gps_time_is_standard = facts.gps_time_is_standard;
-    cloud.project_id = facts.project_id;
-    cloud.file_source_id = facts.file_source_id;
-  } else if (!cloud.gps_times.empty() && source.reader->attributes().contains(Attribute::gps_time) &&
-             cloud.gps_time_is_standard != facts.gps_time_is_standard) {
-    cloud.warnings.push_back(fmt::format(
-        "{}: counts GPS time another way (week or standard) than the first file; the times do not compare",
-        file));
-  }
-  if (!facts.crs.empty() && compare_crs(facts.crs, cloud.crs) == CrsAgreement::unknown) {
-    cloud.warnings.push_back(fmt::format(
-        "{}: states its coordinate reference system in another way ({}) than the files before it ({}), whose "
-        "way is kept",
-        file, crs_name(facts.crs), crs_name(cloud.crs)));
-  }
-}
-
-/// Says which files leave open what the others state.
-void warn_of_missing_crs(const std::vector<CloudSource>& sources, PointCloud& cloud) {
-  if (cloud.crs.empty()) return;
-  std::string first;
-  std::size_t count = 0;
-  for (const CloudSource& source : sources) {
-    if (!source.facts.crs.empty() || source.point_count() == 0) continue;
-    if (count++ == 0) first = source.path().string();
-  }
-  if (count == 0) return;
-  cloud.warnings.push_back(fmt::format(
-      "{}{}: no coordinate reference system is stated; it is taken to be that of the other files, {}", first,
-      count > 1 ? fmt::format(" and {} more files", count - 1) : "", crs_name(cloud.crs)));
-}
-
-/// Says what a damaged file does not give any more, and counts it.
-void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud) {
-  constexpr std::size_t k_most_places = 10;
-  const std::vector<LostPoints> lost = reader.lost();
-  const std::string file = reader.file().path.string();
-  std::uint64_t count = 0;
-  for (std::size_t i = 0; i < lost.size(); ++i) {
-    count += lost[i].count;
-    if (i >= k_most_places) continue;
-    const std::string place = lost[i].place.empty() ? "" : ":" + lost[i].place;
-    cloud.warnings.push_back(fmt::format("{}{}: {}; {} lost", file, place, lost[i].problem,
-                                         lost[i].count == 0 ? std::string("nobody knows how many points are")
-                                         : lost[i].count == 1 ? std::string("1 point is")
-                                                              : fmt::format("{} points are", lost[i].count)));
-  }
-  if (lost.size() > k_most_places) {
-    cloud.warnings.push_back(fmt::format("{}: is damaged in {} more places; {} points are lost in all", file,
-                                         lost.size() - k_most_places, count));
-  }
-  if (!files.empty()) files.front().lost_count = count;
 }
 
 /// Opens files of which each is to be read, skipped, or to be looked through for its lattice.
@@ -156,7 +60,7 @@ class Joining {
   /// Takes the next file: its points from `piece` if they have been read into one, else from the file.
   void add(CloudSource& source, PointCloud* piece, const Progress& progress) {
     const std::size_t first_row = cloud_.size(), first_record = cloud_.records.size();
-    join_facts(source, cloud_);
+    join_facts(source);
     if (piece == nullptr) {
       source.reader->read(cloud_, options_.attributes, progress);
     } else {
@@ -177,7 +81,7 @@ class Joining {
   }
 
   void skip(CloudSource& source) {
-    join_facts(source, cloud_);
+    join_facts(source);
     CloudFile file = source.reader->file();
     file.skipped_count = source.point_count();
     file.point_count = 0;
@@ -191,12 +95,41 @@ class Joining {
   }
 
  private:
+  void join_facts(const CloudSource& source);
+  void join_time(const CloudSource& source);
+
   PointCloud& cloud_;
   const ReadOptions& options_;
+  std::string timed_file_;  ///< the first that has GPS times
   JoinedRecords records_{cloud_.records};
   std::vector<GivenRows> given_;
   std::vector<ColoredRows> colored_;
 };
+
+/// Takes over what the first file says about its points.
+void Joining::join_facts(const CloudSource& source) {
+  if (cloud_.files.empty()) {
+    cloud_.gps_time_is_standard = source.facts.gps_time_is_standard;
+    cloud_.project_id = source.facts.project_id;
+    cloud_.file_source_id = source.facts.file_source_id;
+  }
+  join_time(source);
+}
+
+/// How times are counted, the first file that has some says; says which other one counts another way.
+void Joining::join_time(const CloudSource& source) {
+  if (source.point_count() == 0 || !source.reader->attributes().contains(Attribute::gps_time)) return;
+  const bool is_standard = source.facts.gps_time_is_standard;
+  if (timed_file_.empty()) {
+    timed_file_ = source.path().string();
+    cloud_.gps_time_is_standard = is_standard;
+  } else if (cloud_.gps_time_is_standard != is_standard &&
+             options_.attributes.contains(Attribute::gps_time)) {
+    cloud_.warnings.push_back(
+        fmt::format("{}: counts GPS time another way (week or standard) than {}; the times do not compare",
+                    source.path().string(), timed_file_));
+  }
+}
 
 /// Where the files end that are read into pieces at once, from `first` on: at least one.
 std::size_t end_of_lot(const std::vector<CloudSource>& sources, std::size_t first,
@@ -251,6 +184,7 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
   }
   cloud.positions.reserve(static_cast<std::size_t>(point_count));
   warn_of_missing_crs(sources, cloud);
+  warn_of_other_crs(sources, cloud);
 
   Joining joining(cloud, options);
   const bool is_parallel = tbb::this_task_arena::max_concurrency() > 1;
@@ -281,9 +215,12 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
 }
 
 PointCloud read_cloud(std::span<const std::filesystem::path> paths, const ReadOptions& options) {
+  const std::vector<std::filesystem::path> names = expand_cloud_files(paths);
   std::vector<InputFile> files;
-  for (const std::filesystem::path& path : expand_cloud_files(paths)) files.emplace_back(path).rest();
-  return join_files(std::move(files), options);
+  for (const std::filesystem::path& name : names) files.emplace_back(name).rest();
+  PointCloud cloud = join_files(std::move(files), options);
+  warn_of_twins(names, cloud);
+  return cloud;
 }
 
 PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options) {

@@ -21,6 +21,7 @@ class IndexReader final : public CloudReader {
     about_.format = "Alidade index";
     about_.version = std::to_string(k_index_version);
     about_.point_count = index_.header().tree.point_count;
+    if (about_.point_count > 0) about_.stated_bounds = index_.header().tree.bounds;
   }
 
   const CloudFile& file() const override { return about_; }
@@ -48,12 +49,12 @@ class IndexReader final : public CloudReader {
 
 FileFacts IndexReader::facts() const {
   const PointCloud& own = index_.description();
-  const Bounds& bounds = index_.header().tree.bounds;
+  const TreeView& tree = index_.header().tree;
   return {.crs = own.crs,
           .gps_time_is_standard = own.gps_time_is_standard,
           .project_id = own.project_id,
           .file_source_id = own.file_source_id,
-          .box = bounds.empty() ? std::nullopt : std::optional(bounds)};
+          .box = widened_header_box(tree.bounds, tree.lattice)};
 }
 
 void IndexReader::take_positions(PointCloud& cloud, std::size_t first_row) const {

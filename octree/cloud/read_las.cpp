@@ -109,7 +109,7 @@ FileFacts LasReader::facts() const {
           .gps_time_is_standard = (header_.global_encoding & k_las_gps_time_is_standard) != 0,
           .project_id = header_.project_id,
           .file_source_id = header_.file_source_id,
-          .box = widened_header_box(header_.bounds, header_.lattice, header_.point_count)};
+          .box = widened_header_box(header_.bounds, header_.lattice)};
 }
 
 std::vector<LostPoints> LasReader::lost() const {

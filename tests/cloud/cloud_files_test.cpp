@@ -78,6 +78,45 @@ TEST_F(CloudFilesTest, a_name_that_is_there_is_no_pattern) {
   EXPECT_EQ(expand({"a[1].las"}), (Names{"a[1].las"}));
 }
 
+TEST_F(CloudFilesTest, folders_that_are_there_are_no_patterns_either) {
+  make({"site [1]/a1.las", "site [1]/a2.las", "site 1/b.las"});
+  EXPECT_EQ(expand({"site [1]/a*.las"}), (Names{"site [1]/a1.las", "site [1]/a2.las"}));
+  EXPECT_EQ(expand({"site [1-2]/*.las"}), (Names{"site 1/b.las"}));
+}
+
+TEST_F(CloudFilesTest, a_pattern_that_ends_in_the_name_of_a_folder_is_the_files_in_each) {
+  make({"2019/tiles/a.las", "2019/tiles/notes.md", "2020/tiles/b.laz", "2021/tiles"});
+  EXPECT_EQ(expand({"20[12]?/tiles"}), (Names{"2019/tiles/a.las", "2020/tiles/b.laz", "2021/tiles"}));
+  EXPECT_EQ(expand({"20[12]?/tiles/"}), (Names{"2019/tiles/a.las", "2020/tiles/b.laz"}));
+  make({"2022/tiles/notes.md"});
+  EXPECT_NE(error_of([&] { expand({"20?2/tiles"}); }).find("2022/tiles: the folder holds no cloud files"),
+            std::string::npos);
+}
+
+TEST_F(CloudFilesTest, links_are_what_they_lead_to_and_an_error_if_that_is_gone) {
+  make({"tiles/a.las", "elsewhere/b.las"});
+  fs::create_symlink(folder_ / "elsewhere/b.las", folder_ / "tiles/b.las");
+  fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "tiles/c.las");
+  EXPECT_EQ(expand({"tiles"}), (Names{"tiles/a.las", "tiles/b.las"}));
+  fs::remove(folder_ / "elsewhere/b.las");
+  for (const char* const name : {"tiles", "tiles/*", "tiles/?.las"})
+    EXPECT_EQ(expand({name}), (Names{"tiles/a.las", "tiles/b.las"})) << "who opens it says that it is gone";
+}
+
+TEST_F(CloudFilesTest, a_file_that_is_given_twice_is_warned_of) {
+  test::LasFile tile;
+  tile.points.emplace_back();
+  for (const char* const name : {"a.las", "b.las"}) test::write_bytes(folder_ / name, test::build_las(tile));
+  const auto warnings = [](const std::vector<fs::path>& names) { return read_cloud(names).warnings; };
+  const fs::path a = folder_ / "a.las", b = folder_ / "b.las", link = folder_ / "c.las";
+  EXPECT_TRUE(warnings({a, b}).empty());
+  const std::string given = ": given more than once, and so the points are in the cloud as often";
+  EXPECT_EQ(warnings({a, b, a}), (Names{a.string() + given}));
+  EXPECT_EQ(warnings({folder_, folder_ / "*.las", a}), (Names{a.string() + " and 2 more files" + given}));
+  fs::create_symlink(a, link);
+  EXPECT_EQ(warnings({folder_}), (Names{link.string() + given}));
+}
+
 TEST_F(CloudFilesTest, nothing_found_is_an_error_that_says_what_was_looked_for) {
   make({"tiles/readme.md"});
   fs::create_directories(folder_ / "empty");

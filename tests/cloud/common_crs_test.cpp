@@ -104,7 +104,7 @@ TEST(CommonCrsTest, files_that_state_none_are_warned_of_once) {
   const PointCloud cloud = join({tile(k_utm_32), tile(""), tile(""), tile(k_utm_32)});
   EXPECT_EQ(cloud.crs.wkt, k_utm_32);
   EXPECT_EQ(cloud.warnings, (std::vector<std::string>{
-                                "tile_1 and 1 more files: no coordinate reference system is stated; it is "
+                                "tile_1 and 1 more file: no coordinate reference system is stated; it is "
                                 "taken to be that of the other files, WGS 84 / UTM zone 32N"}));
   EXPECT_TRUE(join({tile(""), tile("")}).warnings.empty());
 }
@@ -122,7 +122,7 @@ TEST(CommonCrsTest, systems_that_cannot_be_compared_are_a_warning) {
   keys.records = {{"LASF_Projection", 34735, "", {}}};
   for (const std::byte byte : bytes) keys.records[0].data.push_back(std::to_integer<std::uint8_t>(byte));
   const PointCloud cloud = join({tile(k_esri_32), build_las(keys)});
-  EXPECT_TRUE(warns(cloud, "tile_1: states its coordinate reference system in another way (EPSG:32632)"));
+  EXPECT_TRUE(warns(cloud, "tile_1: another way of stating the coordinate reference system (EPSG:32632)"));
   EXPECT_TRUE(join({tile(k_utm_32), build_las(keys)}).warnings.empty());
 }
 

@@ -142,6 +142,39 @@ TEST(TilesTest, reading_stops_when_asked_to_and_asks_no_more) {
   EXPECT_EQ(calls, 20);
 }
 
+/// A tile of one point, with GPS time if its format has some.
+Bytes timed_tile(int format, bool is_standard, std::size_t count = 1) {
+  LasFile file;
+  file.point_format = format;
+  file.global_encoding = is_standard ? 1 : 0;
+  file.points.resize(count);
+  return build_las(file);
+}
+
+TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
+  const Bytes none = timed_tile(0, false), empty = timed_tile(1, false, 0), standard = timed_tile(1, true),
+              week = timed_tile(1, false), plain = text("690000.25 5325000.5 500\n");
+  for (const int threads : {1, 3}) {
+    EXPECT_TRUE(join({none, standard}, {}, threads).gps_time_is_standard);
+    EXPECT_TRUE(join({plain, empty, standard}, {}, threads).gps_time_is_standard);
+    EXPECT_FALSE(join({timed_tile(0, true), week}, {}, threads).gps_time_is_standard);
+    EXPECT_TRUE(join({timed_tile(0, true), none}, {}, threads).gps_time_is_standard) << "as the first file";
+    const PointCloud both = join({none, standard, week}, {}, threads);
+    EXPECT_TRUE(both.gps_time_is_standard);
+    EXPECT_TRUE(warns(both, "tile_2: counts GPS time another way (week or standard) than tile_1"));
+    EXPECT_FALSE(warns(join({none, standard, empty, none, standard}, {}, threads), "another way"));
+    EXPECT_FALSE(warns(join({standard, week}, {.attributes = {}}, threads), "another way")) << "not wanted";
+  }
+}
+
+TEST(TilesTest, what_is_missing_in_many_files_is_said_once) {
+  std::vector<Bytes> tiles = {timed_tile(1, true)};
+  for (int i = 0; i < 5; ++i) tiles.push_back(timed_tile(0, true));
+  tiles.push_back(timed_tile(0, true, 0));
+  EXPECT_EQ(join(tiles, {}, 2).warnings,
+            (std::vector<std::string>{"tile_1 and 4 more files: no gps_time, which is filled with zeros"}));
+}
+
 /// A tile of points on a row from x = first to x = first + 9, y = z = 0, one per unit; its header says so.
 Bytes tile_of_box(int first, int low, int high) {
   LasFile file;
@@ -207,6 +240,10 @@ TEST(RegionTest, boxes_that_cannot_be_true_are_ignored) {
   EXPECT_FALSE(is_read(0, 9));
   EXPECT_TRUE(is_read(9, 0)) << "inverted";
   EXPECT_TRUE(is_read(0, 0)) << "ten points in one place";
+  Bytes one = timed_tile(0, false);
+  const double zeros[6] = {};
+  std::memcpy(one.data() + 179, zeros, sizeof zeros);
+  EXPECT_EQ(join({one}, {.region = far}, 1).size(), 1u) << "one point, and a box that nobody filled in";
   EXPECT_TRUE(is_read(0, 2000000000)) << "beyond 32 bits of steps";
   Bytes nan = tile_of_box(0, 0, 9);
   const double none = std::numeric_limits<double>::quiet_NaN();

@@ -178,6 +178,24 @@ TEST_F(ConvertTest, an_index_file_becomes_a_las_file_again) {
   EXPECT_EQ(read("again.las"), read("survey.las"));
 }
 
+TEST_F(ConvertTest, crop_gives_the_same_points_of_an_index_file_whose_border_it_touches) {
+  PointCloud cloud;
+  cloud.lattice = {.scale = glm::dvec3(0.01), .offset = glm::dvec3(0.0)};
+  // As steps of 0.01 the place is a rounding above the 0.35 that somebody writes.
+  cloud.positions = {{35, 0, 0}, {45, 10, 10}};
+  ASSERT_GT(cloud.world(0).x, 0.35);
+  write_las(folder / "survey.las", cloud);
+  EXPECT_EQ(run({"index", "survey.las", "-o", "survey.alidade", "-q"}).exit_code, 0);
+  for (const char* const input : {"survey.las", "survey.alidade"}) {
+    const ProgramResult result =
+        run({"convert", input, "-o", "out.las", "--overwrite", "--crop", "-1,-1,0.35,1"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_TRUE(contains(result.err, "1 of 2 points written to out.las")) << result.err;
+  }
+  expect_error({"convert", "survey.alidade", "-o", "none.las", "--crop", "7,7,8,8"},
+               "expected a part of the cloud, found points from 0.35000000000000003, 0, 0 to 0.45, 0.1, 0.1");
+}
+
 TEST_F(ConvertTest, messages_say_how_many_points_of_how_many_were_written) {
   write_survey();
   const ProgramResult result = convert("out.las", {"--every", "3"});
@@ -251,6 +269,7 @@ TEST_F(ConvertTest, wrong_options_are_errors_before_anything_is_read) {
   expect_error({"convert", "survey.las", "-o", "out.txt"},
                "out.txt: the name tells no format that is written; expected a name that ends in .las");
   expect_error({"convert", "survey.las", "-o", "survey.las", "--overwrite"}, "is read from as well");
+  expect_error(with(words, {"--crop", ""}), "--crop: expected a box or a file, found nothing");
   expect_error(with(words, {"--crop", "1,2,3"}), "--crop: expected x0,y0,x1,y1 or");
   expect_error(with(words, {"--crop", "1,2,0,3"}), "expected the lower x first, found x from 1 to 0");
   expect_error(with(words, {"--crop", "1,2,5,3,4,4"}), "expected the lower z first");
