@@ -13,13 +13,17 @@ Progress JoinedProgress::pass(std::uint64_t bytes) {
     const std::uint64_t now = std::max(std::min(done, bytes), *before);
     const std::uint64_t more = now - *before;
     *before = now;
-    return add(more);
+    return count(more);
   };
 }
 
-bool JoinedProgress::add(std::uint64_t bytes) {
+void JoinedProgress::add(std::uint64_t bytes) {
+  if (progress_ && !count(bytes)) throw Cancelled();
+}
+
+bool JoinedProgress::count(std::uint64_t bytes) {
   const std::lock_guard lock(mutex_);
-  done_ += bytes;
+  done_ = std::min(done_ + bytes, total_);
   if (!is_stopped_) is_stopped_ = !progress_(done_, total_);
   return !is_stopped_;
 }

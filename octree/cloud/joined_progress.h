@@ -8,8 +8,9 @@
 
 namespace alidade {
 
-/// The progress of several passes over files, some of them at once, as one: the sum of their bytes. Whoever
-/// watches is never called by two threads at once, and after the answer to stop not again.
+/// The progress of work that several threads do at once, on files or on parts of one: the sum of their bytes,
+/// at most `total`. Whoever watches is never called by two threads at once, and after the answer to stop not
+/// again.
 class JoinedProgress {
  public:
   /// `progress` must outlive the object, which must outlive the passes.
@@ -18,8 +19,11 @@ class JoinedProgress {
   /// What to give to a pass over `bytes` bytes, which reports to it one call at a time.
   Progress pass(std::uint64_t bytes);
 
+  /// So many bytes more, maybe none, are done. Errors: Cancelled, when the answer was to stop.
+  void add(std::uint64_t bytes);
+
  private:
-  bool add(std::uint64_t bytes);
+  bool count(std::uint64_t bytes);
 
   const Progress& progress_;
   const std::uint64_t total_;

@@ -33,8 +33,8 @@ struct RepackedFile {
 /// LasWriter packs. Of LAZ without a chunk table only extended records are kept of what is behind the points.
 ///
 /// Errors: whatever a reader of the file refuses; COPC; records too long for their places to be told in 32
-/// bits; those of OutputFile. Memory: records before the points, some 100 MB for what is unpacked, and
-/// LazPointWriter's.
+/// bits; those of OutputFile. Memory: records before the points; of LAZ 64 MB of unpacked points, or its
+/// largest chunk packed and unpacked if that is more; LazPointWriter's.
 RepackedFile repack_las(const std::filesystem::path& input, const std::filesystem::path& output,
                         const RepackOptions& options = {});
 

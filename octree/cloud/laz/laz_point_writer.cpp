@@ -57,6 +57,8 @@ struct LazPointWriter::State {
   State(OutputFile& output, const LazLayout& laz) : file(output), layout(laz) {
     const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
     batch_bytes = chunk_bytes * std::max<std::size_t>(std::min(2 * threads, k_most_bytes / chunk_bytes), 1);
+    // At once, or growing would take up to three times as much; pages that no record reaches are not touched.
+    batch.reserve(std::min(batch_bytes, k_most_bytes));
   }
 
   void write_batch();

@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint64_t k_batch_bytes = 8 << 20;
 constexpr std::uint64_t k_batch_points = 4 << 20;
 constexpr std::uint64_t k_batch_points_sorted_out = 1 << 20;  // these are held unpacked
+constexpr std::uint64_t k_batch_record_bytes = 64 << 20;      // unpacked, which who takes them may hold
 constexpr std::uint64_t k_table_place_bytes = 8;
 constexpr const char* k_other_end = "the chunk does not end with its last point";
 
@@ -24,16 +25,6 @@ std::uint64_t longest_chunk(const LazLayout& layout, std::uint64_t point_count) 
 }
 
 }  // namespace
-
-void SharedProgress::add(std::uint64_t bytes) {
-  const std::unique_lock lock(mutex_, std::try_to_lock);
-  if (!lock) {
-    left_ += bytes;
-    return;
-  }
-  done_ += bytes + left_.exchange(0);
-  report(progress_, std::min(done_, total_), total_);
-}
 
 ChunkUnpacker::ChunkUnpacker(InputFile& file, const LasHeader& header, const LazLayout& layout,
                              const LazLayers& wanted, Damage damage, LazSink& sink, const Progress& progress)
@@ -65,7 +56,9 @@ std::span<const std::byte> ChunkUnpacker::bytes_of(std::span<const LazChunk> bat
 }
 
 std::vector<LostPoints> ChunkUnpacker::read_chunks(std::span<const LazChunk> chunks) {
-  const std::uint64_t most_points = damage_ == Damage::refuse ? k_batch_points : k_batch_points_sorted_out;
+  const std::uint64_t most_points =
+      std::min(damage_ == Damage::refuse ? k_batch_points : k_batch_points_sorted_out,
+               k_batch_record_bytes / layout_.record_size());
   for (std::size_t begin = 0; begin < chunks.size();) {
     std::size_t end = begin;
     std::uint64_t byte_count = 0, point_count = 0;

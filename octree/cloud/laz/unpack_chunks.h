@@ -3,34 +3,18 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "octree/cloud/joined_progress.h"
 #include "octree/cloud/laz/chunk_decoder.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
 #include "octree/cloud/laz/laz_points.h"
 
 namespace alidade {
-
-/// Progress from several threads: who comes while another reports leaves his bytes to the next.
-class SharedProgress {
- public:
-  SharedProgress(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
-
-  void add(std::uint64_t bytes);
-
- private:
-  const Progress& progress_;
-  std::uint64_t total_;
-  std::uint64_t done_ = 0;
-  std::atomic<std::uint64_t> left_ = 0;
-  std::mutex mutex_;
-};
 
 /// One reading of a LAZ file: see LazPoints::read(). What it is given must outlive it.
 class ChunkUnpacker {
@@ -58,7 +42,7 @@ class ChunkUnpacker {
   const LazLayout& layout_;
   Damage damage_;
   LazSink& sink_;
-  SharedProgress progress_;
+  JoinedProgress progress_;
   tbb::enumerable_thread_specific<ChunkDecoder> decoders_;
   std::vector<std::byte> bytes_;  ///< of the chunks of a batch
   std::size_t chunks_done_ = 0;

@@ -2,7 +2,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <optional>
+
 #include "octree/cloud/byte_order.h"
+#include "octree/cloud/las_header.h"
+#include "octree/cloud/las_records.h"
+#include "octree/cloud/laz/laz_points.h"
 #include "octree/cloud/repack_las.h"
 #include "octree/cloud/write_las.h"
 #include "tests/cloud/cloud_test_support.h"
@@ -146,6 +152,43 @@ TEST(RepackFileTest, damaged_files_are_errors_and_leave_no_output) {
   }
   EXPECT_NE(error_of([&] { repack_las(folder / "in.las", folder / "packed.laz"); }).find("exists already"),
             std::string::npos);
+}
+
+/// Takes points without keeping them.
+class LargestPiece final : public LazSink {
+ public:
+  void make_room(std::uint64_t count) override {
+    most_ = std::max(most_, count);
+    all_ += count;
+  }
+  void take(const std::byte*, std::size_t, std::uint64_t) override {}
+  std::uint64_t most() const { return most_; }
+  std::uint64_t all() const { return all_; }
+
+ private:
+  std::uint64_t most_ = 0, all_ = 0;
+};
+
+TEST(RepackFileTest, points_are_unpacked_in_pieces_of_64_mb_however_well_they_were_packed) {
+  const fs::path laz = test::test_folder() / "equal.laz";
+  constexpr std::uint64_t k_pieces = 40, k_points = 100000, k_record = 30, k_most_bytes = 64 << 20;
+  static_assert(k_pieces * k_points * k_record > k_most_bytes);
+  PointCloud piece;
+  piece.resize(k_points);
+  LasWriter writer(laz, {}, {});
+  for (std::uint64_t i = 0; i < k_pieces; ++i) writer.write(piece);
+  writer.finish();
+  InputFile file(laz);
+  std::vector<std::string> warnings;
+  LasHeader header = read_las_header(file, warnings);
+  const LasRecords records = read_las_records(file, header, warnings);
+  const std::optional<LazLayout> layout = read_packing(file, header, records);
+  ASSERT_TRUE(layout);
+  LargestPiece sink;
+  LazPoints(file, header, *layout, Damage::refuse).read(LazLayers{}, sink, {});
+  EXPECT_EQ(sink.all(), k_pieces * k_points);
+  EXPECT_LE(sink.most() * k_record, k_most_bytes);
+  EXPECT_GT(sink.most(), k_points);
 }
 
 TEST(CanRepackTest, las_and_laz_but_neither_copc_nor_anything_else) {
