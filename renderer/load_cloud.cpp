@@ -13,6 +13,7 @@
 #include "octree/spacing.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/color/color_points.h"
+#include "renderer/index_cloud.h"
 #include "renderer/point_radius.h"
 #include "renderer/render.h"
 
@@ -79,19 +80,24 @@ LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, 
                                                  .color_depth = settings.color_depth,
                                                  .partial = settings.partial,
                                                  .progress = reading});
+  return index_cloud(std::move(cloud), seen, settings, afterwards);
+}
+
+}  // namespace
+
+LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
+                        const Progress& progress) {
   LoadedCloud loaded;
-  const PointColoring coloring =
-      choose_color(settings.color, {columns_of(cloud), seen, cloud.size(), name}, cloud.warnings);
+  const PointColoring coloring = choose_color(
+      settings.color, {columns_of(cloud), attributes, cloud.size(), names(settings.files)}, cloud.warnings);
   keep_columns(cloud, coloring);
-  loaded.octree = build(std::move(cloud), {.progress = afterwards});
+  loaded.octree = build(std::move(cloud), {.progress = progress});
   ColoredPoints points = color_points(coloring, columns_of(cloud), cloud, loaded.octree.view());
   if (coloring.by == PointColor::rgb) points.colors = std::move(cloud.colors);
   describe(loaded, settings, std::move(cloud), loaded.octree.size());
   take(std::move(points), loaded, settings);
   return loaded;
 }
-
-}  // namespace
 
 LoadedCloud load_cloud(const CloudSettings& wanted, const Progress& progress, const Progress& measuring) {
   CloudSettings settings = wanted;

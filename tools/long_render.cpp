@@ -95,6 +95,14 @@ void add_long_render_options(CLI::App& render, LongRenderRequest& request) {
               request.preview_interval = parse_number(text, 0.0, k_most_seconds);
             })
       ->needs(preview);
+  add_value(
+      render, "--preview-points", "N",
+      "before COPC files of more than 2 N points are loaded, the preview shows N of them, those the camera "
+      "sees best, then 8 N and so on (default 300000; 0: only the picture itself)",
+      [&request](const std::string& text) {
+        request.preview_points = parse_count(text, 0, k_most_preview_points);
+      })
+      ->needs(preview);
   CLI::Option* const checkpoint = add_value(
       render, "--checkpoint", "FILE",
       "keep what has been computed in FILE, written anew every minute and on Ctrl-C; removed once the "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -15,10 +16,13 @@
 
 namespace alidade {
 
+inline constexpr std::uint64_t k_most_preview_points = 50'000'000;
+
 struct LongRenderRequest {
   std::optional<double> time_limit, target_noise;
   std::filesystem::path preview, checkpoint;  ///< empty = none
   double preview_interval = 3.0, checkpoint_interval = 60.0;
+  std::uint64_t preview_points = 300'000;  ///< of the first look at COPC files; 0 = none
   bool resume = false;
 };
 

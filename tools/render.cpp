@@ -7,6 +7,7 @@
 #include "renderer/camera/ground_transform.h"
 #include "renderer/image.h"
 #include "tools/command.h"
+#include "tools/first_look.h"
 #include "tools/image_writer.h"
 #include "tools/long_render.h"
 #include "tools/message.h"
@@ -232,6 +233,8 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   if (!views.empty()) check_views(pictures, scene, nullptr);
   prepare_sky(scene, command.scene_file, verbosity);
 
+  if (scene.cloud && !command.long_render.preview.empty() && !resumed)
+    show_first_looks(command, scene, views.empty() ? nullptr : &pictures.front().view, write_picture);
   std::optional<LoadedCloud> loaded;
   if (scene.cloud) loaded = load(*scene.cloud, verbosity);
   const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;

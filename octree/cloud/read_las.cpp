@@ -12,6 +12,7 @@
 #include "octree/cloud/las_columns.h"
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/las_records.h"
+#include "octree/cloud/laz/attribute_layers.h"
 #include "octree/cloud/laz/laz_points.h"
 #include "octree/error.h"
 
@@ -46,22 +47,6 @@ class CloudRows final : public LazSink {
   PointCloud& cloud_;
   std::size_t first_row_;
 };
-
-/// Layers of a compressed file that hold what is kept.
-LazLayers layers_of(AttributeSet kept) {
-  return {.z = true,
-          .classification = kept.contains(Attribute::classification),
-          .flags = kept.contains(Attribute::flags),
-          .intensity = kept.contains(Attribute::intensity),
-          .scan_angle = kept.contains(Attribute::scan_angle),
-          .user_data = kept.contains(Attribute::user_data),
-          .point_source = kept.contains(Attribute::point_source_id),
-          .gps_time = kept.contains(Attribute::gps_time),
-          .color = kept.contains(Attribute::color),
-          .near_infrared = kept.contains(Attribute::near_infrared),
-          .wave_packet = false,
-          .extra_bytes = kept.contains(Attribute::extra_dimensions) || kept.contains(Attribute::normal)};
-}
 
 class LasReader final : public CloudReader {
  public:

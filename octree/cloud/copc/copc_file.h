@@ -29,6 +29,7 @@ class CopcFile {
 
   const std::string& name() const { return file_.name(); }
   const LasHeader& header() const { return header_; }
+  const LasRecords& records() const { return records_; }
   const LazLayout& layout() const { return layout_; }
   const CopcInfo& info() const { return info_; }
   const CopcHierarchy& hierarchy() const { return hierarchy_; }
