@@ -1,18 +1,26 @@
 // SPDX-License-Identifier: MIT
 // Points per second that one core decodes and encodes: of sample files, where they exist, and of records made
-// here.
+// here; and those of whole files, read into clouds by one thread and two.
 //   laz_bench --benchmark_repetitions=5
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
 
+#include "octree/cloud/byte_order.h"
 #include "octree/cloud/las_point.h"
 #include "octree/cloud/laz/layered_codec.h"
 #include "octree/cloud/laz/pointwise_codec.h"
+#include "octree/cloud/output_file.h"
+#include "octree/cloud/read_cloud.h"
+#include "octree/cloud/repack_las.h"
 #include "tests/bench/laz_records.h"
+#include "tests/cloud/las_builder.h"
 #include "tests/cloud/laz/sample_chunks.h"
 
 namespace alidade::bench {
@@ -117,6 +125,61 @@ void encode(benchmark::State& state, const Input& input) {
   set_rate(state, input);
 }
 
+/// A LAZ file of records made here, under a name of its own until the program ends.
+class MadeFile {
+ public:
+  static constexpr std::size_t k_points = 40 * k_laz_chunk_size;
+
+  explicit MadeFile(int format)
+      : path_(std::filesystem::temp_directory_path() /
+              fmt::format("laz_bench_{}_{}.laz", ::getpid(), format)) {
+    test::LasFile empty;
+    empty.version_minor = format >= 6 ? 4 : 2;
+    empty.point_format = format;
+    Bytes las = test::build_las(empty);
+    constexpr std::size_t k_count_place = 107, k_long_count_place = 247;
+    if (format >= 6)
+      store(las.data() + k_long_count_place, std::uint64_t{k_points});
+    else
+      store(las.data() + k_count_place, std::uint32_t{k_points});
+    const Bytes records = scan_records(format, k_points);
+    las.insert(las.end(), records.begin(), records.end());
+    const std::filesystem::path plain = std::filesystem::path(path_).replace_extension(".las");
+    OutputFile file(plain, true);
+    file.write(las);
+    file.commit();
+    repack_las(plain, path_, {.overwrite = true});
+    std::filesystem::remove(plain);
+  }
+  ~MadeFile() {
+    std::error_code error;
+    std::filesystem::remove(path_, error);
+  }
+  MadeFile(const MadeFile&) = delete;
+  MadeFile& operator=(const MadeFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// Reading with everything, as `alidade` does.
+void register_reading(int format) {
+  const auto file = std::make_shared<const MadeFile>(format);
+  for (const int threads : {1, 2}) {
+    benchmark::RegisterBenchmark(
+        fmt::format("read/made_format_{}/threads:{}", format, threads).c_str(),
+        [file, threads](benchmark::State& state) {
+          tbb::task_arena arena(threads);
+          for (auto _ : state) arena.execute([&] { benchmark::DoNotOptimize(read_cloud(file->path())); });
+          state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(MadeFile::k_points));
+        })
+        ->Unit(benchmark::kMillisecond)
+        ->UseRealTime();
+  }
+}
+
 void register_input(Input made) {
   const auto input = std::make_shared<const Input>(std::move(made));
   const std::string format = "/" + input->name;
@@ -140,7 +203,8 @@ int main(int argc, char** argv) {
     const std::filesystem::path path = alidade::test::shared_data(name);
     if (!path.empty()) alidade::bench::register_input(alidade::bench::file_input(path));
   }
-  for (const int format : {1, 3, 7}) alidade::bench::register_input(alidade::bench::made_input(format));
+  for (const int format : {1, 2, 3, 6, 7}) alidade::bench::register_input(alidade::bench::made_input(format));
+  for (const int format : {3, 7}) alidade::bench::register_reading(format);
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();
 }

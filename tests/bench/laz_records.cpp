@@ -68,7 +68,7 @@ std::vector<std::byte> scan_records(int point_format, std::size_t count) {
         put_legacy(record, point);
       else
         put_new(record, point);
-      store(record + layout.gps_time, point.time);
+      if (layout.gps_time >= 0) store(record + layout.gps_time, point.time);
       if (layout.color >= 0) put_colors(record + layout.color, point.intensity);
     }
   }

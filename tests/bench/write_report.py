@@ -12,6 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import laz_tables
 import query_tables
 import ray_tables
 from bench_results import Results
@@ -97,6 +98,8 @@ def main():
         "site": query_tables.site_table(results),
         "figure_5": query_tables.figure_5_table(results),
         "identical": query_tables.identical_table(results),
+        "laz": laz_tables.codec_table(results),
+        "laz_files": laz_tables.files_table(results),
     }
     template = (repository / "tests/bench/page.md").read_text()
     page = re.sub(r"\{(\w+)\}", lambda match: parts[match.group(1)], template)

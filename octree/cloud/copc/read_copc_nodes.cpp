@@ -10,11 +10,11 @@
 
 #include "octree/cloud/append_rows.h"
 #include "octree/cloud/fit_lattice.h"
+#include "octree/cloud/joined_progress.h"
 #include "octree/cloud/las_columns.h"
 #include "octree/cloud/laz/attribute_layers.h"
 #include "octree/cloud/laz/chunk_decoder.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
-#include "octree/cloud/laz/unpack_chunks.h"
 #include "octree/cloud/spread_colors.h"
 #include "octree/error.h"
 
@@ -29,7 +29,7 @@ std::uint64_t point_count_of(const ChosenNodes& part) {
 
 /// Unpacks the nodes of one file into rows that the cloud has already, from `first_row` on.
 void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns::Choice& choice,
-            std::size_t first_row, PointCloud& cloud, SharedProgress& progress) {
+            std::size_t first_row, PointCloud& cloud, JoinedProgress& progress) {
   const CopcFile& file = *part.file;
   const std::size_t point_size = file.header().point_size;
   std::vector<std::size_t> first_rows;
@@ -75,7 +75,7 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
 
 PointCloud read_copc_nodes(std::span<const ChosenNodes> parts, const ReadOptions& options) {
   PointCloud cloud;
-  SharedProgress progress(options.progress, point_count(parts));
+  JoinedProgress progress(options.progress, point_count(parts));
   std::vector<ColoredRows> colored;
   for (const ChosenNodes& part : parts) {
     const CopcFile& file = *part.file;
