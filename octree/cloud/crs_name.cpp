@@ -9,6 +9,8 @@
 #include <optional>
 #include <string_view>
 
+#include "octree/cloud/same_definition.h"
+
 namespace alidade {
 namespace {
 
@@ -81,15 +83,6 @@ std::optional<int> vertical_code(const Crs& crs) {
                          : code_of_wkt(crs.wkt, {"VERT_CS[", "VERTCRS[", "VERTICALCRS["});
 }
 
-std::string letters_and_digits(const std::string& name) {
-  std::string kept;
-  for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter)) kept += static_cast<char>(std::tolower(letter));
-  }
-  return kept;
-}
-
 }  // namespace
 
 std::vector<std::string> epsg_codes(const Crs& crs) {
@@ -102,6 +95,15 @@ std::vector<std::string> epsg_codes(const Crs& crs) {
     if (key == k_vertical) codes.push_back(fmt::format("vertical EPSG:{}", *code));
   }
   return codes;
+}
+
+std::string letters_and_digits(std::string_view name) {
+  std::string kept;
+  for (const char c : name) {
+    const auto letter = static_cast<unsigned char>(c);
+    if (std::isalnum(letter)) kept += static_cast<char>(std::tolower(letter));
+  }
+  return kept;
 }
 
 std::string crs_name(const Crs& crs) {
@@ -118,8 +120,10 @@ CrsAgreement compare_crs(const Crs& a, const Crs& b) {
   if (heights_a && heights_b && heights_a != heights_b) return different;
   const std::optional<int> plane_a = plane_code(a), plane_b = plane_code(b);
   if (plane_a && plane_b) return plane_a == plane_b ? same : different;
-  if (!a.wkt.empty() && !b.wkt.empty())
-    return letters_and_digits(wkt_name(a.wkt)) == letters_and_digits(wkt_name(b.wkt)) ? same : different;
+  if (!a.wkt.empty() && !b.wkt.empty()) {
+    if (letters_and_digits(wkt_name(a.wkt)) == letters_and_digits(wkt_name(b.wkt))) return same;
+    return same_definition(a.wkt, b.wkt) ? unknown : different;
+  }
   if (a.wkt.empty() && b.wkt.empty())
     return a.geotiff_keys == b.geotiff_keys && a.geotiff_doubles == b.geotiff_doubles ? same : different;
   return unknown;

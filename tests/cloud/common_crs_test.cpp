@@ -67,6 +67,49 @@ TEST(CompareCrsTest, wkt_without_codes_is_compared_by_letters_and_digits_of_its_
   EXPECT_EQ(compare_crs(of_keys({3072, 32767}), of_keys({3072, 32767, 3076, 9001})), different);
 }
 
+/// UTM zone 32 as GDAL and as ESRI write it, without codes.
+std::string gdal_utm(const std::string& meridian = "9", const std::string& unit = "\"metre\",1") {
+  return R"(PROJCS["ETRS89 / UTM zone 32N",GEOGCS["ETRS89",DATUM["European_Terrestrial_Reference_System_1989",
+SPHEROID["GRS 1980",6378137,298.257222101]],PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],
+PROJECTION["Transverse_Mercator"],PARAMETER["latitude_of_origin",0],PARAMETER["central_meridian",)" +
+         meridian +
+         R"(],PARAMETER["scale_factor",0.9996],PARAMETER["false_easting",500000],PARAMETER["false_northing",0],
+UNIT[)" + unit +
+         R"(],AXIS["Easting",EAST],AXIS["Northing",NORTH]])";
+}
+const char* const k_esri_etrs_32 =
+    R"(PROJCS["ETRS_1989_UTM_Zone_32N",GEOGCS["GCS_ETRS_1989",DATUM["D_ETRS_1989",
+SPHEROID["GRS_1980",6378137.0,298.2572221010001]],PRIMEM["Greenwich",0.0],UNIT["Degree", 0.017453292519943295]],
+PROJECTION["Transverse_Mercator"],PARAMETER["False_Easting",500000.0],PARAMETER["False_Northing",0.0],
+PARAMETER["Central_Meridian",9.0],PARAMETER["Scale_Factor",0.9996],PARAMETER["Latitude_Of_Origin",0.0],
+UNIT["Meter",1.0]])";
+
+TEST(CompareCrsTest, two_names_for_the_same_numbers_are_not_known_to_differ) {
+  using enum CrsAgreement;
+  EXPECT_EQ(compare_crs(of_wkt(gdal_utm()), of_wkt(k_esri_etrs_32)), unknown);
+  EXPECT_EQ(compare_crs(of_wkt(k_esri_etrs_32), of_wkt("COMPD_CS[\"both\"," + gdal_utm() +
+                                                       ",VERT_CS[\"heights\",UNIT[\"foot\",0.3048]]]")),
+            unknown);
+  EXPECT_EQ(compare_crs(of_wkt(gdal_utm("15")), of_wkt(k_esri_etrs_32)), different) << "meridian";
+  EXPECT_EQ(compare_crs(of_wkt(gdal_utm("9", "\"foot\",0.3048")), of_wkt(k_esri_etrs_32)), different);
+  std::string bessel = gdal_utm();
+  bessel.replace(bessel.find("6378137,298.257222101"), 21, "6377397.155,299.1528128");
+  EXPECT_EQ(compare_crs(of_wkt(bessel), of_wkt(k_esri_etrs_32)), different) << "ellipsoid";
+  std::string more = gdal_utm();
+  more.insert(more.find("UNIT[\"metre"), "PARAMETER[\"azimuth\",0],");
+  EXPECT_EQ(compare_crs(of_wkt(more), of_wkt(k_esri_etrs_32)), different) << "one parameter more";
+}
+
+TEST(CompareCrsTest, every_beginning_of_a_wkt_is_compared_without_trouble) {
+  const std::string whole = gdal_utm();
+  for (std::size_t length = 1; length < whole.size(); ++length) {
+    // Of exactly this length, so that the address sanitizer sees every byte read beyond it.
+    const std::string part(whole, 0, length);
+    EXPECT_NE(compare_crs(of_wkt(part), of_wkt(k_esri_etrs_32)), CrsAgreement::unknown) << length;
+    compare_crs(of_wkt(part + "]"), of_wkt(k_esri_etrs_32));
+  }
+}
+
 TEST(CompareCrsTest, damaged_wkt_is_no_trouble) {
   for (const char* const wkt : {"PROJCS[", "PROJCS[\"", "PROJCS[AUTHORITY[\"EPSG\"", "PROJCS[]]]]",
                                 "PROJCS[ID[\"EPSG\",99999999999999999999]]", "[[[[\"EPSG\""})
@@ -112,6 +155,16 @@ TEST(CommonCrsTest, files_that_state_none_are_warned_of_once) {
 TEST(CommonCrsTest, the_system_of_a_file_without_points_binds_nobody) {
   EXPECT_EQ(join({tile(k_utm_33, false), tile(k_utm_32)}).crs.wkt, k_utm_32);
   EXPECT_EQ(join({tile(k_utm_33, false)}).crs.wkt, k_utm_33);
+}
+
+TEST(CommonCrsTest, two_names_for_the_same_numbers_are_joined_with_one_warning) {
+  const PointCloud cloud = join({tile(gdal_utm()), tile(k_esri_etrs_32), tile(k_esri_etrs_32)});
+  EXPECT_EQ(cloud.crs.wkt, gdal_utm());
+  EXPECT_EQ(
+      cloud.warnings,
+      (std::vector<std::string>{
+          "tile_1 and 1 more file: another way of stating the coordinate reference system "
+          "(ETRS_1989_UTM_Zone_32N) than that of the other files (ETRS89 / UTM zone 32N), which is kept"}));
 }
 
 TEST(CommonCrsTest, systems_that_cannot_be_compared_are_a_warning) {
