@@ -181,6 +181,22 @@ TEST_F(OutputTest, interrupted_render_ends_with_130_and_leaves_nothing) {
   EXPECT_EQ(names(), Words{"square.xyz"});
 }
 
+TEST_F(OutputTest, interrupted_convert_ends_with_130_and_keeps_what_was_there) {
+  ASSERT_EQ(run({"generate", "courtyard", "--points", "20000", "-o", "site.las", "-q"}).exit_code, 0);
+  write("out.laz", "precious");
+  Words words(200, "site.las");
+  words.insert(words.begin(), "convert");
+  words.insert(words.end(), {"-o", "out.laz", "--overwrite", "--spacing", "0.001"});
+  Program program(words, folder);
+  // Beyond reading, so that the interrupt meets what thins and writes.
+  wait_until(program, [&] { return contains(program.errors_so_far(), "reading: "); });
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_EQ(names(), (Words{"out.laz", "site.las"}));
+  EXPECT_EQ(read("out.laz"), "precious");
+}
+
 TEST_F(OutputTest, killed_program_leaves_no_output_under_its_name) {
   Program program(k_long_generate, folder);
   wait_for_work(program, 0);

@@ -1,62 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/read_observers.h"
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-#include <ogr_api.h>
-#include <ogr_srs_api.h>
-#include <ogrsf_frmts.h>
-
 #include <cmath>
-#include <fstream>
 
-#include "octree/error.h"
-#include "renderer/gdal_handles.h"
+#include "tests/visibility/vector_file_test.h"
 
 namespace alidade::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// UTM zone 32 north.
-Crs utm() {
-  OGRSpatialReferenceH reference = OSRNewSpatialReference(nullptr);
-  OSRImportFromEPSG(reference, 25832);
-  char* text = nullptr;
-  OSRExportToWkt(reference, &text);
-  Crs crs;
-  crs.wkt = text;
-  CPLFree(text);
-  OSRRelease(reference);
-  return crs;
-}
-
-class ReadObserversTest : public ::testing::Test {
+class ReadObserversTest : public VectorFileTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              fmt::format("alidade_read_observers_{}",
-                          ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
-  }
-
   std::vector<GivenObserver> read(const fs::path& path, const ObserverReference& reference = {}) const {
     return read_observers(path, reference);
   }
   std::string problem_of(const fs::path& path, const ObserverReference& reference = {}) const {
-    try {
-      read(path, reference);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+    return problem_in([&] { read(path, reference); });
   }
   /// Expects the problem to begin with the file's name and `place`, and to hold `part`.
   void expect_problem(const std::string& name, const std::string& text, const std::string& place,
@@ -67,45 +27,32 @@ class ReadObserversTest : public ::testing::Test {
     EXPECT_NE(problem.find(part), std::string::npos) << text << "\n" << problem;
   }
 
-  /// Two points with attributes in a new file of that driver; `epsg` 0: no reference system.
-  fs::path write_vector_file(const std::string& name, const char* driver, int epsg, OGRwkbGeometryType type,
-                             int masts = 2) const {
-    RegisterOGRGeoPackage();
-    RegisterOGRShape();
-    const fs::path path = folder_ / name;
-    const GdalDataset dataset(
-        GDALCreate(GDALGetDriverByName(driver), path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-    OGRSpatialReferenceH reference = nullptr;
-    if (epsg != 0) {
-      reference = OSRNewSpatialReference(nullptr);
-      OSRImportFromEPSG(reference, epsg);
-    }
-    const OGRLayerH layer = GDALDatasetCreateLayer(dataset.get(), "masts", reference, type, nullptr);
-    for (const auto& [field, kind] :
-         {std::pair("NAME", OFTString), std::pair("height", OFTReal), std::pair("elev_min", OFTInteger)}) {
-      const OGRFieldDefnH definition = OGR_Fld_Create(field, kind);
-      OGR_L_CreateField(layer, definition, TRUE);
-      OGR_Fld_Destroy(definition);
-    }
-    for (int i = 0; i < masts; ++i) {
-      const OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
-      OGR_F_SetFieldString(feature, 0, fmt::format("mast {}", i).c_str());
-      if (i == 1) OGR_F_SetFieldDouble(feature, 1, 12.5);
-      if (i == 1) OGR_F_SetFieldInteger(feature, 2, -30);
-      const OGRGeometryH point = OGR_G_CreateGeometry(type);
-      if (OGR_GT_HasZ(type) != 0)
-        OGR_G_SetPoint(point, 0, 690000.0 + i, 5325000.0, 600.0 + i);
-      else
-        OGR_G_SetPoint_2D(point, 0, 690000.0 + i, 5325000.0);
-      OGR_F_SetGeometryDirectly(feature, point);
-      EXPECT_EQ(OGR_L_CreateFeature(layer, feature), OGRERR_NONE);
-      OGR_F_Destroy(feature);
-    }
-    if (reference != nullptr) OSRRelease(reference);
-    return path;
+  /// Points with attributes in a new file of that driver; `epsg` 0: no reference system.
+  fs::path write_masts(const std::string& name, const char* driver, int epsg, OGRwkbGeometryType type,
+                       int masts = 2) const {
+    return write_layer(name, driver, epsg, type, [&](OGRLayerH layer) {
+      for (const auto& [field, kind] :
+           {std::pair("NAME", OFTString), std::pair("height", OFTReal), std::pair("elev_min", OFTInteger)}) {
+        const OGRFieldDefnH definition = OGR_Fld_Create(field, kind);
+        OGR_L_CreateField(layer, definition, TRUE);
+        OGR_Fld_Destroy(definition);
+      }
+      for (int i = 0; i < masts; ++i) {
+        const OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
+        OGR_F_SetFieldString(feature, 0, fmt::format("mast {}", i).c_str());
+        if (i == 1) OGR_F_SetFieldDouble(feature, 1, 12.5);
+        if (i == 1) OGR_F_SetFieldInteger(feature, 2, -30);
+        const OGRGeometryH point = OGR_G_CreateGeometry(type);
+        if (OGR_GT_HasZ(type) != 0)
+          OGR_G_SetPoint(point, 0, 690000.0 + i, 5325000.0, 600.0 + i);
+        else
+          OGR_G_SetPoint_2D(point, 0, 690000.0 + i, 5325000.0);
+        OGR_F_SetGeometryDirectly(feature, point);
+        EXPECT_EQ(OGR_L_CreateFeature(layer, feature), OGRERR_NONE);
+        OGR_F_Destroy(feature);
+      }
+    });
   }
-
-  fs::path folder_;
 };
 
 std::string geojson(const std::string& features) {
@@ -197,7 +144,7 @@ TEST_F(ReadObserversTest, geopackage_and_shapefile_keep_places_in_the_clouds_own
   for (const auto& [name, driver] : {std::pair("m.gpkg", "GPKG"), std::pair("m.shp", "ESRI Shapefile")}) {
     for (const OGRwkbGeometryType type : {wkbPoint, wkbPoint25D}) {
       const fs::path path =
-          write_vector_file(fmt::format("{}_{}", static_cast<unsigned>(type), name), driver, 25832, type);
+          write_masts(fmt::format("{}_{}", static_cast<unsigned>(type), name), driver, 25832, type);
       const auto observers = read(path, {.cloud = utm()});
       ASSERT_EQ(observers.size(), 2u);
       EXPECT_EQ(observers[0].name, "mast 0");
@@ -212,8 +159,8 @@ TEST_F(ReadObserversTest, geopackage_and_shapefile_keep_places_in_the_clouds_own
 
 TEST_F(ReadObserversTest, known_against_unknown_system_is_an_error_with_a_way_out) {
   for (const auto& [name, driver] : {std::pair("m.gpkg", "GPKG"), std::pair("m.shp", "ESRI Shapefile")}) {
-    const fs::path without = write_vector_file(std::string("without_") + name, driver, 0, wkbPoint);
-    const fs::path with = write_vector_file(std::string("with_") + name, driver, 25832, wkbPoint);
+    const fs::path without = write_masts(std::string("without_") + name, driver, 0, wkbPoint);
+    const fs::path with = write_masts(std::string("with_") + name, driver, 25832, wkbPoint);
     EXPECT_EQ(problem_of(without), "");
     EXPECT_NE(problem_of(without, {.cloud = utm()}).find("--observers-crs"), std::string::npos)
         << problem_of(without, {.cloud = utm()});
@@ -253,8 +200,7 @@ TEST_F(ReadObserversTest, empty_and_damaged_files_are_errors) {
   expect_problem("o.geojson", geojson(""), ": ", "holds no observers");
   expect_problem("o.geojson", "{\"type\":\"FeatureCollection\",\"features\":[{", ": ", "cannot be read");
   for (const auto& [name, driver] : {std::pair("e.gpkg", "GPKG"), std::pair("e.shp", "ESRI Shapefile")}) {
-    const std::string problem =
-        problem_of(write_vector_file(name, driver, 25832, wkbPoint, 0), {.cloud = utm()});
+    const std::string problem = problem_of(write_masts(name, driver, 25832, wkbPoint, 0), {.cloud = utm()});
     EXPECT_NE(problem.find(std::string(name) + ": holds no observers"), std::string::npos) << problem;
   }
   expect_problem("o.gpkg", "no data base at all", ": ", "cannot be read");

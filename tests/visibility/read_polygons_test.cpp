@@ -1,51 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/read_polygons.h"
 
-#include <fmt/format.h>
-#include <gtest/gtest.h>
-#include <ogr_api.h>
-#include <ogr_srs_api.h>
-#include <ogrsf_frmts.h>
-
-#include <fstream>
-
-#include "octree/error.h"
-#include "renderer/gdal_handles.h"
+#include "tests/visibility/vector_file_test.h"
 
 namespace alidade::test {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// UTM zone 32 north.
-Crs utm() {
-  OGRSpatialReferenceH reference = OSRNewSpatialReference(nullptr);
-  OSRImportFromEPSG(reference, 25832);
-  char* text = nullptr;
-  OSRExportToWkt(reference, &text);
-  Crs crs;
-  crs.wkt = text;
-  CPLFree(text);
-  OSRRelease(reference);
-  return crs;
-}
-
-class ReadPolygonsTest : public ::testing::Test {
+class ReadPolygonsTest : public VectorFileTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              fmt::format("alidade_read_polygons_{}",
-                          ::testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path write(const std::string& text) const {
-    std::ofstream(folder_ / "p.geojson") << text;
-    return folder_ / "p.geojson";
-  }
-
   /// Reads features of one geometry each, in the cloud's own system.
   std::vector<PlanePolygon> read(const std::vector<std::string>& geometries) const {
     std::string features;
@@ -53,46 +17,30 @@ class ReadPolygonsTest : public ::testing::Test {
       features += fmt::format(R"({}{{"type":"Feature","properties":{{}},"geometry":{}}})",
                               features.empty() ? "" : ",", geometry);
     }
-    return read_polygons(write(fmt::format(R"({{"type":"FeatureCollection","features":[{}]}})", features)),
-                         k_own);
+    return read_polygons(
+        write("p.geojson", fmt::format(R"({{"type":"FeatureCollection","features":[{}]}})", features)),
+        k_own);
   }
 
-  std::string problem_of(const fs::path& path, const ObserverReference& reference) const {
-    try {
-      read_polygons(path, reference);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+  static std::string problem_of(const fs::path& path, const ObserverReference& reference) {
+    return problem_in([&] { read_polygons(path, reference); });
   }
 
   /// One square in a new file of that driver; `epsg` 0: no reference system.
-  fs::path write_vector_file(const std::string& name, const char* driver, int epsg) const {
-    RegisterOGRGeoPackage();
-    RegisterOGRShape();
-    const fs::path path = folder_ / name;
-    const GdalDataset dataset(
-        GDALCreate(GDALGetDriverByName(driver), path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));
-    OGRSpatialReferenceH reference = nullptr;
-    if (epsg != 0) {
-      reference = OSRNewSpatialReference(nullptr);
-      OSRImportFromEPSG(reference, epsg);
-    }
-    const OGRLayerH layer = GDALDatasetCreateLayer(dataset.get(), "areas", reference, wkbPolygon, nullptr);
-    const OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
-    char wkt[] = "POLYGON((690000 5325000,690000 5325010,690010 5325010,690000 5325000))";
-    char* text = wkt;
-    OGRGeometryH polygon = nullptr;
-    OGR_G_CreateFromWkt(&text, nullptr, &polygon);
-    OGR_F_SetGeometryDirectly(feature, polygon);
-    EXPECT_EQ(OGR_L_CreateFeature(layer, feature), OGRERR_NONE);
-    OGR_F_Destroy(feature);
-    if (reference != nullptr) OSRRelease(reference);
-    return path;
+  fs::path write_square(const std::string& name, const char* driver, int epsg) const {
+    return write_layer(name, driver, epsg, wkbPolygon, [](OGRLayerH layer) {
+      const OGRFeatureH feature = OGR_F_Create(OGR_L_GetLayerDefn(layer));
+      char wkt[] = "POLYGON((690000 5325000,690000 5325010,690010 5325010,690000 5325000))";
+      char* text = wkt;
+      OGRGeometryH polygon = nullptr;
+      OGR_G_CreateFromWkt(&text, nullptr, &polygon);
+      OGR_F_SetGeometryDirectly(feature, polygon);
+      EXPECT_EQ(OGR_L_CreateFeature(layer, feature), OGRERR_NONE);
+      OGR_F_Destroy(feature);
+    });
   }
 
   const ObserverReference k_own{.given = "cloud", .option = "--crop-crs", .whose = "polygons"};
-  fs::path folder_;
 };
 
 constexpr const char* k_square = R"({"type":"Polygon","coordinates":[[[0,0],[4,0],[4,4],[0,4],[0,0]]]})";
@@ -129,8 +77,8 @@ TEST_F(ReadPolygonsTest, other_geometries_are_errors_naming_the_feature) {
        {std::pair(R"({"type":"Point","coordinates":[1,2]})", "Point"),
         std::pair(R"({"type":"LineString","coordinates":[[1,2],[3,4]]})", "Line String"),
         std::pair("null", "no geometry")}) {
-    const fs::path path =
-        write(fmt::format(R"({{"type":"Feature","id":7,"properties":{{}},"geometry":{}}})", geometry));
+    const fs::path path = write(
+        "p.geojson", fmt::format(R"({{"type":"Feature","id":7,"properties":{{}},"geometry":{}}})", geometry));
     const std::string problem = problem_of(path, k_own);
     EXPECT_EQ(problem,
               fmt::format("{}:feature 7: is no polygon; expected polygons, found {}", path.string(), found));
@@ -138,7 +86,7 @@ TEST_F(ReadPolygonsTest, other_geometries_are_errors_naming_the_feature) {
 }
 
 TEST_F(ReadPolygonsTest, files_without_polygons_or_damaged_are_errors) {
-  const auto problem = [&](const std::string& text) { return problem_of(write(text), k_own); };
+  const auto problem = [&](const std::string& text) { return problem_of(write("p.geojson", text), k_own); };
   EXPECT_NE(problem(R"({"type":"FeatureCollection","features":[]})").find("holds no polygons"),
             std::string::npos);
   EXPECT_NE(
@@ -150,8 +98,8 @@ TEST_F(ReadPolygonsTest, files_without_polygons_or_damaged_are_errors) {
 }
 
 TEST_F(ReadPolygonsTest, corners_are_transformed_into_the_clouds_system) {
-  const fs::path path = write(
-      R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon",
+  const fs::path path = write("p.geojson",
+                              R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon",
           "coordinates":[[[9,48],[9.001,48],[9,48.001],[9,48]]]}})");
   ObserverReference reference = k_own;
   reference.given = "";
@@ -168,15 +116,15 @@ TEST_F(ReadPolygonsTest, places_in_the_clouds_own_system_stay_exactly_what_they_
     ObserverReference reference = k_own;
     reference.given = "";
     reference.cloud = utm();
-    const auto polygons = read_polygons(write_vector_file(name, driver, 25832), reference);
+    const auto polygons = read_polygons(write_square(name, driver, 25832), reference);
     ASSERT_EQ(polygons.size(), 1u);
     EXPECT_EQ(polygons[0].rings[0][2], glm::dvec2(690010, 5325010));
   }
 }
 
 TEST_F(ReadPolygonsTest, known_against_unknown_system_is_an_error_with_a_way_out) {
-  const fs::path without = write_vector_file("without.shp", "ESRI Shapefile", 0);
-  const fs::path with = write_vector_file("with.shp", "ESRI Shapefile", 25832);
+  const fs::path without = write_square("without.shp", "ESRI Shapefile", 0);
+  const fs::path with = write_square("with.shp", "ESRI Shapefile", 25832);
   ObserverReference nowhere = k_own, somewhere = k_own;
   nowhere.given = somewhere.given = "";
   somewhere.cloud = utm();
