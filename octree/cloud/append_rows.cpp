@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "octree/cloud/append_rows.h"
 
+#include <tbb/parallel_for_each.h>
+
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 namespace alidade {
 
@@ -29,28 +33,41 @@ ExtraDimension description_of(const ExtraDimension& dimension) {
 }
 
 void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
+  // Touching the memory of so many rows takes as long as unpacking some of them.
+  constexpr std::size_t k_rows_for_threads = 1 << 16;
   const std::size_t size = cloud.size() + count;
+  const std::size_t room = std::max(size, cloud.positions.capacity());
+  std::vector<std::function<void()>> columns;
   const auto grow = [&](auto& column, Attribute attribute) {
     if (column.empty() && !filled.contains(attribute)) return;
-    // A column that starts now takes all the room the positions have, so that it is not moved either.
-    if (column.empty()) column.reserve(std::max(size, cloud.positions.capacity()));
-    column.resize(size);
+    columns.emplace_back([&column, size, room] {
+      // A column that starts now takes all the room the positions have, so that it is not moved either.
+      if (column.empty()) column.reserve(room);
+      column.resize(size);
+    });
   };
-  grow(cloud.colors, Attribute::color);
-  grow(cloud.near_infrared, Attribute::near_infrared);
-  grow(cloud.intensities, Attribute::intensity);
-  grow(cloud.classifications, Attribute::classification);
-  grow(cloud.returns, Attribute::returns);
-  grow(cloud.flags, Attribute::flags);
-  grow(cloud.scan_angles, Attribute::scan_angle);
-  grow(cloud.user_data, Attribute::user_data);
-  grow(cloud.point_source_ids, Attribute::point_source_id);
+  columns.emplace_back([&cloud, size] { cloud.positions.resize(size, LatticePosition(0)); });
   grow(cloud.gps_times, Attribute::gps_time);
   grow(cloud.normals, Attribute::normal);
+  grow(cloud.colors, Attribute::color);
+  grow(cloud.scan_angles, Attribute::scan_angle);
+  grow(cloud.near_infrared, Attribute::near_infrared);
+  grow(cloud.intensities, Attribute::intensity);
+  grow(cloud.returns, Attribute::returns);
+  grow(cloud.point_source_ids, Attribute::point_source_id);
+  grow(cloud.classifications, Attribute::classification);
+  grow(cloud.flags, Attribute::flags);
+  grow(cloud.user_data, Attribute::user_data);
   for (ExtraDimension& dimension : cloud.extra_dimensions) {
-    dimension.values.resize(size * static_cast<std::size_t>(dimension.byte_count));
+    columns.emplace_back([&dimension, size] {
+      dimension.values.resize(size * static_cast<std::size_t>(dimension.byte_count));
+    });
   }
-  cloud.positions.resize(size, LatticePosition(0));
+  if (count < k_rows_for_threads) {
+    for (const auto& extend : columns) extend();
+  } else {
+    tbb::parallel_for_each(columns, [](const auto& extend) { extend(); });
+  }
 }
 
 std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, std::size_t occurrence) {

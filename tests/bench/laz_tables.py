@@ -12,7 +12,7 @@ def rate(results, name):
 
 def codec_table(results):
     rows = []
-    for name in results.names("decode/"):
+    for name in sorted(results.names("decode/"), key=str.lower):
         source = name.partition("/")[2]
         rows.append([source.replace("made_format_", "made, format "), number(rate(results, name)),
                      number(rate(results, f"encode/{source}"))])
@@ -21,7 +21,7 @@ def codec_table(results):
 
 def files_table(results):
     rows = []
-    for name in results.names("read/"):
+    for name in sorted(results.names("read/")):
         if "threads:1" not in name:
             continue
         one, two = rate(results, name), rate(results, name.replace("threads:1", "threads:2"))
