@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <utility>
@@ -13,12 +14,13 @@
 
 namespace alidade {
 
-/// The first bytes of one of our own little-endian files: gives fields, and complains about them by their
-/// byte. Keeps references to bytes and file name.
+/// The head or a record of a little-endian file: gives fields, and complains about them by their byte. Keeps
+/// references to bytes and file name.
 class HeaderFields {
  public:
-  HeaderFields(std::span<const std::byte> bytes, const std::string& file_name)
-      : bytes_(bytes), file_(file_name) {}
+  /// file_place: where `bytes` begin in the file.
+  HeaderFields(std::span<const std::byte> bytes, const std::string& file_name, std::uint64_t file_place = 0)
+      : bytes_(bytes), file_(file_name), file_place_(file_place) {}
 
   /// Requires that the field lies within the bytes.
   template <class T>
@@ -31,7 +33,7 @@ class HeaderFields {
                const Found& found) const {
     if (holds) return;
     throw Error({.file = file_,
-                 .place = fmt::format("byte {}", place),
+                 .place = fmt::format("byte {}", file_place_ + place),
                  .problem = std::move(problem),
                  .expected = std::move(expected),
                  .found = fmt::format("{}", found)});
@@ -40,6 +42,7 @@ class HeaderFields {
  private:
   std::span<const std::byte> bytes_;
   const std::string& file_;
+  std::uint64_t file_place_;
 };
 
 }  // namespace alidade

@@ -18,7 +18,8 @@ struct CopcInfo {
   std::uint64_t root_page_size = 0;  ///< bytes
 };
 
-/// Reads the record's data. Errors: another size, numbers that are not finite or not positive.
+/// Reads the record's data. Errors: another size, numbers that are not finite or not positive, a cube whose
+/// corners are no finite numbers.
 CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name, std::uint64_t place);
 
 }  // namespace alidade

@@ -7,8 +7,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "octree/cloud/byte_order.h"
-#include "octree/error.h"
+#include "octree/header_fields.h"
 
 namespace alidade {
 namespace {
@@ -45,58 +44,50 @@ std::string written(const std::vector<LazItem>& items) {
 
 LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string& file_name,
                               std::uint64_t place, int point_format, std::size_t point_size) {
-  const auto require = [&](bool holds, std::size_t byte, std::string problem, std::string expected,
-                           std::string found) {
-    if (holds) return;
-    throw Error({.file = file_name,
-                 .place = fmt::format("byte {}", place + byte),
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = std::move(found)});
-  };
-  require(data.size() >= k_items_place, 0, "the laszip record is too short",
-          fmt::format("{} bytes or more", k_items_place), std::to_string(data.size()));
+  const HeaderFields fields(data, file_name, place);
+  fields.require(data.size() >= k_items_place, 0, "the laszip record is too short",
+                 fmt::format("{} bytes or more", k_items_place), data.size());
   LazLayout layout;
-  const int compressor = load<std::uint16_t>(data.data());
-  require(compressor <= 3, 0, "unknown compressor of points", "0 to 3", std::to_string(compressor));
+  const int compressor = fields.get<std::uint16_t>(0);
+  fields.require(compressor <= 3, 0, "unknown compressor of points", "0 to 3", compressor);
   layout.compressor = static_cast<LazCompressor>(compressor);
   if (layout.compressor == LazCompressor::none) return layout;
 
-  const int coder = load<std::uint16_t>(data.data() + 2);
-  require(coder == 0, 2, "unknown entropy coder", "0", std::to_string(coder));
-  const std::uint32_t chunk_size = load<std::uint32_t>(data.data() + 12);
+  const int coder = fields.get<std::uint16_t>(2);
+  fields.require(coder == 0, 2, "unknown entropy coder", "0", coder);
+  const std::uint32_t chunk_size = fields.get<std::uint32_t>(12);
   layout.chunk_size = chunk_size == k_variable_chunks ? 0 : chunk_size;
-  const std::size_t count = load<std::uint16_t>(data.data() + 32);
-  require(count >= 1 && count <= k_most_items, 32, "bad number of items of a point",
-          fmt::format("1 to {}", k_most_items), std::to_string(count));
-  require(data.size() == k_items_place + count * k_item_bytes, 32, "bad size of the laszip record",
-          fmt::format("{} bytes for {} items", k_items_place + count * k_item_bytes, count),
-          std::to_string(data.size()));
+  const std::size_t count = fields.get<std::uint16_t>(32);
+  fields.require(count >= 1 && count <= k_most_items, 32, "bad number of items of a point",
+                 fmt::format("1 to {}", k_most_items), count);
+  fields.require(data.size() == k_items_place + count * k_item_bytes, 32, "bad size of the laszip record",
+                 fmt::format("{} bytes for {} items", k_items_place + count * k_item_bytes, count),
+                 data.size());
 
   const LazLayout standard = standard_laz_layout(point_format, point_size);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* const at = data.data() + k_items_place + i * k_item_bytes;
-    layout.items.push_back({static_cast<LazItemKind>(load<std::uint16_t>(at)), load<std::uint16_t>(at + 2),
-                            load<std::uint16_t>(at + 4)});
+    const std::size_t at = k_items_place + i * k_item_bytes;
+    layout.items.push_back({static_cast<LazItemKind>(fields.get<std::uint16_t>(at)),
+                            fields.get<std::uint16_t>(at + 2), fields.get<std::uint16_t>(at + 4)});
   }
   const bool as_format = std::ranges::equal(
       layout.items, standard.items,
       [](const LazItem& a, const LazItem& b) { return a.kind == b.kind && a.size == b.size; });
-  require(as_format, k_items_place,
-          fmt::format("the items of the laszip record do not make a point of format {} and {} bytes",
-                      point_format, point_size),
-          written(standard.items), written(layout.items));
+  fields.require(as_format, k_items_place,
+                 fmt::format("the items of the laszip record do not make a point of format {} and {} bytes",
+                             point_format, point_size),
+                 written(standard.items), written(layout.items));
   for (std::size_t i = 0; i < count; ++i) {
     const auto [oldest, newest] = versions_of(layout.items[i].kind);
     const int version = layout.items[i].version;
-    require(version >= oldest && version <= newest, k_items_place + i * k_item_bytes + 4,
-            fmt::format("unknown version of item {}", static_cast<int>(layout.items[i].kind)),
-            fmt::format("{} to {}", oldest, newest), std::to_string(version));
+    fields.require(version >= oldest && version <= newest, k_items_place + i * k_item_bytes + 4,
+                   fmt::format("unknown version of item {}", static_cast<int>(layout.items[i].kind)),
+                   fmt::format("{} to {}", oldest, newest), version);
   }
   const bool layered = layout.compressor == LazCompressor::layered;
-  require(layered == (standard.compressor == LazCompressor::layered), 0,
-          fmt::format("the compressor cannot hold points of format {}", point_format),
-          layered ? "1 or 2" : "3", std::to_string(compressor));
+  fields.require(layered == (standard.compressor == LazCompressor::layered), 0,
+                 fmt::format("the compressor cannot hold points of format {}", point_format),
+                 layered ? "1 or 2" : "3", compressor);
   return layout;
 }
 
