@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,26 +51,28 @@ void check_numbered(std::span<const Target> targets, std::size_t i) {
 }
 
 /// Calls work(first, last) for ranges of at most `grain` targets, in parallel, after checking these. Errors:
-/// the first target that is not good, whatever the threads did before; answers are then incomplete.
+/// in the first range that has any, the first target that is not good, or else what `work` throws, whatever
+/// the threads did before; answers are then incomplete.
 template <class Target, class Work>
 void for_each_range(std::span<const Target> targets, std::size_t grain, const Work& work) {
-  std::atomic<std::size_t> first_bad{targets.size()};
   const std::size_t range_count = (targets.size() + grain - 1) / grain;
+  std::atomic<std::size_t> first_bad{range_count};
+  std::mutex mutex;  // of the problem, and of whoever lowers first_bad
+  std::exception_ptr problem;
   tbb::parallel_for(std::size_t{0}, range_count, [&](std::size_t r) {
+    if (r > first_bad) return;
     const std::size_t first = r * grain, last = std::min(first + grain, targets.size());
-    for (std::size_t i = first; i < last; ++i) {
-      try {
-        check(targets[i]);
-      } catch (const Error&) {
-        std::size_t known = first_bad;
-        while (i < known && !first_bad.compare_exchange_weak(known, i)) {
-        }
-        return;
-      }
+    try {
+      for (std::size_t i = first; i < last; ++i) check_numbered(targets, i);
+      work(first, last);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (r > first_bad) return;
+      first_bad = r;
+      problem = std::current_exception();
     }
-    work(first, last);
   });
-  if (first_bad != targets.size()) check_numbered(targets, first_bad);
+  if (problem) std::rethrow_exception(problem);
 }
 
 /// Answers of all targets. ask(i, answers) appends those of target i.

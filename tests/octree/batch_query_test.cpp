@@ -2,7 +2,9 @@
 #include <tbb/global_control.h>
 
 #include <atomic>
+#include <limits>
 
+#include "octree/query_batch.h"
 #include "tests/octree/as_brute_force.h"
 
 namespace alidade {
@@ -122,6 +124,28 @@ void expect_every_second_answered(const Octree& octree, const std::vector<QueryC
     }
   }
   EXPECT_GT(odd.all.size(), 100u);
+}
+
+TEST_F(Batch, in_which_several_targets_fail_tells_of_the_first_on_any_number_of_threads) {
+  const std::vector<glm::dvec3> sound(20000);
+  for (const std::size_t threads : {1, 2, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const auto problem = [](std::span<const glm::dvec3> targets) -> std::string {
+      try {
+        for_each_range(targets, 4, [](std::size_t first, std::size_t last) {
+          for (std::size_t i = first; i < last; ++i)
+            if (i >= 5000 && i % 7 == 3) throw Error({.problem = "work on " + std::to_string(i)});
+        });
+      } catch (const Error& error) {
+        return error.what();
+      }
+      return "none";
+    };
+    EXPECT_EQ(problem(sound), "work on 5001");
+    std::vector<glm::dvec3> bad = sound;
+    bad[19000].x = bad[4321].y = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_EQ(problem(bad).substr(0, 11), "point 4321:");
+  }
 }
 
 TEST_F(Batch, its_filter_is_told_the_number_of_the_target) {
