@@ -98,10 +98,7 @@ std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>
     if (next.node != 0 && points + node.chunk.point_count > most_points) continue;
     points += node.chunk.point_count;
     chosen[next.file].push_back(next.node);
-    for (const std::uint32_t child : node.children) {
-      if (child == k_no_copc_node) break;
-      add(next.file, child);
-    }
+    for (const std::uint32_t child : files[next.file]->hierarchy().children_of(node)) add(next.file, child);
   }
   std::vector<ChosenNodes> parts;
   for (std::size_t i = 0; i < files.size(); ++i) {

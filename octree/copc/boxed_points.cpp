@@ -61,6 +61,7 @@ BoxedPoints::BoxedPoints(std::vector<LatticePosition> positions, std::vector<std
     rows_.push_back(rows[point.place]);
   }
   std::vector<Box>& blocks = boxes_.emplace_back();
+  blocks.reserve((positions_.size() + k_block_points - 1) / k_block_points);
   for (std::size_t i = 0; i < positions_.size(); ++i) {
     if (i % k_block_points == 0) blocks.push_back({positions_[i], positions_[i]});
     grow(blocks.back(), positions_[i], positions_[i]);
@@ -68,6 +69,7 @@ BoxedPoints::BoxedPoints(std::vector<LatticePosition> positions, std::vector<std
   while (boxes_.back().size() > k_fan_out) {
     std::vector<Box> above;
     const std::vector<Box>& below = boxes_.back();
+    above.reserve((below.size() + k_fan_out - 1) / k_fan_out);
     for (std::size_t i = 0; i < below.size(); ++i) {
       if (i % k_fan_out == 0) above.push_back(below[i]);
       grow(above.back(), below[i].min, below[i].max);
@@ -77,8 +79,9 @@ BoxedPoints::BoxedPoints(std::vector<LatticePosition> positions, std::vector<std
 }
 
 std::size_t BoxedPoints::byte_count() const {
-  std::size_t bytes = positions_.size() * (sizeof(LatticePosition) + sizeof(std::uint32_t));
-  for (const std::vector<Box>& level : boxes_) bytes += level.size() * sizeof(Box);
+  std::size_t bytes = sizeof(BoxedPoints) + positions_.capacity() * sizeof(LatticePosition) +
+                      rows_.capacity() * sizeof(std::uint32_t) + boxes_.capacity() * sizeof(boxes_[0]);
+  for (const std::vector<Box>& level : boxes_) bytes += level.capacity() * sizeof(Box);
   return bytes;
 }
 

@@ -31,6 +31,7 @@ class BoxedPoints {
   const std::vector<Box>& boxes(int level) const { return boxes_[static_cast<std::size_t>(level)]; }
   const std::vector<LatticePosition>& positions() const { return positions_; }
   const std::vector<std::uint32_t>& rows() const { return rows_; }
+  /// Memory that the object takes.
   std::size_t byte_count() const;
 
  private:

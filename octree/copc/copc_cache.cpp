@@ -10,6 +10,13 @@
 #include "octree/error.h"
 
 namespace alidade {
+namespace {
+
+std::string text(const glm::dvec3& place) {
+  return fmt::format("({}, {}, {})", place.x, place.y, place.z);
+}
+
+}  // namespace
 
 struct CopcCache::Slot {
   std::mutex decoding;  ///< held by the thread that decodes the node
@@ -61,6 +68,7 @@ void CopcCache::keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> poin
     reads_.points_decoded += decoded;
     if (!slot.was_met) ++reads_.chunks_met;
     slot.was_met = true;
+    report(options_.progress, reads_.points_decoded, file_.header().point_count);
   }
   kept_bytes_ += points->byte_count();
   kept_.push_front(node);
@@ -84,11 +92,13 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
   const Lattice& lattice = file_.header().lattice;
   const std::size_t point_size = file_.header().point_size;
   constexpr std::size_t k_classification_place = 16;  // of formats 6 to 8
-  const auto fail = [&](std::optional<std::uint64_t> row, std::string problem, std::string found) {
+  const auto fail = [&](std::optional<std::uint64_t> row, std::string problem, std::string expected,
+                        std::string found) {
     const std::string chunk = fmt::format("COPC node {}", node.key.name());
     throw Error({.file = file_.name(),
                  .place = row ? fmt::format("{}, point {}", chunk, node.first_row + *row) : chunk,
                  .problem = std::move(problem),
+                 .expected = std::move(expected),
                  .found = std::move(found)});
   };
   Workshop& workshop = workshops_.local();
@@ -103,7 +113,8 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
                                 const glm::dvec3 world = to_world(lattice, position);
                                 if (!bounds.contains(world)) {
                                   fail(first + i, "the point lies outside the cube of its node",
-                                       fmt::format("{}, {}, {}", world.x, world.y, world.z));
+                                       "a place from " + text(bounds.min) + " to " + text(bounds.max),
+                                       text(world));
                                 }
                                 const auto point_class = load<std::uint8_t>(records + k_classification_place);
                                 if (options_.classes && !options_.classes->test(point_class)) continue;
@@ -112,7 +123,7 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
                               }
                             });
   } catch (const CorruptChunk& problem) {
-    fail(problem.point, fmt::format("the compressed points are damaged: {}", problem.what()), "");
+    fail(problem.point, fmt::format("the compressed points are damaged: {}", problem.what()), "", "");
   }
   return std::make_shared<BoxedPoints>(std::move(positions), std::move(rows));
 }

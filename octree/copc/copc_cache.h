@@ -15,6 +15,7 @@
 #include "octree/cloud/copc/copc_file.h"
 #include "octree/cloud/laz/chunk_decoder.h"
 #include "octree/copc/boxed_points.h"
+#include "octree/progress.h"
 
 namespace alidade {
 
@@ -32,6 +33,9 @@ class CopcCache {
   struct Options {
     std::size_t byte_count = std::size_t{512} << 20;  ///< most to keep; what is in use may be more
     std::optional<std::bitset<256>> classes{};        ///< only points of these
+    /// Asked whenever a node was decoded, by one thread at a time, in points decoded so far and points of the
+    /// file; points that are decoded again count again.
+    Progress progress{};
   };
 
   /// The file must outlive the cache.
@@ -42,7 +46,8 @@ class CopcCache {
 
   /// The points of a node of the file's hierarchy; none if it has no chunk. Rows count within the node. Those
   /// asked for least recently give way to new ones. Errors: the chunk is damaged, or a point lies outside
-  /// CopcFile::bounds() of its node. Cost: about 0.2 microseconds per point if they are not there.
+  /// CopcFile::bounds() of its node. Cancelled, if the progress function says so. Cost: about 0.2
+  /// microseconds per point if they are not there.
   std::shared_ptr<const BoxedPoints> points(std::uint32_t node) const;
 
   CopcReads reads() const;

@@ -65,10 +65,7 @@ class CopcTree {
       if (cube_node.chunk.point_count > 0) {
         visit(Node{.bounds = node.bounds, .kind = Kind::own_points, .number = node.number});
       }
-      for (const std::uint32_t child : cube_node.children) {
-        if (child == k_no_copc_node) break;
-        visit(cube(child));
-      }
+      for (const std::uint32_t child : hierarchy_.children_of(cube_node)) visit(cube(child));
     } else if (node.kind == Kind::own_points) {
       const std::shared_ptr<const BoxedPoints> points = cache_.points(node.number);
       const int top = points->levels() - 1;

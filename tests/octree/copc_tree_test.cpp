@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
+#include <numeric>
 #include <random>
 
 #include "octree/brute_force.h"
@@ -118,6 +119,41 @@ TEST(CopcTreeTest, points_asked_for_again_are_not_decoded_again_while_there_is_r
   EXPECT_EQ(narrow.cache.reads().chunks_met, sample.keys.size());
 }
 
+TEST(CopcTreeTest, what_is_kept_has_no_more_bytes_than_there_is_room_for) {
+  const CopcSample sample = build_copc(4000);
+  const Opened all(sample.bytes);
+  std::vector<std::size_t> sizes;
+  for (std::uint32_t node = 0; node < sample.keys.size(); ++node)
+    sizes.push_back(all.cache.points(node)->byte_count());
+  const std::size_t room = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0}) / 3;
+  const Opened opened(sample.bytes, {.byte_count = room});
+  for (std::uint32_t node = 0; node < sizes.size(); ++node) opened.cache.points(node);
+  // The last are kept, one more than fit is not.
+  std::size_t kept = 0;
+  auto node = static_cast<std::uint32_t>(sizes.size());
+  do {
+    opened.cache.points(--node);
+    kept += sizes[node];
+  } while (opened.cache.reads().chunks_decoded == sizes.size());
+  EXPECT_GT(kept, room);
+  EXPECT_LE(kept - sizes[node], room);
+}
+
+TEST(CopcTreeTest, asking_ends_when_the_progress_function_says_so) {
+  const CopcSample sample = build_copc(2000);
+  std::vector<std::uint64_t> done;
+  CopcCache::Options options;
+  options.progress = [&](std::uint64_t points, std::uint64_t of) {
+    EXPECT_EQ(of, 2000u);
+    done.push_back(points);
+    return done.size() < 3;
+  };
+  const Opened opened(sample.bytes, options);
+  EXPECT_THROW(ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{}), Cancelled);
+  ASSERT_EQ(done.size(), 3u);
+  EXPECT_EQ(done.back(), opened.cache.reads().points_decoded);
+}
+
 TEST(CopcTreeTest, many_threads_with_little_room_answer_the_same) {
   const CopcSample sample = build_copc(3000);
   const PointCloud cloud = test::read_memory(sample.bytes);
@@ -156,7 +192,10 @@ TEST(CopcTreeTest, points_outside_the_cube_of_their_node_are_an_error_when_they_
   const std::string error = test::error_of([&] {
     ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
   });
-  EXPECT_NE(error.find("the point lies outside the cube of its node"), std::string::npos);
+  EXPECT_NE(error.find("the point lies outside the cube of its node; expected a place from (6"),
+            std::string::npos)
+      << error;
+  EXPECT_NE(error.find(", found (6"), std::string::npos) << error;
   EXPECT_NE(error.find("memory:COPC node "), std::string::npos);
 }
 
@@ -186,6 +225,7 @@ TEST(BoxedPointsTest, boxes_hold_their_points_and_rows_stay_with_them) {
     ASSERT_EQ(points.size(), count);
     std::size_t group = BoxedPoints::k_block_points;
     for (int level = 0; level < points.levels(); ++level, group *= BoxedPoints::k_fan_out) {
+      EXPECT_EQ(points.boxes(level).capacity(), points.boxes(level).size());
       for (std::size_t i = 0; i < count; ++i) {
         const BoxedPoints::Box& box = points.boxes(level)[i / group];
         EXPECT_TRUE(glm::all(glm::lessThanEqual(box.min, points.positions()[i])) &&

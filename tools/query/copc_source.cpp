@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "octree/cloud/input_file.h"
+#include "tools/interrupt.h"
 
 namespace alidade {
 
@@ -25,6 +26,7 @@ CopcSource open_copc(const QueryCommand& command) {
   CopcCache::Options options;
   options.classes = command.classes;
   if (command.memory) options.byte_count = *command.memory;
+  options.progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
   source.cache = std::make_unique<CopcCache>(*source.file, options);
   return source;
 }

@@ -19,7 +19,8 @@ struct CopcSource {
 /// needed of it, and nobody asked for it to be loaded. Errors: the file cannot be opened.
 bool asks_in_place(const QueryCommand& command, AnswerForm form);
 
-/// Opens it; only points of the command's classes are there. Errors: CopcFile's.
+/// Opens it; only points of the command's classes are there. Reading it ends when the program is interrupted.
+/// Errors: CopcFile's.
 CopcSource open_copc(const QueryCommand& command);
 
 /// What --explain adds for a COPC file: chunks and points decoded, and how much of the file that is.

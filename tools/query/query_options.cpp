@@ -124,7 +124,7 @@ void add_copc(CLI::App& query, QueryCommand& command) {
   query
       .add_flag("--load", command.is_loaded,
                 "read the whole cloud and build an octree, also of a COPC file, which else is asked where it "
-                "lies; pays for some ten thousands of targets")
+                "lies; pays from some thousands of targets on, the more the larger the file")
       ->group(group);
   add_value(query, "--memory", "SIZE",
             "points of a COPC file to keep in memory: bytes, or a number with k, M, G or T (default: 512M)",

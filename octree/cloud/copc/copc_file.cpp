@@ -43,11 +43,13 @@ LazLayout read_layout(const std::string& file_name, const LasHeader& header, con
   return layout;
 }
 
-std::vector<LazChunk> find_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout) {
+std::vector<LazChunk> find_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout,
+                                  std::vector<std::string>& warnings) {
   std::string missing;
   if (std::optional<std::vector<LazChunk>> chunks = read_chunk_table(file, header, layout, missing)) {
     return std::move(*chunks);
   }
+  warnings.push_back(fmt::format("{}: {}; the chunks are found one after another", file.name(), missing));
   WalkedChunks walked = walk_layered_chunks(file, header, layout);
   if (walked.problem) throw Error(*walked.problem);
   return std::move(walked.chunks);
@@ -68,7 +70,7 @@ CopcFile::CopcFile(InputFile file)
       records_(read_las_records(file_, header_, warnings_)),
       layout_(read_layout(file_.name(), header_, records_)),
       info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->place)),
-      hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_))) {}
+      hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {}
 
 void CopcFile::read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const {
   bytes.resize(static_cast<std::size_t>(node.chunk.byte_count));

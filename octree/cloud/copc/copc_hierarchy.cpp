@@ -31,7 +31,7 @@ class Entries {
     while (!pages_.empty()) {
       const Page page = pages_.back();
       pages_.pop_back();
-      for (std::uint64_t i = 0; i < page.size / k_entry_size; ++i) read_entry(page.place + i * k_entry_size);
+      read_page(page);
     }
     return std::move(nodes_);
   }
@@ -54,16 +54,30 @@ class Entries {
       fail(page.place, fmt::format("bad page of the COPC hierarchy, which {} points to", said),
            fmt::format("a multiple of {} bytes inside the file", k_entry_size), std::to_string(page.size));
     }
-    // Pages that overlap could be read for ever.
+    if (!places_.insert(page.place).second) {
+      fail(page.place, fmt::format("a page of the COPC hierarchy is met twice, from {} again", said),
+           "one entry that points to it", "another");
+    }
+    // Pages that overlap could be many more than the file has room for.
     bytes_ += page.size;
-    if (!places_.insert(page.place).second || bytes_ > file_.size()) {
-      fail(page.place, fmt::format("a page of the COPC hierarchy is met twice, from {} again", said), "", "");
+    if (bytes_ > file_.size()) {
+      fail(page.place, "the pages of the COPC hierarchy take more bytes than the file has",
+           fmt::format("at most {}", file_.size()), std::to_string(bytes_));
     }
     pages_.push_back(page);
   }
 
-  void read_entry(std::uint64_t place) {
-    const std::byte* const at = file_.view(place, k_entry_size).data();
+  void read_page(const Page& page) {
+    constexpr std::uint64_t k_block_size = 2048 * k_entry_size;
+    for (std::uint64_t done = 0; done < page.size; done += block_.size()) {
+      block_.resize(static_cast<std::size_t>(std::min(k_block_size, page.size - done)));
+      file_.read_at(page.place + done, block_);
+      for (std::size_t at = 0; at < block_.size(); at += k_entry_size)
+        read_entry(block_.data() + at, page.place + done + at);
+    }
+  }
+
+  void read_entry(const std::byte* at, std::uint64_t place) {
     const CopcKey key{load<std::int32_t>(at), load<std::int32_t>(at + 4), load<std::int32_t>(at + 8),
                       load<std::int32_t>(at + 12)};
     const std::uint64_t target = load<std::uint64_t>(at + 16);
@@ -85,8 +99,10 @@ class Entries {
     }
     LazChunk& chunk = nodes_[key];
     if (count == 0) return;
-    if (chunk.point_count != 0)
-      fail(place, fmt::format("the COPC hierarchy has two nodes {}", key.name()), "", "");
+    if (chunk.point_count != 0) {
+      fail(place, fmt::format("the COPC hierarchy has two nodes {}", key.name()), "one with points",
+           fmt::format("{} and {} points", chunk.point_count, count));
+    }
     chunk = {target, static_cast<std::uint64_t>(std::max(size, 0)), static_cast<std::uint64_t>(count)};
   }
 
@@ -94,14 +110,34 @@ class Entries {
   std::vector<Page> pages_;  ///< still to be read
   std::set<std::uint64_t> places_;
   std::uint64_t bytes_ = 0;
+  std::vector<std::byte> block_;  ///< of a page
   std::map<CopcKey, LazChunk> nodes_;
 };
 
-void add_missing_ancestors(std::map<CopcKey, LazChunk>& nodes) {
-  std::vector<CopcKey> keys;
-  for (const auto& [key, chunk] : nodes) keys.push_back(key);
-  for (CopcKey key : keys) {
-    while (key.level > 0 && nodes.try_emplace(key.parent()).second) key = key.parent();
+/// Hangs every node below the smallest cube around it that is a node.
+void find_children(CopcHierarchy& hierarchy) {
+  std::vector<CopcNode>& nodes = hierarchy.nodes;
+  std::vector<std::uint32_t> parents(nodes.size());
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    CopcKey key = nodes[i].key;
+    auto parent = nodes.end();
+    // The root is a node and around everything.
+    do {
+      key = key.parent();
+      parent = std::ranges::lower_bound(nodes, key, {}, &CopcNode::key);
+    } while (parent->key != key);
+    parents[i] = static_cast<std::uint32_t>(parent - nodes.begin());
+    ++parent->child_count;
+  }
+  std::uint32_t end = 0;
+  for (CopcNode& node : nodes) {
+    node.first_child = end;
+    end += std::exchange(node.child_count, 0);
+  }
+  hierarchy.children.resize(end);
+  for (std::uint32_t i = 1; i < nodes.size(); ++i) {
+    CopcNode& parent = nodes[parents[i]];
+    hierarchy.children[parent.first_child + parent.child_count++] = i;
   }
 }
 
@@ -131,7 +167,9 @@ void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, s
   if (in_file.size() < chunks.size()) {
     throw Error({.file = file_name,
                  .place = fmt::format("byte {}", chunks[in_file.size()].place),
-                 .problem = "the COPC hierarchy leaves out a chunk of the file"});
+                 .problem = "the COPC hierarchy leaves out a chunk of the file",
+                 .expected = fmt::format("{} nodes with points", chunks.size()),
+                 .found = std::to_string(in_file.size())});
   }
 }
 
@@ -148,19 +186,14 @@ Bounds copc_cube(const CopcInfo& info, const CopcKey& key) {
 }
 
 CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks) {
-  std::map<CopcKey, LazChunk> found = Entries(file).read({info.root_page, info.root_page_size});
-  add_missing_ancestors(found);
   CopcHierarchy hierarchy;
-  std::map<CopcKey, std::uint32_t> places;
-  for (const auto& [key, chunk] : found) {
-    const std::uint32_t place = static_cast<std::uint32_t>(hierarchy.nodes.size());
-    places.emplace(key, place);
-    CopcNode& node = hierarchy.nodes.emplace_back(CopcNode{.key = key, .chunk = chunk, .children = {}});
-    node.children.fill(k_no_copc_node);
-    if (key.level == 0) continue;
-    auto& siblings = hierarchy.nodes[places.at(key.parent())].children;
-    *std::ranges::find(siblings, k_no_copc_node) = place;
+  {
+    std::map<CopcKey, LazChunk> found = Entries(file).read({info.root_page, info.root_page_size});
+    found.try_emplace(CopcKey{});
+    hierarchy.nodes.reserve(found.size());
+    for (const auto& [key, chunk] : found) hierarchy.nodes.push_back({.key = key, .chunk = chunk});
   }
+  find_children(hierarchy);
   find_rows(file.name(), chunks, hierarchy.nodes);
   return hierarchy;
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -34,28 +33,33 @@ struct CopcKey {
 /// The cube of a key.
 Bounds copc_cube(const CopcInfo& info, const CopcKey& key);
 
-inline constexpr std::uint32_t k_no_copc_node = UINT32_MAX;
-
 struct CopcNode {
   CopcKey key;
-  LazChunk chunk;               ///< point_count 0: the node has no points of its own
-  std::uint64_t first_row = 0;  ///< of its points, in the order of the file
-  /// Places of the children in CopcHierarchy::nodes, those that exist, before k_no_copc_node.
-  std::array<std::uint32_t, 8> children;
+  LazChunk chunk;                 ///< point_count 0: the node has no points of its own
+  std::uint64_t first_row = 0;    ///< of its points, in the order of the file
+  std::uint32_t first_child = 0;  ///< of child_count, in CopcHierarchy::children
+  std::uint32_t child_count = 0;
 };
 
 /// The octree of a COPC file. Every point of the file belongs to exactly one node.
 struct CopcHierarchy {
   std::vector<CopcNode> nodes;  ///< level by level; the root is the first
+  /// Places in `nodes`: one node's children behind the other's. A node is the child of the smallest cube
+  /// around it that is a node: of its parent, unless the file leaves that out.
+  std::vector<std::uint32_t> children;
+
+  std::span<const std::uint32_t> children_of(const CopcNode& node) const {
+    return std::span(children).subspan(node.first_child, node.child_count);
+  }
 
   int levels() const { return nodes.empty() ? 0 : nodes.back().key.level + 1; }
 };
 
-/// Reads all pages of the hierarchy. Ancestors that the file leaves out are added as nodes without points, so
-/// that every node is reached from the root. `chunks` are those of the file's chunk table: the nodes must
-/// have exactly these, from which follow the rows of their points. Errors: pages or chunks outside the file,
-/// pages that are met twice, keys that no octree has, two nodes of one key, nodes that are not the chunks of
-/// the file. Memory: in proportion to the pages.
+/// Reads all pages of the hierarchy. A root that the file leaves out is added as a node without points, so
+/// that every node is reached from it. `chunks` are those of the file's chunk table: the nodes must have
+/// exactly these, from which follow the rows of their points. Errors: pages or chunks outside the file, pages
+/// that are met twice or take more bytes than the file has, keys that no octree has, two nodes of one key,
+/// nodes that are not the chunks of the file. Memory: about seven times the pages.
 CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks);
 
 }  // namespace alidade
