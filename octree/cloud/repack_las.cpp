@@ -228,8 +228,10 @@ RepackedFile repack_las(const std::filesystem::path& input, const std::filesyste
                         const RepackOptions& options) {
   Source source(input);
   std::optional<LazLayout> packing;
-  if (is_laz_name(output))
+  if (is_laz_name(output)) {
     packing = standard_laz_layout(source.header.point_format, source.header.point_size);
+    check_laz_extra_bytes(*packing, input.string());
+  }
   OutputFile file(output, options.overwrite);
   std::vector<std::byte> head = make_head(source, packing);
   file.write(head);

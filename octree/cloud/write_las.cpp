@@ -122,6 +122,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
   header.compressed = is_laz_name(path);
   if (header.compressed) {
     packing = standard_laz_layout(header.point_format, header.point_size);
+    check_laz_extra_bytes(*packing, path.string());
     records.push_back(laszip_record(*packing));
   }
   OutputFile& file = state_->file;

@@ -27,7 +27,8 @@ class LasWriter {
   /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and
   /// its extra dimensions which columns will come (columns of size 0 may be given by `attributes`). Point
   /// format is the smallest of 6, 7, 8 that holds them; normals become extra bytes NormalX/Y/Z (float32).
-  /// Errors: the file exists and may not be replaced; the folder cannot be written.
+  /// Errors: the file exists and may not be replaced; the folder cannot be written; extra dimensions that are
+  /// too long for the format.
   LasWriter(const std::filesystem::path& path, const PointCloud& like, AttributeSet attributes,
             const LasWriteOptions& options = {});
   ~LasWriter();

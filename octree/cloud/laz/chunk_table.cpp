@@ -8,7 +8,9 @@
 
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/laz/arithmetic_decoder.h"
+#include "octree/cloud/laz/corrupt_chunk.h"
 #include "octree/cloud/laz/integer_compressor.h"
+#include "octree/cloud/laz/layered_chunk.h"
 #include "octree/error.h"
 
 // Source: the chunk table as laszip 2 and 3 write it. At the place of the points stands the place of the
@@ -29,17 +31,6 @@ constexpr std::uint64_t k_stream_start_bytes = 4;  // what every arithmetic stre
                .problem = std::move(problem),
                .expected = std::move(expected),
                .found = std::move(found)});
-}
-
-std::size_t layer_count(const LazLayout& layout) {
-  std::size_t layers = 0;
-  for (const LazItem& item : layout.items) {
-    if (item.kind == LazItemKind::point14) layers += 9;
-    if (item.kind == LazItemKind::rgb14 || item.kind == LazItemKind::wave_packet14) layers += 1;
-    if (item.kind == LazItemKind::rgb_nir14) layers += 2;
-    if (item.kind == LazItemKind::byte14) layers += item.size;
-  }
-  return layers;
 }
 
 std::uint64_t first_chunk(const LasHeader& header) {
@@ -117,9 +108,7 @@ class TableCheck {
 }  // namespace
 
 std::uint64_t smallest_chunk(const LazLayout& layout) {
-  if (layout.compressor == LazCompressor::layered) {
-    return layout.record_size() + 4 + 4 * layer_count(layout);
-  }
+  if (layout.compressor == LazCompressor::layered) return LayeredChunkHead(layout).size();
   return layout.record_size() + k_stream_start_bytes;
 }
 
@@ -187,22 +176,24 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
 }
 
 WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout) {
-  const std::size_t layers = layer_count(layout);
-  const std::size_t head_size = static_cast<std::size_t>(smallest_chunk(layout));
+  LayeredChunkHead head(layout);
   WalkedChunks walked;
   std::uint64_t place = first_chunk(header), points_left = header.point_count;
   try {
     while (points_left > 0) {
-      const std::byte* const counts = file.view(place, head_size).data() + layout.record_size();
-      LazChunk chunk{place, head_size, load<std::uint32_t>(counts)};
-      for (std::size_t i = 1; i <= layers; ++i) chunk.byte_count += load<std::uint32_t>(counts + 4 * i);
       const std::size_t number = walked.chunks.size();
+      try {
+        head.read(file.view(place, head.size()));
+      } catch (const CorruptChunk& problem) {
+        fail(file, place, fmt::format("chunk {}: {}", number, problem.what()), "", "");
+      }
+      const LazChunk chunk{place, head.chunk_size(), head.point_count()};
       if (chunk.byte_count > file.size() - place) {
         fail(file, place, fmt::format("chunk {} does not end before the file", number),
              fmt::format("at most {} bytes", file.size() - place), std::to_string(chunk.byte_count));
       }
       const std::uint64_t most = std::min(points_left, most_laz_points(chunk.byte_count));
-      if (chunk.point_count == 0 || chunk.point_count > most) {
+      if (chunk.point_count > most) {
         fail(file, place + layout.record_size(), fmt::format("bad number of points of chunk {}", number),
              fmt::format("1 to {}", most), std::to_string(chunk.point_count));
       }

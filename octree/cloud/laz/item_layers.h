@@ -95,7 +95,7 @@ class ExtraByteModels {
   SymbolModel changes_{256};
 };
 
-inline constexpr std::size_t k_color_size = 6;
+inline constexpr std::size_t k_color_size = 6, k_near_infrared_size = 2;
 
 class ColorLayer final : public ItemLayer<ColorModels, k_color_size> {
  public:
@@ -109,7 +109,7 @@ class ColorLayer final : public ItemLayer<ColorModels, k_color_size> {
   }
 };
 
-using NearInfraredLayer = ItemLayer<NearInfraredModels, 2>;
+using NearInfraredLayer = ItemLayer<NearInfraredModels, k_near_infrared_size>;
 using WavePacketLayer = ItemLayer<WavePacketModels, WavePacketModels::k_size>;
 using ExtraByteLayer = ItemLayer<ExtraByteModels, 1>;
 

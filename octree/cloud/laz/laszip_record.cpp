@@ -88,6 +88,7 @@ LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string
   fields.require(layered == (standard.compressor == LazCompressor::layered), 0,
                  fmt::format("the compressor cannot hold points of format {}", point_format),
                  layered ? "1 or 2" : "3", compressor);
+  check_laz_extra_bytes(layout, file_name, fmt::format("byte {}", place + k_items_place));
   return layout;
 }
 

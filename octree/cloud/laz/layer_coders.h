@@ -83,6 +83,12 @@ class LayerEncoding {
   ArithmeticEncoder& encoder_;
 };
 
+/// A byte that is one symbol.
+template <class Coder>
+std::uint8_t code_byte(Coder& coder, SymbolModel& model, std::uint8_t value) {
+  return static_cast<std::uint8_t>(coder.symbol(model, value));
+}
+
 /// a + b and a - b modulo 2^32, as coordinates of LAZ wrap.
 constexpr std::int32_t wrapped_sum(std::int32_t a, std::int32_t b) {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) + static_cast<std::uint32_t>(b));

@@ -3,35 +3,61 @@
 
 #include <fmt/format.h>
 
-#include <cassert>
-
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
+#include "octree/cloud/laz/item_layers.h"
+#include "octree/cloud/laz/point14_fields.h"
 
 namespace alidade {
 namespace {
 
-std::size_t layers_of(const LazItem& item) {
-  switch (item.kind) {
-    case LazItemKind::point14:
-      return 9;
-    case LazItemKind::rgb_nir14:
-      return 2;
-    case LazItemKind::byte14:
-      return item.size;
-    default:
-      return 1;
+std::size_t count_layers(const LazItem& item) {
+  if (item.version >= 2 && item.version <= 4) {
+    switch (item.kind) {
+      case LazItemKind::point14:
+        if (item.size == point14::k_size) return 9;
+        break;
+      case LazItemKind::rgb14:
+        if (item.size == k_color_size) return 1;
+        break;
+      case LazItemKind::rgb_nir14:
+        if (item.size == k_color_size + k_near_infrared_size) return 2;
+        break;
+      case LazItemKind::wave_packet14:
+        if (item.size == WavePacketModels::k_size) return 1;
+        break;
+      case LazItemKind::byte14:
+        if (item.size > 0) return item.size;
+        break;
+      default:
+        break;
+    }
   }
+  throw CorruptChunk(fmt::format(
+      "unknown part of point records; expected kinds 10 to 14 in versions 2 to 4, found kind {} of "
+      "{} bytes in version {}",
+      static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
 }  // namespace
 
-LayeredChunkHead::LayeredChunkHead(const LazLayout& layout) : record_size_(layout.record_size()) {
-  assert(layout.compressor == LazCompressor::layered);
+std::size_t count_layers(const LazLayout& layout) {
   std::size_t layers = 0;
-  for (const LazItem& item : layout.items) layers += layers_of(item);
-  layer_sizes_.resize(layers);
+  for (std::size_t i = 0; i < layout.items.size(); ++i) {
+    layers += count_layers(layout.items[i]);
+    const bool is_point = layout.items[i].kind == LazItemKind::point14;
+    if (is_point != (i == 0))
+      throw CorruptChunk(
+          fmt::format("the parts of point records are in no order; expected one of kind 10, the "
+                      "first, found kind {} as number {}",
+                      static_cast<unsigned>(layout.items[i].kind), i));
+  }
+  if (layers == 0) throw CorruptChunk("point records have no parts; expected one of kind 10, found none");
+  return layers;
 }
+
+LayeredChunkHead::LayeredChunkHead(const LazLayout& layout)
+    : record_size_(layout.record_size()), layer_sizes_(count_layers(layout)) {}
 
 void LayeredChunkHead::read(std::span<const std::byte> bytes) {
   constexpr std::uint32_t k_smallest_layer = 4;  // what an arithmetic coder writes of nothing

@@ -10,11 +10,16 @@
 
 namespace alidade {
 
+/// Layers of a layered chunk: POINT14 has nine, RGB14 and WAVEPACKET14 one, RGBNIR14 two, BYTE14 one per
+/// byte. Errors: CorruptChunk, if the layout has items that layered chunks do not have, or is not one POINT14
+/// and then others.
+std::size_t count_layers(const LazLayout& layout);
+
 /// Beginning of a layered LAZ chunk: the first record as it is, the number of points u32, the bytes of each
 /// layer u32. The layers follow in the same order.
 class LayeredChunkHead {
  public:
-  /// Requires a layout with LazCompressor::layered.
+  /// Errors: as count_layers().
   explicit LayeredChunkHead(const LazLayout& layout);
 
   /// Bytes of a head.
@@ -26,7 +31,8 @@ class LayeredChunkHead {
 
   /// Including the first.
   std::uint32_t point_count() const { return point_count_; }
-  /// Bytes of the layers: POINT14 has nine, RGB14 and WAVEPACKET14 one, RGBNIR14 two, BYTE14 one per byte.
+  /// Bytes of the layers; 0 of those left out because their attribute is that of the first point in all
+  /// points.
   std::span<const std::uint32_t> layer_sizes() const { return layer_sizes_; }
   /// Bytes of the whole chunk, which may be more than `bytes` had.
   std::uint64_t chunk_size() const { return chunk_size_; }

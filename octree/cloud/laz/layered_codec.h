@@ -16,7 +16,7 @@ namespace alidade {
 /// first with an attribute or a scanner channel that none before it used; never by the number of points.
 class LayeredDecoder {
  public:
-  /// Requires a layered layout whose items fit each other.
+  /// Errors: CorruptChunk, if the layout has items that layered chunks do not have.
   explicit LayeredDecoder(const LazLayout& layout, const LazLayers& wanted = {});
   LayeredDecoder(LayeredDecoder&&) noexcept;
   LayeredDecoder& operator=(LayeredDecoder&&) noexcept;
@@ -24,8 +24,9 @@ class LayeredDecoder {
 
   /// Decodes a chunk that is exactly `chunk` into `records`, whose size says how many points are expected, at
   /// least one. Attributes that are not wanted are those of the chunk's first record in all records.
-  /// Errors: CorruptChunk, in which case `records` hold anything; the bytes may be any. Layers that are not
-  /// wanted are not looked at. Cost: linear in the points, not in the bytes of layers that are not wanted.
+  /// Errors: CorruptChunk, with the point's number in the chunk if one is concerned; `records` then hold
+  /// anything. The bytes may be any. Layers that are not wanted are not looked at. Cost: linear in the
+  /// points, not in the bytes of layers that are not wanted.
   void decode(std::span<const std::byte> chunk, std::span<std::byte> records);
 
  private:
@@ -37,7 +38,7 @@ class LayeredDecoder {
 /// May be used for any number of chunks.
 class LayeredEncoder {
  public:
-  /// Requires a layered layout whose items fit each other, with version 3 or 4.
+  /// Requires items of version 3 or 4. Errors: as LayeredDecoder.
   explicit LayeredEncoder(const LazLayout& layout);
   LayeredEncoder(LayeredEncoder&&) noexcept;
   LayeredEncoder& operator=(LayeredEncoder&&) noexcept;

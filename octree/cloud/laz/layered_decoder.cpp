@@ -20,11 +20,8 @@ namespace {
 
 constexpr const char* k_positions = "returns and positions";
 
-void check_stream(const ArithmeticDecoder& stream, const char* name) {
-  if (stream.failed())
-    throw CorruptChunk(
-        fmt::format("the layer of {} ends before the last point or holds what no encoder writes", name));
-}
+/// Somewhere in a block a stream has failed.
+struct FailedBlock {};
 
 }  // namespace
 
@@ -36,7 +33,12 @@ struct LayeredDecoder::State {
         streams(layers.size()) {}
 
   void start(std::span<const std::byte> chunk, std::size_t point_count);
+  void decode_points(std::span<const std::byte> chunk, std::span<std::byte> records,
+                     std::size_t block_points);
   void decode_block(std::byte* records, std::size_t first_point, std::size_t count);
+  void check_stream(const ArithmeticDecoder& stream, std::size_t layer, std::size_t first_point,
+                    std::size_t count) const;
+  const char* name(std::size_t layer) const { return layer == 0 ? k_positions : layers[layer - 1]->name(); }
   void check_changes(std::span<const LayeredPoint> block, std::size_t first_point) const;
   void check_end() const;
 
@@ -110,45 +112,70 @@ void LayeredDecoder::State::check_changes(std::span<const LayeredPoint> block,
   }
 }
 
+/// Streams remember only that something was wrong: which point it was, is known of a block of one.
+void LayeredDecoder::State::check_stream(const ArithmeticDecoder& stream, std::size_t layer,
+                                         std::size_t first_point, std::size_t count) const {
+  if (!stream.failed()) return;
+  if (count > 1) throw FailedBlock();
+  const std::size_t size = head.layer_sizes()[layer];
+  if (stream.consumed() == size)
+    throw CorruptChunk(
+        fmt::format("the layer of {} ends before the last point; expected all within {} bytes, found more",
+                    name(layer), size),
+        first_point);
+  throw CorruptChunk(
+      fmt::format("the layer of {} is damaged; expected values that encoders write, found others",
+                  name(layer)),
+      first_point);
+}
+
 void LayeredDecoder::State::decode_block(std::byte* records, std::size_t first_point, std::size_t count) {
   const std::span<LayeredPoint> block(points.data(), count);
   positions.decode(position_stream, block, records, record_size);
-  check_stream(position_stream, k_positions);
+  check_stream(position_stream, 0, first_point, count);
   check_changes(block, first_point);
   for (const std::size_t i : active) {
     layers[i]->decode(streams[i], {.points = block, .records = records, .record_size = record_size});
-    check_stream(streams[i], layers[i]->name());
+    check_stream(streams[i], i + 1, first_point, count);
   }
+}
+
+void LayeredDecoder::State::decode_points(std::span<const std::byte> chunk, std::span<std::byte> records,
+                                          std::size_t block_points) {
+  const std::size_t count = records.size() / record_size;
+  start(chunk, count);
+  std::memcpy(records.data(), chunk.data(), record_size);
+  for (std::size_t point = 1; point < count; point += block_points) {
+    const std::size_t block = std::min(block_points, count - point);
+    std::byte* const at = records.data() + point * record_size;
+    for (std::size_t i = 0; i < block; ++i) std::memcpy(at + i * record_size, chunk.data(), record_size);
+    decode_block(at, point, block);
+  }
+  check_end();
 }
 
 /// A sound layer ends exactly behind the last point.
 void LayeredDecoder::State::check_end() const {
-  const auto check = [&](const ArithmeticDecoder& stream, std::size_t layer, const char* name) {
-    check_stream(stream, name);
+  const auto check = [&](const ArithmeticDecoder& stream, std::size_t layer) {
+    // One point reads nothing of a stream but its start.
+    check_stream(stream, layer, 0, 1);
     const std::size_t size = head.layer_sizes()[layer];
     if (stream.consumed() != size)
       throw CorruptChunk(
-          fmt::format("the layer of {} goes on behind the last point; expected {} bytes, found {}", name,
-                      stream.consumed(), size));
+          fmt::format("the layer of {} goes on behind the last point; expected {} bytes, found {}",
+                      name(layer), stream.consumed(), size));
   };
-  if (head.layer_sizes()[0] != 0) check(position_stream, 0, k_positions);
-  for (const std::size_t i : active) check(streams[i], i + 1, layers[i]->name());
+  if (head.layer_sizes()[0] != 0) check(position_stream, 0);
+  for (const std::size_t i : active) check(streams[i], i + 1);
 }
 
 void LayeredDecoder::decode(std::span<const std::byte> chunk, std::span<std::byte> records) {
-  State& state = *state_;
-  const std::size_t size = state.record_size;
-  const std::size_t count = records.size() / size;
-  assert(count > 0 && records.size() % size == 0);
-  state.start(chunk, count);
-  std::memcpy(records.data(), chunk.data(), size);
-  for (std::size_t point = 1; point < count; point += k_layered_block) {
-    const std::size_t block = std::min(k_layered_block, count - point);
-    std::byte* const at = records.data() + point * size;
-    for (std::size_t i = 0; i < block; ++i) std::memcpy(at + i * size, chunk.data(), size);
-    state.decode_block(at, point, block);
+  assert(!records.empty() && records.size() % state_->record_size == 0);
+  try {
+    state_->decode_points(chunk, records, k_layered_block);
+  } catch (const FailedBlock&) {
+    state_->decode_points(chunk, records, 1);
   }
-  state.check_end();
 }
 
 }  // namespace alidade

@@ -3,8 +3,10 @@
 
 #include <cassert>
 #include <cstdint>
+#include <utility>
 
 #include "octree/cloud/las_point.h"
+#include "octree/error.h"
 
 namespace alidade {
 
@@ -12,6 +14,18 @@ std::size_t LazLayout::record_size() const {
   std::size_t size = 0;
   for (const LazItem& item : items) size += item.size;
   return size;
+}
+
+void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name, std::string place) {
+  for (const LazItem& item : layout.items) {
+    const bool is_extra = item.kind == LazItemKind::byte || item.kind == LazItemKind::byte14;
+    if (!is_extra || item.size <= k_most_laz_extra_bytes) continue;
+    throw Error({.file = file_name,
+                 .place = std::move(place),
+                 .problem = "too many extra bytes of a point for LAZ",
+                 .expected = "at most " + std::to_string(k_most_laz_extra_bytes),
+                 .found = std::to_string(item.size)});
+  }
 }
 
 LazLayout standard_laz_layout(int point_format, std::size_t record_size, std::uint32_t chunk_size) {

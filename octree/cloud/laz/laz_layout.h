@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 // How a LAZ file packs its point data records: what the record "laszip encoded" 22204 of the file says.
@@ -51,6 +52,14 @@ struct LazLayout {
 
 /// Points of a chunk unless a writer decides otherwise.
 inline constexpr std::uint32_t k_laz_chunk_size = 50000;
+
+/// Most extra bytes of a point in LAZ: as many as the 341 descriptions that fit into a LAS file can describe,
+/// at up to 24 bytes each, and some. Every byte has models of its own, up to 7 KB, which are 50 MB in all;
+/// without a limit a small file could take ten times as much of every thread.
+inline constexpr std::size_t k_most_laz_extra_bytes = 8192;
+
+/// Errors: a point has more extra bytes than that. They name `file_name` and, unless it is empty, `place`.
+void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name, std::string place = {});
 
 /// The packing that is written today for a point data record format: compressor 2 with items of version 2 for
 /// formats 0-5, compressor 3 with items of version 3 for formats 6-10; wave packets of formats 4 and 5 have

@@ -7,6 +7,7 @@
 #include "octree/cloud/laz/changed_layers.h"
 #include "octree/cloud/laz/intensity_layer.h"
 #include "octree/cloud/laz/item_layers.h"
+#include "octree/cloud/laz/layered_chunk.h"
 #include "octree/cloud/laz/z_layer.h"
 
 namespace alidade {
@@ -14,7 +15,7 @@ namespace {
 
 class Maker {
  public:
-  explicit Maker(const LazLayers& wanted) : wanted_(wanted) {}
+  Maker(const LazLayers& wanted, std::size_t layers) : wanted_(wanted) { layers_.reserve(layers); }
 
   void add(const LazItem& item) {
     switch (item.kind) {
@@ -36,7 +37,7 @@ class Maker {
           add<ExtraByteLayer>(wanted_.extra_bytes, "extra byte", offset_ + byte, item.version);
         break;
       default:
-        assert(false && "a layered layout has no such item");
+        assert(false && "count_layers() refuses other items");
     }
     offset_ += item.size;
   }
@@ -68,7 +69,7 @@ class Maker {
 }  // namespace
 
 std::vector<std::unique_ptr<Layer>> make_layers(const LazLayout& layout, const LazLayers& wanted) {
-  Maker maker(wanted);
+  Maker maker(wanted, count_layers(layout) - 1);
   for (const LazItem& item : layout.items) maker.add(item);
   return maker.take();
 }

@@ -11,7 +11,7 @@
 namespace alidade {
 
 /// All layers of a chunk but the first, PositionLayer, in their order; null where a layer is not wanted.
-/// Requires a layered layout.
+/// Errors: as count_layers().
 std::vector<std::unique_ptr<Layer>> make_layers(const LazLayout& layout, const LazLayers& wanted);
 
 }  // namespace alidade

@@ -50,25 +50,20 @@ class Point10Version1 {
   unsigned changes_to(const Point10& point) const;
 
   template <class Coder>
-  static std::uint8_t symbol(Coder& coder, SymbolModel& model, std::uint8_t value) {
-    return static_cast<std::uint8_t>(coder.symbol(model, value));
-  }
-
-  template <class Coder>
   void code_attributes(Coder& coder, const Point10& point, int bits, Point10& next) {
     const unsigned changed = coder.symbol(changed_, Coder::k_decodes ? 0 : changes_to(point));
     if ((changed & k_intensity) != 0)
       next.intensity =
           static_cast<std::uint16_t>(coder.integer(intensity_, last_.intensity, point.intensity));
-    if ((changed & k_bits) != 0) next.bits = symbol(coder, bits_[last_.bits], point.bits);
+    if ((changed & k_bits) != 0) next.bits = code_byte(coder, bits_[last_.bits], point.bits);
     if ((changed & k_classification) != 0)
-      next.classification = symbol(coder, classifications_[last_.classification], point.classification);
+      next.classification = code_byte(coder, classifications_[last_.classification], point.classification);
     if ((changed & k_scan_angle) != 0) {
       next.scan_angle = static_cast<std::uint8_t>(
           coder.integer(scan_angle_, last_.scan_angle, point.scan_angle, bits < 3 ? 1 : 0));
     }
     if ((changed & k_user_data) != 0)
-      next.user_data = symbol(coder, user_data_[last_.user_data], point.user_data);
+      next.user_data = code_byte(coder, user_data_[last_.user_data], point.user_data);
     if ((changed & k_source) != 0)
       next.source = static_cast<std::uint16_t>(coder.integer(source_, last_.source, point.source));
   }

@@ -24,7 +24,7 @@ class Point10Version2 {
     const Point10 point = Coder::template value<Point10>(record);
     Point10 next = last_;
     const unsigned changed = coder.symbol(changed_, Coder::k_decodes ? 0 : changes_to(point));
-    if ((changed & k_bits) != 0) next.bits = symbol(coder, bits_[last_.bits], point.bits);
+    if ((changed & k_bits) != 0) next.bits = code_byte(coder, bits_[last_.bits], point.bits);
     const unsigned kind = k_kinds[next.return_count()][next.return_number()];
     if ((changed & k_intensity) != 0) {
       last_intensities_[kind] = static_cast<std::uint16_t>(
@@ -32,14 +32,14 @@ class Point10Version2 {
     }
     next.intensity = last_intensities_[kind];
     if ((changed & k_classification) != 0)
-      next.classification = symbol(coder, classifications_[last_.classification], point.classification);
+      next.classification = code_byte(coder, classifications_[last_.classification], point.classification);
     if ((changed & k_scan_angle) != 0) {
       SymbolModel& model = scan_angles_[next.scan_direction()];
       next.scan_angle = static_cast<std::uint8_t>(
           last_.scan_angle + coder.symbol(model, (point.scan_angle - last_.scan_angle) & 255));
     }
     if ((changed & k_user_data) != 0)
-      next.user_data = symbol(coder, user_data_[last_.user_data], point.user_data);
+      next.user_data = code_byte(coder, user_data_[last_.user_data], point.user_data);
     if ((changed & k_source) != 0)
       next.source = static_cast<std::uint16_t>(coder.integer(source_, last_.source, point.source));
     code_position(coder, point, kind, next);
@@ -65,11 +65,6 @@ class Point10Version2 {
   }};
 
   unsigned changes_to(const Point10& point) const;
-
-  template <class Coder>
-  static std::uint8_t symbol(Coder& coder, SymbolModel& model, std::uint8_t value) {
-    return static_cast<std::uint8_t>(coder.symbol(model, value));
-  }
 
   // Contexts grow with the number of bits of the coordinates before, up to a highest one.
   static int context(int bits, int highest) { return bits < highest ? bits & ~1 : highest; }

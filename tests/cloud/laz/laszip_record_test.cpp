@@ -102,6 +102,17 @@ TEST(LaszipRecordTest, versions_must_exist) {
   EXPECT_TRUE(contains(error_of([&] { parse(data_of(layout), 4, 57); }), "expected 1 to 1, found 2"));
 }
 
+TEST(LaszipRecordTest, extra_bytes_are_as_many_as_can_be_described_and_no_more) {
+  for (const int format : {3, 7}) {
+    const std::size_t base = format == 3 ? 34 : 36;
+    const LazLayout most = standard_laz_layout(format, base + 8192);
+    EXPECT_EQ(parse(data_of(most), format, base + 8192), most);
+    EXPECT_TRUE(contains(
+        error_of([&] { parse(data_of(standard_laz_layout(format, base + 8193)), format, base + 8193); }),
+        "file:byte 315: too many extra bytes of a point for LAZ; expected at most 8192, found 8193"));
+  }
+}
+
 TEST(LaszipRecordTest, old_formats_are_pointwise_and_new_ones_layered) {
   EXPECT_TRUE(contains(error_with(0, std::uint16_t{2}), "cannot hold points of format 7"));
   EXPECT_TRUE(contains(error_with(0, std::uint16_t{1}), "cannot hold points of format 7"));

@@ -99,7 +99,8 @@ TEST_P(LayeredSampleTest, decoded_and_encoded_again_its_chunks_are_the_same_byte
 }
 
 INSTANTIATE_TEST_SUITE_P(, LayeredSampleTest,
-                         ::testing::Values("laz_vectors/micro7.laz", "laz_vectors/microz.laz",
+                         ::testing::Values("laz_vectors/micro1.laz", "laz_vectors/micro7.laz",
+                                           "laz_vectors/microz.laz",
                                            "lidar_rgb/Semis_2022_0906_6665_LA93_IGN69_ok.laz",
                                            "lidar_rgb/sample_lareunion_epsg2975.laz",
                                            "lidar_rgb/lion_takanawa.copc.laz"),

@@ -140,8 +140,74 @@ TEST_F(LayeredMalformed, a_layer_that_ends_early) {
   Bytes chunk = chunk_;
   store(chunk.data() + head_at(k_classification), layer_size(k_classification) - 1);
   store(chunk.data() + head_at(k_flags), layer_size(k_flags) + 1);
-  EXPECT_EQ(problem(chunk),
-            "the layer of classification ends before the last point or holds what no encoder writes");
+  EXPECT_EQ(problem(chunk), "the layer of classification ends before the last point; expected all within " +
+                                std::to_string(layer_size(k_classification) - 1) + " bytes, found more");
+}
+
+TEST_F(LayeredMalformed, refusals_name_the_first_point_that_cannot_be_had) {
+  // Long enough for several blocks; a layer is that of the first points only, and later one of noise.
+  constexpr std::size_t k_many = 1500;
+  const std::size_t size = layout_.record_size();
+  Random random("first point");
+  const Bytes records = random_records(random, kind_, k_many);
+  for (const std::size_t layer : {k_positions, k_intensity, k_user_data}) {
+    for (const std::size_t sound : {600u, 1020u, 1450u}) {
+      const Bytes whole = LayeredEncoder(layout_).encode(records);
+      const Bytes part = LayeredEncoder(layout_).encode(std::span(records).first(sound * size));
+      LayeredChunkHead whole_head(layout_), part_head(layout_);
+      whole_head.read(whole);
+      part_head.read(part);
+      std::size_t in_whole = whole_head.size(), in_part = part_head.size();
+      for (std::size_t i = 0; i < layer; ++i) {
+        in_whole += whole_head.layer_sizes()[i];
+        in_part += part_head.layer_sizes()[i];
+      }
+      const auto at = [](const Bytes& bytes, std::size_t place) {
+        return bytes.begin() + static_cast<std::ptrdiff_t>(place);
+      };
+      Bytes chunk(whole.begin(), at(whole, in_whole));
+      chunk.insert(chunk.end(), at(part, in_part), at(part, in_part + part_head.layer_sizes()[layer]));
+      chunk.insert(chunk.end(), at(whole, in_whole + whole_head.layer_sizes()[layer]), whole.end());
+      store(chunk.data() + head_at(layer), part_head.layer_sizes()[layer]);
+      Bytes found(records.size());
+      try {
+        LayeredDecoder(layout_).decode(chunk, found);
+        ADD_FAILURE() << "decoded without all of layer " << layer;
+      } catch (const CorruptChunk& corrupt) {
+        EXPECT_NE(std::string(corrupt.what()).find("expected"), std::string::npos) << corrupt.what();
+        ASSERT_TRUE(corrupt.point.has_value());
+        // A coder looks some bytes ahead, which the last of the sound points leave behind them.
+        EXPECT_GE(*corrupt.point, sound) << corrupt.what();
+        EXPECT_LT(*corrupt.point, sound + 12) << corrupt.what();
+      }
+    }
+  }
+}
+
+TEST_F(LayeredMalformed, items_that_layered_chunks_do_not_have) {
+  const LazItem point{LazItemKind::point14, 30, 3};
+  for (const std::vector<LazItem>& items :
+       std::vector<std::vector<LazItem>>{{},
+                                         {{LazItemKind::point10, 20, 2}},
+                                         {{LazItemKind::point14, 30, 1}},
+                                         {{LazItemKind::point14, 30, 5}},
+                                         {{LazItemKind::point14, 31, 3}},
+                                         {{LazItemKind::rgb14, 6, 3}},
+                                         {{LazItemKind::rgb14, 6, 3}, point},
+                                         {point, point},
+                                         {point, {LazItemKind::rgb12, 6, 2}},
+                                         {point, {LazItemKind::rgb14, 8, 3}},
+                                         {point, {LazItemKind::rgb_nir14, 6, 3}},
+                                         {point, {LazItemKind::wave_packet14, 28, 3}},
+                                         {point, {LazItemKind::byte14, 0, 3}},
+                                         {point, {static_cast<LazItemKind>(3), 8, 3}}}) {
+    LazLayout layout;
+    layout.compressor = LazCompressor::layered;
+    layout.items = items;
+    EXPECT_THROW(LayeredDecoder{layout}, CorruptChunk);
+    EXPECT_THROW(LayeredEncoder{layout}, CorruptChunk);
+    EXPECT_THROW(LayeredChunkHead{layout}, CorruptChunk);
+  }
 }
 
 TEST_F(LayeredMalformed, attributes_that_change_without_a_layer) {

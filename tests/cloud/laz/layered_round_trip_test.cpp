@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "octree/cloud/laz/layered_chunk.h"
 #include "octree/cloud/laz/layered_codec.h"
 #include "tests/cloud/laz/layered_records.h"
 
@@ -75,6 +76,45 @@ TEST_P(LayeredRoundTripTest, constant_records_of_a_scanner_channel_other_than_0)
     }
     expect_round_trip(kind, records);
   }
+}
+
+TEST_P(LayeredRoundTripTest, layers_that_are_left_out_stand_for_the_value_of_the_first_point) {
+  using namespace point14;
+  Random random("left out " + std::to_string(GetParam()));
+  const RecordKind kind{.point_format = GetParam(), .extra = 2, .channels = 3};
+  const LazLayout layout = kind.layout();
+  const std::size_t size = layout.record_size();
+  Bytes records = random_records(random, kind, 700);
+  // All but x, y, returns and the scanner channel are those of the first point.
+  for (std::size_t at = size; at < records.size(); at += size) {
+    std::byte* const record = records.data() + at;
+    const unsigned number = channel(record);
+    std::copy_n(records.data() + k_z, 6, record + k_z);  // and the intensity
+    std::copy_n(records.data() + k_flags, size - k_flags, record + k_flags);
+    put_channel(record, number);
+  }
+  const Bytes chunk = LayeredEncoder(layout).encode(records);
+  LayeredChunkHead head(layout);
+  head.read(chunk);
+  // Other writers leave out neither z nor colours; readers take both.
+  constexpr std::size_t k_z_layer = 1, k_color_layer = 9;
+  EXPECT_GT(head.layer_sizes()[k_z_layer], 0u);
+  std::size_t end = head.size() + head.layer_sizes()[0];
+  for (std::size_t layer = 1; layer < head.layer_sizes().size(); ++layer) {
+    const std::uint32_t bytes = head.layer_sizes()[layer];
+    const bool has_color = GetParam() == 7 || GetParam() == 8 || GetParam() == 10;
+    EXPECT_EQ(bytes > 0, layer == k_z_layer || (has_color && layer == k_color_layer)) << "layer " << layer;
+    if (bytes == 0) continue;
+    Bytes without = chunk;
+    const auto begin = without.begin() + static_cast<std::ptrdiff_t>(end);
+    without.erase(begin, begin + bytes);
+    store(without.data() + size + 4 + 4 * layer, std::uint32_t{0});
+    Bytes again(records.size());
+    LayeredDecoder(layout).decode(without, again);
+    EXPECT_TRUE(again == records) << "without layer " << layer;
+    end += bytes;
+  }
+  expect_round_trip(kind, records);
 }
 
 INSTANTIATE_TEST_SUITE_P(, LayeredRoundTripTest, ::testing::Values(6, 7, 8, 9, 10),

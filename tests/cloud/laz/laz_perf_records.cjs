@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// node laz_perf_records.cjs PACKAGE (LAZ RECORDS)...: unpacks the points of LAZ files with laz-perf, whose folder is
-// PACKAGE, and writes their point data records to files.
+// node laz_perf_records.cjs PACKAGE (LAZ RECORDS)...: unpacks the points of LAZ files with laz-perf, whose
+// folder is PACKAGE, and writes their point data records to files.
 const fs = require('fs');
-const { createLazPerf } = require(process.argv[2]);
+const {createLazPerf} = require(process.argv[2]);
 
 async function main() {
   const lazPerf = await createLazPerf();

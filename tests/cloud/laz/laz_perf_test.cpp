@@ -64,7 +64,8 @@ class LazPerfTest : public ::testing::Test {
 TEST_F(LazPerfTest, unpacks_random_points_of_every_format_it_knows) {
   std::vector<std::string> names;
   for (const int format : {0, 1, 2, 3, 6, 7, 8}) {
-    for (const std::size_t count : {1u, 2u, 50100u}) {
+    // Two formats also fill more than a chunk.
+    for (const std::size_t count : {1u, 2u, format == 3 || format == 7 ? 50100u : 700u}) {
       const std::string name = std::to_string(format) + "_" + std::to_string(count);
       test::write_bytes(file(name + ".las"), test::build_las(test::sample_las(4, format, count, count)));
       repack_las(file(name + ".las"), file(name + ".laz"));

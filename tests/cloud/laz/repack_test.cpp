@@ -57,6 +57,28 @@ TEST_P(RepackTest, las_packed_and_unpacked_again_is_the_same_byte_for_byte) {
   }
 }
 
+TEST_P(RepackTest, packs_as_many_extra_bytes_as_laz_has_and_refuses_more) {
+  const fs::path folder = test::test_folder();
+  for (const int extra : {8192, 8193}) {
+    test::LasFile file;
+    file.version_minor = 4;
+    file.point_format = GetParam();
+    file.extra_bytes = extra;
+    file.points = test::random_las_points(GetParam(), 5, extra, 3);
+    write_bytes(folder / "in.las", build_las(file));
+    if (extra == 8192) {
+      expect_same_after_a_round(folder / "in.las", folder);
+      continue;
+    }
+    const std::string error = error_of([&] { repack_las(folder / "in.las", folder / "more.laz"); });
+    EXPECT_NE(
+        error.find("in.las: too many extra bytes of a point for LAZ; expected at most 8192, found 8193"),
+        std::string::npos)
+        << error;
+    EXPECT_FALSE(fs::exists(folder / "more.laz"));
+  }
+}
+
 TEST_P(RepackTest, the_packed_file_is_read_as_the_same_cloud) {
   const fs::path folder = test::test_folder();
   const int format = GetParam();
