@@ -22,6 +22,11 @@ struct ValueRange {
     min = value < min ? value : min;
     max = value > max ? value : max;
   }
+  /// Takes in what another one saw, maybe nothing.
+  void grow(const ValueRange& other) {
+    min = other.min < min ? other.min : min;
+    max = other.max > max ? other.max : max;
+  }
 };
 
 /// How a file's values become 0 .. 65535: (value - origin) * factor, rounded, held at the ends; NaN becomes

@@ -144,6 +144,24 @@ TEST(E57Intensity, limits_then_the_fields_range_then_what_occurs) {
   EXPECT_TRUE(warns(cloud, "scan 6: intensities go from 0 to 2, beyond the range of 0 to 1"));
 }
 
+TEST(E57Intensity, scans_without_values_leave_the_scale_of_the_others_alone) {
+  E57Builder builder;
+  const auto columns = [](const std::vector<std::int64_t>& states) {
+    std::vector<E57Column> all = points_with(colors(float32_column, {0, 0.5, 0.75}));
+    all.push_back(float32_column("intensity", {0, 0.5, 0.75}));
+    all.push_back(integer_column("cartesianInvalidState", 0, 2, states));
+    return all;
+  };
+  builder.add_scan("", columns({0, 0, 0}));
+  builder.add_scan("", columns({2, 2, 2}));
+  builder.add_scan("", columns({0, 0, 0}), {}, 0);
+  const PointCloud cloud = read(builder);
+  EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{0, 32768, 49151}));
+  EXPECT_EQ(cloud.colors[1], Color16(32768));
+  EXPECT_TRUE(warns(cloud, "it was assumed that colours go from 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "it was assumed that intensities go from 0 to 1"));
+}
+
 TEST(E57Invalid, points_without_a_place_are_left_out_and_counted) {
   E57Builder builder;
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -193,6 +211,21 @@ TEST(E57Invalid, colours_intensities_and_times_become_0_and_are_counted) {
   EXPECT_EQ(cloud.gps_times, (std::vector<double>{1, 2, 0}));
   EXPECT_TRUE(warns(cloud, "2 points have a colour that the file calls invalid"));
   EXPECT_TRUE(warns(cloud, "1 points have an intensity that the file calls invalid"));
+}
+
+TEST(E57Invalid, colours_and_intensities_have_no_say_in_the_scale) {
+  E57Builder builder;
+  std::vector<E57Column> columns = points_with(colors(float32_column, {0, 0.5, -9999}));
+  columns.push_back(integer_column("isColorInvalid", 0, 1, {0, 0, 1}));
+  columns.push_back(float32_column("intensity", {0, 0.5, -9999}));
+  columns.push_back(integer_column("isIntensityInvalid", 0, 1, {0, 0, 1}));
+  builder.add_scan("", columns);
+  builder.add_scan(intensity_limits("0", "1") + color_limits("Float", "0", "1"), columns);
+  const PointCloud cloud = read(builder);
+  EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{0, 32768, 0, 0, 32768, 0}));
+  EXPECT_EQ(cloud.colors[1], Color16(32768));
+  EXPECT_EQ(cloud.colors[4], Color16(32768));
+  EXPECT_FALSE(warns(cloud, "beyond the range"));
 }
 
 TEST(E57Time, counts_from_the_start_of_the_scan_as_adjusted_standard_gps_time) {

@@ -66,7 +66,7 @@ bool E57Appender::add(const E57Points& points) {
 }
 
 bool E57Appender::is_invalid(const E57Points& points, E57Role flag, std::size_t i, std::size_t kind) {
-  if (!points.has(flag) || std::abs(points.value(flag, i)) < 0.5) return false;
+  if (!points.is_flagged(flag, i)) return false;
   ++invalid_[kind];
   return true;
 }

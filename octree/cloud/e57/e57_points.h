@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -34,6 +35,10 @@ struct E57Points {
   bool has(E57Role role) const { return columns[static_cast<std::size_t>(role)] != nullptr; }
   /// Requires: the scan has the field.
   double value(E57Role role, std::size_t i) const { return columns[static_cast<std::size_t>(role)][i]; }
+  /// Whether a flag is there and set. Some writers store flags as floats; NaN is set.
+  bool is_flagged(E57Role flag, std::size_t i) const {
+    return has(flag) && !(std::abs(value(flag, i)) < 0.5);
+  }
   bool is_left_out(std::size_t i) const { return positions[i].x != positions[i].x; }
 };
 

@@ -85,8 +85,7 @@ class Scalings {
     const ValueRange& values = values_[scan].colors;
     if (!ranges[0] || !ranges[1] || !ranges[2]) {
       free_colors_.push_back(scan);
-      colors_.grow(values.min);
-      colors_.grow(values.max);
+      colors_.grow(values);
       return;
     }
     // Channels on scales of their own would change the hue, so all are widened.
@@ -110,8 +109,7 @@ class Scalings {
     const E57Limits& limits = is_usable(own) ? own : field(scan, E57Role::intensity).range;
     if (!is_usable(limits)) {
       free_intensities_.push_back(scan);
-      intensities_.grow(values.min);
-      intensities_.grow(values.max);
+      intensities_.grow(values);
       return;
     }
     Range range = *limits;

@@ -17,7 +17,7 @@ struct E57Scaling {
   ValueScaling intensities;
 };
 
-/// What the first pass met in one scan.
+/// What the first pass met in one scan, without what is flagged as invalid.
 struct E57Values {
   ValueRange colors, intensities;
 };

@@ -127,9 +127,12 @@ CoordinateSurvey E57Reader::survey(const Progress& progress) {
             if (points.is_left_out(i)) continue;
             ++survey.finite_count;
             survey.bounds.grow(points.positions[i]);
-            for (const E57Role role : {E57Role::red, E57Role::green, E57Role::blue})
-              grow(values.colors, points, role, i);
-            grow(values.intensities, points, E57Role::intensity, i);
+            if (!points.is_flagged(E57Role::color_invalid, i)) {
+              for (const E57Role role : {E57Role::red, E57Role::green, E57Role::blue})
+                grow(values.colors, points, role, i);
+            }
+            if (!points.is_flagged(E57Role::intensity_invalid, i))
+              grow(values.intensities, points, E57Role::intensity, i);
           }
         },
         &resolution);
