@@ -136,6 +136,32 @@ TEST(E57Malformed, packets) {
                "scan 1, packet 10: the section ends early; expected 3 records, found 0");
 }
 
+TEST(E57Malformed, a_restart_ends_the_bytes_of_numbers_below_8_bits) {
+  std::vector<E57Column> columns = three_points();
+  columns.push_back(integer_column("rowIndex", 0, 3, {}));
+  const auto read = [&](std::string_view rows) {
+    std::vector<std::string> streams;
+    for (std::size_t i = 0; i < 3; ++i) streams.push_back(test::bit_packed(columns[i]));
+    const std::string more = test::bit_packed(integer_column("", 0, 3, {1}));
+    const auto part = [&](std::size_t stream, std::size_t begin, std::size_t count) {
+      return std::string_view(streams[stream]).substr(8 * begin, 8 * count);
+    };
+    const std::vector<std::string> packets = {
+        test::data_packet({part(0, 0, 2), part(1, 0, 2), part(2, 0, 2), rows}),
+        test::data_packet({part(0, 2, 1), part(1, 2, 1), part(2, 2, 1), more}, 1)};
+    E57Builder builder;
+    builder.add_scan("", columns, packets, 3);
+    return builder.file();
+  };
+  const std::string two = test::bit_packed(integer_column("", 0, 3, {3, 2}));
+  const PointCloud cloud = test::read_alone(open_e57, read(two));
+  ASSERT_EQ(cloud.size(), 3u);
+  EXPECT_EQ(test::extra_value<std::uint32_t>(cloud, "rowIndex", 1), 2u);
+  EXPECT_EQ(test::extra_value<std::uint32_t>(cloud, "rowIndex", 2), 1u) << "not of the bits that fill a byte";
+  expect_error(read(two + std::string(1, '\0')),
+               "scan 1, packet 2: begins anew inside the records of rowIndex");
+}
+
 TEST(E57Malformed, a_restart_inside_records_is_an_error) {
   std::vector<E57Column> columns = three_points();
   columns[0] = integer_column("cartesianX", 0, 4095, {1, 2, 3});
@@ -196,6 +222,11 @@ TEST(E57Malformed, prototypes) {
   expect_error(read(deep), "is nested too deeply");
   for (int i = 0; i < 5000; ++i) many += "<f" + std::to_string(i) + " type=\"Float\"/>";
   expect_error(read(many), "has too many fields");
+  // Each field of a structure carries its name, so that a long one would be kept thousands of times.
+  const std::string longer(200, 's');
+  expect_error(
+      read(xyz + "<" + longer + " type=\"Structure\"><" + longer + " type=\"Float\"/></" + longer + ">"),
+      "has a field with too long a name; expected at most 256 bytes, found 401");
 }
 
 TEST(E57Malformed, poses_and_codecs) {

@@ -31,7 +31,10 @@ void BitQueue::add(std::span<const std::byte> piece) {
 
 bool BitQueue::restart() {
   if (width_ == 0) return true;
-  if (available(1) > 0) return bit_count() % static_cast<std::uint64_t>(width_) == 0;
+  // What fills up a byte looks like numbers if they are narrow.
+  const bool is_filling = width_ < 8 && bit_count() < 8;
+  if (available(1) > 0 && !is_filling)
+    return width_ >= 8 && bit_count() % static_cast<std::uint64_t>(width_) == 0;
   bytes_.clear();
   next_bit_ = 0;
   return true;

@@ -16,8 +16,9 @@ class BitQueue {
   explicit BitQueue(int width) : width_(width) {}
 
   void add(std::span<const std::byte> piece);
-  /// What is added next begins with a new number: bits left over from the last one are forgotten. False if
-  /// whole numbers wait before such bits, so that they cannot be.
+  /// What is added next begins with a new number, in a byte of its own: bits left over from the last one are
+  /// forgotten, and of numbers narrower than a byte all that is left of the last byte. False if more waits
+  /// before such bits, so that they cannot be.
   bool restart();
   /// Whole numbers to be taken, `most` at most.
   std::size_t available(std::size_t most) const;

@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::uint64_t k_section_header_bytes = 32;
 constexpr int k_deepest_prototype = 8;
+/// Fields carry the names of the structures they are in, which a file has once.
+constexpr std::size_t k_longest_name = 256;
 
 E57Field read_field(const E57Node& node, std::string name) {
   E57Field field;
@@ -67,6 +69,10 @@ void read_fields(const E57Node& parent, const std::string& prefix, int depth, st
     if (element.type() != pugi::node_element) continue;
     const E57Node node = parent.descend(element);
     const std::string name = prefix + element.name();
+    if (name.size() > k_longest_name) {
+      parent.fail("has a field with too long a name", fmt::format("at most {} bytes", k_longest_name),
+                  std::to_string(name.size()));
+    }
     if (std::string_view(element.attribute("type").value()) == "Structure") {
       read_fields(node, name + "/", depth + 1, fields);
       continue;
