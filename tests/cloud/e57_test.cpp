@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "octree/cloud/e57/bit_queue.h"
 #include "octree/cloud/e57/crc32c.h"
+#include "octree/cloud/e57/e57_pages.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/e57_builder.h"
 #include "tests/cloud/read_alone.h"
@@ -69,6 +71,28 @@ TEST(BitQueue, restart_forgets_what_is_left_of_a_number) {
   queue.add(two);
   queue.take(number);
   EXPECT_EQ(number[0], 0x321u);
+}
+
+TEST(E57Pages, views_anywhere_and_of_any_length_are_the_bytes_between_the_checksums) {
+  E57Builder builder;
+  std::string letters(300'000, ' ');
+  for (std::size_t i = 0; i < letters.size(); ++i) letters[i] = static_cast<char>('!' + i * i % 89);
+  builder.root = "<note type=\"String\">" + letters + "</note>";
+  const std::string file = builder.file();
+  std::string payload;
+  for (std::size_t page = 0; page < file.size(); page += 1024) payload += file.substr(page, 1020);
+  E57Pages pages(InputFile(std::as_bytes(std::span(file)), "memory"));
+  std::uint64_t number = 1;
+  for (int i = 0; i < 2000; ++i) {
+    number = number * 6364136223846793005u + 1442695040888963407u;
+    // Far jumps, steps forward and steps back.
+    const std::uint64_t place = i % 3 == 0 ? (number >> 33) % payload.size() : (number >> 33) % 70'000;
+    const std::uint64_t count = std::min<std::uint64_t>((number >> 20) % 70'000, payload.size() - place);
+    const auto bytes = pages.view(place, static_cast<std::size_t>(count));
+    ASSERT_EQ(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
+              std::string_view(payload).substr(place, count));
+    if (i % 97 == 0) pages.rest();
+  }
 }
 
 TEST(E57, format_version_and_counts_are_told) {

@@ -21,8 +21,11 @@ std::string read_xml(E57Pages& pages) {
     pages.fail("XML", "is too long", fmt::format("at most {} bytes", k_largest_xml),
                std::to_string(header.xml_length));
   }
-  const auto bytes = pages.view(header.xml_place, static_cast<std::size_t>(header.xml_length));
-  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::string text;
+  text.reserve(static_cast<std::size_t>(header.xml_length));
+  pages.visit(header.xml_place, header.xml_length, [&](std::span<const std::byte> bytes) {
+    text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  });
   text.resize(text.find_last_not_of(std::string_view(" \t\r\n\0", 5)) + 1);
   // Every element has a "<", every attribute a "=": this bounds what parsing will take.
   const auto nodes = std::ranges::count(text, '<') + std::ranges::count(text, '=');
@@ -98,14 +101,5 @@ E57Document read_document(E57Pages& pages) {
 }  // namespace
 
 E57File::E57File(InputFile file) : pages_(std::move(file)), document_(read_document(pages_)) {}
-
-void E57File::read_blob(const E57Blob& blob, const std::function<void(std::span<const std::byte>)>& take) {
-  constexpr std::uint64_t k_piece = 1 << 18;
-  for (std::uint64_t done = 0; done < blob.length;) {
-    const std::uint64_t count = std::min(blob.length - done, k_piece);
-    take(pages_.view(blob.place + done, static_cast<std::size_t>(count)));
-    done += count;
-  }
-}
 
 }  // namespace alidade

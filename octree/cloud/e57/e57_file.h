@@ -25,7 +25,9 @@ class E57File {
   const E57Pages& pages() const { return pages_; }
 
   /// Gives the bytes of a file inside the file to `take`, piece by piece. Errors: a damaged page.
-  void read_blob(const E57Blob& blob, const std::function<void(std::span<const std::byte>)>& take);
+  void read_blob(const E57Blob& blob, const std::function<void(std::span<const std::byte>)>& take) {
+    pages_.visit(blob.place, blob.length, take);
+  }
 
  private:
   E57Pages pages_;

@@ -81,17 +81,32 @@ std::span<const std::byte> E57Pages::view(std::uint64_t place, std::size_t count
   return std::span(window_).subspan(static_cast<std::size_t>(place - window_page_ * k_e57_payload), count);
 }
 
+void E57Pages::visit(std::uint64_t place, std::uint64_t count,
+                     const std::function<void(std::span<const std::byte>)>& take) {
+  constexpr std::uint64_t k_piece = 1 << 18;
+  for (std::uint64_t done = 0; done < count;) {
+    const std::uint64_t next = std::min(count - done, k_piece);
+    take(view(place + done, static_cast<std::size_t>(next)));
+    done += next;
+  }
+}
+
+/// Has the window begin with a page; those of `page_count` that are in it stay.
 void E57Pages::fill(std::uint64_t first_page, std::uint64_t page_count) {
+  const std::uint64_t behind = window_page_ + window_.size() / k_e57_payload;
+  const bool overlaps = first_page >= window_page_ && first_page < behind;
+  const std::uint64_t used = overlaps ? (first_page - window_page_) * k_e57_payload : window_.size();
+  window_.erase(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(used));
   window_page_ = first_page;
-  window_.clear();
   window_.reserve(static_cast<std::size_t>(page_count * k_e57_payload));
-  const auto bytes = file_.view(first_page * k_e57_page, static_cast<std::size_t>(page_count * k_e57_page));
-  for (std::uint64_t page = 0; page < page_count; ++page) {
-    const auto whole = bytes.subspan(static_cast<std::size_t>(page * k_e57_page), k_e57_page);
+  const std::uint64_t kept = window_.size() / k_e57_payload;
+  const auto bytes = file_.view((first_page + kept) * k_e57_page,
+                                static_cast<std::size_t>((page_count - kept) * k_e57_page));
+  for (std::uint64_t page = kept; page < page_count; ++page) {
+    const auto whole = bytes.subspan(static_cast<std::size_t>((page - kept) * k_e57_page), k_e57_page);
     const auto payload = whole.first(k_e57_payload);
     const auto stored = load<std::uint32_t>(whole.data() + k_e57_payload, std::endian::big);
     if (const std::uint32_t sum = crc32c(payload); sum != stored) {
-      window_.clear();
       fail(fmt::format("page {}", first_page + page), "the checksum is wrong: the page is damaged",
            fmt::format("{:08x}", stored), fmt::format("{:08x}", sum));
     }

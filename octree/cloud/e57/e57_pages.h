@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -43,8 +44,14 @@ class E57Pages {
   std::uint64_t place_of(std::uint64_t physical, const std::string& where, const std::string& what) const;
 
   /// The bytes [place, place + count), valid until the next call. Errors: they are not all there; a page's
-  /// checksum is wrong, which names the page, counted from 0. Memory: `count` and some pages.
+  /// checksum is wrong, which names the page, counted from 0. Memory: the largest `count` asked for and some
+  /// pages. Cost: who goes forward has each page read and compared once.
   std::span<const std::byte> view(std::uint64_t place, std::size_t count);
+
+  /// Gives `count` bytes from `place` on to `take`, in pieces, so that a large file inside the file needs
+  /// little memory. Errors: those of view().
+  void visit(std::uint64_t place, std::uint64_t count,
+             const std::function<void(std::span<const std::byte>)>& take);
 
   /// Gives back file handle and buffer until the next view().
   void rest();
