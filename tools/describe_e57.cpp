@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 
 namespace alidade {
 namespace {
@@ -25,7 +25,10 @@ std::string picture_text(const E57Picture& picture) {
                      picture.height, picture.mask ? " with mask" : "");
 }
 
-std::string named(const char* kind, std::size_t number, const std::string& name) {
+/// Names say anything: line breaks and what moves the cursor would look like words of ours.
+std::string named(const char* kind, std::size_t number, std::string name) {
+  std::ranges::replace_if(
+      name, [](unsigned char letter) { return letter < 0x20 || letter == 0x7f; }, '?');
   return name.empty() ? fmt::format("{} {}", kind, number) : fmt::format("{} {} '{}'", kind, number, name);
 }
 
@@ -89,6 +92,7 @@ std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
   const auto image_text = [](const E57Image& image) {
     std::vector<std::string> pictures;
     for (const E57Picture& picture : image.pictures) pictures.push_back(picture_text(picture));
+    if (pictures.empty()) pictures.push_back("no picture");
     return fmt::format("{}, {}", fmt::join(pictures, ", "), place_text(image.pose));
   };
   tell_each(file.document().scans, "scan", verbosity, scan_text, lines);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 #include <nlohmann/json.hpp>
+#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -30,17 +31,22 @@ struct Extraction {
 class Names {
  public:
   std::string unique(const std::string& wanted) {
-    for (std::size_t count = 1;; ++count) {
-      const std::string name = count == 1 ? wanted : wanted + "_" + std::to_string(count);
-      std::string lower = name;
-      std::ranges::transform(lower, lower.begin(),
-                             [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-      if (taken_.insert(lower).second) return name;
+    // From where the last one of that name ended: thousands of images may have the same.
+    for (std::size_t& count = counts_[lower(wanted)];;) {
+      const std::string name = ++count == 1 ? wanted : wanted + "_" + std::to_string(count);
+      if (taken_.insert(lower(name)).second) return name;
     }
   }
 
  private:
+  static std::string lower(std::string name) {
+    std::ranges::transform(name, name.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return name;
+  }
+
   std::unordered_set<std::string> taken_{"images"};
+  std::unordered_map<std::string, std::size_t> counts_;
 };
 
 Json pose_json(const std::optional<E57Pose>& pose) {

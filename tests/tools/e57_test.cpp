@@ -68,6 +68,18 @@ TEST_F(E57ProgramTest, info_tells_scans_images_scanners_and_reference_system) {
   EXPECT_EQ(e57.at("images")[0].at("pictures")[0].at("bytes"), k_jpeg.size());
 }
 
+TEST_F(E57ProgramTest, names_stay_on_their_line) {
+  E57Builder builder;
+  builder.add_scan("<name type=\"String\">&#27;[31mGr\xC3\xBCn&#10;points 9</name>",
+                   {float64_column("cartesianX", {1}), float64_column("cartesianY", {1}),
+                    float64_column("cartesianZ", {1})});
+  builder.add_image("");
+  write("named.e57", builder.file());
+  const ProgramResult table = run({"info", "named.e57"});
+  EXPECT_TRUE(contains(table.out, "scan 1 '?[31mGr\xC3\xBCn?points 9': 1 records")) << table.out;
+  EXPECT_TRUE(contains(table.out, "image 1: no picture, no pose")) << table.out;
+}
+
 TEST_F(E57ProgramTest, scanner_positions_are_kept_by_index_files) {
   ASSERT_EQ(run({"index", "site.e57", "-o", "site.alidade", "-q"}).exit_code, 0);
   const Json info = Json::parse(run({"info", "--json", "site.alidade"}).out);
