@@ -226,6 +226,18 @@ TEST(E57, fields_stand_in_any_order_and_scans_have_fields_of_their_own) {
   EXPECT_TRUE(warns(cloud, "was read without the fields \"other:thing\""));
 }
 
+TEST(E57, fields_that_are_not_read_are_all_named_up_to_twenty) {
+  std::vector<E57Column> columns = three_points();
+  for (int i = 10; i < 33; ++i)
+    columns.push_back(integer_column("las:aFieldOfItsOwn" + std::to_string(i), 0, 1, {0, 0, 0}));
+  E57Builder builder;
+  builder.add_scan("", columns);
+  const PointCloud cloud = read(builder);
+  EXPECT_TRUE(
+      warns(cloud, "was read without the fields \"las:aFieldOfItsOwn10\", \"las:aFieldOfItsOwn11\","));
+  EXPECT_TRUE(warns(cloud, "\"las:aFieldOfItsOwn29\" and 3 more"));
+}
+
 TEST(E57, index_and_empty_packets_are_skipped) {
   const std::vector<E57Column> columns = three_points();
   std::vector<std::string> packets = test::packets_of(columns, 9);

@@ -2,6 +2,7 @@
 // What becomes of the values of E57 scans beside their coordinates, and how finely coordinates are kept.
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/e57_builder.h"
@@ -116,7 +117,21 @@ TEST(E57Color, values_beyond_the_limits_widen_them_and_it_is_told) {
   builder.add_scan(color_limits("Float", "0", "1"), points_with(colors(float32_column, {0, 51, 255})));
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.colors[1], Color16(13107));
-  EXPECT_TRUE(warns(cloud, "scan 1: colours go from 0 to 255, beyond the range of 0 to 1"));
+  EXPECT_TRUE(warns(cloud,
+                    "scan 1: colours go from 0 to 255, beyond the range of 0 to 1 that is stated: it was "
+                    "widened to 0 to 255"));
+}
+
+TEST(E57Color, values_a_little_beyond_1_are_held_and_it_is_told) {
+  E57Builder builder;
+  builder.add_scan(color_limits("Float", "0", "1"), points_with(colors(float64_column, {-0.25, 0.5, 1.25})));
+  const PointCloud cloud = read(builder);
+  EXPECT_EQ(cloud.colors[0], Color16(0));
+  EXPECT_EQ(cloud.colors[1], Color16(32768));
+  EXPECT_EQ(cloud.colors[2], Color16(65535));
+  EXPECT_TRUE(warns(cloud,
+                    "scan 1: colours go from -0.25 to 1.25, beyond the range of 0 to 1 that is stated: "
+                    "they were held at its ends"));
 }
 
 TEST(E57Color, eight_bit_values_under_wide_limits_are_told_not_guessed) {
@@ -142,6 +157,23 @@ TEST(E57Intensity, limits_then_the_fields_range_then_what_occurs) {
   EXPECT_EQ(cloud.intensities, expected) << "the constant 0 shares the scale of -1 to 3";
   EXPECT_TRUE(warns(cloud, "intensities were stretched"));
   EXPECT_TRUE(warns(cloud, "scan 6: intensities go from 0 to 2, beyond the range of 0 to 1"));
+}
+
+TEST(E57Intensity, the_ends_of_whole_integer_types_are_no_scale) {
+  constexpr std::int64_t k_least = std::numeric_limits<std::int64_t>::min(),
+                         k_most = std::numeric_limits<std::int64_t>::max();
+  for (const auto& [least, most] : {std::pair(k_least, k_most), std::pair(std::int64_t{0}, k_most),
+                                    std::pair(std::int64_t{-2147483648}, std::int64_t{2147483647}),
+                                    std::pair(std::int64_t{0}, std::int64_t{2147483647}),
+                                    std::pair(std::int64_t{0}, std::int64_t{4294967295})}) {
+    E57Builder builder;
+    builder.add_scan("", points_with({integer_column("intensity", least, most, {0, 100, 255})}));
+    EXPECT_EQ(read(builder).intensities, (std::vector<std::uint16_t>{0, 25700, 65535})) << most;
+  }
+  E57Builder builder;
+  builder.add_scan("", points_with({integer_column("intensity", 0, 4294967295, {0, 2147483648, 4294967295},
+                                                   " scale=\"1e-9\"")}));
+  EXPECT_EQ(read(builder).intensities[1], 32768) << "scaled integers are stated with a purpose";
 }
 
 TEST(E57Intensity, scans_without_values_leave_the_scale_of_the_others_alone) {
@@ -265,6 +297,28 @@ TEST(E57Extra, rows_columns_returns_and_normals) {
   EXPECT_NEAR(cloud.normals[0].y, 1.0f, 1e-6f) << "turned like the points";
   EXPECT_NEAR(cloud.normals[1].x, -1.0f, 1e-6f);
   EXPECT_NEAR(cloud.normals[2].z, 1.0f, 1e-6f);
+}
+
+TEST(E57Extra, a_row_without_a_column_is_one_dimension) {
+  E57Builder builder;
+  builder.add_scan("", points_with({}));
+  builder.add_scan("", points_with({integer_column("rowIndex", 0, 9, {1, 2, 3})}));
+  const PointCloud cloud = read(builder);
+  ASSERT_EQ(cloud.extra_dimensions.size(), 1u);
+  EXPECT_EQ(test::extra_value<std::uint32_t>(cloud, "rowIndex", 2), 0u);
+  EXPECT_EQ(test::extra_value<std::uint32_t>(cloud, "rowIndex", 5), 3u);
+}
+
+TEST(E57Extra, what_some_scans_lack_is_told) {
+  E57Builder builder;
+  builder.add_scan("", points_with(whole_colors(255, {1, 2, 3})));
+  builder.add_scan("", points_with({integer_column("intensity", 0, 9, {1, 2, 3})}));
+  builder.add_scan("", points_with(whole_colors(255, {1, 2, 3})));
+  builder.add_scan_element("", "", 0, 0);
+  const PointCloud cloud = read(builder);
+  EXPECT_TRUE(warns(cloud, "memory: 1 of 3 scans has no color, which is filled with zeros"));
+  EXPECT_TRUE(warns(cloud, "memory: 2 of 3 scans have no intensity, which is filled with zeros"));
+  EXPECT_EQ(cloud.warnings.size(), 2u);
 }
 
 TEST(E57Lattice, decimal_steps_are_kept_exactly_also_when_moved) {

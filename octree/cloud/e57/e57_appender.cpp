@@ -36,14 +36,7 @@ float to_float(double value) {
 }  // namespace
 
 E57Appender::E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count)
-    : cloud_(cloud),
-      filled_(filled),
-      next_(cloud.size()),
-      end_(cloud.size() + static_cast<std::size_t>(count)) {
-  if (filled.contains(Attribute::extra_dimensions)) {
-    row_dimension_ = index_dimension(cloud, "rowIndex", "row of the scanner's grid");
-    column_dimension_ = index_dimension(cloud, "columnIndex", "column of the scanner's grid");
-  }
+    : cloud_(cloud), next_(cloud.size()), end_(cloud.size() + static_cast<std::size_t>(count)) {
   append_rows(cloud, filled, static_cast<std::size_t>(count));
 }
 
@@ -71,8 +64,10 @@ bool E57Appender::is_invalid(const E57Points& points, E57Role flag, std::size_t 
   return true;
 }
 
-void E57Appender::put_index(std::size_t dimension, double value) {
-  auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[dimension].values.data());
+void E57Appender::put_index(std::optional<std::size_t>& dimension, const char* name, const char* description,
+                            double value) {
+  if (!dimension) dimension = index_dimension(cloud_, name, description);
+  auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[*dimension].values.data());
   store(bytes + next_ * sizeof(std::uint32_t), nearest<std::uint32_t>(value));
 }
 
@@ -87,8 +82,10 @@ void E57Appender::put(const E57Points& points, std::size_t i) {
     cloud_.intensities[next_] = scaling_->intensities.apply(value(E57Role::intensity));
   if (points.has(E57Role::time) && !is_invalid(points, E57Role::time_invalid, i, 2))
     cloud_.gps_times[next_] = time_origin_ + value(E57Role::time);
-  if (points.has(E57Role::row)) put_index(row_dimension_, value(E57Role::row));
-  if (points.has(E57Role::column)) put_index(column_dimension_, value(E57Role::column));
+  if (points.has(E57Role::row))
+    put_index(row_dimension_, "rowIndex", "row of the scanner's grid", value(E57Role::row));
+  if (points.has(E57Role::column))
+    put_index(column_dimension_, "columnIndex", "column of the scanner's grid", value(E57Role::column));
   // Counted from 0 in the file.
   if (points.has(E57Role::return_index))
     cloud_.returns[next_].number = nearest<std::uint8_t>(value(E57Role::return_index) + 1.0);

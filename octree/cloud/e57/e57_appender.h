@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "octree/cloud/e57/e57_points.h"
 #include "octree/cloud/e57/e57_scaling.h"
@@ -33,11 +34,11 @@ class E57Appender {
  private:
   void put(const E57Points& points, std::size_t i);
   bool is_invalid(const E57Points& points, E57Role flag, std::size_t i, std::size_t kind);
-  void put_index(std::size_t dimension, double value);
+  void put_index(std::optional<std::size_t>& dimension, const char* name, const char* description,
+                 double value);
 
   PointCloud& cloud_;
-  AttributeSet filled_;
-  std::size_t row_dimension_ = 0, column_dimension_ = 0;
+  std::optional<std::size_t> row_dimension_{}, column_dimension_{};  ///< once a scan has one
   const E57Scan* scan_ = nullptr;
   const E57Scaling* scaling_ = nullptr;
   double time_origin_ = 0.0;

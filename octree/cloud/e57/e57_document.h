@@ -22,7 +22,8 @@ struct E57Field {
   E57FieldKind kind = E57FieldKind::float64;
   std::int64_t minimum = 0, maximum = 0;  ///< of stored integers
   double scale = 1.0, offset = 0.0;       ///< value = offset + scale * stored integer
-  /// Smallest and largest value, where the file states both as finite numbers.
+  /// Smallest and largest value, where the file states both as finite numbers and means more than a type:
+  /// integers of 30 bits at most, scaled ones of 62, floats below 1e30.
   std::optional<std::array<double, 2>> range{};
 
   bool is_integer() const { return kind == E57FieldKind::integer || kind == E57FieldKind::scaled_integer; }

@@ -36,6 +36,10 @@ double full_scale(double largest) {
   return std::max(largest, 65535.0);
 }
 
+std::string widened_to(const Range& range) {
+  return fmt::format("it was widened to {} to {}", range[0], range[1]);
+}
+
 std::optional<Range> color_range(const E57Limits& limits, const E57Field& field) {
   if (is_usable(limits)) return limits;
   if (!field.range) return std::nullopt;
@@ -72,10 +76,11 @@ class Scalings {
     return scans_[scan].fields[*roles_[scan].field(role)];
   }
 
-  void warn_of_widening(std::size_t scan, const char* what, const Range& range, const ValueRange& values) {
-    warnings_.push_back(fmt::format(
-        "scan {}: {} go from {} to {}, beyond the range of {} to {} that is stated, which was widened",
-        scan + 1, what, values.min, values.max, range[0], range[1]));
+  void warn_of_values_beyond(std::size_t scan, const char* what, const Range& range, const ValueRange& values,
+                             const std::string& consequence) {
+    warnings_.push_back(
+        fmt::format("scan {}: {} go from {} to {}, beyond the range of {} to {} that is stated: {}", scan + 1,
+                    what, values.min, values.max, range[0], range[1], consequence));
   }
 
   void scale_colors(std::size_t scan) {
@@ -92,8 +97,12 @@ class Scalings {
     const auto beyond = std::ranges::find_if(
         ranges, [&](const std::optional<Range>& range) { return goes_beyond(values, *range); });
     if (beyond != ranges.end()) {
-      warn_of_widening(scan, "colours", **beyond, values);
-      ranges.fill(Range{std::min(values.min, 0.0), full_scale(values.max)});
+      const Range stated = **beyond;
+      const bool is_little = stated == Range{0.0, 1.0} && values.min > -1.0 && values.max < 2.0;
+      const Range wider = {std::min(values.min, 0.0), full_scale(values.max)};
+      if (!is_little) ranges.fill(wider);
+      warn_of_values_beyond(scan, "colours", stated, values,
+                            is_little ? "they were held at its ends" : widened_to(wider));
     } else if ((*ranges[0])[1] > 255.0 && values.max <= 255.0 && values.max > 0.0) {
       warnings_.push_back(fmt::format(
           "scan {}: colours are stated to go up to {}, but none exceeds 255: they may be 8-bit values",
@@ -114,8 +123,8 @@ class Scalings {
     }
     Range range = *limits;
     if (goes_beyond(values, range)) {
-      warn_of_widening(scan, "intensities", range, values);
       range = {std::min(values.min, range[0]), std::max(values.max, range[1])};
+      warn_of_values_beyond(scan, "intensities", *limits, values, widened_to(range));
     }
     scalings_[scan].intensities = from_range(range);
   }

@@ -30,7 +30,8 @@ struct E57Values {
 ///   255 or 65535;
 /// - otherwise what color_scaling() and intensity_scaling() say of all such scans together.
 /// Where values go beyond the range, it is widened to the next of 255 and 65535 that holds them (colours) or
-/// to the values (intensities). What was assumed or widened is added to `warnings`, as clauses.
+/// to the values (intensities); but colours between -1 and 2 are held at the ends of 0 to 1, because that
+/// much is what filters leave. What was assumed, widened or held is added to `warnings`, as clauses.
 std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
                                      const std::vector<E57Values>& values, AttributeSet wanted,
                                      std::vector<std::string>& warnings);

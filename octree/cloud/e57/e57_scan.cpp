@@ -38,7 +38,9 @@ E57Field read_field(const E57Node& node, std::string name) {
       field.scale = node.number_attribute("scale").value_or(1.0);
       field.offset = node.number_attribute("offset").value_or(0.0);
     }
-    if (minimum && maximum) {
+    // Nothing is measured in more steps than this: wider ranges are those of a type.
+    const int most_bits = field.kind == E57FieldKind::integer ? 30 : 62;
+    if (minimum && maximum && field.bits() <= most_bits) {
       const double a = static_cast<double>(*minimum) * field.scale + field.offset;
       const double b = static_cast<double>(*maximum) * field.scale + field.offset;
       field.range = {{std::min(a, b), std::max(a, b)}};
@@ -48,7 +50,7 @@ E57Field read_field(const E57Node& node, std::string name) {
     if (!precision.empty() && precision != "single" && precision != "double")
       node.fail("has an unknown precision", "single or double", quote(precision));
     field.kind = precision == "single" ? E57FieldKind::float32 : E57FieldKind::float64;
-    // The limits of the type itself say nothing about values.
+    // Likewise.
     constexpr double k_unlimited = 1e30;
     const auto minimum = parse_number(node.element().attribute("minimum").value());
     const auto maximum = parse_number(node.element().attribute("maximum").value());

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <limits>
+#include <map>
 #include <set>
 
 #include "octree/cloud/cloud_reader.h"
@@ -26,6 +27,18 @@ bool is_wkt(const std::string& text) {
   if (word == 0 || word == std::string::npos) return false;
   const std::size_t bracket = text.find_first_not_of(" \t\r\n", word);
   return bracket != std::string::npos && (text[bracket] == '[' || text[bracket] == '(');
+}
+
+/// The first twenty names in quotes, and how many more there are.
+std::string listed(const std::set<std::string>& names) {
+  constexpr std::size_t k_first = 20;
+  std::vector<std::string> words;
+  for (const std::string& name : names) {
+    if (words.size() == k_first) break;
+    words.push_back(quote(name));
+  }
+  const std::size_t more = names.size() - words.size();
+  return fmt::format("{}{}", fmt::join(words, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
 }
 
 class E57Reader final : public CloudReader {
@@ -53,8 +66,7 @@ class E57Reader final : public CloudReader {
     } else if (!text.empty()) {
       warn("the coordinate metadata are no WKT and were left out: " + quote(text));
     }
-    if (!unread.empty())
-      warn(fmt::format("was read without the fields {}", quote(fmt::format("{}", fmt::join(unread, ", ")))));
+    if (!unread.empty()) warn("was read without the fields " + listed(unread));
   }
 
   const CloudFile& file() const override { return about_; }
@@ -75,6 +87,7 @@ class E57Reader final : public CloudReader {
   E57LeftOut visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
                         const PointVisitor& visitor, glm::dvec3* resolution);
   void find_time_origins();
+  void warn_of_gaps(AttributeSet kept);
   void warn_of_left_out();
   void warn_of_invalid(const std::array<std::uint64_t, 3>& invalid);
 
@@ -164,6 +177,23 @@ void E57Reader::find_time_origins() {
     warn("time stamps are seconds since the start of each scan, which the file does not tell of every scan");
 }
 
+/// Says which attributes are zeros in some scans, because these have none.
+void E57Reader::warn_of_gaps(AttributeSet kept) {
+  std::map<std::string, std::size_t> lacking;
+  std::size_t scan_count = 0;
+  for (std::size_t scan = 0; scan < scans().size(); ++scan) {
+    if (scans()[scan].record_count == 0) continue;
+    ++scan_count;
+    AttributeSet missing;
+    missing.bits = kept.bits & ~roles_[scan].attributes().bits;
+    for (const std::string& name : attribute_names(missing)) ++lacking[name];
+  }
+  for (const auto& [name, count] : lacking) {
+    warn(fmt::format("{} of {} scans {} no {}, which is filled with zeros", count, scan_count,
+                     count == 1 ? "has" : "have", name));
+  }
+}
+
 void E57Reader::warn_of_left_out() {
   const auto warn_of = [&](std::uint64_t count, const char* why) {
     if (count > 0) warn(fmt::format("{} points {} were left out", count, why));
@@ -205,6 +235,7 @@ void E57Reader::read(PointCloud& cloud, AttributeSet wanted, const Progress& pro
         nullptr);
   }
   if (!appender.complete()) file_.pages().fail({}, "the file changed while it was read");
+  warn_of_gaps(kept);
   about_.point_count = survey_->finite_count;
   about_.dropped_count = survey_->dropped_count;
   warn_of_left_out();
