@@ -33,8 +33,8 @@ struct CoordinateSurvey {
 /// What a file says about all of its points at once.
 struct FileFacts {
   Crs crs{};
-  bool gps_time_is_standard = false;  ///< as PointCloud's, and so are the next two
-  std::array<std::uint8_t, 16> project_id{};
+  std::optional<bool> gps_time_is_standard{};  ///< as PointCloud's; empty if the format cannot say
+  std::array<std::uint8_t, 16> project_id{};   ///< as PointCloud's, and so is the next one
   std::uint16_t file_source_id = 0;
   /// Box of all points, world coordinates: widened_header_box(). Empty if the header states none, or one that
   /// cannot be true.

@@ -19,7 +19,9 @@ std::string text_of(const glm::dvec3& value) {
   throw Error(
       {.file = odd.path().string(),
        .problem = "does not share the lattice of " + other.path().string(),
-       .expected = fmt::format("scale {} and an offset that differs by whole steps", text_of(lattice.scale)),
+       .expected = fmt::format("scale {} and an offset that differs by whole steps (as PLY, by alidade "
+                               "convert, it would be rounded to that)",
+                               text_of(lattice.scale)),
        .found = fmt::format("scale {} and offset {}", text_of(own.scale), text_of(own.offset))});
 }
 

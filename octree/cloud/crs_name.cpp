@@ -73,7 +73,7 @@ std::optional<int> code_of_wkt(const std::string& wkt, std::initializer_list<con
 
 std::optional<int> plane_code(const Crs& crs) {
   if (!crs.wkt.empty())
-    return code_of_wkt(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS[", "GEOGCS[", "GEOGCRS["});
+    return code_of_wkt(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS[", "GEOGCS[", "GEOGCRS[", "GEODCRS["});
   const std::optional<int> projected = code_of_key(crs, k_projected);
   return projected ? projected : code_of_key(crs, k_geographic);
 }

@@ -27,19 +27,32 @@ bool has_any(const std::string& text, const auto& words) {
                              [&](std::string_view word) { return text.find(word) != std::string::npos; });
 }
 
+/// Whether WKT of version 2 is that of a geodetic system, as which it counts geographic and geocentric ones,
+/// with such coordinates.
+bool is_geodetic(const std::string& wkt, std::string_view coordinates) {
+  return (wkt.starts_with("GEODCRS[") || wkt.starts_with("GEODETICCRS[")) &&
+         wkt.find(coordinates) != std::string::npos;
+}
+
 }  // namespace
 
 bool is_geographic(const Crs& crs) {
   // A projected system names the geographic one that it stands on, so the projected one decides.
   constexpr std::array<std::string_view, 3> k_other = {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["};
   constexpr std::array<std::string_view, 3> k_geographic = {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["};
-  if (!crs.wkt.empty()) return !has_any(crs.wkt, k_other) && has_any(crs.wkt, k_geographic);
+  if (!crs.wkt.empty()) {
+    return !has_any(crs.wkt, k_other) &&
+           (has_any(crs.wkt, k_geographic) || is_geodetic(crs.wkt, "CS[ellipsoidal"));
+  }
   if (const auto model = value_of_key(crs, k_model_type)) return *model == k_geographic_model;
   return value_of_key(crs, k_geographic_type) && !value_of_key(crs, k_projected_type);
 }
 
 bool is_geocentric(const Crs& crs) {
-  if (!crs.wkt.empty()) return has_any(crs.wkt, std::array<std::string_view, 1>{"GEOCCS["});
+  if (!crs.wkt.empty()) {
+    return has_any(crs.wkt, std::array<std::string_view, 1>{"GEOCCS["}) ||
+           is_geodetic(crs.wkt, "CS[Cartesian,3]");
+  }
   return value_of_key(crs, k_model_type) == k_geocentric_model;
 }
 

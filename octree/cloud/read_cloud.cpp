@@ -109,21 +109,24 @@ class Joining {
 /// Takes over what the first file says about its points.
 void Joining::join_facts(const CloudSource& source) {
   if (cloud_.files.empty()) {
-    cloud_.gps_time_is_standard = source.facts.gps_time_is_standard;
+    cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);
     cloud_.project_id = source.facts.project_id;
     cloud_.file_source_id = source.facts.file_source_id;
   }
   join_time(source);
 }
 
-/// How times are counted, the first file that has some says; says which other one counts another way.
+/// How times are counted, the first file says that has some and can say; tells which other one counts another
+/// way.
 void Joining::join_time(const CloudSource& source) {
-  if (source.point_count() == 0 || !source.reader->attributes().contains(Attribute::gps_time)) return;
-  const bool is_standard = source.facts.gps_time_is_standard;
+  const std::optional<bool> is_standard = source.facts.gps_time_is_standard;
+  const bool has_times =
+      source.point_count() > 0 && source.reader->attributes().contains(Attribute::gps_time);
+  if (!is_standard || !has_times) return;
   if (timed_file_.empty()) {
     timed_file_ = source.path().string();
-    cloud_.gps_time_is_standard = is_standard;
-  } else if (cloud_.gps_time_is_standard != is_standard &&
+    cloud_.gps_time_is_standard = *is_standard;
+  } else if (cloud_.gps_time_is_standard != *is_standard &&
              options_.attributes.contains(Attribute::gps_time)) {
     cloud_.warnings.push_back(
         fmt::format("{}: counts GPS time another way (week or standard) than {}; the times do not compare",

@@ -48,6 +48,9 @@ TEST(CompareCrsTest, systems_are_compared_by_their_codes_where_both_have_one) {
   EXPECT_EQ(compare_crs(of_wkt(k_utm_32), of_wkt(k_utm_33)), different);
   EXPECT_EQ(compare_crs(of_keys({2048, 4326}), of_keys({2048, 4258})), different);
   EXPECT_EQ(compare_crs(of_keys({3072, 32632, 2048, 4326}), of_keys({3072, 32632})), same);
+  EXPECT_EQ(
+      compare_crs(of_wkt(R"(GEODCRS["ETRS89",CS[ellipsoidal,2],ID["EPSG",4258]])"), of_keys({2048, 4258})),
+      same);
   const std::string iso = R"(PROJCRS["other words",ID["EPSG",32632]])";
   EXPECT_EQ(compare_crs(of_wkt(iso), of_wkt(k_utm_32)), same);
   EXPECT_EQ(compare_crs(of_wkt("COMPD_CS[\"both\"," + std::string(k_utm_32) + "]"), of_wkt(k_utm_32)), same);

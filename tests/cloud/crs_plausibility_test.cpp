@@ -44,6 +44,17 @@ TEST(CrsPlausibility, a_geographic_system_is_told_from_a_projected_one) {
   EXPECT_FALSE(is_geographic(without_model));
 }
 
+TEST(CrsPlausibility, geodetic_systems_are_told_by_their_coordinates) {
+  const Crs angles = wkt(R"(GEODCRS["WGS 84",DATUM["World Geodetic System 1984"],CS[ellipsoidal,2]])");
+  const Crs lengths = wkt(R"(GEODCRS["WGS 84",DATUM["World Geodetic System 1984"],CS[Cartesian,3]])");
+  const Crs utm = wkt(R"(PROJCRS["UTM",BASEGEODCRS["WGS 84",DATUM["WGS 1984"]],CS[Cartesian,2]])");
+  EXPECT_TRUE(is_geographic(angles));
+  EXPECT_FALSE(is_geocentric(angles));
+  EXPECT_TRUE(is_geocentric(lengths));
+  EXPECT_FALSE(is_geographic(lengths));
+  EXPECT_FALSE(is_geographic(utm) || is_geocentric(utm));
+}
+
 TEST(CrsPlausibility, wkt_decides_where_geotiff_keys_differ) {
   Crs both = keys(2);
   both.wkt = R"(PROJCS["UTM zone 32N"])";

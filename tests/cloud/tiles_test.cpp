@@ -153,12 +153,17 @@ Bytes timed_tile(int format, bool is_standard, std::size_t count = 1) {
 
 TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
   const Bytes none = timed_tile(0, false), empty = timed_tile(1, false, 0), standard = timed_tile(1, true),
-              week = timed_tile(1, false), plain = text("690000.25 5325000.5 500\n");
+              week = timed_tile(1, false), plain = text("690000.25 5325000.5 500\n"),
+              untold = text("x,y,z,gps_time\n690000.25,5325000.5,500,3\n");
   for (const int threads : {1, 3}) {
     EXPECT_TRUE(join({none, standard}, {}, threads).gps_time_is_standard);
     EXPECT_TRUE(join({plain, empty, standard}, {}, threads).gps_time_is_standard);
     EXPECT_FALSE(join({timed_tile(0, true), week}, {}, threads).gps_time_is_standard);
     EXPECT_TRUE(join({timed_tile(0, true), none}, {}, threads).gps_time_is_standard) << "as the first file";
+    const PointCloud texts = join({untold, standard, untold}, {}, threads);
+    EXPECT_TRUE(texts.gps_time_is_standard) << "texts do not say";
+    EXPECT_FALSE(texts.gps_times.empty());
+    EXPECT_FALSE(warns(texts, "another way"));
     const PointCloud both = join({none, standard, week}, {}, threads);
     EXPECT_TRUE(both.gps_time_is_standard);
     EXPECT_TRUE(warns(both, "tile_2: counts GPS time another way (week or standard) than tile_1"));

@@ -170,8 +170,9 @@ void E57Reader::find_time_origins() {
     ++timed;
     if (scans()[scan].start) ++dated;
   }
-  facts_.gps_time_is_standard = timed > 0 && dated == timed;
-  for (std::size_t scan = 0; facts_.gps_time_is_standard && scan < scans().size(); ++scan)
+  const bool is_standard = timed > 0 && dated == timed;
+  facts_.gps_time_is_standard = is_standard;
+  for (std::size_t scan = 0; is_standard && scan < scans().size(); ++scan)
     time_origins_[scan] = scans()[scan].start.value_or(0.0) + k_adjusted_gps_time;
   if (dated < timed)
     warn("time stamps are seconds since the start of each scan, which the file does not tell of every scan");
