@@ -14,8 +14,7 @@
 
 #include "octree/cloud/byte_order.h"
 #include "octree/cloud/las_point.h"
-#include "octree/cloud/laz/layered_codec.h"
-#include "octree/cloud/laz/pointwise_codec.h"
+#include "octree/cloud/laz/chunk_encoder.h"
 #include "octree/cloud/output_file.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/cloud/repack_las.h"
@@ -28,7 +27,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-/// Both codecs under one name.
+/// Both decoders under one name.
 struct Decoder {
   explicit Decoder(const LazLayout& layout) {
     if (layout.compressor == LazCompressor::layered)
@@ -43,20 +42,6 @@ struct Decoder {
   }
   std::unique_ptr<LayeredDecoder> layered;
   std::unique_ptr<PointwiseDecoder> pointwise;
-};
-
-struct Encoder {
-  explicit Encoder(const LazLayout& layout) {
-    if (layout.compressor == LazCompressor::layered)
-      layered = std::make_unique<LayeredEncoder>(layout);
-    else
-      pointwise = std::make_unique<PointwiseEncoder>(layout);
-  }
-  Bytes encode(std::span<const std::byte> records) {
-    return layered != nullptr ? layered->encode(records) : pointwise->encode(records);
-  }
-  std::unique_ptr<LayeredEncoder> layered;
-  std::unique_ptr<PointwiseEncoder> pointwise;
 };
 
 struct Chunk {
@@ -92,7 +77,7 @@ Input made_input(int format) {
   const std::size_t chunk_count = 4;
   input.point_count = chunk_count * k_laz_chunk_size;
   const Bytes records = scan_records(format, input.point_count);
-  Encoder encoder(input.layout);
+  ChunkEncoder encoder(input.layout);
   for (std::size_t i = 0; i < chunk_count; ++i) {
     const auto some = std::span(records).subspan(i * k_laz_chunk_size * size, k_laz_chunk_size * size);
     input.chunks.push_back({encoder.encode(some), {some.begin(), some.end()}});
@@ -118,7 +103,7 @@ void decode(benchmark::State& state, const Input& input) {
 }
 
 void encode(benchmark::State& state, const Input& input) {
-  Encoder encoder(input.layout);
+  ChunkEncoder encoder(input.layout);
   for (auto _ : state) {
     for (const Chunk& chunk : input.chunks) benchmark::DoNotOptimize(encoder.encode(chunk.records).data());
   }

@@ -8,38 +8,16 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <optional>
 #include <vector>
 
 #include "octree/cloud/byte_order.h"
-#include "octree/cloud/laz/layered_codec.h"
-#include "octree/cloud/laz/pointwise_codec.h"
+#include "octree/cloud/laz/chunk_encoder.h"
 #include "octree/cloud/laz/write_chunk_table.h"
 
 namespace alidade {
 namespace {
 
 constexpr std::size_t k_most_bytes = 64 << 20;
-
-/// Packs chunks by the rules of a layout.
-class ChunkEncoder {
- public:
-  explicit ChunkEncoder(const LazLayout& layout) {
-    if (layout.compressor == LazCompressor::layered) {
-      layered_.emplace(layout);
-    } else {
-      pointwise_.emplace(layout);
-    }
-  }
-
-  std::vector<std::byte> encode(std::span<const std::byte> records) {
-    return layered_ ? layered_->encode(records) : pointwise_->encode(records);
-  }
-
- private:
-  std::optional<LayeredEncoder> layered_;
-  std::optional<PointwiseEncoder> pointwise_;
-};
 
 }  // namespace
 

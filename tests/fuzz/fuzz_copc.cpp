@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+// Any bytes as a COPC file that is asked where it lies: an Error, or all points of all nodes, each once and
+// where the loaded cloud has it.
+#include <cstdint>
+#include <cstdlib>
+#include <limits>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "octree/cloud/cloud_reader.h"
+#include "octree/copc/copc_tree.h"
+#include "octree/error.h"
+#include "octree/query_targets.h"
+#include "octree/tree_query.h"
+
+namespace alidade {
+namespace {
+
+std::vector<PointHit> all_points(std::span<const std::byte> bytes) {
+  const CopcFile file(InputFile(bytes, "input"));
+  // So that nodes are decoded again.
+  const CopcCache cache(file, {.byte_count = 1000});
+  const double far = std::numeric_limits<double>::infinity();
+  const Bounds everything{glm::dvec3(-far), glm::dvec3(far)};
+  const PointQuery query{};
+  const BoxTarget target(everything, query);
+  Nearest neighbors(target, query.k);
+  tree_query(CopcTree(cache), target, neighbors);
+  return neighbors.in_order();
+}
+
+}  // namespace
+}  // namespace alidade
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto bytes = std::as_bytes(std::span(data, size));
+  try {
+    const std::vector<alidade::PointHit> points = alidade::all_points(bytes);
+    std::vector<alidade::InputFile> files;
+    files.emplace_back(bytes, "input");
+    const alidade::PointCloud cloud =
+        alidade::join_files(std::move(files), {.attributes = alidade::AttributeSet()});
+    if (cloud.size() != points.size()) std::abort();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (points[i].point_id != i || points[i].position != cloud.world(i)) std::abort();
+    }
+  } catch (const alidade::Error&) {
+  }
+  return 0;
+}
