@@ -141,6 +141,24 @@ TEST(E57, quaternions_of_another_length_are_brought_to_1_and_told) {
   EXPECT_TRUE(warns(cloud, "the quaternion of the pose has length 2.8"));
 }
 
+TEST(E57, what_is_odd_in_many_scans_is_told_once) {
+  E57Builder builder;
+  for (int i = 0; i < 5; ++i) {
+    std::vector<E57Column> columns = three_points();
+    columns.push_back(float32_column("intensity", {0, 1, 2.0 + i}, "minimum=\"0\" maximum=\"1\""));
+    builder.add_scan(pose_element(i == 0 ? "1 0 0 0" : "2 0 0 2", "0 0 0"), columns);
+    builder.add_image("");
+  }
+  const PointCloud cloud = read(builder);
+  EXPECT_EQ(cloud.warnings.size(), 3u);
+  EXPECT_TRUE(warns(cloud, "memory: scan 2: the quaternion of the pose has length 2.8"));
+  EXPECT_TRUE(warns(cloud, "it was brought to 1, and 3 more like this"));
+  EXPECT_TRUE(warns(cloud, "memory: image 1 holds no picture, and 4 more like this"));
+  EXPECT_TRUE(warns(cloud,
+                    "scan 1: intensities go from 0 to 2, beyond the range of 0 to 1 that is stated: it was "
+                    "widened to 0 to 2, and 4 more like this"));
+}
+
 TEST(E57, spherical_coordinates_with_a_pose) {
   const double pi = 3.14159265358979323846;
   E57Builder builder;

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "octree/cloud/e57/e57_oddities.h"
+
 namespace alidade {
 
 // What the XML of an E57 file says, as plain data. Standard: ASTM E2807.
@@ -91,7 +93,7 @@ struct E57Document {
   std::string coordinate_metadata;  ///< normally WKT; often empty
   std::vector<E57Scan> scans;
   std::vector<E57Image> images;
-  std::vector<std::string> oddities;  ///< what was read over, clauses
+  E57Oddities oddities;
 };
 
 }  // namespace alidade

@@ -75,7 +75,7 @@ const char* name_of(E57Projection projection) {
   return k_names[static_cast<int>(projection)];
 }
 
-E57Image read_e57_image(const E57Node& parent, E57Pages& pages, std::vector<std::string>& oddities) {
+E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
   E57Image image;
   image.name = parent.child("name").text();
   image.guid = parent.child("guid").text();
@@ -87,7 +87,7 @@ E57Image read_e57_image(const E57Node& parent, E57Pages& pages, std::vector<std:
     const auto picture = read_picture(node, static_cast<E57Projection>(i), pages);
     if (picture) image.pictures.push_back(*picture);
   }
-  if (image.pictures.empty()) oddities.push_back(parent.where() + " holds no picture");
+  if (image.pictures.empty()) oddities.add("no picture", parent.where() + " holds no picture");
   return image;
 }
 

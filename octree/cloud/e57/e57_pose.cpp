@@ -17,7 +17,7 @@ glm::dmat3 rotation_of(double w, double x, double y, double z) {
 
 }  // namespace
 
-std::optional<E57Pose> read_e57_pose(const E57Node& parent, std::vector<std::string>& oddities) {
+std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities) {
   const E57Node node = parent.child("pose");
   if (!node) return std::nullopt;
   E57Pose pose;
@@ -29,8 +29,9 @@ std::optional<E57Pose> read_e57_pose(const E57Node& parent, std::vector<std::str
       rotation.fail("is no rotation", "a quaternion of length 1", fmt::format("length {}", length));
     }
     if (std::abs(length - 1.0) > 1e-3) {
-      oddities.push_back(fmt::format("{}: the quaternion of the pose has length {}; it was brought to 1",
-                                     parent.where(), length));
+      oddities.add("quaternion",
+                   fmt::format("{}: the quaternion of the pose has length {}; it was brought to 1",
+                               parent.where(), length));
     }
     pose.is_rotated = x != 0.0 || y != 0.0 || z != 0.0;
     if (pose.is_rotated) pose.rotation = rotation_of(w / length, x / length, y / length, z / length);

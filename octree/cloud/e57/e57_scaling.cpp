@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <optional>
+#include <string>
 
 namespace alidade {
 namespace {
@@ -53,12 +54,12 @@ std::optional<Range> color_range(const E57Limits& limits, const E57Field& field)
 class Scalings {
  public:
   Scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
-           const std::vector<E57Values>& values, AttributeSet wanted, std::vector<std::string>& warnings)
+           const std::vector<E57Values>& values, AttributeSet wanted, E57Oddities& oddities)
       : scans_(scans),
         roles_(roles),
         values_(values),
         wanted_(wanted),
-        warnings_(warnings),
+        oddities_(oddities),
         scalings_(scans.size()) {}
 
   std::vector<E57Scaling> take() {
@@ -76,11 +77,11 @@ class Scalings {
     return scans_[scan].fields[*roles_[scan].field(role)];
   }
 
-  void warn_of_values_beyond(std::size_t scan, const char* what, const Range& range, const ValueRange& values,
-                             const std::string& consequence) {
-    warnings_.push_back(
-        fmt::format("scan {}: {} go from {} to {}, beyond the range of {} to {} that is stated: {}", scan + 1,
-                    what, values.min, values.max, range[0], range[1], consequence));
+  void warn_of_values_beyond(const char* kind, std::size_t scan, const char* what, const Range& range,
+                             const ValueRange& values, const std::string& consequence) {
+    oddities_.add(kind,
+                  fmt::format("scan {}: {} go from {} to {}, beyond the range of {} to {} that is stated: {}",
+                              scan + 1, what, values.min, values.max, range[0], range[1], consequence));
   }
 
   void scale_colors(std::size_t scan) {
@@ -101,12 +102,14 @@ class Scalings {
       const bool is_little = stated == Range{0.0, 1.0} && values.min > -1.0 && values.max < 2.0;
       const Range wider = {std::min(values.min, 0.0), full_scale(values.max)};
       if (!is_little) ranges.fill(wider);
-      warn_of_values_beyond(scan, "colours", stated, values,
+      warn_of_values_beyond(is_little ? "colours held" : "colours widened", scan, "colours", stated, values,
                             is_little ? "they were held at its ends" : widened_to(wider));
     } else if ((*ranges[0])[1] > 255.0 && values.max <= 255.0 && values.max > 0.0) {
-      warnings_.push_back(fmt::format(
-          "scan {}: colours are stated to go up to {}, but none exceeds 255: they may be 8-bit values",
-          scan + 1, (*ranges[0])[1]));
+      oddities_.add(
+          "colours of 8 bits",
+          fmt::format(
+              "scan {}: colours are stated to go up to {}, but none exceeds 255: they may be 8-bit values",
+              scan + 1, (*ranges[0])[1]));
     }
     for (std::size_t channel = 0; channel < 3; ++channel)
       scalings_[scan].colors[channel] = from_range(*ranges[channel]);
@@ -124,7 +127,7 @@ class Scalings {
     Range range = *limits;
     if (goes_beyond(values, range)) {
       range = {std::min(values.min, range[0]), std::max(values.max, range[1])};
-      warn_of_values_beyond(scan, "intensities", *limits, values, widened_to(range));
+      warn_of_values_beyond("intensities widened", scan, "intensities", *limits, values, widened_to(range));
     }
     scalings_[scan].intensities = from_range(range);
   }
@@ -137,16 +140,16 @@ class Scalings {
     for (const std::size_t scan : free_colors_) scalings_[scan].colors.fill(colors);
     for (const std::size_t scan : free_intensities_) scalings_[scan].intensities = intensities;
     if (!free_colors_.empty() && !colors.assumption.empty())
-      warnings_.push_back("it was assumed that " + colors.assumption);
+      oddities_.add("colours assumed", "it was assumed that " + colors.assumption);
     if (!free_intensities_.empty() && !intensities.assumption.empty())
-      warnings_.push_back("it was assumed that " + intensities.assumption);
+      oddities_.add("intensities assumed", "it was assumed that " + intensities.assumption);
   }
 
   const std::vector<E57Scan>& scans_;
   const std::vector<E57Roles>& roles_;
   const std::vector<E57Values>& values_;
   AttributeSet wanted_;
-  std::vector<std::string>& warnings_;
+  E57Oddities& oddities_;
   std::vector<E57Scaling> scalings_;
   std::vector<std::size_t> free_colors_, free_intensities_;
   ValueRange colors_, intensities_;  ///< of the scans in those lists
@@ -156,8 +159,8 @@ class Scalings {
 
 std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
                                      const std::vector<E57Values>& values, AttributeSet wanted,
-                                     std::vector<std::string>& warnings) {
-  return Scalings(scans, roles, values, wanted, warnings).take();
+                                     E57Oddities& oddities) {
+  return Scalings(scans, roles, values, wanted, oddities).take();
 }
 
 }  // namespace alidade

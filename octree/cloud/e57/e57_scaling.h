@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <string>
 #include <vector>
 
 #include "octree/cloud/e57/e57_document.h"
@@ -31,9 +30,9 @@ struct E57Values {
 /// - otherwise what color_scaling() and intensity_scaling() say of all such scans together.
 /// Where values go beyond the range, it is widened to the next of 255 and 65535 that holds them (colours) or
 /// to the values (intensities); but colours between -1 and 2 are held at the ends of 0 to 1, because that
-/// much is what filters leave. What was assumed, widened or held is added to `warnings`, as clauses.
+/// much is what filters leave. What was assumed, widened or held is added to `oddities`.
 std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
                                      const std::vector<E57Values>& values, AttributeSet wanted,
-                                     std::vector<std::string>& warnings);
+                                     E57Oddities& oddities);
 
 }  // namespace alidade

@@ -139,7 +139,7 @@ int E57Field::bits() const {
   }
 }
 
-E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, std::vector<std::string>& oddities) {
+E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
   E57Scan scan;
   scan.name = parent.child("name").text();
   scan.guid = parent.child("guid").text();

@@ -54,12 +54,12 @@ class E57Node {
 };
 
 /// The pose of a scan or image, empty if it has none; oddities are added to. Errors: a rotation that is none.
-std::optional<E57Pose> read_e57_pose(const E57Node& parent, std::vector<std::string>& oddities);
+std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities);
 
 /// The scan `parent` describes. Its section is checked by itself, not against others.
-E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, std::vector<std::string>& oddities);
+E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities);
 
 /// The image `parent` describes.
-E57Image read_e57_image(const E57Node& parent, E57Pages& pages, std::vector<std::string>& oddities);
+E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& oddities);
 
 }  // namespace alidade

@@ -60,7 +60,7 @@ class E57Reader final : public CloudReader {
       unread.insert(roles.unread().begin(), roles.unread().end());
     }
     find_time_origins();
-    for (const std::string& oddity : file_.document().oddities) warn(oddity);
+    for (const std::string& oddity : file_.document().oddities.clauses()) warn(oddity);
     if (const std::string& text = file_.document().coordinate_metadata; is_wkt(text)) {
       facts_.crs.wkt = text;
     } else if (!text.empty()) {
@@ -215,10 +215,10 @@ void E57Reader::warn_of_invalid(const std::array<std::uint64_t, 3>& invalid) {
 
 void E57Reader::read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
   if (!survey_) survey({});
-  std::vector<std::string> assumptions;
+  E57Oddities assumptions;
   const AttributeSet kept = attributes_ & wanted;
   const std::vector<E57Scaling> scalings = e57_scalings(scans(), roles_, values_, kept, assumptions);
-  for (const std::string& assumption : assumptions) warn(assumption);
+  for (const std::string& assumption : assumptions.clauses()) warn(assumption);
   for (const E57Scan& scan : scans()) {
     if (scan.pose) cloud.scanner_positions.push_back({scan.name, scan.pose->translation});
   }
