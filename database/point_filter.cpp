@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#include "database/point_filter.h"
+
+#include <algorithm>
+
+#include "octree/distance.h"
+
+namespace alidade {
+namespace {
+
+bool contains(const Interval& limits, double value) {
+  return limits.low <= value && value <= limits.high;
+}
+
+/// Ends that overflowed to NaN rule nothing out.
+bool may_meet(const Interval& limits, const Interval& reach) {
+  return limits.low <= limits.high && !(reach.high < limits.low) && !(reach.low > limits.high);
+}
+
+bool meet(const Bounds& a, const Bounds& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
+         a.min.z <= b.max.z && b.min.z <= a.max.z;
+}
+
+}  // namespace
+
+bool holds(const PointFilter& filter, const glm::dvec3& point) {
+  return filter.box.contains(point) &&
+         std::ranges::all_of(filter.lines,
+                             [&](const LineCondition& line) {
+                               const RayProjection at = project(line.ray, point);
+                               return contains(line.distance, at.distance) && contains(line.t, at.t);
+                             }) &&
+         std::ranges::all_of(filter.planes, [&](const PlaneCondition& plane) {
+           return contains(plane.distance, signed_distance(plane.plane, point));
+         });
+}
+
+bool may_hold(const PointFilter& filter, const Bounds& box) {
+  return meet(filter.box, box) &&
+         std::ranges::all_of(filter.lines,
+                             [&](const LineCondition& line) {
+                               const RayReach reach = project(line.ray, box);
+                               return may_meet(line.distance, reach.distance) && may_meet(line.t, reach.t);
+                             }) &&
+         std::ranges::all_of(filter.planes, [&](const PlaneCondition& plane) {
+           return may_meet(plane.distance, signed_distance(plane.plane, box));
+         });
+}
+
+}  // namespace alidade

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include "octree/bounds.h"
+#include "octree/interval.h"
+#include "octree/plane.h"
+#include "octree/ray.h"
+
+namespace alidade {
+
+/// dist_ray and place along the ray of a point (octree/distance.h: project), each in a closed interval.
+struct LineCondition {
+  Ray ray;
+  Interval distance{};
+  Interval t{};
+};
+
+/// dist_plane of a point (octree/distance.h: signed_distance) in a closed interval.
+struct PlaneCondition {
+  Plane plane;
+  Interval distance{};
+};
+
+/// What a WHERE clause demands of points, as far as chunks of points can be tested for it. All of it must
+/// hold. A limit that is not a number is none that any point holds.
+struct PointFilter {
+  std::vector<LineCondition> lines{};
+  std::vector<PlaneCondition> planes{};
+  /// Coordinates, faces inclusive.
+  Bounds box{glm::dvec3(-std::numeric_limits<double>::infinity()),
+             glm::dvec3(std::numeric_limits<double>::infinity())};
+};
+
+/// Whether it holds for a point of finite coordinates.
+bool holds(const PointFilter& filter, const glm::dvec3& point);
+
+/// False only if it holds for no point of the box, to the last bit: the paper's pruning of chunks by bounds
+/// of a distance over their boxes (section 4.2), with the bounds of octree/interval.h.
+bool may_hold(const PointFilter& filter, const Bounds& box);
+
+}  // namespace alidade

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/chunk_store.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+namespace alidade {
+ChunkStore::ChunkStore(sqlite3* database, const std::string& schema, const std::string& table,
+                       const CloudSchema& cloud)
+    : table_(table),
+      boxes_(database, part_name(schema, table, "bounds"), table, cloud.chunk_count),
+      positions_(database,
+                 "SELECT points, positions FROM " + part_name(schema, table, "chunk") + " WHERE id = ?"),
+      values_(database, "SELECT data FROM " + part_name(schema, table, "value") + " WHERE id = ?") {}
+
+void ChunkStore::refuse(std::uint64_t chunk, std::string problem, std::string expected,
+                        std::string found) const {
+  throw Error({.file = table_,
+               .place = fmt::format("chunk {}", chunk),
+               .problem = std::move(problem),
+               .expected = std::move(expected),
+               .found = std::move(found)});
+}
+
+std::vector<ChunkPlace> ChunkStore::chunks(const PointFilter& filter) {
+  return boxes_.chunks([&](const Bounds& box) { return may_hold(filter, box); });
+}
+
+std::shared_ptr<StoredChunk> ChunkStore::read(std::uint64_t id) {
+  positions_.bind(1, static_cast<std::int64_t>(id));
+  if (!positions_.step()) {
+    positions_.reset();
+    refuse(id, "is not there", "a row of the table of chunks", "");
+  }
+  const std::int64_t count = positions_.whole(0);
+  const std::span<const std::byte> bytes = positions_.bytes(1);
+  auto chunk = std::make_shared<StoredChunk>();
+  chunk->id = id;
+  const std::size_t size = bytes.size();
+  const bool fits = size % sizeof(LatticePosition) == 0 &&
+                    static_cast<std::int64_t>(size / sizeof(LatticePosition)) == count;
+  if (fits && size > 0) {
+    chunk->positions.resize(size / sizeof(LatticePosition));
+    std::memcpy(chunk->positions.data(), bytes.data(), size);
+  }
+  positions_.reset();
+  if (!fits) {
+    refuse(id, "its positions have another size than its points need",
+           fmt::format("{} bytes for each of {} points", sizeof(LatticePosition), count),
+           fmt::format("{} bytes", size));
+  }
+  return chunk;
+}
+
+const std::byte* ChunkStore::bytes(StoredChunk& chunk, const StoredColumn& column, std::size_t row) {
+  const auto blob = static_cast<std::size_t>(column.blob);
+  const auto size = static_cast<std::size_t>(column.size);
+  if (chunk.blobs.size() <= blob) chunk.blobs.resize(blob + 1);
+  if (!chunk.blobs[blob]) {
+    values_.bind(1, value_id(column.blob, chunk.id));
+    const bool is_there = values_.step();
+    const std::span<const std::byte> stored = is_there ? values_.bytes(0) : std::span<const std::byte>();
+    std::vector<std::byte> copy(stored.begin(), stored.end());
+    values_.reset();
+    if (copy.size() != size * chunk.positions.size()) {
+      refuse(chunk.id, fmt::format("the values of {} have another size than its points need", column.name),
+             fmt::format("{} bytes for each of {} points", size, chunk.positions.size()),
+             is_there ? fmt::format("{} bytes", copy.size()) : "none");
+    }
+    chunk.blobs[blob] = std::move(copy);
+  }
+  return chunk.blobs[blob]->data() + row * size + static_cast<std::size_t>(column.place);
+}
+
+}  // namespace alidade

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "database/sqlite/stored_column.h"
+#include "octree/bounds.h"
+#include "octree/cloud/lattice.h"
+
+struct sqlite3;
+
+// A cloud in SQLite. A table of the module pointcloud, named NAME, stands on four ordinary tables:
+//   NAME_cloud   one row: format version, lattice, counts, CRS as WKT
+//   NAME_column  what the columns are (StoredColumn), in their order
+//   NAME_chunk   positions of chunks of points in Morton order: 3 int32 lattice steps per point
+//   NAME_value   the other values: blob `blob` of chunk `chunk` has the id blob * 2^32 + chunk
+//   NAME_bounds  boxes of the chunks (database/sqlite/box_tree.h)
+// Numbers in blobs are little endian.
+
+namespace alidade {
+
+inline constexpr int k_cloud_table_version = 1;
+
+struct CloudSchema {
+  Lattice lattice;
+  std::uint64_t point_count = 0;
+  std::uint64_t chunk_count = 0;
+  std::string crs_wkt;
+  std::vector<StoredColumn> columns;
+};
+
+/// Makes the tables below `table`, but for the module's own. Errors: SQLite's.
+void create_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
+                         const CloudSchema& cloud);
+
+/// Reads what create_cloud_tables() wrote. Errors: the tables are not there, of another version, or say what
+/// cannot be.
+CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table);
+
+/// Removes the tables, those that are there.
+void drop_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table);
+
+/// "SCHEMA"."TABLE_PART", quoted.
+std::string part_name(const std::string& schema, const std::string& table, const std::string& part);
+
+/// The id of a value blob.
+constexpr std::int64_t value_id(int blob, std::uint64_t chunk) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(blob) << 32 | chunk);
+}
+
+}  // namespace alidade

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/cloud_table.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "database/sqlite/functions.h"
+#include "database/sqlite/plan.h"
+#include "database/sqlite/point_cursor.h"
+#include "database/sqlite/sql_values.h"
+
+namespace alidade {
+namespace {
+
+struct Table {
+  sqlite3_vtab base{};  // SQLite's part, which must stand first
+  sqlite3* database = nullptr;
+  std::string schema, name;
+  CloudSchema cloud;
+  TableColumns columns;
+
+  Table(sqlite3* connection, std::string schema_name, std::string table_name)
+      : database(connection),
+        schema(std::move(schema_name)),
+        name(std::move(table_name)),
+        cloud(read_cloud_schema(database, schema, name)),
+        columns(cloud.columns) {}
+};
+
+struct Cursor {
+  sqlite3_vtab_cursor base{};  // SQLite's part, which must stand first
+  ChunkStore store;
+  Arguments arguments;
+  std::optional<PointCursor> points;
+
+  explicit Cursor(const Table& table) : store(table.database, table.schema, table.name, table.cloud) {}
+};
+
+Table& table_of(sqlite3_vtab* base) {
+  return *reinterpret_cast<Table*>(base);
+}
+Cursor& cursor_of(sqlite3_vtab_cursor* base) {
+  return *reinterpret_cast<Cursor*>(base);
+}
+
+void keep_message(char** place, const char* message) {
+  sqlite3_free(*place);
+  *place = sqlite3_mprintf("%s", message);
+}
+
+/// Runs a callback of a table, whose message it keeps.
+template <class Work>
+int table_guarded(sqlite3_vtab* base, const Work& work) {
+  return guarded(work, [&](const char* message) { keep_message(&base->zErrMsg, message); });
+}
+
+int connect(sqlite3* database, void*, int count, const char* const* words, sqlite3_vtab** made,
+            char** message) {
+  return guarded(
+      [&] {
+        if (count > 3)
+          throw Error({.problem = "pointcloud takes no arguments", .expected = "USING pointcloud"});
+        auto table = std::make_unique<Table>(database, words[1], words[2]);
+        const int result = sqlite3_declare_vtab(database, table->columns.declaration().c_str());
+        if (result != SQLITE_OK) return result;
+        *made = &table.release()->base;
+        return SQLITE_OK;
+      },
+      [&](const char* text) { keep_message(message, text); });
+}
+
+int disconnect(sqlite3_vtab* base) {
+  delete &table_of(base);
+  return SQLITE_OK;
+}
+
+int destroy(sqlite3_vtab* base) {
+  const int result = table_guarded(base, [&] {
+    const Table& table = table_of(base);
+    drop_cloud_tables(table.database, table.schema, table.name);
+    return SQLITE_OK;
+  });
+  return result == SQLITE_OK ? disconnect(base) : result;
+}
+
+int best_index(sqlite3_vtab* base, sqlite3_index_info* info) {
+  return table_guarded(base, [&] {
+    const Table& table = table_of(base);
+    return choose_plan(table.columns, table.cloud.point_count, *info);
+  });
+}
+
+int open(sqlite3_vtab* base, sqlite3_vtab_cursor** made) {
+  return table_guarded(base, [&] {
+    *made = &std::make_unique<Cursor>(table_of(base)).release()->base;
+    return SQLITE_OK;
+  });
+}
+
+int close(sqlite3_vtab_cursor* base) {
+  delete &cursor_of(base);
+  return SQLITE_OK;
+}
+
+int filter(sqlite3_vtab_cursor* base, int order, const char* plan, int count, sqlite3_value** values) {
+  return table_guarded(base->pVtab, [&] {
+    Cursor& cursor = cursor_of(base);
+    const Table& table = table_of(base->pVtab);
+    cursor.points.reset();
+    const std::optional<PointFilter> wanted = plan_filter(
+        plan == nullptr ? "" : plan, std::span(values, static_cast<std::size_t>(count)), cursor.arguments);
+    if (wanted) cursor.points.emplace(cursor.store, table.cloud, *wanted, static_cast<RowOrder>(order));
+    return SQLITE_OK;
+  });
+}
+
+int next(sqlite3_vtab_cursor* base) {
+  return table_guarded(base->pVtab, [&] {
+    cursor_of(base).points->next();
+    return SQLITE_OK;
+  });
+}
+
+int at_end(sqlite3_vtab_cursor* base) {
+  const Cursor& cursor = cursor_of(base);
+  return !cursor.points || cursor.points->at_end() ? 1 : 0;
+}
+
+template <class Value>
+Value load_value(const std::byte* at) {
+  Value value;
+  std::memcpy(&value, at, sizeof value);
+  return value;
+}
+
+/// A stored number as it is meant: with scale and offset it is a real number.
+template <class Value>
+void answer_number(sqlite3_context* context, const StoredColumn& column, const std::byte* at) {
+  const Value stored = load_value<Value>(at);
+  const double number = static_cast<double>(stored);
+  if (column.no_data && number == *column.no_data) return;
+  const bool is_plain = column.scale == 1.0 && column.offset == 0.0;
+  if constexpr (std::is_integral_v<Value>) {
+    if (is_plain && std::in_range<sqlite3_int64>(stored)) {
+      sqlite3_result_int64(context, static_cast<sqlite3_int64>(stored));
+      return;
+    }
+  }
+  sqlite3_result_double(context, is_plain ? number : column.offset + column.scale * number);
+}
+
+void answer_stored(sqlite3_context* context, const StoredColumn& column, const std::byte* at) {
+  switch (column.type) {
+    case ScalarType::uint8:
+      return answer_number<std::uint8_t>(context, column, at);
+    case ScalarType::int8:
+      return answer_number<std::int8_t>(context, column, at);
+    case ScalarType::uint16:
+      return answer_number<std::uint16_t>(context, column, at);
+    case ScalarType::int16:
+      return answer_number<std::int16_t>(context, column, at);
+    case ScalarType::uint32:
+      return answer_number<std::uint32_t>(context, column, at);
+    case ScalarType::int32:
+      return answer_number<std::int32_t>(context, column, at);
+    case ScalarType::uint64:
+      return answer_number<std::uint64_t>(context, column, at);
+    case ScalarType::int64:
+      return answer_number<std::int64_t>(context, column, at);
+    case ScalarType::float32:
+      return answer_number<float>(context, column, at);
+    case ScalarType::float64:
+      return answer_number<double>(context, column, at);
+    case ScalarType::bytes:
+      sqlite3_result_blob(context, at, column.size, SQLITE_TRANSIENT);
+  }
+}
+
+int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
+  return table_guarded(base->pVtab, [&] {
+    Cursor& cursor = cursor_of(base);
+    const PointCursor& points = *cursor.points;
+    const TableColumns& columns = table_of(base->pVtab).columns;
+    const TableColumns::Kind kind = columns.kind(number);
+    if (kind == TableColumns::Kind::stored) {
+      const StoredColumn& stored = columns.stored(number);
+      answer_stored(context, stored, cursor.store.bytes(points.chunk(), stored, points.row()));
+    } else if (kind == TableColumns::Kind::axis) {
+      sqlite3_result_double(context, points.position()[columns.axis(number)]);
+    } else if (kind == TableColumns::Kind::argument) {
+      if (cursor.arguments) sqlite3_result_double(context, (*cursor.arguments)[columns.argument(number)]);
+    } else if (kind == TableColumns::Kind::chunk) {
+      sqlite3_result_int64(context, static_cast<sqlite3_int64>(points.chunk().id));
+    } else if (cursor.arguments) {
+      const RayProjection at = *points.projection();
+      sqlite3_result_double(context, kind == TableColumns::Kind::t ? at.t : at.distance);
+    }
+    return SQLITE_OK;
+  });
+}
+
+int row_id(sqlite3_vtab_cursor* base, sqlite3_int64* id) {
+  const PointCursor& points = *cursor_of(base).points;
+  *id = static_cast<sqlite3_int64>(points.chunk().id << 20 | points.row());
+  return SQLITE_OK;
+}
+
+/// in_chunk(_chunk, limit) is a condition that plans see.
+int find_function(sqlite3_vtab*, int count, const char* name,
+                  void (**function)(sqlite3_context*, int, sqlite3_value**), void** context) {
+  if (count != 2 || sqlite3_stricmp(name, "in_chunk") != 0) return 0;
+  *function = in_chunk;
+  *context = nullptr;
+  return SQLITE_INDEX_CONSTRAINT_FUNCTION;
+}
+
+/// The tables that only this module may write, where SQLite is told to be strict.
+int is_shadow(const char* name) {
+  for (const char* const part : {"cloud", "column", "chunk", "value", "bounds"}) {
+    if (sqlite3_stricmp(name, part) == 0) return 1;
+  }
+  return 0;
+}
+
+const sqlite3_module k_module = [] {
+  sqlite3_module module{};
+  module.iVersion = 3;
+  module.xCreate = connect;
+  module.xConnect = connect;
+  module.xBestIndex = best_index;
+  module.xDisconnect = disconnect;
+  module.xDestroy = destroy;
+  module.xOpen = open;
+  module.xClose = close;
+  module.xFilter = filter;
+  module.xNext = next;
+  module.xEof = at_end;
+  module.xColumn = column;
+  module.xRowid = row_id;
+  module.xFindFunction = find_function;
+  module.xShadowName = is_shadow;
+  return module;
+}();
+
+}  // namespace
+
+int add_cloud_table(sqlite3* database) {
+  return sqlite3_create_module_v2(database, "pointcloud", &k_module, nullptr, nullptr);
+}
+
+}  // namespace alidade

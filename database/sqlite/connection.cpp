@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/connection.h"
+
+#include "database/sqlite/cloud_table.h"
+#include "database/sqlite/functions.h"
+#include "database/sqlite/statement.h"
+
+namespace alidade {
+
+Connection::Connection(const std::filesystem::path& file, Mode mode) {
+  const int flags = mode == Mode::read    ? SQLITE_OPEN_READONLY
+                    : mode == Mode::write ? SQLITE_OPEN_READWRITE
+                                          : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
+  try {
+    int result = sqlite3_open_v2(file.c_str(), &database_, flags, nullptr);
+    if (result == SQLITE_OK) result = add_functions(database_);
+    if (result == SQLITE_OK) result = add_cloud_table(database_);
+    if (result != SQLITE_OK) {
+      throw Error({.file = file.string(),
+                   .problem = database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_)});
+    }
+    // Opening looks at nothing; a file that is no database shows here.
+    Statement(database_, "SELECT count(*) FROM sqlite_schema").step();
+  } catch (...) {
+    sqlite3_close(database_);
+    throw;
+  }
+}
+
+}  // namespace alidade

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+
+#include "database/sqlite/sqlite_api.h"
+
+namespace alidade {
+
+/// A connection to an SQLite file with the functions and the table module of Alidade.
+class Connection {
+ public:
+  enum class Mode { read, write, create };
+
+  /// Errors: the file cannot be opened, or is no database.
+  Connection(const std::filesystem::path& file, Mode mode);
+  ~Connection() { sqlite3_close(database_); }
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  sqlite3* get() const { return database_; }
+
+ private:
+  sqlite3* database_ = nullptr;
+};
+
+}  // namespace alidade

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/functions.h"
+
+#include "database/sqlite/distance_limit.h"
+#include "database/sqlite/sql_values.h"
+#include "octree/distance.h"
+
+namespace alidade {
+namespace {
+
+/// Wraps what computes an answer as a function of SQL.
+template <void (*answer)(sqlite3_context*, std::span<sqlite3_value* const>)>
+void call(sqlite3_context* context, int count, sqlite3_value** values) {
+  const int result = guarded(
+      [&] {
+        answer(context, std::span(values, static_cast<std::size_t>(count)));
+        return SQLITE_OK;
+      },
+      [&](const char* message) { sqlite3_result_error(context, message, -1); });
+  if (result == SQLITE_NOMEM) sqlite3_result_error_nomem(context);
+}
+
+using Values = std::span<sqlite3_value* const>;
+
+void dist_ray(sqlite3_context* context, Values values) {
+  const auto n = numbers<9>(values, "dist_ray");
+  if (!n) return;
+  const auto& [ox, oy, oz, dx, dy, dz, x, y, z] = *n;
+  const Ray ray = make_ray({ox, oy, oz}, {dx, dy, dz});
+  sqlite3_result_double(context, project(ray, glm::dvec3(x, y, z)).distance);
+}
+
+void dist_plane(sqlite3_context* context, Values values) {
+  const auto n = numbers<9>(values, "dist_plane");
+  if (!n) return;
+  const auto& [px, py, pz, nx, ny, nz, x, y, z] = *n;
+  const Plane plane = make_plane({px, py, pz}, {nx, ny, nz});
+  sqlite3_result_double(context, signed_distance(plane, glm::dvec3(x, y, z)));
+}
+
+void limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind, const char* function) {
+  const auto n = numbers<8>(values, function);
+  if (!n) return;
+  const DistanceLimit limit{kind, *n};
+  PointFilter filter;
+  add(limit, filter);
+  const std::vector<std::byte> bytes = encode(limit);
+  sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
+}
+
+void ray_limit(sqlite3_context* context, Values values) {
+  limit(context, values, DistanceLimit::Kind::ray, "ray_limit");
+}
+
+void plane_limit(sqlite3_context* context, Values values) {
+  limit(context, values, DistanceLimit::Kind::plane, "plane_limit");
+}
+
+}  // namespace
+
+void in_chunk(sqlite3_context* context, int, sqlite3_value** values) {
+  if (sqlite3_value_type(values[1]) != SQLITE_NULL) sqlite3_result_int(context, 1);
+}
+
+int add_functions(sqlite3* database) {
+  constexpr int k_flags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
+  const auto add = [&](const char* name, int count, auto function) {
+    return sqlite3_create_function_v2(database, name, count, k_flags, nullptr, function, nullptr, nullptr,
+                                      nullptr);
+  };
+  int result = add("dist_ray", 9, call<dist_ray>);
+  if (result == SQLITE_OK) result = add("dist_plane", 9, call<dist_plane>);
+  if (result == SQLITE_OK) result = add("ray_limit", 8, call<ray_limit>);
+  if (result == SQLITE_OK) result = add("plane_limit", 8, call<plane_limit>);
+  if (result == SQLITE_OK) result = add("in_chunk", 2, in_chunk);
+  return result;
+}
+
+}  // namespace alidade

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "database/sqlite/sqlite_api.h"
+#include "octree/error.h"
+
+namespace alidade {
+
+/// `name` as SQL takes it for a name, whatever is in it: "na""me".
+inline std::string sql_name(std::string_view name) {
+  std::string text = "\"";
+  for (const char letter : name) text.append(letter == '"' ? 2 : 1, letter);
+  return text + '"';
+}
+
+/// A prepared statement of SQLite. Parameters and columns are counted as SQLite does: from 1 and from 0.
+/// Errors of all members: SQLite's message, with the name of the database file.
+class Statement {
+ public:
+  Statement(sqlite3* database, const std::string& sql) : database_(database) {
+    const int result =
+        sqlite3_prepare_v2(database, sql.c_str(), static_cast<int>(sql.size()), &statement_, nullptr);
+    if (result != SQLITE_OK) fail();
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  Statement& bind(int place, std::int64_t value) {
+    return check(sqlite3_bind_int64(statement_, place, value));
+  }
+  Statement& bind(int place, double value) { return check(sqlite3_bind_double(statement_, place, value)); }
+  Statement& bind(int place, const std::string& text) {
+    return check(
+        sqlite3_bind_text64(statement_, place, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+  }
+  Statement& bind_null(int place) { return check(sqlite3_bind_null(statement_, place)); }
+  /// The bytes must stay until the next step().
+  Statement& bind(int place, std::span<const std::byte> bytes) {
+    return check(sqlite3_bind_blob64(statement_, place, bytes.data(), bytes.size(), SQLITE_STATIC));
+  }
+  /// Whether there is another row.
+  bool step() {
+    const int result = sqlite3_step(statement_);
+    if (result != SQLITE_ROW && result != SQLITE_DONE) fail();
+    return result == SQLITE_ROW;
+  }
+  /// Runs a statement without rows, after which it can be bound and run again.
+  void run() {
+    step();
+    reset();
+  }
+  void reset() { sqlite3_reset(statement_); }
+
+  bool is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  std::int64_t whole(int column) const { return sqlite3_column_int64(statement_, column); }
+  double number(int column) const { return sqlite3_column_double(statement_, column); }
+  std::string text(int column) const {
+    const unsigned char* const start = sqlite3_column_text(statement_, column);
+    return start == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(start));
+  }
+  /// Until the next step().
+  std::span<const std::byte> bytes(int column) const {
+    const void* const start = sqlite3_column_blob(statement_, column);
+    return {static_cast<const std::byte*>(start),
+            static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
+  }
+
+ private:
+  Statement& check(int result) {
+    if (result != SQLITE_OK) fail();
+    return *this;
+  }
+  [[noreturn]] void fail() const {
+    const char* const file = sqlite3_db_filename(database_, "main");
+    throw Error({.file = file == nullptr ? "" : file, .problem = sqlite3_errmsg(database_)});
+  }
+
+  sqlite3* database_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+/// Runs SQL without parameters and rows.
+inline void run(sqlite3* database, const std::string& sql) {
+  Statement(database, sql).run();
+}
+
+}  // namespace alidade

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/stored_column.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cstring>
+#include <set>
+
+namespace alidade {
+namespace {
+
+/// Names of columns that every table has, in small letters.
+const std::set<std::string> k_taken = {"id", "x",  "y",  "z",    "ox", "oy",     "oz",
+                                       "dx", "dy", "dz", "dist", "t",  "_chunk", "rowid"};
+
+/// SQL takes names for equal that differ in ASCII capitals only.
+std::string small(std::string name) {
+  std::ranges::transform(name, name.begin(), [](unsigned char letter) {
+    return static_cast<char>(letter < 0x80 ? std::tolower(letter) : letter);
+  });
+  return name;
+}
+
+class Names {
+ public:
+  std::string free_name(const std::string& wanted) {
+    const std::string plain = wanted.empty() ? "unnamed" : wanted;
+    std::string name = plain;
+    for (int number = 2; !taken_.insert(small(name)).second; ++number)
+      name = plain + "_" + std::to_string(number);
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_ = k_taken;
+};
+
+/// The number that a file's mark for "no value" means, in the type of the dimension.
+std::optional<double> no_data_number(const ExtraDimension& dimension) {
+  if (!dimension.no_data) return std::nullopt;
+  const auto as = [&]<class Value>(Value value) {
+    std::memcpy(&value, dimension.no_data->data(), sizeof value);
+    return static_cast<double>(value);
+  };
+  switch (dimension.type) {
+    case ScalarType::uint8:
+    case ScalarType::uint16:
+    case ScalarType::uint32:
+    case ScalarType::uint64:
+      return as(std::uint64_t{});
+    case ScalarType::int8:
+    case ScalarType::int16:
+    case ScalarType::int32:
+    case ScalarType::int64:
+      return as(std::int64_t{});
+    case ScalarType::float32:
+    case ScalarType::float64:
+      return as(double{});
+    case ScalarType::bytes:
+      break;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
+  std::vector<StoredColumn> columns = {{.name = "id", .size = 8, .type = ScalarType::uint64}};
+  Names names;
+  int blob = 0;
+  // One blob of `size` bytes per point, read as the parts that follow each other.
+  const auto add = [&](bool is_there, ScalarType type, std::initializer_list<const char*> parts) {
+    if (!is_there) return;
+    ++blob;
+    const int size = scalar_size(type), count = static_cast<int>(parts.size());
+    int place = 0;
+    for (const char* const part : parts) {
+      columns.push_back(
+          {.name = names.free_name(part), .blob = blob, .size = size * count, .place = place, .type = type});
+      place += size;
+    }
+  };
+  add(!cloud.colors.empty(), ScalarType::uint16, {"red", "green", "blue"});
+  add(!cloud.near_infrared.empty(), ScalarType::uint16, {"near_infrared"});
+  add(!cloud.intensities.empty(), ScalarType::uint16, {"intensity"});
+  add(!cloud.classifications.empty(), ScalarType::uint8, {"classification"});
+  add(!cloud.returns.empty(), ScalarType::uint8, {"return_number", "return_count"});
+  add(!cloud.flags.empty(), ScalarType::uint8, {"flags"});
+  add(!cloud.scan_angles.empty(), ScalarType::float32, {"scan_angle"});
+  add(!cloud.user_data.empty(), ScalarType::uint8, {"user_data"});
+  add(!cloud.point_source_ids.empty(), ScalarType::uint16, {"point_source_id"});
+  add(!cloud.gps_times.empty(), ScalarType::float64, {"gps_time"});
+  add(!cloud.normals.empty(), ScalarType::float32, {"normal_x", "normal_y", "normal_z"});
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) {
+    columns.push_back({.name = names.free_name(dimension.name),
+                       .blob = ++blob,
+                       .size = dimension.byte_count,
+                       .type = dimension.type,
+                       .scale = dimension.has_scale ? dimension.scale : 1.0,
+                       .offset = dimension.has_offset ? dimension.offset : 0.0,
+                       .no_data = no_data_number(dimension)});
+  }
+  return columns;
+}
+
+}  // namespace alidade

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octree/cloud/point_cloud.h"
+
+namespace alidade {
+
+/// Where a column of a pointcloud table lies, beside x, y, z: in blob `blob` of every chunk, `size` bytes per
+/// point, of which the column's number is those at `place`.
+struct StoredColumn {
+  std::string name;
+  int blob = 0;
+  int size = 0;   ///< bytes per point of the blob
+  int place = 0;  ///< byte within these
+  ScalarType type = ScalarType::uint8;
+  double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, unless 1 and 0
+  std::optional<double> no_data{};   ///< the number that stands for none: NULL
+};
+
+/// Columns that hold all attributes of a cloud, blob by blob: id, then those that `info` names in its order
+/// (color as red, green, blue), then the extra dimensions. A name that SQL cannot tell from an earlier one
+/// gets a number behind it.
+std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
+
+}  // namespace alidade
