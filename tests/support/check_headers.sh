@@ -31,7 +31,7 @@ while read -r header; do
     if [[ -z ${place[$included]:-} ]]; then continue; fi
     if ((place[$included] >= place[$header])); then complain "$header: includes $included, which stands later in $order"; fi
   done < <(includes "$header")
-done < <(find octree simulation renderer visibility compare tools -name '*.h' | sort)
+done < <(find octree simulation renderer visibility compare tools database -name '*.h' | sort)
 
 # room FOLDER ALLOWED...: sources of FOLDER include only from the allowed folders
 room() {
@@ -52,10 +52,11 @@ room simulation octree simulation
 room renderer octree renderer
 room visibility octree renderer visibility
 room compare octree renderer compare
+room database octree database
 
 while read -r file; do
   complain "$file: raw intrinsics belong into octree/simd"
-done < <(grep -rlE 'include *<(imm|xmm|emm|tmm|smm|avx)[a-z0-9]*intrin\.h>' octree simulation renderer visibility compare tools tests docs --include='*.h' --include='*.cpp' | grep -v '^octree/simd/')
+done < <(grep -rlE 'include *<(imm|xmm|emm|tmm|smm|avx)[a-z0-9]*intrin\.h>' octree simulation renderer visibility compare tools database tests docs --include='*.h' --include='*.cpp' | grep -v '^octree/simd/')
 
 if ((problems > 0)); then
   echo "$problems problems with includes" >&2

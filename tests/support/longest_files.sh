@@ -4,5 +4,5 @@
 set -euo pipefail
 cd -- "$(dirname -- "$0")/../.."
 echo "ten longest files (lines):"
-find octree simulation renderer visibility compare tools tests docs \( -name '*.h' -o -name '*.cpp' -o -name '*.sh' \) -print0 |
+find octree simulation renderer visibility compare tools database tests docs \( -name '*.h' -o -name '*.cpp' -o -name '*.sh' \) -print0 |
   xargs -0 wc -l | grep -v ' total$' | sort -rn | awk 'NR <= 10'
