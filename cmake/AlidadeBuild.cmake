@@ -26,9 +26,10 @@ function(alidade_library name)
   set_property(GLOBAL APPEND PROPERTY ALIDADE_LIBRARIES alidade_${name})
 endfunction()
 
-# alidade_compile_together(TARGET [files...]) has the sanitizers' builds (ALIDADE_COMPILE_TOGETHER) compile several files of a
-# target in one go, which halves their time; all but these, whose helpers have names that others have too. The release
-# build compiles every file alone, and so finds missing includes. Other targets are never compiled so.
+# alidade_compile_together(TARGET [files...]) has the sanitizers' builds (ALIDADE_COMPILE_TOGETHER) compile several files of
+# a target in one go, which halves their time; all but these, whose helpers have names that others have too. The release
+# build compiles every file alone, and so finds missing includes. Other targets are never compiled so: who links one file
+# of a library would link its neighbours, and the program would load OpenImageIO and GDAL at every start.
 function(alidade_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD "${ALIDADE_COMPILE_TOGETHER}")
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
