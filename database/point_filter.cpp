@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "octree/bounds_meet.h"
 #include "octree/distance.h"
 
 namespace alidade {
@@ -15,11 +16,6 @@ bool contains(const Interval& limits, double value) {
 /// Ends that overflowed to NaN rule nothing out.
 bool may_meet(const Interval& limits, const Interval& reach) {
   return limits.low <= limits.high && !(reach.high < limits.low) && !(reach.low > limits.high);
-}
-
-bool meet(const Bounds& a, const Bounds& b) {
-  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
-         a.min.z <= b.max.z && b.min.z <= a.max.z;
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "octree/bounds_meet.h"
 #include "octree/cloud/append_cloud.h"
 #include "octree/cloud/at_once.h"
 #include "octree/cloud/cloud_files.h"
@@ -29,11 +30,6 @@ namespace {
 constexpr std::size_t k_most_files_at_once = 32;
 /// Points of such pieces at once, if that is more than an eighth of all.
 constexpr std::uint64_t k_few_points = 1 << 22;
-
-bool meet(const Bounds& a, const Bounds& b) {
-  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y &&
-         a.min.z <= b.max.z && b.min.z <= a.max.z;
-}
 
 /// Opens files of which each is to be read, skipped, or to be looked through for its lattice.
 std::vector<CloudSource> open_sources(std::vector<InputFile> files, const ReadOptions& options) {
