@@ -2,9 +2,9 @@
 #include "visibility/map_unit.h"
 
 #include <cassert>
-#include <initializer_list>
 #include <string>
 
+#include "octree/cloud/wkt_node.h"
 #include "renderer/color/height_unit.h"
 
 namespace alidade {
@@ -29,28 +29,11 @@ bool is_geographic(const Crs& crs) {
   return false;
 }
 
-/// The piece of WKT from one of the keys to the bracket that closes it; empty if there is none.
-std::string node_of(const std::string& wkt, std::initializer_list<const char*> keys) {
-  for (const char* const key : keys) {
-    const std::size_t begin = wkt.find(key);
-    if (begin == std::string::npos) continue;
-    int depth = 0;
-    bool is_quoted = false;
-    for (std::size_t i = begin; i < wkt.size(); ++i) {
-      if (wkt[i] == '"') is_quoted = !is_quoted;
-      if (is_quoted) continue;
-      if (wkt[i] == '[') ++depth;
-      if (wkt[i] == ']' && --depth == 0) return wkt.substr(begin, i + 1 - begin);
-    }
-  }
-  return "";
-}
-
 /// What tells of x and y alone: heights may be counted in another unit.
 Crs plane_part(const Crs& crs) {
   constexpr std::uint16_t k_vertical_units = 4099;
   Crs plane;
-  plane.wkt = node_of(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["});
+  plane.wkt = wkt_node(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["});
   if (plane.wkt.empty()) plane.wkt = crs.wkt;
   plane.geotiff_keys = crs.geotiff_keys;
   for (std::size_t i = 4; i + 3 < plane.geotiff_keys.size(); i += 4) {

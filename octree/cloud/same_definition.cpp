@@ -9,27 +9,13 @@
 #include <vector>
 
 #include "octree/cloud/crs_name.h"
+#include "octree/cloud/wkt_node.h"
 
 namespace alidade {
 namespace {
 
 /// Numbers by the word that they stand in, and for parameters its name: those of all such words in a row.
 using Definition = std::map<std::string, std::vector<double>>;
-
-/// The node of the projected system with all that is in it; empty if there is none or it does not end.
-std::string_view projected_node(std::string_view wkt) {
-  const std::size_t begin = wkt.find("PROJCS[");
-  if (begin == std::string_view::npos) return {};
-  int depth = 0;
-  bool is_quoted = false;
-  for (std::size_t i = begin; i < wkt.size(); ++i) {
-    if (wkt[i] == '"') is_quoted = !is_quoted;
-    if (is_quoted) continue;
-    if (wkt[i] == '[') ++depth;
-    if (wkt[i] == ']' && --depth == 0) return wkt.substr(begin, i + 1 - begin);
-  }
-  return {};
-}
 
 /// The numbers behind the name that `text` begins with: "Bessel",6377397.155,299.15],...
 std::vector<double> numbers_of(std::string_view text) {
@@ -50,7 +36,7 @@ std::vector<double> numbers_of(std::string_view text) {
 
 Definition definition_of(std::string_view wkt) {
   Definition definition;
-  const std::string_view node = projected_node(wkt);
+  const std::string_view node = wkt_node(wkt, {"PROJCS["});
   for (const std::string_view word : {"SPHEROID[\"", "PRIMEM[\"", "UNIT[\"", "PARAMETER[\""}) {
     for (std::size_t place = node.find(word); place != std::string_view::npos;
          place = node.find(word, place + 1)) {
