@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "database/sqlite/stored_column.h"
+#include "database/stored_column.h"
 #include "octree/bounds.h"
 #include "octree/cloud/lattice.h"
 

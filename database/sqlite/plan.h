@@ -11,7 +11,7 @@
 
 #include "database/point_filter.h"
 #include "database/sqlite/sqlite_api.h"
-#include "database/sqlite/stored_column.h"
+#include "database/stored_column.h"
 
 // How a scan of a cloud's table is planned: which conditions SQLite hands over, and what filter they make.
 

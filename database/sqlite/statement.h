@@ -4,19 +4,12 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 
+#include "database/sql_name.h"
 #include "database/sqlite/sqlite_api.h"
 #include "octree/error.h"
 
 namespace alidade {
-
-/// `name` as SQL takes it for a name, whatever is in it: "na""me".
-inline std::string sql_name(std::string_view name) {
-  std::string text = "\"";
-  for (const char letter : name) text.append(letter == '"' ? 2 : 1, letter);
-  return text + '"';
-}
 
 /// A prepared statement of SQLite. Parameters and columns are counted as SQLite does: from 1 and from 0.
 /// Errors of all members: SQLite's message, with the name of the database file.

@@ -2,7 +2,7 @@
 // Clouds become tables as a whole or not at all.
 #include <fstream>
 
-#include "database/sqlite/stored_column.h"
+#include "database/stored_column.h"
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
@@ -89,7 +89,9 @@ TEST_F(StoreCloudTest, the_same_cloud_gives_the_same_file) {
 
 TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_told_apart) {
   PointCloud cloud = site(10);
-  for (const char* const name : {"X", "Red", "height", "", "dist"}) {
+  const std::string at_most(62, 'n'), umlaut = at_most + "\u00fc";
+  for (const std::string& name : {std::string("X"), std::string("Red"), std::string("height"), std::string(),
+                                  std::string("dist"), umlaut, umlaut, std::string("XMax")}) {
     ExtraDimension& dimension = cloud.extra_dimensions.emplace_back();
     dimension.name = name;
     dimension.type = ScalarType::uint8;
@@ -98,9 +100,10 @@ TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_told_apart) {
   }
   std::vector<std::string> names;
   for (const StoredColumn& column : stored_columns(cloud)) names.push_back(column.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"id", "red", "green", "blue", "classification", "return_number",
-                                             "return_count", "gps_time", "Height", "X_2", "Red_2", "height_2",
-                                             "unnamed", "dist_2"}));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"id", "red", "green", "blue", "classification", "return_number",
+                                      "return_count", "gps_time", "Height", "X_2", "Red_2", "height_2",
+                                      "unnamed", "dist_2", at_most, std::string(61, 'n') + "_2", "XMax_2"}));
   store_cloud(file_, cloud);
   const Connection database(file_, Connection::Mode::read);
   EXPECT_EQ(numbers(database, "SELECT sum(X_2 + dist_2 + unnamed) FROM points"), std::vector<double>{30});

@@ -11,8 +11,8 @@
 
 namespace alidade {
 
-/// Where a column of a pointcloud table lies, beside x, y, z: in blob `blob` of every chunk, `size` bytes per
-/// point, of which the column's number is those at `place`.
+/// What a column of a cloud's table is, beside x, y, z, and where its values lie in a pointcloud table: in
+/// blob `blob` of every chunk, `size` bytes per point, of which the column's number is those at `place`.
 struct StoredColumn {
   std::string name;
   int blob = 0;
@@ -25,7 +25,8 @@ struct StoredColumn {
 
 /// Columns that hold all attributes of a cloud, blob by blob: id, then those that `info` names in its order
 /// (color as red, green, blue), then the extra dimensions. A name that SQL cannot tell from an earlier one
-/// gets a number behind it.
+/// or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as PostgreSQL
+/// does.
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/sqlite/stored_column.h"
+#include "database/stored_column.h"
 
 #include <algorithm>
 #include <cctype>
@@ -9,9 +9,13 @@
 namespace alidade {
 namespace {
 
-/// Names of columns that every table has, in small letters.
-const std::set<std::string> k_taken = {"id", "x",  "y",  "z",    "ox", "oy",     "oz",
-                                       "dx", "dy", "dz", "dist", "t",  "_chunk", "rowid"};
+/// Names of columns that every table has, in small letters; those of PostgreSQL last.
+const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "ox",   "oy",      "oz",
+                                       "dx",   "dy",   "dz",   "dist", "t",    "_chunk",  "rowid",
+                                       "ctid", "cmin", "cmax", "xmin", "xmax", "tableoid"};
+
+/// PostgreSQL keeps so many bytes of a name.
+constexpr std::size_t k_most_bytes = 63;
 
 /// SQL takes names for equal that differ in ASCII capitals only.
 std::string small(std::string name) {
@@ -21,13 +25,22 @@ std::string small(std::string name) {
   return name;
 }
 
+/// At most so many bytes of a name, and no part of a letter (UTF-8).
+std::string cut(const std::string& name, std::size_t most) {
+  if (name.size() <= most) return name;
+  while (most > 0 && (static_cast<unsigned char>(name[most]) & 0xc0) == 0x80) --most;
+  return name.substr(0, most);
+}
+
 class Names {
  public:
   std::string free_name(const std::string& wanted) {
-    const std::string plain = wanted.empty() ? "unnamed" : wanted;
+    const std::string plain = wanted.empty() ? "unnamed" : cut(wanted, k_most_bytes);
     std::string name = plain;
-    for (int number = 2; !taken_.insert(small(name)).second; ++number)
-      name = plain + "_" + std::to_string(number);
+    for (int number = 2; !taken_.insert(small(name)).second; ++number) {
+      const std::string end = "_" + std::to_string(number);
+      name = cut(plain, k_most_bytes - end.size()) + end;
+    }
     return name;
   }
 

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace alidade {
+
+/// `text` between two marks, those within it doubled: what is in it cannot end it.
+inline std::string sql_quoted(std::string_view text, char mark) {
+  std::string quoted(1, mark);
+  for (const char letter : text) quoted.append(letter == mark ? 2 : 1, letter);
+  return quoted + mark;
+}
+
+/// `name` as SQL takes it for a name, whatever is in it: "na""me".
+inline std::string sql_name(std::string_view name) {
+  return sql_quoted(name, '"');
+}
+
+/// `text` as SQL takes it for a text: 'te''xt'.
+inline std::string sql_text(std::string_view text) {
+  return sql_quoted(text, '\'');
+}
+
+}  // namespace alidade
