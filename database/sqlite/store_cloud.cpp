@@ -13,19 +13,13 @@
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
-#include "octree/cloud/attribute_columns.h"
+#include "database/value_blobs.h"
 #include "octree/sorted_points.h"
 
 namespace alidade {
 namespace {
 
 constexpr const char* k_schema = "main";
-
-/// Values of one blob, by row of the cloud.
-struct BlobSource {
-  const std::byte* values;
-  std::size_t size;  ///< bytes per point
-};
 
 template <class Entry>
 std::vector<std::uint32_t> order_of(const SortedPoints<Entry>& sorted) {
@@ -41,27 +35,13 @@ std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& posi
                            : order_of(sort_points<WideEntry>(space, positions));
 }
 
-/// All blobs but the first, which holds ids; in the order of stored_columns().
-std::vector<BlobSource> blob_sources(const AttributeColumns& columns) {
-  std::vector<BlobSource> sources;
-  for_each_column(columns, columns, [&](Attribute, const auto& column, const auto&) {
-    if (!column.empty())
-      sources.push_back({reinterpret_cast<const std::byte*>(column.data()), sizeof column.front()});
-  });
-  for (const ExtraColumn& column : columns.extra_dimensions) {
-    sources.push_back({reinterpret_cast<const std::byte*>(column.values.data()),
-                       static_cast<std::size_t>(column.description.byte_count)});
-  }
-  return sources;
-}
-
 /// Writes chunk after chunk.
 class ChunkWriter {
  public:
   ChunkWriter(sqlite3* database, const std::string& table, const PointCloud& cloud)
       : cloud_(cloud),
         columns_(columns_of(cloud)),
-        sources_(blob_sources(columns_)),
+        sources_(value_blobs(columns_)),
         chunk_(database, "INSERT INTO " + part_name(k_schema, table, "chunk") + " VALUES(?,?,?)"),
         value_(database, "INSERT INTO " + part_name(k_schema, table, "value") + " VALUES(?,?)") {}
 
@@ -78,7 +58,7 @@ class ChunkWriter {
     boxes_.push_back(bounds);
     write_values(value_id(0, id), std::as_bytes(std::span(ids)));
     for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const BlobSource& source = sources_[i];
+      const ValueBlob& source = sources_[i];
       bytes_.resize(rows.size() * source.size);
       for (std::size_t row = 0; row < rows.size(); ++row)
         std::memcpy(bytes_.data() + row * source.size, source.values + rows[row] * source.size, source.size);
@@ -96,7 +76,7 @@ class ChunkWriter {
 
   const PointCloud& cloud_;
   AttributeColumns columns_;
-  std::vector<BlobSource> sources_;
+  std::vector<ValueBlob> sources_;
   Statement chunk_, value_;
   std::vector<Bounds> boxes_;
   std::vector<std::byte> bytes_;
