@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -12,6 +11,7 @@
 #include "database/sqlite/plan.h"
 #include "database/sqlite/point_cursor.h"
 #include "database/sqlite/sql_values.h"
+#include "database/stored_value.h"
 
 namespace alidade {
 namespace {
@@ -130,55 +130,16 @@ int at_end(sqlite3_vtab_cursor* base) {
   return !cursor.points || cursor.points->at_end() ? 1 : 0;
 }
 
-template <class Value>
-Value load_value(const std::byte* at) {
-  Value value;
-  std::memcpy(&value, at, sizeof value);
-  return value;
-}
-
-/// A stored number as it is meant: with scale and offset it is a real number.
-template <class Value>
-void answer_number(sqlite3_context* context, const StoredColumn& column, const std::byte* at) {
-  const Value stored = load_value<Value>(at);
-  const double number = static_cast<double>(stored);
-  if (column.no_data && number == *column.no_data) return;
-  const bool is_plain = column.scale == 1.0 && column.offset == 0.0;
-  if constexpr (std::is_integral_v<Value>) {
-    if (is_plain && std::in_range<sqlite3_int64>(stored)) {
-      sqlite3_result_int64(context, static_cast<sqlite3_int64>(stored));
-      return;
-    }
+struct AnswerValue {
+  sqlite3_context* context;
+  void operator()(std::monostate) const {}
+  void operator()(std::int64_t whole) const { sqlite3_result_int64(context, whole); }
+  void operator()(std::uint64_t whole) const { (*this)(static_cast<double>(whole)); }
+  void operator()(double number) const { sqlite3_result_double(context, number); }
+  void operator()(std::span<const std::byte> bytes) const {
+    sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
   }
-  sqlite3_result_double(context, is_plain ? number : column.offset + column.scale * number);
-}
-
-void answer_stored(sqlite3_context* context, const StoredColumn& column, const std::byte* at) {
-  switch (column.type) {
-    case ScalarType::uint8:
-      return answer_number<std::uint8_t>(context, column, at);
-    case ScalarType::int8:
-      return answer_number<std::int8_t>(context, column, at);
-    case ScalarType::uint16:
-      return answer_number<std::uint16_t>(context, column, at);
-    case ScalarType::int16:
-      return answer_number<std::int16_t>(context, column, at);
-    case ScalarType::uint32:
-      return answer_number<std::uint32_t>(context, column, at);
-    case ScalarType::int32:
-      return answer_number<std::int32_t>(context, column, at);
-    case ScalarType::uint64:
-      return answer_number<std::uint64_t>(context, column, at);
-    case ScalarType::int64:
-      return answer_number<std::int64_t>(context, column, at);
-    case ScalarType::float32:
-      return answer_number<float>(context, column, at);
-    case ScalarType::float64:
-      return answer_number<double>(context, column, at);
-    case ScalarType::bytes:
-      sqlite3_result_blob(context, at, column.size, SQLITE_TRANSIENT);
-  }
-}
+};
 
 int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
   return table_guarded(base->pVtab, [&] {
@@ -188,7 +149,8 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
     const TableColumns::Kind kind = columns.kind(number);
     if (kind == TableColumns::Kind::stored) {
       const StoredColumn& stored = columns.stored(number);
-      answer_stored(context, stored, cursor.store.bytes(points.chunk(), stored, points.row()));
+      std::visit(AnswerValue{context},
+                 stored_value(stored, cursor.store.bytes(points.chunk(), stored, points.row())));
     } else if (kind == TableColumns::Kind::axis) {
       sqlite3_result_double(context, points.position()[columns.axis(number)]);
     } else if (kind == TableColumns::Kind::argument) {

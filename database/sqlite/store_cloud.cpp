@@ -9,31 +9,17 @@
 #include <utility>
 #include <vector>
 
+#include "database/morton_order.h"
 #include "database/sqlite/box_tree.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
 #include "database/value_blobs.h"
-#include "octree/sorted_points.h"
 
 namespace alidade {
 namespace {
 
 constexpr const char* k_schema = "main";
-
-template <class Entry>
-std::vector<std::uint32_t> order_of(const SortedPoints<Entry>& sorted) {
-  std::vector<std::uint32_t> order(sorted.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = sorted[i].id;
-  return order;
-}
-
-std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
-  if (positions.empty()) return {};
-  const KeySpace space = key_space(positions);
-  return space.is_narrow() ? order_of(sort_points<NarrowEntry>(space, positions))
-                           : order_of(sort_points<WideEntry>(space, positions));
-}
 
 /// Writes chunk after chunk.
 class ChunkWriter {

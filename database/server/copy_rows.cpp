@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+#include "database/server/copy_rows.h"
+
+#include <algorithm>
+#include <iterator>
+#include <span>
+
+#include "database/stored_value.h"
+#include "octree/cloud/byte_order.h"
+
+namespace alidade {
+namespace {
+
+/// Numbers travel with the highest byte first.
+template <class Number>
+void append_number(Number number, std::vector<std::byte>& bytes) {
+  const std::size_t at = bytes.size();
+  bytes.resize(at + sizeof number);
+  store(bytes.data() + at, number);
+  std::ranges::reverse(std::span(bytes).subspan(at));
+}
+
+/// A field: its length and its bytes.
+template <class Number>
+void append_field(Number number, std::vector<std::byte>& bytes) {
+  append_number(static_cast<std::int32_t>(sizeof number), bytes);
+  append_number(number, bytes);
+}
+
+void append_null(std::vector<std::byte>& bytes) {
+  append_number(std::int32_t{-1}, bytes);
+}
+
+/// numeric: digits to the base of 10,000 without zeros at the end, the power of the first one, sign, places
+/// behind the point.
+void append_numeric(std::uint64_t number, std::vector<std::byte>& bytes) {
+  constexpr std::uint64_t k_base = 10000;
+  std::vector<std::int16_t> digits;  // lowest first
+  for (; number > 0; number /= k_base) digits.push_back(static_cast<std::int16_t>(number % k_base));
+  const auto weight = static_cast<std::int16_t>(digits.empty() ? 0 : digits.size() - 1);
+  digits.erase(digits.begin(), std::ranges::find_if(digits, [](std::int16_t digit) { return digit != 0; }));
+  append_number(static_cast<std::int32_t>(sizeof(std::int16_t) * (4 + digits.size())), bytes);
+  append_number(static_cast<std::int16_t>(digits.size()), bytes);
+  append_number(weight, bytes);
+  append_number(std::int16_t{0}, bytes);
+  append_number(std::int16_t{0}, bytes);
+  for (auto digit = digits.rbegin(); digit != digits.rend(); ++digit) append_number(*digit, bytes);
+}
+
+void append_whole(ServerType type, std::int64_t whole, std::vector<std::byte>& bytes) {
+  switch (type) {
+    case ServerType::smallint:
+      return append_field(static_cast<std::int16_t>(whole), bytes);
+    case ServerType::integer:
+      return append_field(static_cast<std::int32_t>(whole), bytes);
+    case ServerType::numeric:
+      return append_numeric(static_cast<std::uint64_t>(whole), bytes);
+    default:
+      return append_field(whole, bytes);
+  }
+}
+
+void append_value(ServerType type, const ColumnValue& value, std::vector<std::byte>& bytes) {
+  if (const auto* const whole = std::get_if<std::int64_t>(&value)) {
+    append_whole(type, *whole, bytes);
+  } else if (const auto* const large = std::get_if<std::uint64_t>(&value)) {
+    append_numeric(*large, bytes);
+  } else if (const auto* const number = std::get_if<double>(&value)) {
+    if (type == ServerType::real)
+      append_field(static_cast<float>(*number), bytes);
+    else
+      append_field(*number, bytes);
+  } else if (const auto* const text = std::get_if<std::span<const std::byte>>(&value)) {
+    append_number(static_cast<std::int32_t>(text->size()), bytes);
+    bytes.insert(bytes.end(), text->begin(), text->end());
+  } else {
+    append_null(bytes);
+  }
+}
+
+}  // namespace
+
+CopyRows::CopyRows(const PointCloud& cloud)
+    : cloud_(cloud),
+      columns_(stored_columns(cloud)),
+      attributes_(columns_of(cloud)),
+      blobs_(value_blobs(attributes_)) {
+  std::ranges::transform(columns_, std::back_inserter(types_), server_type);
+}
+
+std::vector<std::byte> CopyRows::head() {
+  constexpr std::string_view k_signature{"PGCOPY\n\377\r\n\0", 11};
+  std::vector<std::byte> bytes;
+  for (const char letter : k_signature) bytes.push_back(static_cast<std::byte>(letter));
+  append_number(std::int32_t{0}, bytes);  // flags
+  append_number(std::int32_t{0}, bytes);  // length of what extends the head
+  return bytes;
+}
+
+std::vector<std::byte> CopyRows::tail() {
+  std::vector<std::byte> bytes;
+  append_number(std::int16_t{-1}, bytes);
+  return bytes;
+}
+
+void CopyRows::append(std::uint32_t row, std::vector<std::byte>& bytes) const {
+  constexpr std::size_t k_axes = 3;
+  append_number(static_cast<std::int16_t>(columns_.size() + k_axes), bytes);
+  append_field(std::int64_t{row}, bytes);
+  const glm::dvec3 position = cloud_.world(row);
+  for (int axis = 0; axis < 3; ++axis) append_field(position[axis], bytes);
+  for (std::size_t i = 1; i < columns_.size(); ++i) {
+    const StoredColumn& column = columns_[i];
+    const ValueBlob& blob = blobs_[static_cast<std::size_t>(column.blob) - 1];
+    append_value(types_[i], stored_value(column, blob.values + row * blob.size + column.place), bytes);
+  }
+}
+
+}  // namespace alidade

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#include "database/server/server_column.h"
+
+#include "database/sql_name.h"
+
+namespace alidade {
+namespace {
+
+const char* type_name(ServerType type) {
+  switch (type) {
+    case ServerType::smallint:
+      return "smallint";
+    case ServerType::integer:
+      return "integer";
+    case ServerType::bigint:
+      return "bigint";
+    case ServerType::real:
+      return "real";
+    case ServerType::double_precision:
+      return "double precision";
+    case ServerType::numeric:
+      return "numeric(20)";
+    case ServerType::bytea:
+      break;
+  }
+  return "bytea";
+}
+
+}  // namespace
+
+ServerType server_type(const StoredColumn& column) {
+  constexpr int k_id_blob = 0;
+  if (column.blob == k_id_blob) return ServerType::bigint;
+  if (column.scale != 1.0 || column.offset != 0.0) return ServerType::double_precision;
+  switch (column.type) {
+    case ScalarType::uint8:
+    case ScalarType::int8:
+    case ScalarType::int16:
+      return ServerType::smallint;
+    case ScalarType::uint16:
+    case ScalarType::int32:
+      return ServerType::integer;
+    case ScalarType::uint32:
+    case ScalarType::int64:
+      return ServerType::bigint;
+    case ScalarType::uint64:
+      return ServerType::numeric;
+    case ScalarType::float32:
+      return ServerType::real;
+    case ScalarType::float64:
+      return ServerType::double_precision;
+    case ScalarType::bytes:
+      break;
+  }
+  return ServerType::bytea;
+}
+
+std::string server_columns(const std::vector<StoredColumn>& columns) {
+  std::string text =
+      "id bigint NOT NULL, x double precision NOT NULL, y double precision NOT NULL, "
+      "z double precision NOT NULL";
+  for (std::size_t i = 1; i < columns.size(); ++i)
+    text += ", " + sql_name(columns[i].name) + " " + type_name(server_type(columns[i]));
+  return text;
+}
+
+}  // namespace alidade
