@@ -21,7 +21,8 @@ using Run = std::function<ExitCode()>;
 struct Command {
   CLI::App* options;  ///< owned by the program
   Run run;
-  std::vector<Command> parts{};  ///< of a group of commands: those of which one must follow its name
+  /// Of a group of commands: those of which one follows its name, or may, if the group does something itself.
+  std::vector<Command> parts{};
 };
 
 /// The words the program was started with, as they go into the metadata of what it writes.
@@ -35,6 +36,7 @@ Command add_query(CLI::App& program);
 Command add_render(CLI::App& program, const CommandLine& command_line);
 Command add_compare(CLI::App& program);
 Command add_visibility(CLI::App& program, const CommandLine& command_line);
+Command add_sql(CLI::App& program);
 
 /// Runs the one of these commands that was chosen.
 ExitCode run_chosen(const std::vector<Command>& commands);

@@ -38,7 +38,9 @@ std::string explain_unknown_word(std::span<const std::string> words, const std::
     for (const Command& command : commands) command_names.push_back(command.options->get_name());
     return unknown("command", words[0], command_names);
   }
-  if (!chosen->parts.empty()) return explain_unknown_word(words.subspan(1), chosen->parts);
+  const bool needs_part = chosen->options->get_require_subcommand_min() > 0;
+  const bool has_part = words.size() > 1 && find_command(chosen->parts, words[1]) != nullptr;
+  if (needs_part || has_part) return explain_unknown_word(words.subspan(1), chosen->parts);
 
   std::vector<std::string> option_names;
   for (const CLI::Option* option : chosen->options->get_options()) {
@@ -92,7 +94,8 @@ ExitCode run(const CommandLine& command_line) {
   const std::vector<Command> commands = {add_info(program),    add_generate(program),
                                          add_index(program),   add_convert(program),
                                          add_query(program),   add_render(program, command_line),
-                                         add_compare(program), add_visibility(program, command_line)};
+                                         add_compare(program), add_visibility(program, command_line),
+                                         add_sql(program)};
   // Behind the program's name.
   const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
 
