@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "octree/bounds.h"
+#include "octree/cloud/cloud_pieces.h"
 #include "octree/cloud/damage.h"
 #include "octree/cloud/input_file.h"
 #include "octree/cloud/point_cloud.h"
@@ -80,7 +81,14 @@ class CloudReader {
   /// zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings are added
   /// to `cloud` by this call; facts() and file() by the caller. Nothing else of the cloud is looked at: it
   /// may hold the files before this one or be a piece of its own. See append_rows.h.
-  virtual void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) = 0;
+  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
+    read_in_pieces(cloud, wanted, {}, progress);
+  }
+
+  /// The same with a cloud that is emptied on the way: memory for a piece, some 64 MB of records of LAZ (or
+  /// its largest chunk unpacked), and of PCD that is compressed all its points.
+  virtual void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                              const Progress& progress) = 0;
 
   /// The points that are missing from what read() gave, place by place in the order of the file; each point
   /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with

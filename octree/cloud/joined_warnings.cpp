@@ -49,8 +49,8 @@ void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
   }
 }
 
-void warn_of_gaps(std::span<const GivenRows> given, AttributeSet wanted, PointCloud& cloud) {
-  const AttributeSet present = cloud.attributes() & wanted;
+void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present,
+                  std::vector<std::string>& warnings) {
   // By what is missing, in the order of the files.
   std::vector<std::pair<AttributeSet, SomeFiles>> gaps;
   for (const GivenRows& rows : given) {
@@ -62,8 +62,8 @@ void warn_of_gaps(std::span<const GivenRows> given, AttributeSet wanted, PointCl
     files.add(rows.file_name);
   }
   for (const auto& [missing, files] : gaps) {
-    cloud.warnings.push_back(fmt::format("{}: no {}, which is filled with zeros", files.text(),
-                                         fmt::join(attribute_names(missing), ", ")));
+    warnings.push_back(fmt::format("{}: no {}, which is filled with zeros", files.text(),
+                                   fmt::join(attribute_names(missing), ", ")));
   }
 }
 

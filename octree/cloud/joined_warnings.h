@@ -25,8 +25,8 @@ struct GivenRows {
 /// Coordinates of a file without a lattice that are rounded coarsely; the rule stands at read_cloud().
 void warn_of_rounding(const CloudSource& source, PointCloud& cloud);
 
-/// Attributes that were filled with zeros.
-void warn_of_gaps(std::span<const GivenRows> given, AttributeSet wanted, PointCloud& cloud);
+/// Attributes, of those that the cloud has, that were filled with zeros.
+void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present, std::vector<std::string>& warnings);
 
 /// Files that state no reference system beside others that do.
 void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud);

@@ -20,6 +20,7 @@
 #include "octree/cloud/join_records.h"
 #include "octree/cloud/joined_progress.h"
 #include "octree/cloud/joined_warnings.h"
+#include "octree/cloud/read_in_pieces.h"
 #include "octree/cloud/spread_colors.h"
 #include "octree/error.h"
 
@@ -51,25 +52,33 @@ std::vector<CloudSource> open_sources(std::vector<InputFile> files, const ReadOp
 /// Joins sources one by one, in their order.
 class Joining {
  public:
-  Joining(PointCloud& cloud, const ReadOptions& options) : cloud_(cloud), options_(options) {}
+  Joining(PointCloud& cloud, const ReadOptions& options, const CloudPieces& pieces)
+      : cloud_(cloud), options_(options), given_pieces_(pieces) {
+    if (!pieces.take) return;
+    pieces_ = {pieces.most_bytes, pieces.bytes_beside, [this](PointCloud&) { hand_over(); }};
+  }
 
   /// Takes the next file: its points from `piece` if they have been read into one, else from the file.
   void add(CloudSource& source, PointCloud* piece, const Progress& progress) {
-    const std::size_t first_row = cloud_.size(), first_record = cloud_.records.size();
+    const std::size_t first_record = cloud_.records.size();
+    const std::uint64_t first_row = row_count();
     join_facts(source);
+    const AttributeSet attributes = source.reader->attributes();
+    const bool is_colored =
+        is_las(source.reader->file()) && (attributes & options_.attributes).contains(Attribute::color);
+    if (is_colored) colored_.push_back({source.path().string(), first_row});
     if (piece == nullptr) {
-      source.reader->read(cloud_, options_.attributes, progress);
+      source.reader->read_in_pieces(cloud_, options_.attributes, pieces_, progress);
     } else {
       append_cloud(cloud_, std::move(*piece));
     }
     records_.join(first_record);
+    if (is_colored) colored_.back().end = row_count();
     const CloudFile& file = source.reader->file();
-    given_.push_back({file.path.string(), file.point_count, source.reader->attributes()});
+    given_.push_back({file.path.string(), file.point_count, attributes});
+    if (row_count() > first_row)
+      attributes_ = attributes_ | cloud_.attributes() | (attributes & options_.attributes);
     warn_of_rounding(source, cloud_);
-    if (is_las(file) && cloud_.size() > first_row &&
-        (given_.back().attributes & options_.attributes).contains(Attribute::color)) {
-      colored_.push_back({file.path.string(), first_row, cloud_.size()});
-    }
     std::vector<CloudFile> files = source.reader->sources();
     warn_of_losses(*source.reader, files, cloud_);
     std::ranges::move(files, std::back_inserter(cloud_.files));
@@ -85,17 +94,41 @@ class Joining {
     source.reader.reset();
   }
 
-  void finish() {
-    spread_colors(cloud_, colored_, options_.color_depth);
-    warn_of_gaps(given_, options_.attributes, cloud_);
+  /// What is to be said of all files, and to be done with their colours.
+  ColorSpread finish() {
+    measure();
+    ColorSpread spread = choose_spread(std::move(colored_), options_.color_depth, cloud_.warnings);
+    warn_of_gaps(given_, attributes_, cloud_.warnings);
+    if (is_geographic(cloud_.crs) || is_geocentric(cloud_.crs)) {
+      bounds_.grow(cloud_.bounds());
+      if (const auto problem = implausible_crs(cloud_.crs, bounds_)) cloud_.warnings.push_back(*problem);
+    }
+    return spread;
   }
 
+  std::uint64_t row_count() const { return taken_ + cloud_.size(); }
+  AttributeSet attributes() const { return attributes_; }
+
  private:
+  void measure() {
+    if (options_.color_depth != ColorDepth::bits_16) measure_colors(cloud_, taken_, colored_);
+  }
+  void hand_over() {
+    measure();
+    bounds_.grow(cloud_.bounds());
+    taken_ += cloud_.size();
+    given_pieces_.take(cloud_);
+  }
   void join_facts(const CloudSource& source);
   void join_time(const CloudSource& source);
 
   PointCloud& cloud_;
   const ReadOptions& options_;
+  const CloudPieces& given_pieces_;
+  CloudPieces pieces_{};
+  std::uint64_t taken_ = 0;  ///< points handed over
+  Bounds bounds_;            ///< of these
+  AttributeSet attributes_;
   std::string timed_file_;  ///< the first that has GPS times
   JoinedRecords records_{cloud_.records};
   std::vector<GivenRows> given_;
@@ -161,7 +194,8 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
 
 }  // namespace
 
-PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) {
+PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& options,
+                              const CloudPieces& pieces) {
   std::vector<CloudSource> sources = open_sources(std::move(files), options);
   std::uint64_t bytes_to_read = 0;
   for (const CloudSource& source : sources)
@@ -173,7 +207,8 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
     sources[i].reader->rest();
   });
 
-  PointCloud cloud;
+  PiecewiseCloud whole;
+  PointCloud& cloud = whole.rest;
   cloud.lattice = common_lattice(sources);
   cloud.crs = common_crs(sources);
   std::uint64_t point_count = 0;
@@ -181,20 +216,20 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
     // Packed points rarely take less than a byte each; more of them are believed when they are there.
     point_count += source.is_skipped ? 0 : std::min(source.point_count(), source.bytes);
   }
-  cloud.positions.reserve(static_cast<std::size_t>(point_count));
+  const std::uint64_t most_in_piece = pieces.most_bytes / (sizeof(LatticePosition) + pieces.bytes_beside);
+  cloud.positions.reserve(static_cast<std::size_t>(std::min(point_count, most_in_piece)));
   warn_of_missing_crs(sources, cloud);
   warn_of_other_crs(sources, cloud);
 
-  Joining joining(cloud, options);
-  const bool is_parallel = tbb::this_task_arena::max_concurrency() > 1;
+  Joining joining(cloud, options, pieces);
+  const bool is_parallel = !pieces.take && tbb::this_task_arena::max_concurrency() > 1;
   const std::uint64_t most_points = std::max(k_few_points, point_count / 8);
   for (std::size_t first = 0; first < sources.size();) {
     const std::size_t end = is_parallel ? end_of_lot(sources, first, most_points) : first + 1;
-    std::vector<std::optional<PointCloud>> pieces(1);
-    if (end - first > 1)
-      pieces = read_pieces(sources, first, end, cloud.lattice, options.attributes, progress);
+    std::vector<std::optional<PointCloud>> lot(1);
+    if (end - first > 1) lot = read_pieces(sources, first, end, cloud.lattice, options.attributes, progress);
     for (std::size_t i = first; i < end; ++i) {
-      std::optional<PointCloud>& piece = pieces[i - first];
+      std::optional<PointCloud>& piece = lot[i - first];
       if (sources[i].is_skipped) {
         joining.skip(sources[i]);
       } else {
@@ -205,21 +240,33 @@ PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) 
     }
     first = end;
   }
-  joining.finish();
-  if (is_geographic(cloud.crs) || is_geocentric(cloud.crs)) {
-    if (const auto problem = implausible_crs(cloud.crs, cloud.bounds())) cloud.warnings.push_back(*problem);
-  }
+  whole.spread = joining.finish();
+  whole.point_count = joining.row_count();
+  whole.attributes = joining.attributes();
   report(options.progress, bytes_to_read, bytes_to_read);
-  return cloud;
+  return whole;
 }
 
-PointCloud read_cloud(std::span<const std::filesystem::path> paths, const ReadOptions& options) {
+PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options) {
+  PiecewiseCloud whole = join_in_pieces(std::move(files), options, {});
+  apply(whole.spread, whole.rest);
+  return std::move(whole.rest);
+}
+
+PiecewiseCloud read_in_pieces(std::span<const std::filesystem::path> paths, const ReadOptions& options,
+                              const CloudPieces& pieces) {
   const std::vector<std::filesystem::path> names = expand_cloud_files(paths);
   std::vector<InputFile> files;
   for (const std::filesystem::path& name : names) files.emplace_back(name).rest();
-  PointCloud cloud = join_files(std::move(files), options);
-  warn_of_twins(names, cloud);
-  return cloud;
+  PiecewiseCloud whole = join_in_pieces(std::move(files), options, pieces);
+  warn_of_twins(names, whole.rest);
+  return whole;
+}
+
+PointCloud read_cloud(std::span<const std::filesystem::path> paths, const ReadOptions& options) {
+  PiecewiseCloud whole = read_in_pieces(paths, options, {});
+  apply(whole.spread, whole.rest);
+  return std::move(whole.rest);
 }
 
 PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options) {

@@ -37,11 +37,16 @@ class IndexReader final : public CloudReader {
     // The lattice is in the header: there is nothing to find out.
     return {};
   }
-  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override;
 
  private:
-  void take_positions(PointCloud& cloud, std::size_t first_row) const;
-  void take_columns(PointCloud& cloud, AttributeSet kept, std::size_t first_row) const;
+  /// Rows [first, first + count) of the index, and where they go in the cloud.
+  struct Rows {
+    std::size_t first, count, target;
+  };
+  void take_positions(PointCloud& cloud, const Rows& rows) const;
+  void take_columns(PointCloud& cloud, AttributeSet kept, const Rows& rows) const;
 
   IndexFile index_;
   CloudFile about_;
@@ -57,7 +62,7 @@ FileFacts IndexReader::facts() const {
           .box = widened_header_box(tree.bounds, tree.lattice)};
 }
 
-void IndexReader::take_positions(PointCloud& cloud, std::size_t first_row) const {
+void IndexReader::take_positions(PointCloud& cloud, const Rows& rows) const {
   const TreeView& tree = index_.tree();
   const std::optional<glm::i64vec3> shift = steps_between(tree.lattice, cloud.lattice);
   if (!shift && tree.point_count > 0) {
@@ -65,6 +70,8 @@ void IndexReader::take_positions(PointCloud& cloud, std::size_t first_row) const
   }
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const std::size_t row = static_cast<std::size_t>(point_id(tree, leaf.place + i)) - rows.first;
+      if (row >= rows.count) continue;
       const glm::i64vec3 steps = glm::i64vec3(position_of(tree, leaf, i)) + *shift;
       const LatticePosition position(steps);
       if (glm::i64vec3(position) != steps) {
@@ -72,15 +79,18 @@ void IndexReader::take_positions(PointCloud& cloud, std::size_t first_row) const
                      .problem = "lies too far from the first file to share its lattice of 32-bit steps",
                      .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
       }
-      cloud.positions[first_row + point_id(tree, leaf.place + i)] = position;
+      cloud.positions[rows.target + row] = position;
     }
   });
 }
 
-void IndexReader::take_columns(PointCloud& cloud, AttributeSet kept, std::size_t first_row) const {
+void IndexReader::take_columns(PointCloud& cloud, AttributeSet kept, const Rows& rows) const {
+  const auto copy = [&](const auto& own, auto& column, std::size_t width) {
+    const auto part = own.subspan(rows.first * width, rows.count * width);
+    std::copy(part.begin(), part.end(), column.begin() + static_cast<std::ptrdiff_t>(rows.target * width));
+  };
   for_each_column(cloud, index_.columns(), [&](Attribute attribute, auto& column, const auto& own) {
-    if (kept.contains(attribute))
-      std::copy(own.begin(), own.end(), column.begin() + static_cast<std::ptrdiff_t>(first_row));
+    if (kept.contains(attribute)) copy(own, column, 1);
   });
   if (!kept.contains(Attribute::extra_dimensions)) return;
   const std::vector<ExtraColumn>& extra = index_.columns().extra_dimensions;
@@ -90,28 +100,34 @@ void IndexReader::take_columns(PointCloud& cloud, AttributeSet kept, std::size_t
         [&](const ExtraColumn& earlier) { return same_meaning(earlier.description, extra[i].description); });
     const std::size_t column =
         find_extra_dimension(cloud, extra[i].description, static_cast<std::size_t>(equal));
-    const std::size_t place = first_row * static_cast<std::size_t>(extra[i].description.byte_count);
-    std::copy(extra[i].values.begin(), extra[i].values.end(),
-              cloud.extra_dimensions[column].values.begin() + static_cast<std::ptrdiff_t>(place));
+    copy(extra[i].values, cloud.extra_dimensions[column].values,
+         static_cast<std::size_t>(extra[i].description.byte_count));
   }
 }
 
-void IndexReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
+/// Each piece is a pass over the octree, since its points do not lie in the order of their rows.
+void IndexReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                                 const Progress& progress) {
   const PointCloud& own = index_.description();
   cloud.warnings.insert(cloud.warnings.end(), own.warnings.begin(), own.warnings.end());
   cloud.scanner_positions.insert(cloud.scanner_positions.end(), own.scanner_positions.begin(),
                                  own.scanner_positions.end());
   const std::vector<VariableLengthRecord> records = index_.records();
   cloud.records.insert(cloud.records.end(), records.begin(), records.end());
-  const std::size_t first_row = cloud.size();
   const std::uint64_t bytes = index_.header().file_bytes;
   index_.tree();
   report(progress, bytes / 4, bytes);
   const AttributeSet kept = attributes() & wanted;
-  append_rows(cloud, kept, static_cast<std::size_t>(about_.point_count));
-  take_positions(cloud, first_row);
-  report(progress, bytes / 2, bytes);
-  take_columns(cloud, kept, first_row);
+  std::uint64_t row = 0;
+  do {
+    const std::size_t count = room_in_piece(cloud, kept, about_.point_count - row, pieces);
+    const Rows rows{static_cast<std::size_t>(row), count, cloud.size()};
+    append_rows(cloud, kept, count);
+    take_positions(cloud, rows);
+    take_columns(cloud, kept, rows);
+    row += count;
+    report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, about_.point_count) * row, bytes);
+  } while (row < about_.point_count);
   report(progress, bytes, bytes);
 }
 

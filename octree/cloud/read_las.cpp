@@ -25,27 +25,33 @@ constexpr std::size_t k_block_bytes = 1 << 20;
 class CloudRows final : public LazSink {
  public:
   CloudRows(const LasColumns& columns, const LasColumns::Choice& choice, std::size_t point_size,
-            PointCloud& cloud)
-      : columns_(columns),
-        choice_(choice),
-        point_size_(point_size),
-        cloud_(cloud),
-        first_row_(cloud.size()) {}
+            PointCloud& cloud, const CloudPieces& pieces)
+      : columns_(columns), choice_(choice), point_size_(point_size), cloud_(cloud), pieces_(pieces) {}
 
   void make_room(std::uint64_t count) override {
+    // As many are coming, whatever there is room for.
+    if (room_in_piece(cloud_, choice_.kept, count, pieces_) < count && cloud_.size() > 0)
+      pieces_.take(cloud_);
+    shift_ = static_cast<std::int64_t>(cloud_.size()) - static_cast<std::int64_t>(count_);
+    count_ += count;
     append_rows(cloud_, choice_.kept, static_cast<std::size_t>(count));
   }
   void take(const std::byte* records, std::size_t count, std::uint64_t first_row) override {
-    columns_.take({records, point_size_, count, first_row_ + static_cast<std::size_t>(first_row)}, choice_,
-                  cloud_);
+    const std::int64_t row = static_cast<std::int64_t>(first_row) + shift_;
+    columns_.take({records, point_size_, count, static_cast<std::size_t>(row)}, choice_, cloud_);
   }
+
+  /// Rows made so far.
+  std::uint64_t count() const { return count_; }
 
  private:
   const LasColumns& columns_;
   const LasColumns::Choice& choice_;
   std::size_t point_size_;
   PointCloud& cloud_;
-  std::size_t first_row_;
+  const CloudPieces& pieces_;
+  std::uint64_t count_ = 0;
+  std::int64_t shift_ = 0;  ///< from rows of the file to those of the cloud
 };
 
 class LasReader final : public CloudReader {
@@ -71,12 +77,14 @@ class LasReader final : public CloudReader {
   std::optional<Lattice> lattice() const override { return header_.lattice; }
   std::optional<std::uint64_t> point_count() const override { return header_.point_count; }
   CoordinateSurvey survey(const Progress&) override;
-  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override;
   std::vector<LostPoints> lost() const override;
   void rest() override { file_.rest(); }
 
  private:
-  void read_plain(const LasColumns::Choice& choice, PointCloud& cloud, const Progress& progress);
+  void read_plain(const LasColumns::Choice& choice, PointCloud& cloud, const CloudPieces& pieces,
+                  const Progress& progress);
 
   InputFile file_;
   Damage damage_;
@@ -109,7 +117,8 @@ CoordinateSurvey LasReader::survey(const Progress&) {
   return {};
 }
 
-void LasReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
+void LasReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                               const Progress& progress) {
   const std::optional<glm::i64vec3> shift = steps_between(header_.lattice, cloud.lattice);
   if (!shift && header_.point_count > 0) {
     throw Error({.file = file_.name(), .problem = "does not share the lattice of the files before it"});
@@ -119,24 +128,24 @@ void LasReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& pro
   if (header_.point_count == 0) return;
   const LasColumns::Choice choice = columns_.choose(wanted, *shift, cloud);
   if (!laz_) {
-    read_plain(choice, cloud, progress);
+    read_plain(choice, cloud, pieces, progress);
     return;
   }
-  const std::size_t first_row = cloud.size();
-  CloudRows rows(columns_, choice, header_.point_size, cloud);
+  CloudRows rows(columns_, choice, header_.point_size, cloud, pieces);
   LazPoints points(file_, header_, *laz_, damage_);
   cloud.warnings.insert(cloud.warnings.end(), points.warnings().begin(), points.warnings().end());
   lost_ = points.read(layers_of(choice.kept), rows, progress);
-  about_.point_count = cloud.size() - first_row;
+  about_.point_count = rows.count();
 }
 
-void LasReader::read_plain(const LasColumns::Choice& choice, PointCloud& cloud, const Progress& progress) {
+void LasReader::read_plain(const LasColumns::Choice& choice, PointCloud& cloud, const CloudPieces& pieces,
+                           const Progress& progress) {
   const std::size_t point_size = header_.point_size;
   const std::size_t step = std::max<std::size_t>(k_block_bytes / point_size, 1);
   std::uint64_t place = header_.points_place;
   while (place < header_.points_end()) {
-    const std::size_t count =
-        static_cast<std::size_t>(std::min<std::uint64_t>(step, (header_.points_end() - place) / point_size));
+    const std::uint64_t left = (header_.points_end() - place) / point_size;
+    const std::size_t count = room_in_piece(cloud, choice.kept, std::min<std::uint64_t>(step, left), pieces);
     const RecordBlock block{file_.view(place, count * point_size).data(), point_size, count, cloud.size()};
     append_rows(cloud, choice.kept, count);
     columns_.take(block, choice, cloud);

@@ -60,8 +60,13 @@ std::uint8_t bits_from(double value, int mask, int shift) {
 }  // namespace
 
 TableAppender::TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
-                             std::uint64_t count)
-    : cloud_(cloud), positions_(columns), next_(cloud.size()), end_(cloud.size() + count) {
+                             std::uint64_t count, const CloudPieces& pieces)
+    : cloud_(cloud),
+      pieces_(pieces),
+      filled_(attributes_of(columns) & wanted),
+      positions_(columns),
+      next_(cloud.size()),
+      left_(count) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const TableColumn& column = columns[i];
     const auto attribute = attribute_of(column.role);
@@ -76,7 +81,14 @@ TableAppender::TableAppender(PointCloud& cloud, std::span<const TableColumn> col
     }
     targets_.push_back(target);
   }
-  append_rows(cloud, attributes_of(columns) & wanted, count);
+  make_rows();
+}
+
+void TableAppender::make_rows() {
+  const std::size_t count = room_in_piece(cloud_, filled_, left_, pieces_);
+  next_ = cloud_.size();
+  left_ -= count;
+  append_rows(cloud_, filled_, count);
 }
 
 bool TableAppender::add(std::span<const Cell> row) {
@@ -84,6 +96,7 @@ bool TableAppender::add(std::span<const Cell> row) {
   if (!(std::isfinite(world.x) && std::isfinite(world.y) && std::isfinite(world.z))) return true;
   const auto position = to_lattice(cloud_.lattice, world);
   if (!position || complete()) return false;
+  if (next_ == cloud_.size()) make_rows();
   cloud_.positions[next_] = *position;
   for (const Target& target : targets_) put(target, row[target.column]);
   ++next_;

@@ -65,9 +65,10 @@ CoordinateSurvey TableReader::survey(const Progress& progress) {
           .resolution = resolution(survey_->bounds())};
 }
 
-void TableReader::read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
+void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                                 const Progress& progress) {
   if (!survey_) survey({});
-  TableAppender appender(cloud, columns_, wanted, survey_->finite_count());
+  TableAppender appender(cloud, columns_, wanted, survey_->finite_count(), pieces);
   const auto assume = [&](Attribute attribute, const ValueScaling& scaling) {
     if (wanted.contains(attribute) && !scaling.assumption.empty() && survey_->finite_count() > 0)
       warn("it was assumed that " + scaling.assumption);

@@ -25,7 +25,8 @@ class TableReader : public CloudReader {
   std::optional<Lattice> lattice() const override { return std::nullopt; }
   std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
   CoordinateSurvey survey(const Progress& progress) override;
-  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override;
   std::vector<LostPoints> lost() const override { return lost_; }
   void rest() override { input_.rest(); }
 

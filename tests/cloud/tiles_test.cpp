@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Many files as one cloud: read at once, or left unread outside a region.
+// Many files as one cloud: read at once, in pieces, or left unread outside a region.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
@@ -9,7 +9,9 @@
 #include <thread>
 #include <vector>
 
+#include "octree/cloud/append_cloud.h"
 #include "octree/cloud/attribute_columns.h"
+#include "octree/cloud/read_in_pieces.h"
 #include "octree/cloud/row_ids.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/las_builder.h"
@@ -90,6 +92,77 @@ TEST(TilesTest, the_result_is_the_same_for_any_number_of_threads) {
     EXPECT_GT(one.size(), 1000u);
     EXPECT_GT(one.warnings.size(), 5u);
     for (const int threads : {2, 3, 8}) expect_same(one, join(tiles, {.attributes = wanted}, threads));
+  }
+}
+
+/// The cloud that its pieces make.
+template <class Join>
+PointCloud put_together(std::uint64_t most_bytes, const Join& join_pieces, std::size_t& piece_count) {
+  PointCloud cloud;
+  const auto take = [&](PointCloud& piece) {
+    ++piece_count;
+    PointCloud points = piece;
+    points.records.clear();
+    points.warnings.clear();
+    points.scanner_positions.clear();
+    if (cloud.positions.empty()) cloud.lattice = piece.lattice;
+    append_cloud(cloud, std::move(points));
+    piece.resize(0);
+  };
+  PiecewiseCloud whole = join_pieces(CloudPieces{.most_bytes = most_bytes, .take = take});
+  take(whole.rest);
+  EXPECT_EQ(whole.point_count, cloud.size());
+  EXPECT_EQ(whole.attributes.bits & ~whole.rest.attributes().bits & ~cloud.attributes().bits, 0u);
+  EXPECT_EQ(whole.attributes, cloud.attributes());
+  apply(whole.spread, cloud);
+  whole.rest.positions.swap(cloud.positions);
+  for_each_column(whole.rest, cloud, [](Attribute, auto& empty, auto& column) { empty.swap(column); });
+  whole.rest.extra_dimensions.swap(cloud.extra_dimensions);
+  return std::move(whole.rest);
+}
+
+TEST(PiecesTest, tiles_in_pieces_are_the_same_cloud) {
+  const std::vector<Bytes> tiles = mixed_tiles();
+  for (const std::uint64_t most_bytes : {1u, 400u, 3000u, 10'000'000u}) {
+    std::size_t piece_count = 0;
+    const PointCloud cloud = put_together(
+        most_bytes,
+        [&](const CloudPieces& pieces) {
+          std::vector<InputFile> files;
+          for (std::size_t i = 0; i < tiles.size(); ++i)
+            files.emplace_back(tiles[i], "tile_" + std::to_string(i));
+          return join_in_pieces(std::move(files), {}, pieces);
+        },
+        piece_count);
+    expect_same(join(tiles, {}, 1), cloud);
+    EXPECT_EQ(piece_count > 1, most_bytes < 1'000'000) << most_bytes;
+    if (most_bytes == 1) {
+      EXPECT_EQ(piece_count, cloud.size());
+    }
+  }
+}
+
+TEST(PiecesTest, files_of_every_format_in_pieces_are_the_same_cloud) {
+  for (const char* const name :
+       {"lidar/extrabytes.las", "lidar/pdrf0_pennsylvania.las", "laz_vectors/micro1.laz",
+        "laz_vectors/microz.laz", "lidar_rgb/autzen_trim.laz", "lidar_rgb/lion_takanawa.copc.laz",
+        "ply/platonic_shelf_ascii.ply", "ply/platonic_shelf_big_endian.ply", "pcd/lamppost.pcd",
+        "e57/ColouredCubeFloat.e57", "e57/tiny_spherical.e57", "text/1.2-with-color.ptx",
+        "text/ripple.pts"}) {
+    SCOPED_TRACE(name);
+    const std::filesystem::path file = test::shared_data(name);
+    if (!std::filesystem::exists(file)) GTEST_SKIP() << test::k_no_shared_data;
+    const PointCloud whole = read_cloud(file);
+    std::size_t piece_count = 0;
+    expect_same(
+        whole, put_together(
+                   whole.size(),
+                   [&](const CloudPieces& pieces) { return read_in_pieces(std::span(&file, 1), {}, pieces); },
+                   piece_count));
+    // A chunk of LAZ stays together.
+    if (file.extension() != ".laz") {
+      EXPECT_GE(piece_count, std::min<std::size_t>(12, whole.size()));
+    }
   }
 }
 

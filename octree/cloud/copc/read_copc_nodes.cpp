@@ -100,7 +100,8 @@ PointCloud read_copc_nodes(std::span<const ChosenNodes> parts, const ReadOptions
     about.point_count = cloud.size() - first_row;
     cloud.files.push_back(std::move(about));
   }
-  spread_colors(cloud, colored, options.color_depth);
+  measure_colors(cloud, 0, colored);
+  apply(choose_spread(std::move(colored), options.color_depth, cloud.warnings), cloud);
   return cloud;
 }
 

@@ -35,9 +35,17 @@ float to_float(double value) {
 
 }  // namespace
 
-E57Appender::E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count)
-    : cloud_(cloud), next_(cloud.size()), end_(cloud.size() + static_cast<std::size_t>(count)) {
-  append_rows(cloud, filled, static_cast<std::size_t>(count));
+E57Appender::E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count,
+                         const CloudPieces& pieces)
+    : cloud_(cloud), filled_(filled), pieces_(pieces), next_(cloud.size()), left_(count) {
+  make_rows();
+}
+
+void E57Appender::make_rows() {
+  const std::size_t count = room_in_piece(cloud_, filled_, left_, pieces_);
+  next_ = cloud_.size();
+  left_ -= count;
+  append_rows(cloud_, filled_, count);
 }
 
 void E57Appender::begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin) {
@@ -51,6 +59,7 @@ bool E57Appender::add(const E57Points& points) {
     if (points.is_left_out(i)) continue;
     const auto position = to_lattice(cloud_.lattice, points.positions[i]);
     if (!position || complete()) return false;
+    if (next_ == cloud_.size()) make_rows();
     cloud_.positions[next_] = *position;
     put(points, i);
     ++next_;

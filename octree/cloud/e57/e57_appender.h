@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "octree/cloud/cloud_pieces.h"
 #include "octree/cloud/e57/e57_points.h"
 #include "octree/cloud/e57/e57_scaling.h"
 #include "octree/cloud/point_cloud.h"
@@ -15,8 +16,9 @@ namespace alidade {
 /// Puts the points of scans into new rows of a cloud. Attributes that a scan lacks stay 0.
 class E57Appender {
  public:
-  /// Makes `count` rows of zeros and the columns of `filled`.
-  E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count);
+  /// Makes rows of zeros for `count` points to come, as far as a piece has room, and the columns of `filled`.
+  /// `pieces` must outlive the object.
+  E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count, const CloudPieces& pieces);
 
   /// How the next scan's values are to be read: its scaling, its pose for normals, and what its time stamps
   /// count from.
@@ -27,22 +29,26 @@ class E57Appender {
   bool add(const E57Points& points);
 
   /// Whether as many points came as were announced.
-  bool complete() const { return next_ == end_; }
+  bool complete() const { return next_ == cloud_.size() && left_ == 0; }
   /// Values that their flags call invalid and that became 0: colours, intensities, time stamps.
   const std::array<std::uint64_t, 3>& invalid() const { return invalid_; }
 
  private:
+  void make_rows();
   void put(const E57Points& points, std::size_t i);
   bool is_invalid(const E57Points& points, E57Role flag, std::size_t i, std::size_t kind);
   void put_index(std::optional<std::size_t>& dimension, const char* name, const char* description,
                  double value);
 
   PointCloud& cloud_;
+  AttributeSet filled_;
+  const CloudPieces& pieces_;
   std::optional<std::size_t> row_dimension_{}, column_dimension_{};  ///< once a scan has one
   const E57Scan* scan_ = nullptr;
   const E57Scaling* scaling_ = nullptr;
   double time_origin_ = 0.0;
-  std::size_t next_, end_;
+  std::size_t next_;
+  std::uint64_t left_;  ///< rows that have not been made yet
   std::array<std::uint64_t, 3> invalid_{};
 };
 

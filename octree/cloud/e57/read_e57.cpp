@@ -75,7 +75,8 @@ class E57Reader final : public CloudReader {
   std::optional<Lattice> lattice() const override { return std::nullopt; }
   std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
   CoordinateSurvey survey(const Progress& progress) override;
-  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) override;
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override;
   void rest() override { file_.pages().rest(); }
 
  private:
@@ -213,7 +214,8 @@ void E57Reader::warn_of_invalid(const std::array<std::uint64_t, 3>& invalid) {
   }
 }
 
-void E57Reader::read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
+void E57Reader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                               const Progress& progress) {
   if (!survey_) survey({});
   E57Oddities assumptions;
   const AttributeSet kept = attributes_ & wanted;
@@ -222,7 +224,7 @@ void E57Reader::read(PointCloud& cloud, AttributeSet wanted, const Progress& pro
   for (const E57Scan& scan : scans()) {
     if (scan.pose) cloud.scanner_positions.push_back({scan.name, scan.pose->translation});
   }
-  E57Appender appender(cloud, kept, survey_->finite_count);
+  E57Appender appender(cloud, kept, survey_->finite_count, pieces);
   for (std::size_t scan = 0; scan < scans().size(); ++scan) {
     if (scans()[scan].record_count == 0) continue;
     appender.begin_scan(scans()[scan], scalings[scan], time_origins_[scan]);
