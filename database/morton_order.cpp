@@ -17,7 +17,7 @@ std::vector<std::uint32_t> order_of(const SortedPoints<Entry>& sorted) {
 
 std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
   if (positions.empty()) return {};
-  const KeySpace space = key_space(positions);
+  const KeySpace space = aligned_key_space(positions);
   return space.is_narrow() ? order_of(sort_points<NarrowEntry>(space, positions))
                            : order_of(sort_points<WideEntry>(space, positions));
 }

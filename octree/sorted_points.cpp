@@ -187,11 +187,8 @@ class Sorter {
   tbb::enumerable_thread_specific<Scratch> scratch_;
 };
 
-}  // namespace
-
-KeySpace key_space(const std::vector<LatticePosition>& positions) {
-  if (positions.empty()) return {};
-  const LatticeExtent extent = tbb::parallel_reduce(
+LatticeExtent extent_of(const std::vector<LatticePosition>& positions) {
+  return tbb::parallel_reduce(
       tbb::blocked_range<std::size_t>(0, positions.size(), k_points_per_task), LatticeExtent{},
       [&](const tbb::blocked_range<std::size_t>& range, LatticeExtent part) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) part.grow(positions[i]);
@@ -202,10 +199,34 @@ KeySpace key_space(const std::vector<LatticePosition>& positions) {
         a.grow(b.high);
         return a;
       });
+}
+
+}  // namespace
+
+KeySpace key_space(const std::vector<LatticePosition>& positions) {
+  if (positions.empty()) return {};
+  const LatticeExtent extent = extent_of(positions);
   std::uint32_t largest = 0;
   for (int axis = 0; axis < 3; ++axis)
     largest = std::max(largest, steps_from(extent.low[axis], extent.high[axis]));
   return {extent.low, static_cast<int>(std::bit_width(largest))};
+}
+
+KeySpace aligned_key_space(const std::vector<LatticePosition>& positions) {
+  if (positions.empty()) return {};
+  const LatticeExtent extent = extent_of(positions);
+  constexpr std::int32_t k_lowest = -2147483647 - 1;
+  std::uint32_t differing = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    differing |= steps_from(k_lowest, extent.low[axis]) ^ steps_from(k_lowest, extent.high[axis]);
+  KeySpace space{LatticePosition(k_lowest), static_cast<int>(std::bit_width(differing))};
+  const std::uint32_t kept = space.extent_bits == 32 ? 0 : ~std::uint32_t{0} << space.extent_bits;
+  // Bits above are the same for all, and so decide nothing.
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint32_t common = steps_from(k_lowest, extent.low[axis]) & kept;
+    space.base[axis] = static_cast<std::int32_t>(common + static_cast<std::uint32_t>(k_lowest));
+  }
+  return space;
 }
 
 template <class Entry>

@@ -25,6 +25,10 @@ struct KeySpace {
 /// Cost: one pass, in parallel.
 KeySpace key_space(const std::vector<LatticePosition>& positions);
 
+/// One in which positions have the order that they have in the space of all positions, and so in any that
+/// this function gives: pieces of a cloud that were sorted apart can be merged. Cost: one pass, in parallel.
+KeySpace aligned_key_space(const std::vector<LatticePosition>& positions);
+
 /// Points in (Morton key, id) order.
 template <class Entry>
 class SortedPoints {

@@ -32,6 +32,13 @@ bool is_possible(const StoredColumn& column) {
          column.place >= 0 && column.place <= column.size - size;
 }
 
+/// Whole values only.
+template <class Values>
+void take_bytes(std::span<const std::byte> bytes, Values& values) {
+  values.resize(bytes.size() / sizeof values[0]);
+  if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof values[0]);
+}
+
 }  // namespace
 
 std::string part_name(const std::string& schema, const std::string& table, const std::string& part) {
@@ -44,8 +51,9 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
   run(database,
       "CREATE TABLE " + name("cloud") +
           "(version INTEGER, scale_x REAL, scale_y REAL, scale_z REAL, offset_x REAL, offset_y REAL,"
-          " offset_z REAL, points INTEGER, chunks INTEGER, crs TEXT)");
-  Statement row(database, "INSERT INTO " + name("cloud") + " VALUES(?,?,?,?,?,?,?,?,?,?)");
+          " offset_z REAL, points INTEGER, chunks INTEGER, crs TEXT,"
+          " geotiff_keys BLOB, geotiff_doubles BLOB, geotiff_ascii BLOB, gps_time_is_standard INTEGER)");
+  Statement row(database, "INSERT INTO " + name("cloud") + " VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   row.bind(1, std::int64_t{k_cloud_table_version});
   for (int axis = 0; axis < 3; ++axis) {
     row.bind(2 + axis, cloud.lattice.scale[axis]);
@@ -53,7 +61,11 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
   }
   row.bind(8, static_cast<std::int64_t>(cloud.point_count));
   row.bind(9, static_cast<std::int64_t>(cloud.chunk_count));
-  row.bind(10, cloud.crs_wkt);
+  row.bind(10, cloud.crs.wkt);
+  row.bind(11, std::as_bytes(std::span(cloud.crs.geotiff_keys)));
+  row.bind(12, std::as_bytes(std::span(cloud.crs.geotiff_doubles)));
+  row.bind(13, std::as_bytes(std::span(cloud.crs.geotiff_ascii)));
+  row.bind(14, std::int64_t{cloud.gps_time_is_standard});
   row.run();
 
   run(database,
@@ -103,7 +115,11 @@ CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, cons
   }
   cloud.point_count = static_cast<std::uint64_t>(row.whole(7));
   cloud.chunk_count = static_cast<std::uint64_t>(row.whole(8));
-  cloud.crs_wkt = row.text(9);
+  cloud.crs.wkt = row.text(9);
+  take_bytes(row.bytes(10), cloud.crs.geotiff_keys);
+  take_bytes(row.bytes(11), cloud.crs.geotiff_doubles);
+  take_bytes(row.bytes(12), cloud.crs.geotiff_ascii);
+  cloud.gps_time_is_standard = row.whole(13) != 0;
   Statement entry(database, "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM " +
                                 part_name(schema, table, "column") + " ORDER BY id");
   while (entry.step()) {

@@ -7,16 +7,17 @@
 
 #include "database/stored_column.h"
 #include "octree/bounds.h"
+#include "octree/cloud/crs.h"
 #include "octree/cloud/lattice.h"
 
 struct sqlite3;
 
 // A cloud in SQLite. A table of the module pointcloud, named NAME, stands on four ordinary tables:
-//   NAME_cloud   one row: format version, lattice, counts, CRS as WKT
-//   NAME_column  what the columns are (StoredColumn), in their order
-//   NAME_chunk   positions of chunks of points in Morton order: 3 int32 lattice steps per point
-//   NAME_value   the other values: blob `blob` of chunk `chunk` has the id blob * 2^32 + chunk
-//   NAME_bounds  boxes of the chunks (database/sqlite/box_tree.h)
+//   NAME_cloud   one row: format version, lattice, counts, CRS as WKT and as GeoTIFF keys, how GPS time
+//   counts NAME_column  what the columns are (StoredColumn), in their order NAME_chunk   positions of chunks
+//   of points in Morton order: 3 int32 lattice steps per point NAME_value   the other values: blob `blob` of
+//   chunk `chunk` has the id blob * 2^32 + chunk NAME_bounds  boxes of the chunks
+//   (database/sqlite/box_tree.h)
 // Numbers in blobs are little endian.
 
 namespace alidade {
@@ -27,7 +28,8 @@ struct CloudSchema {
   Lattice lattice;
   std::uint64_t point_count = 0;
   std::uint64_t chunk_count = 0;
-  std::string crs_wkt;
+  Crs crs;
+  bool gps_time_is_standard = false;  ///< as PointCloud's
   std::vector<StoredColumn> columns;
 };
 

@@ -11,6 +11,12 @@
 
 namespace alidade {
 
+/// The file of a connection, as messages name it.
+inline std::string file_of(sqlite3* database) {
+  const char* const file = sqlite3_db_filename(database, "main");
+  return file == nullptr ? "" : file;
+}
+
 /// A prepared statement of SQLite. Parameters and columns are counted as SQLite does: from 1 and from 0.
 /// Errors of all members: SQLite's message, with the name of the database file.
 class Statement {
@@ -70,8 +76,7 @@ class Statement {
     return *this;
   }
   [[noreturn]] void fail() const {
-    const char* const file = sqlite3_db_filename(database_, "main");
-    throw Error({.file = file == nullptr ? "" : file, .problem = sqlite3_errmsg(database_)});
+    throw Error({.file = file_of(database_), .problem = sqlite3_errmsg(database_)});
   }
 
   sqlite3* database_;

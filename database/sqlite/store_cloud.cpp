@@ -3,120 +3,129 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 #include <unistd.h>
 
-#include <cstring>
+#include <algorithm>
+#include <memory>
 #include <utility>
-#include <vector>
 
-#include "database/morton_order.h"
+#include "database/point_stream.h"
 #include "database/sqlite/box_tree.h"
+#include "database/sqlite/chunk_writer.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
-#include "database/value_blobs.h"
+#include "octree/cloud/append_rows.h"
+#include "octree/cloud/read_in_pieces.h"
 
 namespace alidade {
 namespace {
 
 constexpr const char* k_schema = "main";
 
-/// Writes chunk after chunk.
-class ChunkWriter {
- public:
-  ChunkWriter(sqlite3* database, const std::string& table, const PointCloud& cloud)
-      : cloud_(cloud),
-        columns_(columns_of(cloud)),
-        sources_(value_blobs(columns_)),
-        chunk_(database, "INSERT INTO " + part_name(k_schema, table, "chunk") + " VALUES(?,?,?)"),
-        value_(database, "INSERT INTO " + part_name(k_schema, table, "value") + " VALUES(?,?)") {}
-
-  void write(std::uint64_t id, std::span<const std::uint32_t> rows) {
-    std::vector<LatticePosition> positions;
-    std::vector<std::uint64_t> ids(rows.begin(), rows.end());
-    Bounds bounds;
-    for (const std::uint32_t row : rows) {
-      positions.push_back(cloud_.positions[row]);
-      bounds.grow(cloud_.world(row));
-    }
-    chunk_.bind(1, static_cast<std::int64_t>(id)).bind(2, static_cast<std::int64_t>(rows.size()));
-    chunk_.bind(3, std::as_bytes(std::span(positions))).run();
-    boxes_.push_back(bounds);
-    write_values(value_id(0, id), std::as_bytes(std::span(ids)));
-    for (std::size_t i = 0; i < sources_.size(); ++i) {
-      const ValueBlob& source = sources_[i];
-      bytes_.resize(rows.size() * source.size);
-      for (std::size_t row = 0; row < rows.size(); ++row)
-        std::memcpy(bytes_.data() + row * source.size, source.values + rows[row] * source.size, source.size);
-      write_values(value_id(static_cast<int>(i) + 1, id), bytes_);
-    }
-  }
-
-  /// Of the chunks written so far.
-  std::vector<Bounds> boxes() && { return std::move(boxes_); }
-
- private:
-  void write_values(std::int64_t id, std::span<const std::byte> bytes) {
-    value_.bind(1, id).bind(2, bytes).run();
-  }
-
-  const PointCloud& cloud_;
-  AttributeColumns columns_;
-  std::vector<ValueBlob> sources_;
-  Statement chunk_, value_;
-  std::vector<Bounds> boxes_;
-  std::vector<std::byte> bytes_;
-};
-
 bool exists(sqlite3* database, const std::string& table) {
   Statement found(database, "SELECT 1 FROM main.sqlite_schema WHERE lower(name) = lower(?)");
   return found.bind(1, table).step();
 }
 
-/// Inside a transaction, which ends when it returns, and is undone if it throws.
-void store(sqlite3* database, const PointCloud& cloud, const StoreOptions& options) {
-  const CloudSchema schema{.lattice = cloud.lattice,
-                           .point_count = cloud.size(),
-                           .chunk_count = (cloud.size() + options.chunk_points - 1) / options.chunk_points,
-                           .crs_wkt = cloud.crs.wkt,
-                           .columns = stored_columns(cloud)};
-  if (exists(database, options.table)) {
-    if (!options.replace || !exists(database, options.table + "_bounds")) {
-      throw Error({.problem = fmt::format("there is a table {} already", options.table),
-                   .expected = options.replace ? "a cloud to replace" : "another name"});
-    }
-    run(database, "DROP TABLE main." + sql_name(options.table));
+/// Errors: there is a table of that name that may not be replaced.
+void check_table(sqlite3* database, const StoreOptions& options) {
+  if (!exists(database, options.table)) return;
+  if (options.replace && exists(database, options.table + "_bounds")) return;
+  throw Error({.file = file_of(database),
+               .problem = fmt::format("there is a table {} already", options.table),
+               .expected = options.replace ? "a cloud to replace" : "another name"});
+}
+
+/// A cloud with the columns that some piece had, to be described.
+PointCloud described(const PiecewiseCloud& whole, const PointStream& points) {
+  PointCloud cloud;
+  for (const ExtraDimension& dimension : whole.rest.extra_dimensions)
+    cloud.extra_dimensions.push_back(description_of(dimension));
+  AttributeSet attributes;
+  for (const ValueBlob& blob : points.blobs()) {
+    if (blob.number < ValueBlob::number_of(Attribute::extra_dimensions))
+      attributes.bits |= std::uint32_t{1} << blob.number;
   }
-  create_cloud_tables(database, k_schema, options.table, schema);
-  const std::vector<std::uint32_t> order = morton_order(cloud.positions);
+  append_rows(cloud, attributes, 1);
+  return cloud;
+}
+
+/// Points that are under way together.
+std::size_t points_per_group(std::uint32_t chunk_points) {
+  constexpr std::uint32_t k_about = 1 << 15;
+  return std::size_t{std::max(1u, k_about / chunk_points)} * chunk_points;
+}
+
+void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWriter& writer,
+                  const Progress& progress) {
+  const std::size_t group = points_per_group(encoding.chunk_points);
+  const std::size_t groups_at_once =
+      2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) + 1;
+  std::uint64_t done = 0;
+  tbb::parallel_pipeline(
+      groups_at_once,
+      tbb::make_filter<void, std::shared_ptr<PickedPoints>>(tbb::filter_mode::serial_in_order,
+                                                            [&](tbb::flow_control& control) {
+                                                              auto picked = std::make_shared<PickedPoints>(
+                                                                  points.next(group));
+                                                              if (picked->picks.empty()) control.stop();
+                                                              return picked;
+                                                            }) &
+          tbb::make_filter<std::shared_ptr<PickedPoints>, std::shared_ptr<EncodedChunks>>(
+              tbb::filter_mode::parallel,
+              [&](const std::shared_ptr<PickedPoints>& picked) {
+                return std::make_shared<EncodedChunks>(encode(encoding, *picked));
+              }) &
+          tbb::make_filter<std::shared_ptr<EncodedChunks>, void>(
+              tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<EncodedChunks>& chunks) {
+                writer.write(*chunks);
+                done += chunks->positions.size();
+                report(progress, done, points.size());
+              }));
+}
+
+/// Inside a transaction, which ends when it returns, and is undone if it throws.
+void store(sqlite3* database, const PiecewiseCloud& whole, PointStream& points, const StoreOptions& options) {
+  check_table(database, options);
+  if (exists(database, options.table)) run(database, "DROP TABLE main." + sql_name(options.table));
+  create_cloud_tables(database, k_schema, options.table,
+                      {.lattice = whole.rest.lattice,
+                       .point_count = points.size(),
+                       .chunk_count = (points.size() + options.chunk_points - 1) / options.chunk_points,
+                       .crs = whole.rest.crs,
+                       .gps_time_is_standard = whole.rest.gps_time_is_standard,
+                       .columns = stored_columns(described(whole, points))});
+  const ChunkEncoding encoding{.chunk_points = options.chunk_points,
+                               .lattice = whole.rest.lattice,
+                               .blobs = points.blobs(),
+                               .spread = whole.spread};
   {
-    ChunkWriter writer(database, options.table, cloud);
-    constexpr std::uint64_t k_chunks_per_report = 64;
-    for (std::uint64_t id = 0; id < schema.chunk_count; ++id) {
-      const std::size_t first = static_cast<std::size_t>(id * options.chunk_points);
-      const std::size_t count = std::min<std::size_t>(options.chunk_points, order.size() - first);
-      writer.write(id, std::span(order).subspan(first, count));
-      if (id % k_chunks_per_report == 0) report(options.progress, first + count, cloud.size());
-    }
+    ChunkWriter writer(database, options.table, encoding);
+    write_chunks(points, encoding, writer, options.progress);
     write_box_tree(database, part_name(k_schema, options.table, "bounds"), std::move(writer).boxes());
   }
   run(database, "CREATE VIRTUAL TABLE main." + sql_name(options.table) + " USING pointcloud");
-  report(options.progress, cloud.size(), cloud.size());
+  report(options.progress, points.size(), points.size());
 }
 
-void store_in(const std::filesystem::path& file, Connection::Mode mode, const PointCloud& cloud,
-              const StoreOptions& options) {
+void store_in(const std::filesystem::path& file, Connection::Mode mode, const PiecewiseCloud& whole,
+              PointStream& points, const StoreOptions& options) {
   const Connection connection(file, mode);
   sqlite3* const database = connection.get();
   if (mode == Connection::Mode::create) {
+    // Blobs of a chunk take a power of two of bytes and a few more: on small pages there is much room beside
+    // them.
+    run(database, "PRAGMA page_size = 65536");
     // Nobody sees this file before it is whole.
-    run(database, "PRAGMA page_size = 16384");
     Statement(database, "PRAGMA journal_mode = OFF").step();
     run(database, "PRAGMA synchronous = OFF");
   }
   run(database, "BEGIN IMMEDIATE");
   try {
-    store(database, cloud, options);
+    store(database, whole, points, options);
     run(database, "COMMIT");
   } catch (...) {
     sqlite3_exec(database, "ROLLBACK", nullptr, nullptr, nullptr);
@@ -131,9 +140,7 @@ void flush_to_disk(const std::filesystem::path& file) {
   if (!is_flushed) throw Error({.file = file.string(), .problem = "cannot be written to the disk"});
 }
 
-}  // namespace
-
-void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, const StoreOptions& options) {
+void check(const std::filesystem::path& file, const StoreOptions& options) {
   constexpr std::uint32_t k_most_chunk_points = 65536;
   if (options.chunk_points < 1 || options.chunk_points > k_most_chunk_points) {
     throw Error({.problem = "bad number of points per chunk",
@@ -141,18 +148,24 @@ void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, con
                  .found = std::to_string(options.chunk_points)});
   }
   if (options.table.empty()) throw Error({.problem = "the table has no name"});
-  if (cloud.size() > UINT32_MAX) {
+  if (std::filesystem::exists(file)) check_table(Connection(file, Connection::Mode::write).get(), options);
+}
+
+void store_stream(const std::filesystem::path& file, const PiecewiseCloud& whole, PointStream& points,
+                  const StoreOptions& options) {
+  const std::uint64_t most_points = std::uint64_t{UINT32_MAX} * options.chunk_points;
+  if (points.size() > most_points) {
     throw Error({.problem = "too many points for one table",
-                 .expected = fmt::format("at most {}", UINT32_MAX),
-                 .found = std::to_string(cloud.size())});
+                 .expected = fmt::format("at most {}", most_points),
+                 .found = std::to_string(points.size())});
   }
   if (std::filesystem::exists(file)) {
-    store_in(file, Connection::Mode::write, cloud, options);
+    store_in(file, Connection::Mode::write, whole, points, options);
     return;
   }
   const std::filesystem::path beside = file.string() + fmt::format(".part{}", ::getpid());
   try {
-    store_in(beside, Connection::Mode::create, cloud, options);
+    store_in(beside, Connection::Mode::create, whole, points, options);
     flush_to_disk(beside);
     std::filesystem::rename(beside, file);
   } catch (...) {
@@ -160,6 +173,34 @@ void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, con
     std::filesystem::remove(beside, error);
     throw;
   }
+}
+
+}  // namespace
+
+void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, const StoreOptions& options) {
+  check(file, options);
+  PointStream points(file.parent_path());
+  points.finish(cloud);
+  PiecewiseCloud whole;
+  whole.rest.lattice = cloud.lattice;
+  whole.rest.crs = cloud.crs;
+  whole.rest.gps_time_is_standard = cloud.gps_time_is_standard;
+  for (const ExtraDimension& dimension : cloud.extra_dimensions)
+    whole.rest.extra_dimensions.push_back(description_of(dimension));
+  store_stream(file, whole, points, options);
+}
+
+StoredFiles store_files(const std::filesystem::path& file, std::span<const std::filesystem::path> files,
+                        const ReadOptions& reading, const StoreOptions& options) {
+  check(file, options);
+  PointStream points(file.parent_path());
+  PiecewiseCloud whole = read_in_pieces(files, reading,
+                                        {.most_bytes = options.memory,
+                                         .bytes_beside = PointStream::k_bytes_beside,
+                                         .take = [&](PointCloud& piece) { points.add(piece); }});
+  points.finish(whole.rest);
+  store_stream(file, whole, points, options);
+  return {points.size(), std::move(whole.rest.warnings)};
 }
 
 }  // namespace alidade

@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "octree/cloud/read_cloud.h"
 #include "octree/progress.h"
 
 namespace alidade {
@@ -14,17 +16,34 @@ struct StoreOptions {
   std::string table = "points";       ///< what SQL calls the cloud
   std::uint32_t chunk_points = 1024;  ///< per chunk, 1 to 65536
   bool replace = false;               ///< a table of that name, if it is a cloud; otherwise it is an Error
-  Progress progress{};                ///< in points
+  /// Bytes for points; those of a larger cloud wait in a file without a name beside the database, which takes
+  /// as much room there as their columns and 4 bytes per point.
+  std::uint64_t memory = std::uint64_t{1} << 30;
+  Progress progress{};  ///< in points, once all are read
 };
 
 /// Stores a cloud in an SQLite database, which is made if it is not there, as a table that the module
 /// pointcloud reads (database/sqlite/cloud_schema.h): points along a Morton curve in chunks, all attributes,
-/// ids as their rows were. The table is there as a whole or not at all, and so is a new file. The bytes do
-/// not depend on the number of threads.
+/// ids as their rows were. The table is there as a whole or not at all, and so is a new file, also if the
+/// program is killed: then a file may remain beside it whose name ends in .part and a number. The bytes
+/// depend neither on memory nor on the number of threads.
 ///
 /// Errors: options out of range; the table exists; the file is no database or cannot be written; more than
-/// 2^32 - 1 points or chunks; SQLite's. Cancelled. Memory: 36 bytes per point at the peak beside the cloud.
+/// 2^32 - 1 chunks; no space left; SQLite's. Cancelled. Memory: 36 bytes per point at the peak beside the
+/// cloud.
 void store_cloud(const std::filesystem::path& database, const PointCloud& cloud,
                  const StoreOptions& options = {});
+
+/// What was stored.
+struct StoredFiles {
+  std::uint64_t point_count = 0;
+  std::vector<std::string> warnings;  ///< PointCloud::warnings
+};
+
+/// The same for cloud files (read_cloud()), whose points memory need not hold. Memory: StoreOptions::memory,
+/// 48 bytes per chunk, two blocks of 1024 points for each time that memory was full, some 100 MB for what is
+/// under way, and what CloudReader::read_in_pieces() says.
+StoredFiles store_files(const std::filesystem::path& database, std::span<const std::filesystem::path> files,
+                        const ReadOptions& reading, const StoreOptions& options = {});
 
 }  // namespace alidade

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Clouds become tables as a whole or not at all.
+#include <tbb/task_arena.h>
+
+#include <climits>
 #include <fstream>
 
+#include "database/sqlite/cloud_schema.h"
 #include "database/stored_column.h"
+#include "octree/build.h"
+#include "octree/cloud/write_las.h"
+#include "octree/index_file.h"
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
@@ -77,14 +84,90 @@ TEST_F(StoreCloudTest, an_empty_cloud_is_an_empty_table) {
             std::vector<double>{0});
 }
 
+std::string bytes(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
 TEST_F(StoreCloudTest, the_same_cloud_gives_the_same_file) {
   store_cloud(file_, site(5000));
   store_cloud(folder_ / "again.db", site(5000));
-  const auto bytes = [](const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
   EXPECT_TRUE(bytes(file_) == bytes(folder_ / "again.db"));
+}
+
+/// Files whose points lie among each other, partly in the same places: LAS with colours of 8 bits and GeoTIFF
+/// keys, a text with a column of its own, an index file.
+std::vector<std::filesystem::path> site_files(const std::filesystem::path& folder, PointCloud cloud) {
+  for (Color16& color : cloud.colors) color = {color.x % 256, color.y % 256, 7};
+  cloud.crs.geotiff_keys = {1, 1, 0, 1, 3072, 0, 1, 32632};
+  cloud.crs.geotiff_doubles = {0.5};
+  cloud.crs.geotiff_ascii = "UTM|";
+  write_las(folder / "site.las", cloud);
+  std::ofstream text(folder / "site.csv");
+  text << "x,y,z,intensity,spare\n";
+  for (std::size_t i = 0; i < cloud.size(); i += 2) {
+    const glm::dvec3 world = cloud.world(i);
+    text << fmt::format("{:.3f},{:.3f},{:.3f},{},{}\n", world.x, world.y, world.z, i % 999, i);
+  }
+  text.close();
+  save_index(folder / "site.alidade", build(cloud), cloud);
+  return {folder / "site.las", folder / "site.csv", folder / "site.alidade"};
+}
+
+TEST_F(StoreCloudTest, files_that_memory_does_not_hold_give_the_same_database) {
+  const std::vector<std::filesystem::path> files = site_files(folder_, site(3000));
+  const PointCloud cloud = read_cloud(files);
+  store_cloud(file_, cloud);
+  const std::filesystem::path other = folder_ / "other.db";
+  for (const int threads : {1, 3}) {
+    tbb::task_arena arena(threads);
+    for (const std::uint64_t memory :
+         {std::uint64_t{20'000}, std::uint64_t{200'000}, std::uint64_t{1} << 30}) {
+      arena.execute([&] {
+        const StoredFiles stored = store_files(other, files, {}, {.memory = memory});
+        EXPECT_EQ(stored.point_count, cloud.size());
+        EXPECT_EQ(stored.warnings, cloud.warnings);
+      });
+      EXPECT_TRUE(bytes(file_) == bytes(other)) << memory << " bytes, " << threads << " threads";
+      std::filesystem::remove(other);
+    }
+  }
+}
+
+TEST_F(StoreCloudTest, the_reference_system_is_kept_as_it_came) {
+  const std::vector<std::filesystem::path> files = site_files(folder_, site(10));
+  store_files(file_, std::span(files).first(1), {});
+  const Connection database(file_, Connection::Mode::read);
+  const CloudSchema schema = read_cloud_schema(database.get(), "main", "points");
+  const PointCloud cloud = read_cloud(files[0]);
+  EXPECT_FALSE(cloud.crs.geotiff_keys.empty());
+  EXPECT_EQ(schema.crs, cloud.crs);
+  EXPECT_EQ(schema.gps_time_is_standard, cloud.gps_time_is_standard);
+}
+
+TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
+  const std::vector<std::filesystem::path> files = site_files(folder_, site(3000));
+  const auto count_files = [&] {
+    return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
+  };
+  int calls = 0, most = INT_MAX;
+  const Progress watch = [&](std::uint64_t, std::uint64_t) { return ++calls < most; };
+  const StoreOptions options{.chunk_points = 64, .memory = 50'000, .progress = watch};
+  store_files(file_, files, {.progress = watch}, options);
+  const int all = calls;
+  EXPECT_GT(all, 8);
+  const std::string before = bytes(file_);
+  StoreOptions again = options;
+  again.table = "again";
+  for (most = 1; most <= all; ++most) {
+    for (const bool is_new : {true, false}) {
+      calls = 0;
+      const std::filesystem::path target = is_new ? folder_ / "new.db" : file_;
+      EXPECT_THROW(store_files(target, files, {.progress = watch}, again), Cancelled);
+    }
+    EXPECT_EQ(count_files(), 4) << "three clouds and a database";
+    EXPECT_TRUE(bytes(file_) == before) << most;
+  }
 }
 
 TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_told_apart) {
