@@ -6,6 +6,7 @@
 #include "database/sqlite/statement.h"
 #include "tools/command.h"
 #include "tools/message.h"
+#include "tools/sql_load.h"
 
 namespace alidade {
 namespace {
@@ -31,7 +32,7 @@ Command add_sql(CLI::App& program) {
   sql->add_option("statement", command->statement, "SQL")->option_text("STATEMENT");
   // Not finished: not in the manual.
   sql->group("");
-  const std::vector<Command> parts = {};
+  const std::vector<Command> parts = {add_sql_load(*sql)};
   return {
       sql,
       [command, parts, sql] { return sql->get_subcommands().empty() ? run(*command) : run_chosen(parts); },

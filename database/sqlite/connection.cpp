@@ -12,7 +12,9 @@ Connection::Connection(const std::filesystem::path& file, Mode mode) {
                     : mode == Mode::write ? SQLITE_OPEN_READWRITE
                                           : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
   try {
-    int result = sqlite3_open_v2(file.c_str(), &database_, flags, nullptr);
+    // Names such as ":memory:" are those of files here.
+    const std::filesystem::path path = file.is_absolute() ? file : "." / file;
+    int result = sqlite3_open_v2(path.c_str(), &database_, flags, nullptr);
     if (result == SQLITE_OK) result = add_functions(database_);
     if (result == SQLITE_OK) result = add_cloud_table(database_);
     if (result != SQLITE_OK) {

@@ -36,7 +36,7 @@ void check_table(sqlite3* database, const StoreOptions& options) {
   if (options.replace && exists(database, options.table + "_bounds")) return;
   throw Error({.file = file_of(database),
                .problem = fmt::format("there is a table {} already", options.table),
-               .expected = options.replace ? "a cloud to replace" : "another name"});
+               .expected = options.replace ? "a cloud to replace" : "another name, or --overwrite"});
 }
 
 /// A cloud with the columns that some piece had, to be described.
@@ -163,7 +163,8 @@ void store_stream(const std::filesystem::path& file, const PiecewiseCloud& whole
     store_in(file, Connection::Mode::write, whole, points, options);
     return;
   }
-  const std::filesystem::path beside = file.string() + fmt::format(".part{}", ::getpid());
+  const std::filesystem::path beside =
+      file.parent_path() / fmt::format(".{}.part-{}", file.filename().string(), ::getpid());
   try {
     store_in(beside, Connection::Mode::create, whole, points, options);
     flush_to_disk(beside);

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string_view>
 
 #include "octree/error.h"
 #include "tools/cloud_options.h"
+#include "tools/parse_size.h"
 #include "tools/query/target_kind.h"
 #include "visibility/file_ending.h"
 
@@ -105,18 +105,6 @@ void add_conditions(CLI::App& query, QueryCommand& command) {
         command.max_level = static_cast<int>(parse_count(text, 0, k_all_levels));
       })
       ->group(group);
-}
-
-/// "800000000", "512M", "2G": bytes.
-std::size_t parse_size(const std::string& text) {
-  constexpr std::uint64_t k_most = std::uint64_t{1} << 50;
-  const std::string_view units = "kMGT";
-  const std::size_t unit = text.empty() ? units.npos : units.find(text.back());
-  if (unit == units.npos) return static_cast<std::size_t>(parse_count(text, 1, k_most));
-  const double factor = std::pow(1024.0, static_cast<double>(unit + 1));
-  const double number =
-      parse_number(text.substr(0, text.size() - 1), 0, static_cast<double>(k_most) / factor);
-  return static_cast<std::size_t>(std::max(number * factor, 1.0));
 }
 
 void add_copc(CLI::App& query, QueryCommand& command) {
