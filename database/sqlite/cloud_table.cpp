@@ -22,13 +22,15 @@ struct Table {
   std::string schema, name;
   CloudSchema cloud;
   TableColumns columns;
+  ScanReads* reads;  ///< those of the connection, or null
 
-  Table(sqlite3* connection, std::string schema_name, std::string table_name)
+  Table(sqlite3* connection, std::string schema_name, std::string table_name, ScanReads* all_reads)
       : database(connection),
         schema(std::move(schema_name)),
         name(std::move(table_name)),
         cloud(read_cloud_schema(database, schema, name)),
-        columns(cloud.columns) {}
+        columns(cloud.columns),
+        reads(all_reads) {}
 };
 
 struct Cursor {
@@ -36,8 +38,18 @@ struct Cursor {
   ChunkStore store;
   Arguments arguments;
   std::optional<PointCursor> points;
+  ScanReads* all_reads;
 
-  explicit Cursor(const Table& table) : store(table.database, table.schema, table.name, table.cloud) {}
+  explicit Cursor(const Table& table)
+      : store(table.database, table.schema, table.name, table.cloud), all_reads(table.reads) {}
+  ~Cursor() { end_scan(); }
+  Cursor(const Cursor&) = delete;
+  Cursor& operator=(const Cursor&) = delete;
+
+  void end_scan() {
+    if (points && all_reads != nullptr) *all_reads += points->reads();
+    points.reset();
+  }
 };
 
 Table& table_of(sqlite3_vtab* base) {
@@ -58,13 +70,13 @@ int table_guarded(sqlite3_vtab* base, const Work& work) {
   return guarded(work, [&](const char* message) { keep_message(&base->zErrMsg, message); });
 }
 
-int connect(sqlite3* database, void*, int count, const char* const* words, sqlite3_vtab** made,
+int connect(sqlite3* database, void* reads, int count, const char* const* words, sqlite3_vtab** made,
             char** message) {
   return guarded(
       [&] {
         if (count > 3)
           throw Error({.problem = "pointcloud takes no arguments", .expected = "USING pointcloud"});
-        auto table = std::make_unique<Table>(database, words[1], words[2]);
+        auto table = std::make_unique<Table>(database, words[1], words[2], static_cast<ScanReads*>(reads));
         const int result = sqlite3_declare_vtab(database, table->columns.declaration().c_str());
         if (result != SQLITE_OK) return result;
         *made = &table.release()->base;
@@ -110,7 +122,8 @@ int filter(sqlite3_vtab_cursor* base, int order, const char* plan, int count, sq
   return table_guarded(base->pVtab, [&] {
     Cursor& cursor = cursor_of(base);
     const Table& table = table_of(base->pVtab);
-    cursor.points.reset();
+    cursor.end_scan();
+    if (table.reads != nullptr) *table.reads += {.scans = 1, .chunks = table.cloud.chunk_count};
     const std::optional<PointFilter> wanted = plan_filter(
         plan == nullptr ? "" : plan, std::span(values, static_cast<std::size_t>(count)), cursor.arguments);
     if (wanted) cursor.points.emplace(cursor.store, table.cloud, *wanted, static_cast<RowOrder>(order));
@@ -210,8 +223,8 @@ const sqlite3_module k_module = [] {
 
 }  // namespace
 
-int add_cloud_table(sqlite3* database) {
-  return sqlite3_create_module_v2(database, "pointcloud", &k_module, nullptr, nullptr);
+int add_cloud_table(sqlite3* database, ScanReads* reads) {
+  return sqlite3_create_module_v2(database, "pointcloud", &k_module, reads, nullptr);
 }
 
 }  // namespace alidade

@@ -16,7 +16,7 @@ Connection::Connection(const std::filesystem::path& file, Mode mode) {
     const std::filesystem::path path = file.is_absolute() ? file : "." / file;
     int result = sqlite3_open_v2(path.c_str(), &database_, flags, nullptr);
     if (result == SQLITE_OK) result = add_functions(database_);
-    if (result == SQLITE_OK) result = add_cloud_table(database_);
+    if (result == SQLITE_OK) result = add_cloud_table(database_, &reads_);
     if (result != SQLITE_OK) {
       throw Error({.file = file.string(),
                    .problem = database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_)});

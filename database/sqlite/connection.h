@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "database/sqlite/scan_reads.h"
 #include "database/sqlite/sqlite_api.h"
 
 namespace alidade {
@@ -19,8 +20,11 @@ class Connection {
   Connection& operator=(const Connection&) = delete;
 
   sqlite3* get() const { return database_; }
+  /// By all scans of clouds that have ended.
+  const ScanReads& reads() const { return reads_; }
 
  private:
+  ScanReads reads_;
   sqlite3* database_ = nullptr;
 };
 

@@ -25,8 +25,7 @@ DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
   DistanceLimit limit;
   const bool is_one = bytes.size() == k_head + sizeof limit.numbers &&
                       std::memcmp(bytes.data(), k_mark, sizeof k_mark) == 0 &&
-                      (bytes[k_head - 1] == static_cast<std::byte>(DistanceLimit::Kind::ray) ||
-                       bytes[k_head - 1] == static_cast<std::byte>(DistanceLimit::Kind::plane));
+                      bytes[k_head - 1] <= static_cast<std::byte>(DistanceLimit::Kind::plane);
   if (!is_one)
     throw Error(
         {.problem = "in_chunk: argument 2 is no limit", .expected = "ray_limit(...) or plane_limit(...)"});
@@ -41,7 +40,7 @@ void add(const DistanceLimit& limit, PointFilter& filter) {
   const Interval distance{n[6], n[7]};
   if (limit.kind == DistanceLimit::Kind::ray)
     filter.lines.push_back({.ray = make_ray(place, direction), .distance = distance});
-  else
+  else if (limit.kind == DistanceLimit::Kind::plane)
     filter.planes.push_back({.plane = make_plane(place, direction), .distance = distance});
 }
 

@@ -13,8 +13,8 @@ namespace alidade {
 /// A limit on dist_ray or dist_plane as one SQL value: what ray_limit() and plane_limit() answer and
 /// in_chunk() takes.
 struct DistanceLimit {
-  enum class Kind : unsigned char { ray = 1, plane = 2 };
-  Kind kind = Kind::ray;
+  enum class Kind : unsigned char { none, ray, plane };
+  Kind kind = Kind::none;
   /// Place and direction or normal, as they were given; least and largest distance, inclusive.
   std::array<double, 8> numbers{};
 };
@@ -24,7 +24,7 @@ std::vector<std::byte> encode(const DistanceLimit& limit);
 /// Errors: the bytes are not what encode() gave.
 DistanceLimit decode_distance_limit(std::span<const std::byte> bytes);
 
-/// Adds the limit to what a filter demands. Errors: as make_ray() and make_plane().
+/// Adds the limit to what a filter demands; none adds nothing. Errors: as make_ray() and make_plane().
 void add(const DistanceLimit& limit, PointFilter& filter);
 
 }  // namespace alidade

@@ -38,14 +38,18 @@ void dist_plane(sqlite3_context* context, Values values) {
   sqlite3_result_double(context, signed_distance(plane, glm::dvec3(x, y, z)));
 }
 
+void answer(sqlite3_context* context, const DistanceLimit& limit) {
+  const std::vector<std::byte> bytes = encode(limit);
+  sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
+}
+
 void limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind, const char* function) {
   const auto n = numbers<8>(values, function);
   if (!n) return;
   const DistanceLimit limit{kind, *n};
   PointFilter filter;
   add(limit, filter);
-  const std::vector<std::byte> bytes = encode(limit);
-  sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
+  answer(context, limit);
 }
 
 void ray_limit(sqlite3_context* context, Values values) {
@@ -54,6 +58,22 @@ void ray_limit(sqlite3_context* context, Values values) {
 
 void plane_limit(sqlite3_context* context, Values values) {
   limit(context, values, DistanceLimit::Kind::plane, "plane_limit");
+}
+
+void try_limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind) {
+  try {
+    limit(context, values, kind, "");
+  } catch (const Error&) {
+    answer(context, DistanceLimit{});
+  }
+}
+
+void try_ray_limit(sqlite3_context* context, Values values) {
+  try_limit(context, values, DistanceLimit::Kind::ray);
+}
+
+void try_plane_limit(sqlite3_context* context, Values values) {
+  try_limit(context, values, DistanceLimit::Kind::plane);
 }
 
 }  // namespace
@@ -72,6 +92,8 @@ int add_functions(sqlite3* database) {
   if (result == SQLITE_OK) result = add("dist_plane", 9, call<dist_plane>);
   if (result == SQLITE_OK) result = add("ray_limit", 8, call<ray_limit>);
   if (result == SQLITE_OK) result = add("plane_limit", 8, call<plane_limit>);
+  if (result == SQLITE_OK) result = add("try_ray_limit", 8, call<try_ray_limit>);
+  if (result == SQLITE_OK) result = add("try_plane_limit", 8, call<try_plane_limit>);
   if (result == SQLITE_OK) result = add("in_chunk", 2, in_chunk);
   return result;
 }

@@ -161,6 +161,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
 std::optional<PointFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
                                        Arguments& arguments) {
   PointFilter filter;
+  std::vector<DistanceLimit> limits;
   arguments.reset();
   std::size_t next = 0;
   if (plan[0] == k_first_argument) {
@@ -177,7 +178,7 @@ std::optional<PointFilter> plan_filter(const char* plan, std::span<sqlite3_value
     if (what == k_limit) {
       if (sqlite3_value_type(value) == SQLITE_NULL) return none();
       const auto* const bytes = static_cast<const std::byte*>(sqlite3_value_blob(value));
-      add(decode_distance_limit({bytes, static_cast<std::size_t>(sqlite3_value_bytes(value))}), filter);
+      limits.push_back(decode_distance_limit({bytes, static_cast<std::size_t>(sqlite3_value_bytes(value))}));
     } else if (what == k_distance || what == k_t) {
       LineCondition& line = filter.lines.front();
       if (!narrow(what == k_t ? line.t : line.distance, how, value)) return none();
@@ -188,6 +189,11 @@ std::optional<PointFilter> plan_filter(const char* plan, std::span<sqlite3_value
       filter.box.min[axis] = side.low;
       filter.box.max[axis] = side.high;
     }
+  }
+  // Where one of them is an error, the rows for which it is one must be met.
+  if (std::ranges::none_of(limits,
+                           [](const auto& limit) { return limit.kind == DistanceLimit::Kind::none; })) {
+    for (const DistanceLimit& limit : limits) add(limit, filter);
   }
   return filter;
 }

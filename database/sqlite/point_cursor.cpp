@@ -37,8 +37,10 @@ void PointCursor::next() {
 }
 
 std::shared_ptr<StoredChunk> PointCursor::read_next() {
+  std::shared_ptr<StoredChunk> chunk = store_.read(chunks_[next_chunk_++].id);
   ++reads_.chunks_read;
-  return store_.read(chunks_[next_chunk_++].id);
+  reads_.points_read += chunk->positions.size();
+  return chunk;
 }
 
 void PointCursor::next_stored() {

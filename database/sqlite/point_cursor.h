@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "database/sqlite/chunk_store.h"
+#include "database/sqlite/scan_reads.h"
 #include "octree/distance.h"
 
 namespace alidade {
@@ -17,11 +18,6 @@ enum class RowOrder {
   stored,    ///< by chunk, within it along the Morton curve
   t,         ///< by the place on the line of the filter's first condition
   distance,  ///< by the distance to it
-};
-
-/// What a scan of a table has read.
-struct ScanReads {
-  std::uint64_t chunks_read = 0, rows_given = 0;
 };
 
 /// One scan of a cloud: the points for which a filter holds. Chunks are read when their first point may come,

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: MIT
+#include "database/sqlite/sql_tokens.h"
+
+#include <algorithm>
+#include <array>
+
+namespace alidade {
+namespace {
+
+bool is_space(char letter) {
+  return letter == ' ' || (letter >= '\t' && letter <= '\r' && letter != '\v');
+}
+bool is_digit(char letter) {
+  return letter >= '0' && letter <= '9';
+}
+bool is_hex_digit(char letter) {
+  return is_digit(letter) || (letter >= 'a' && letter <= 'f') || (letter >= 'A' && letter <= 'F');
+}
+bool starts_name(char letter) {
+  return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || letter == '_' ||
+         static_cast<unsigned char>(letter) >= 0x80;
+}
+bool in_name(char letter) {
+  return starts_name(letter) || is_digit(letter) || letter == '$';
+}
+
+class Scanner {
+ public:
+  explicit Scanner(std::string_view sql) : sql_(sql.substr(0, sql.find('\0'))) {}
+
+  std::vector<SqlToken> tokens() {
+    std::vector<SqlToken> found;
+    for (skip_blanks(); at_ < sql_.size(); skip_blanks()) {
+      const std::size_t begin = at_;
+      const SqlTokenKind kind = token();
+      found.push_back({kind, begin, at_});
+    }
+    return found;
+  }
+
+ private:
+  /// The letter `ahead` places on; 0 behind the end.
+  char peek(std::size_t ahead = 0) const { return at_ + ahead < sql_.size() ? sql_[at_ + ahead] : '\0'; }
+
+  template <class Test>
+  void skip_while(const Test& test) {
+    while (at_ < sql_.size() && test(sql_[at_])) ++at_;
+  }
+
+  void skip_blanks() {
+    while (at_ < sql_.size()) {
+      if (is_space(peek())) {
+        ++at_;
+      } else if (peek() == '-' && peek(1) == '-') {
+        at_ = std::min(sql_.find('\n', at_), sql_.size());
+      } else if (peek() == '/' && peek(1) == '*') {
+        // A comment that does not end goes to the end of the text.
+        const std::size_t end = sql_.find("*/", at_ + 2);
+        at_ = end == std::string_view::npos ? sql_.size() : end + 2;
+      } else {
+        return;
+      }
+    }
+  }
+
+  SqlTokenKind token() {
+    const char letter = peek();
+    if (letter == '\'') return quoted('\'', SqlTokenKind::text);
+    if (letter == '"' || letter == '`') return quoted(letter, SqlTokenKind::quoted_name);
+    if (letter == '[') return bracketed();
+    if ((letter == 'x' || letter == 'X') && peek(1) == '\'') return blob();
+    if (is_digit(letter) || (letter == '.' && is_digit(peek(1)))) return number();
+    if (letter == '?') {
+      ++at_;
+      skip_while(is_digit);
+      return SqlTokenKind::parameter;
+    }
+    if (letter == ':' || letter == '@' || letter == '$' || letter == '#') return named_parameter();
+    if (starts_name(letter)) {
+      skip_while(in_name);
+      return SqlTokenKind::word;
+    }
+    return sign();
+  }
+
+  /// A quote within is written twice.
+  SqlTokenKind quoted(char quote, SqlTokenKind kind) {
+    for (++at_; at_ < sql_.size(); ++at_) {
+      if (sql_[at_] != quote) continue;
+      ++at_;
+      if (peek() != quote) return kind;
+    }
+    return SqlTokenKind::wrong;
+  }
+
+  SqlTokenKind bracketed() {
+    const std::size_t end = sql_.find(']', at_);
+    at_ = end == std::string_view::npos ? sql_.size() : end + 1;
+    return end == std::string_view::npos ? SqlTokenKind::wrong : SqlTokenKind::quoted_name;
+  }
+
+  SqlTokenKind blob() {
+    const std::size_t first = at_ += 2;
+    skip_while(is_hex_digit);
+    const bool is_whole = (at_ - first) % 2 == 0 && peek() == '\'';
+    if (peek() == '\'') ++at_;
+    return is_whole ? SqlTokenKind::blob : SqlTokenKind::wrong;
+  }
+
+  SqlTokenKind number() {
+    if (peek() == '0' && (peek(1) == 'x' || peek(1) == 'X') && is_hex_digit(peek(2))) {
+      at_ += 2;
+      skip_while(is_hex_digit);
+    } else {
+      skip_while(is_digit);
+      if (peek() == '.') {
+        ++at_;
+        skip_while(is_digit);
+      }
+      const std::size_t sign = peek(1) == '+' || peek(1) == '-' ? 1 : 0;
+      if ((peek() == 'e' || peek() == 'E') && is_digit(peek(1 + sign))) {
+        at_ += 1 + sign;
+        skip_while(is_digit);
+      }
+    }
+    if (!in_name(peek())) return SqlTokenKind::number;
+    skip_while(in_name);
+    return SqlTokenKind::wrong;
+  }
+
+  /// SQLite lets names of parameters hold :: and end with something in parentheses, as Tcl writes them.
+  SqlTokenKind named_parameter() {
+    ++at_;
+    std::size_t letters = 0;
+    while (at_ < sql_.size()) {
+      if (in_name(peek())) {
+        ++letters;
+        ++at_;
+      } else if (peek() == ':' && peek(1) == ':') {
+        at_ += 2;
+      } else if (peek() == '(' && letters > 0) {
+        skip_while([](char letter) { return letter != ')' && !is_space(letter); });
+        if (peek() != ')') return SqlTokenKind::wrong;
+        ++at_;
+        break;
+      } else {
+        break;
+      }
+    }
+    return letters > 0 ? SqlTokenKind::parameter : SqlTokenKind::wrong;
+  }
+
+  SqlTokenKind sign() {
+    constexpr std::array<std::string_view, 10> k_long = {"->>", "->", "<=", "<>", "<<",
+                                                         ">=",  ">>", "==", "!=", "||"};
+    for (const std::string_view candidate : k_long) {
+      if (sql_.substr(at_, candidate.size()) == candidate) {
+        at_ += candidate.size();
+        return SqlTokenKind::sign;
+      }
+    }
+    constexpr std::string_view k_short = "()+-*/%&|~<>=,;.";
+    return k_short.find(sql_[at_++]) == std::string_view::npos ? SqlTokenKind::wrong : SqlTokenKind::sign;
+  }
+
+  std::string_view sql_;
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
+std::vector<SqlToken> sql_tokens(std::string_view sql) {
+  return Scanner(sql).tokens();
+}
+
+std::string plain_name(std::string_view text) {
+  const char quote = text.empty() ? '\0' : text.front();
+  const bool is_quoted = quote == '"' || quote == '`' || quote == '[';
+  const std::string_view inner = is_quoted && text.size() >= 2 ? text.substr(1, text.size() - 2) : text;
+  std::string name;
+  for (std::size_t i = 0; i < inner.size(); ++i) {
+    const char letter = inner[i];
+    name += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+    if (is_quoted && quote != '[' && letter == quote) ++i;
+  }
+  return name;
+}
+
+}  // namespace alidade
