@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "database/postgres/postgres_api.h"
+
+// Functions of SQL that the planner's support recognises in expressions.
+extern "C" {
+Datum alidade_distance_to_ray(PG_FUNCTION_ARGS);
+Datum alidade_distance_to_plane(PG_FUNCTION_ARGS);
+}

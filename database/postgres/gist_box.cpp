@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// GiST: a tree of boxes; in its leaves those of single points.
+#include <algorithm>
+#include <limits>
+
+#include "database/postgres/index_conditions.h"
+#include "database/postgres/point_order.h"
+
+extern "C" {
+#include <access/gist.h>
+#include <access/skey.h>
+#include <utils/sortsupport.h>
+}
+
+namespace alidade {
+namespace {
+
+const Bounds& box_in(const GISTENTRY& entry) {
+  return value_of<Bounds>(entry.key);
+}
+
+GISTENTRY& entry_in(FunctionCallInfo fcinfo, int argument) {
+  return *reinterpret_cast<GISTENTRY*>(PG_GETARG_POINTER(argument));
+}
+
+Bounds joined(Bounds a, const Bounds& b) {
+  a.grow(b);
+  return a;
+}
+
+/// Half the sum of the sides. Not the volume: boxes around walls and ground have none.
+double size_of(const Bounds& box) {
+  const glm::dvec3 sides = box.size();
+  return sides.x + sides.y + sides.z;
+}
+
+/// Doubled centre along an axis; of a box without limits, zero.
+double center_of(const Bounds& box, int axis) {
+  const double center = box.min[axis] + box.max[axis];
+  return std::isnan(center) ? 0.0 : center;
+}
+
+int longest_axis_of_centers(const GistEntryVector& entries) {
+  Bounds centers;
+  for (int i = FirstOffsetNumber; i < entries.n; ++i) {
+    const Bounds& box = box_in(entries.vector[i]);
+    centers.grow(glm::dvec3(center_of(box, 0), center_of(box, 1), center_of(box, 2)));
+  }
+  const glm::dvec3 sides = centers.size();
+  return sides.x >= sides.y && sides.x >= sides.z ? 0 : sides.y >= sides.z ? 1 : 2;
+}
+
+/// Below what the distances of all points of a box do not lie.
+double least_distance(DistanceKind kind, const CloudLine& line, const Bounds& box) {
+  constexpr double k_anything = -std::numeric_limits<double>::infinity();
+  if (!is_finite(box)) return k_anything;
+  const double low = distance(kind, line, box).low;
+  return std::isnan(low) ? k_anything : low;
+}
+
+}  // namespace
+}  // namespace alidade
+
+using namespace alidade;
+
+ALIDADE_SQL_FUNCTION(alidade_gist_compress) {
+  GISTENTRY& entry = entry_in(fcinfo, 0);
+  if (!entry.leafkey) PG_RETURN_POINTER(&entry);
+  auto* const compressed = static_cast<GISTENTRY*>(palloc(sizeof(GISTENTRY)));
+  gistentryinit(*compressed, datum_of(box_of(value_of<glm::dvec3>(entry.key))), entry.rel, entry.page,
+                entry.offset, false);
+  PG_RETURN_POINTER(compressed);
+}
+ALIDADE_SQL_FUNCTION(alidade_gist_consistent) {
+  const GISTENTRY& entry = entry_in(fcinfo, 0);
+  const int symbol = PG_GETARG_UINT16(2);
+  bool& must_recheck = *reinterpret_cast<bool*>(PG_GETARG_POINTER(4));
+  const Bounds& box = box_in(entry);
+  const bool is_point = GIST_LEAF(&entry) && is_finite(box);
+  must_recheck = !is_point;
+  if (is_point)
+    PG_RETURN_BOOL(holds(value_of<CloudLimit>(PG_GETARG_DATUM(1)), box.min) == (symbol == k_keeps));
+  PG_RETURN_BOOL(may_match(symbol, PG_GETARG_DATUM(1), box));
+}
+ALIDADE_SQL_FUNCTION(alidade_gist_distance) {
+  const GISTENTRY& entry = entry_in(fcinfo, 0);
+  const auto& line = value_of<CloudLine>(PG_GETARG_DATUM(1));
+  const DistanceKind kind = PG_GETARG_UINT16(2) == k_to_ray ? DistanceKind::ray : DistanceKind::plane;
+  bool& must_recheck = *reinterpret_cast<bool*>(PG_GETARG_POINTER(4));
+  const Bounds& box = box_in(entry);
+  const bool is_point = GIST_LEAF(&entry) && is_finite(box);
+  must_recheck = !is_point;
+  PG_RETURN_FLOAT8(is_point ? distance(kind, line, box.min) : least_distance(kind, line, box));
+}
+ALIDADE_SQL_FUNCTION(alidade_gist_union) {
+  const auto& entries = *reinterpret_cast<GistEntryVector*>(PG_GETARG_POINTER(0));
+  Bounds box = box_in(entries.vector[0]);
+  for (int i = 1; i < entries.n; ++i) box.grow(box_in(entries.vector[i]));
+  *reinterpret_cast<int*>(PG_GETARG_POINTER(1)) = sizeof box;
+  return datum_of(box);
+}
+ALIDADE_SQL_FUNCTION(alidade_gist_penalty) {
+  const Bounds &box = box_in(entry_in(fcinfo, 0)), &added = box_in(entry_in(fcinfo, 1));
+  const double growth = size_of(joined(box, added)) - size_of(box);
+  constexpr double k_most = std::numeric_limits<float>::max();
+  *reinterpret_cast<float*>(PG_GETARG_POINTER(2)) =
+      std::isnan(growth) ? 0.0F : static_cast<float>(std::min(growth, k_most));
+  PG_RETURN_POINTER(PG_GETARG_POINTER(2));
+}
+/// Halves the entries by their centres along the axis where these lie farthest apart.
+ALIDADE_SQL_FUNCTION(alidade_gist_split) {
+  const auto& entries = *reinterpret_cast<GistEntryVector*>(PG_GETARG_POINTER(0));
+  auto& split = *reinterpret_cast<GIST_SPLITVEC*>(PG_GETARG_POINTER(1));
+  const int axis = longest_axis_of_centers(entries), count = entries.n - FirstOffsetNumber;
+  // With several columns PostgreSQL itself moves entries from one side to the other, so each has room for
+  // all.
+  const std::size_t bytes = sizeof(OffsetNumber) * static_cast<std::size_t>(count + 1);
+  auto* const order = static_cast<OffsetNumber*>(palloc(bytes));
+  for (int i = 0; i < count; ++i) order[i] = static_cast<OffsetNumber>(FirstOffsetNumber + i);
+  const int half = count / 2;
+  std::nth_element(order, order + half, order + count, [&](OffsetNumber a, OffsetNumber b) {
+    return center_of(box_in(entries.vector[a]), axis) < center_of(box_in(entries.vector[b]), axis);
+  });
+  const auto box_from = [&](int first, int last) {
+    Bounds box;
+    for (int i = first; i < last; ++i) box.grow(box_in(entries.vector[order[i]]));
+    return datum_of(box);
+  };
+  split.spl_left = order;
+  split.spl_nleft = half;
+  split.spl_ldatum = box_from(0, half);
+  split.spl_right = static_cast<OffsetNumber*>(palloc(bytes));
+  std::copy(order + half, order + count, split.spl_right);
+  split.spl_nright = count - half;
+  split.spl_rdatum = box_from(half, count);
+  PG_RETURN_POINTER(&split);
+}
+ALIDADE_SQL_FUNCTION(alidade_gist_same) {
+  const auto &a = value_of<Bounds>(PG_GETARG_DATUM(0)), &b = value_of<Bounds>(PG_GETARG_DATUM(1));
+  *reinterpret_cast<bool*>(PG_GETARG_POINTER(2)) = a.min == b.min && a.max == b.max;
+  PG_RETURN_POINTER(PG_GETARG_POINTER(2));
+}
+/// Indexes are built bottom up, from points in Morton order.
+ALIDADE_SQL_FUNCTION(alidade_gist_sort_support) {
+  reinterpret_cast<SortSupport>(PG_GETARG_POINTER(0))->comparator = [](Datum a, Datum b, SortSupport) {
+    return compare_morton(value_of<Bounds>(a).min, value_of<Bounds>(b).min);
+  };
+  PG_RETURN_VOID();
+}

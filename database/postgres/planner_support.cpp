@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+// How the paper's SQL becomes conditions and orders that indexes know. At planning time
+//   dist_ray(A, x,y,z)       becomes  cloud_point(x,y,z) <-> cloud_ray(A)
+//   dist_ray(A, x,y,z) <= r  becomes  cloud_point(x,y,z) <@ cloud_limit(cloud_ray(A), '<=', r)
+// which mean the same, to the last bit; an index on cloud_point(x,y,z) answers both.
+#include "database/postgres/distances.h"
+
+extern "C" {
+#include <catalog/namespace.h>
+#include <catalog/pg_collation.h>
+#include <catalog/pg_type.h>
+#include <nodes/makefuncs.h>
+#include <nodes/nodeFuncs.h>
+#include <nodes/supportnodes.h>
+#include <optimizer/optimizer.h>
+#include <parser/parse_func.h>
+#include <utils/builtins.h>
+#include <utils/fmgrprotos.h>
+#include <utils/lsyscache.h>
+}
+
+namespace alidade {
+namespace {
+
+/// What the extension brought, where it lies now. Its parts may have been renamed: then nothing is found, and
+/// statements stay as they are.
+class OwnParts {
+ public:
+  /// The extension lies where this function of it does.
+  explicit OwnParts(Oid function) : schema_(get_namespace_name(get_func_namespace(function))) {}
+
+  template <class... Types>
+  Oid function(const char* name, Types... types) const {
+    const Oid given[] = {static_cast<Oid>(types)...};
+    return schema_ == nullptr ? InvalidOid : LookupFuncName(name_of(name), sizeof...(types), given, true);
+  }
+  Oid symbol(const char* name, Oid left, Oid right) const {
+    return schema_ == nullptr ? InvalidOid : OpernameGetOprid(name_of(name), left, right);
+  }
+
+ private:
+  List* name_of(const char* name) const { return list_make2(makeString(schema_), makeString(pstrdup(name))); }
+
+  char* schema_;
+};
+
+Node* call(Oid function, List* arguments) {
+  return reinterpret_cast<Node*>(makeFuncExpr(function, get_func_rettype(function), arguments, InvalidOid,
+                                              InvalidOid, COERCE_EXPLICIT_CALL));
+}
+
+Node* operation(Oid symbol, Oid result, Node* left, Node* right) {
+  auto* const made =
+      reinterpret_cast<OpExpr*>(make_opclause(symbol, result, false, reinterpret_cast<Expr*>(left),
+                                              reinterpret_cast<Expr*>(right), InvalidOid, InvalidOid));
+  set_opfuncid(made);
+  return reinterpret_cast<Node*>(made);
+}
+
+/// The ninefold call as an operation on a point and a line; null if it has to stay.
+Node* simplify_distance(const SupportRequestSimplify& request, const char* line_name) {
+  const FuncExpr& written = *request.fcall;
+  const OwnParts parts(written.funcid);
+  constexpr Oid n = FLOAT8OID;
+  const Oid line = parts.function(line_name, n, n, n, n, n, n),
+            point = parts.function("cloud_point", n, n, n);
+  if (list_length(written.args) != 9 || !OidIsValid(line) || !OidIsValid(point)) return nullptr;
+  const Oid symbol = parts.symbol("<->", get_func_rettype(point), get_func_rettype(line));
+  if (!OidIsValid(symbol)) return nullptr;
+  List* const place = list_copy_tail(written.args, 6);
+  List* const given = list_truncate(list_copy(written.args), 6);
+  Node* const folded = eval_const_expressions(request.root, call(line, given));
+  Node* const distance = operation(symbol, FLOAT8OID, call(point, place), folded);
+  return reinterpret_cast<Node*>(makeRelabelType(reinterpret_cast<Expr*>(distance), written.funcresulttype,
+                                                 -1, InvalidOid, COERCE_IMPLICIT_CAST));
+}
+
+PGFunction address_of(Oid function) {
+  FmgrInfo info;
+  fmgr_info(function, &info);
+  return info.fn_addr;
+}
+
+/// The operation that simplify_distance made; null if the node is none.
+OpExpr* as_distance(Node* node) {
+  node = strip_implicit_coercions(node);
+  if (!IsA(node, OpExpr)) return nullptr;
+  auto* const found = reinterpret_cast<OpExpr*>(node);
+  const PGFunction address = address_of(found->opfuncid);
+  return address == alidade_distance_to_ray || address == alidade_distance_to_plane ? found : nullptr;
+}
+
+struct Symbol {
+  PGFunction function;
+  const char* written;
+  const char* commuted;
+};
+
+/// What a comparison's function does, told by the function of PostgreSQL that it is.
+const Symbol* symbol_of(Oid function) {
+  static constexpr Symbol k_symbols[] = {{float8lt, "<", ">"},
+                                         {float8le, "<=", ">="},
+                                         {float8eq, "=", "="},
+                                         {float8ge, ">=", "<="},
+                                         {float8gt, ">", "<"}};
+  const PGFunction address = address_of(function);
+  for (const Symbol& symbol : k_symbols)
+    if (symbol.function == address) return &symbol;
+  return nullptr;
+}
+
+/// A comparison with a distance as a limit that a point keeps; null if it has to stay.
+Node* simplify_comparison(const SupportRequestSimplify& request) {
+  const FuncExpr& written = *request.fcall;
+  const Symbol* const symbol = symbol_of(written.funcid);
+  if (symbol == nullptr || list_length(written.args) != 2) return nullptr;
+  auto* const left = static_cast<Node*>(linitial(written.args));
+  auto* const right = static_cast<Node*>(lsecond(written.args));
+  const OpExpr *const on_left = as_distance(left), *const on_right = as_distance(right);
+  if ((on_left == nullptr) == (on_right == nullptr)) return nullptr;
+  const OpExpr& distance = on_left != nullptr ? *on_left : *on_right;
+  Node* bound = on_left != nullptr ? right : left;
+  if (exprType(bound) != FLOAT8OID)
+    bound = reinterpret_cast<Node*>(
+        makeRelabelType(reinterpret_cast<Expr*>(bound), FLOAT8OID, -1, InvalidOid, COERCE_IMPLICIT_CAST));
+
+  auto* const point = static_cast<Node*>(linitial(distance.args));
+  auto* const line = static_cast<Node*>(lsecond(distance.args));
+  const OwnParts parts(written.funcid);
+  const Oid limit = parts.function("cloud_limit", exprType(line), TEXTOID, FLOAT8OID);
+  if (!OidIsValid(limit)) return nullptr;
+  const Oid keeps = parts.symbol("<@", exprType(point), get_func_rettype(limit));
+  if (!OidIsValid(keeps)) return nullptr;
+  const char* const word = on_left != nullptr ? symbol->written : symbol->commuted;
+  Const* const comparison =
+      makeConst(TEXTOID, -1, DEFAULT_COLLATION_OID, -1, CStringGetTextDatum(word), false, false);
+  Node* const folded = eval_const_expressions(request.root, call(limit, list_make3(line, comparison, bound)));
+  return operation(keeps, BOOLOID, point, folded);
+}
+
+template <class Simplify>
+Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
+  auto* const request = reinterpret_cast<Node*>(PG_GETARG_POINTER(0));
+  if (!IsA(request, SupportRequestSimplify)) PG_RETURN_POINTER(nullptr);
+  PG_RETURN_POINTER(simplify(*reinterpret_cast<SupportRequestSimplify*>(request)));
+}
+
+}  // namespace
+}  // namespace alidade
+
+using namespace alidade;
+
+ALIDADE_SQL_FUNCTION(alidade_dist_ray_support) {
+  return answer(fcinfo, [](const auto& request) { return simplify_distance(request, "cloud_ray"); });
+}
+ALIDADE_SQL_FUNCTION(alidade_dist_plane_support) {
+  return answer(fcinfo, [](const auto& request) { return simplify_distance(request, "cloud_plane"); });
+}
+ALIDADE_SQL_FUNCTION(alidade_comparison_support) {
+  return answer(fcinfo, [](const auto& request) { return simplify_comparison(request); });
+}

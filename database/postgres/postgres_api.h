@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+// PostgreSQL's headers redefine names of the standard library (snprintf), so those it uses come first.
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <string>
+#include <type_traits>
+
+// Version 15 marks what a module exports only on Windows.
+#define PGDLLEXPORT __attribute__((visibility("default")))
+extern "C" {
+#include <postgres.h>
+//
+#include <fmgr.h>
+}
+
+/// Starts the definition of a function that SQL calls: ALIDADE_SQL_FUNCTION(name) { ... PG_RETURN_...; }
+/// Errors of PostgreSQL leave it by longjmp, so no object on its frame may need a destructor where something
+/// of PostgreSQL's is called.
+#define ALIDADE_SQL_FUNCTION(name)          \
+  extern "C" {                              \
+  PGDLLEXPORT Datum name(PG_FUNCTION_ARGS); \
+  PG_FUNCTION_INFO_V1(name);                \
+  }                                         \
+  Datum name([[maybe_unused]] FunctionCallInfo fcinfo)
+
+namespace alidade {
+
+/// Runs work that may throw and calls nothing of PostgreSQL's. What it throws becomes an error of SQL, once
+/// all of C++ has left the stack.
+template <class Work>
+auto guarded(const Work& work) -> decltype(work()) {
+  static_assert(std::is_trivially_destructible_v<decltype(work())>);
+  char message[256];
+  try {
+    return work();
+  } catch (const std::exception& error) {
+    strlcpy(message, error.what(), sizeof message);
+  }
+  ereport(ERROR, (errcode(ERRCODE_INVALID_PARAMETER_VALUE), errmsg("%s", message)));
+}
+
+/// An argument of a type of ours, which PostgreSQL passes by reference.
+template <class Value>
+const Value& value_of(Datum datum) {
+  return *reinterpret_cast<const Value*>(DatumGetPointer(datum));
+}
+
+/// A value of a type of ours as PostgreSQL wants it, in the current memory context.
+template <class Value>
+Datum datum_of(const Value& value) {
+  static_assert(std::is_trivially_copyable_v<Value>);
+  void* const copy = palloc(sizeof value);
+  std::memcpy(copy, &value, sizeof value);
+  return PointerGetDatum(copy);
+}
+
+}  // namespace alidade

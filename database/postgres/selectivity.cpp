@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// How many rows the planner may expect: the histogram that ANALYZE keeps for an index on cloud_point(x,y,z)
+// is a sample of the table's points, about a hundred of them, evenly spaced in Morton order.
+#include <algorithm>
+
+#include "database/postgres/distance_share.h"
+#include "database/postgres/point_order.h"
+#include "database/postgres/postgres_api.h"
+
+extern "C" {
+#include <access/htup_details.h>
+#include <catalog/pg_statistic.h>
+#include <utils/lsyscache.h>
+#include <utils/selfuncs.h>
+}
+
+namespace alidade {
+namespace {
+
+/// Without statistics, or for limits not known before the statement runs: a thin cylinder or slab.
+constexpr double k_unknown_share = 0.001;
+
+double share_of_sample(const CloudLimit& limit, const AttStatsSlot& sample) {
+  const int count = sample.nvalues;
+  auto* const distances = static_cast<double*>(palloc(sizeof(double) * static_cast<std::size_t>(count)));
+  for (int i = 0; i < count; ++i)
+    distances[i] = distance(limit.kind, limit.line, value_of<glm::dvec3>(sample.values[i]));
+  std::sort(distances, distances + count, [](double a, double b) { return compare_numbers(a, b) < 0; });
+  const double share = estimated_share(limit, {distances, static_cast<std::size_t>(count)});
+  pfree(distances);
+  return share;
+}
+
+/// Shares of the rows that keep the limit and of those without a place.
+struct Shares {
+  double keeping, null;
+};
+
+Shares shares_of(VariableStatData* column, Oid symbol, const CloudLimit& limit) {
+  if (!HeapTupleIsValid(column->statsTuple)) return {k_unknown_share, 0.0};
+  const double null = reinterpret_cast<Form_pg_statistic>(GETSTRUCT(column->statsTuple))->stanullfrac;
+  double share = k_unknown_share;
+  AttStatsSlot sample;
+  if (statistic_proc_security_check(column, get_opcode(symbol)) &&
+      get_attstatsslot(&sample, column->statsTuple, STATISTIC_KIND_HISTOGRAM, InvalidOid,
+                       ATTSTATSSLOT_VALUES)) {
+    if (sample.nvalues > 0) share = share_of_sample(limit, sample);
+    free_attstatsslot(&sample);
+  }
+  return {share * (1.0 - null), null};
+}
+
+Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
+  auto* const root = reinterpret_cast<PlannerInfo*>(PG_GETARG_POINTER(0));
+  auto* const arguments = reinterpret_cast<List*>(PG_GETARG_POINTER(2));
+  Shares shares{k_unknown_share, 0.0};
+  VariableStatData column;
+  Node* other = nullptr;
+  bool is_left = false;
+  if (get_restriction_variable(root, arguments, PG_GETARG_INT32(3), &column, &other, &is_left)) {
+    if (IsA(other, Const)) {
+      const Const& limit = *reinterpret_cast<Const*>(other);
+      if (limit.constisnull) {
+        ReleaseVariableStats(column);
+        PG_RETURN_FLOAT8(0.0);
+      }
+      if (is_left) shares = shares_of(&column, PG_GETARG_OID(1), value_of<CloudLimit>(limit.constvalue));
+    }
+    ReleaseVariableStats(column);
+  }
+  PG_RETURN_FLOAT8(std::clamp(keeps ? shares.keeping : 1.0 - shares.null - shares.keeping, 0.0, 1.0));
+}
+
+}  // namespace
+}  // namespace alidade
+
+using namespace alidade;
+
+ALIDADE_SQL_FUNCTION(alidade_keeping_share) {
+  return selectivity(fcinfo, true);
+}
+ALIDADE_SQL_FUNCTION(alidade_breaking_share) {
+  return selectivity(fcinfo, false);
+}

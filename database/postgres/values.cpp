@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+// The types of SQL: their texts, their bytes, and the functions that make them.
+#include <array>
+
+#include "database/postgres/cloud_limit.h"
+#include "database/postgres/number_list.h"
+
+extern "C" {
+#include <libpq/pqformat.h>
+#include <utils/builtins.h>
+}
+
+namespace alidade {
+namespace {
+
+using Six = std::array<double, 6>;
+
+Six numbers_of(const CloudLine& line) {
+  return {line.place.x, line.place.y, line.place.z, line.direction.x, line.direction.y, line.direction.z};
+}
+
+CloudLine line_of(DistanceKind kind, const double* n) {
+  return guarded([&] { return make_line(kind, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}); });
+}
+
+Six numbers_of(const Bounds& box) {
+  return {box.min.x, box.min.y, box.min.z, box.max.x, box.max.y, box.max.z};
+}
+
+Bounds box_of_numbers(const Six& n) {
+  const Bounds box{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  if (box.empty())
+    ereport(ERROR,
+            (errcode(ERRCODE_INVALID_PARAMETER_VALUE), errmsg("least corner of a box is above its largest")));
+  return box;
+}
+
+std::array<double, 3> numbers_of(const glm::dvec3& point) {
+  return {point.x, point.y, point.z};
+}
+
+std::array<double, 8> numbers_of(const CloudLimit& limit) {
+  const Six n = numbers_of(limit.line);
+  return {n[0], n[1], n[2], n[3], n[4], n[5], limit.least, limit.largest};
+}
+
+CloudLimit limit_of(DistanceKind kind, const std::array<double, 8>& n) {
+  return {.line = line_of(kind, n.data()), .least = n[6], .largest = n[7], .kind = kind};
+}
+
+template <class Numbers>
+Datum text_of(const char* prefix, const Numbers& numbers) {
+  StringInfoData written;
+  initStringInfo(&written);
+  appendStringInfoString(&written, prefix);
+  append_numbers(&written, numbers);
+  return CStringGetDatum(written.data);
+}
+
+template <class Numbers>
+Datum message_of(const Numbers& numbers, const DistanceKind* kind = nullptr) {
+  StringInfoData message;
+  pq_begintypsend(&message);
+  if (kind != nullptr) pq_sendbyte(&message, static_cast<std::uint8_t>(*kind));
+  send_numbers(&message, numbers);
+  return PointerGetDatum(pq_endtypsend(&message));
+}
+
+template <std::size_t count>
+std::array<double, count> numbers_in(FunctionCallInfo fcinfo, const char* type) {
+  std::array<double, count> numbers;
+  const char* const all = PG_GETARG_CSTRING(0);
+  read_numbers(all, all, type, numbers);
+  return numbers;
+}
+
+template <std::size_t count>
+std::array<double, count> numbers_received(StringInfo message) {
+  std::array<double, count> numbers;
+  receive_numbers(message, numbers);
+  return numbers;
+}
+
+template <std::size_t count>
+std::array<double, count> numbers_given(FunctionCallInfo fcinfo) {
+  std::array<double, count> numbers;
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = PG_GETARG_FLOAT8(i);
+  return numbers;
+}
+
+StringInfo message_in(FunctionCallInfo fcinfo) {
+  return reinterpret_cast<StringInfo>(PG_GETARG_POINTER(0));
+}
+
+glm::dvec3 point_of(const std::array<double, 3>& n) {
+  return {n[0], n[1], n[2]};
+}
+
+Comparison comparison_of(const text* word) {
+  const char* const written = text_to_cstring(word);
+  constexpr std::array<const char*, 5> k_words = {"<", "<=", "=", ">=", ">"};
+  for (std::size_t i = 0; i < k_words.size(); ++i)
+    if (std::strcmp(written, k_words[i]) == 0) return static_cast<Comparison>(i);
+  ereport(ERROR,
+          (errcode(ERRCODE_INVALID_PARAMETER_VALUE),
+           errmsg("cloud_limit: unknown comparison \"%s\"", written), errhint("Known are < <= = >= and >.")));
+}
+
+Datum limit_by_comparison(FunctionCallInfo fcinfo, DistanceKind kind) {
+  const auto& line = value_of<CloudLine>(PG_GETARG_DATUM(0));
+  return datum_of(make_limit(kind, line, comparison_of(PG_GETARG_TEXT_PP(1)), PG_GETARG_FLOAT8(2)));
+}
+
+}  // namespace
+}  // namespace alidade
+
+using namespace alidade;
+
+ALIDADE_SQL_FUNCTION(alidade_point_in) {
+  return datum_of(point_of(numbers_in<3>(fcinfo, "cloud_point")));
+}
+ALIDADE_SQL_FUNCTION(alidade_point_out) {
+  return text_of("", numbers_of(value_of<glm::dvec3>(PG_GETARG_DATUM(0))));
+}
+ALIDADE_SQL_FUNCTION(alidade_point_receive) {
+  return datum_of(point_of(numbers_received<3>(message_in(fcinfo))));
+}
+ALIDADE_SQL_FUNCTION(alidade_point_send) {
+  return message_of(numbers_of(value_of<glm::dvec3>(PG_GETARG_DATUM(0))));
+}
+ALIDADE_SQL_FUNCTION(alidade_point) {
+  return datum_of(point_of(numbers_given<3>(fcinfo)));
+}
+
+ALIDADE_SQL_FUNCTION(alidade_box_in) {
+  return datum_of(box_of_numbers(numbers_in<6>(fcinfo, "cloud_box")));
+}
+ALIDADE_SQL_FUNCTION(alidade_box_out) {
+  return text_of("", numbers_of(value_of<Bounds>(PG_GETARG_DATUM(0))));
+}
+
+ALIDADE_SQL_FUNCTION(alidade_ray_in) {
+  return datum_of(line_of(DistanceKind::ray, numbers_in<6>(fcinfo, "cloud_ray").data()));
+}
+ALIDADE_SQL_FUNCTION(alidade_plane_in) {
+  return datum_of(line_of(DistanceKind::plane, numbers_in<6>(fcinfo, "cloud_plane").data()));
+}
+ALIDADE_SQL_FUNCTION(alidade_line_out) {
+  return text_of("", numbers_of(value_of<CloudLine>(PG_GETARG_DATUM(0))));
+}
+ALIDADE_SQL_FUNCTION(alidade_ray_receive) {
+  return datum_of(line_of(DistanceKind::ray, numbers_received<6>(message_in(fcinfo)).data()));
+}
+ALIDADE_SQL_FUNCTION(alidade_plane_receive) {
+  return datum_of(line_of(DistanceKind::plane, numbers_received<6>(message_in(fcinfo)).data()));
+}
+ALIDADE_SQL_FUNCTION(alidade_line_send) {
+  return message_of(numbers_of(value_of<CloudLine>(PG_GETARG_DATUM(0))));
+}
+ALIDADE_SQL_FUNCTION(alidade_ray) {
+  return datum_of(line_of(DistanceKind::ray, numbers_given<6>(fcinfo).data()));
+}
+ALIDADE_SQL_FUNCTION(alidade_plane) {
+  return datum_of(line_of(DistanceKind::plane, numbers_given<6>(fcinfo).data()));
+}
+
+ALIDADE_SQL_FUNCTION(alidade_limit_in) {
+  const char* const all = PG_GETARG_CSTRING(0);
+  const char* const list = std::strchr(all, '(');
+  const std::size_t length = list == nullptr ? 0 : static_cast<std::size_t>(list - all);
+  const bool is_ray = length == 3 && std::strncmp(all, "ray", length) == 0;
+  const bool is_plane = length == 5 && std::strncmp(all, "plane", length) == 0;
+  if (!is_ray && !is_plane) refuse_text(all, "cloud_limit");
+  std::array<double, 8> numbers;
+  read_numbers(list, all, "cloud_limit", numbers);
+  return datum_of(limit_of(is_ray ? DistanceKind::ray : DistanceKind::plane, numbers));
+}
+ALIDADE_SQL_FUNCTION(alidade_limit_out) {
+  const auto& limit = value_of<CloudLimit>(PG_GETARG_DATUM(0));
+  return text_of(limit.kind == DistanceKind::ray ? "ray" : "plane", numbers_of(limit));
+}
+ALIDADE_SQL_FUNCTION(alidade_limit_receive) {
+  const StringInfo message = message_in(fcinfo);
+  const auto kind = static_cast<DistanceKind>(pq_getmsgbyte(message));
+  if (kind != DistanceKind::ray && kind != DistanceKind::plane)
+    ereport(ERROR, (errcode(ERRCODE_INVALID_BINARY_REPRESENTATION),
+                    errmsg("invalid kind in external \"cloud_limit\" value")));
+  return datum_of(limit_of(kind, numbers_received<8>(message)));
+}
+ALIDADE_SQL_FUNCTION(alidade_limit_send) {
+  const auto& limit = value_of<CloudLimit>(PG_GETARG_DATUM(0));
+  return message_of(numbers_of(limit), &limit.kind);
+}
+ALIDADE_SQL_FUNCTION(alidade_ray_limit) {
+  return datum_of(limit_of(DistanceKind::ray, numbers_given<8>(fcinfo)));
+}
+ALIDADE_SQL_FUNCTION(alidade_plane_limit) {
+  return datum_of(limit_of(DistanceKind::plane, numbers_given<8>(fcinfo)));
+}
+ALIDADE_SQL_FUNCTION(alidade_limit_by_ray) {
+  return limit_by_comparison(fcinfo, DistanceKind::ray);
+}
+ALIDADE_SQL_FUNCTION(alidade_limit_by_plane) {
+  return limit_by_comparison(fcinfo, DistanceKind::plane);
+}
