@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "database/stored_column.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cstring>
 #include <set>
+
+#include "octree/cloud/attribute_columns.h"
 
 namespace alidade {
 namespace {
@@ -38,8 +42,9 @@ class Names {
     const std::string plain = wanted.empty() ? "unnamed" : cut(wanted, k_most_bytes);
     std::string name = plain;
     for (int number = 2; !taken_.insert(small(name)).second; ++number) {
-      const std::string end = "_" + std::to_string(number);
-      name = cut(plain, k_most_bytes - end.size()) + end;
+      const std::string end = fmt::format("_{}", number);
+      name = cut(plain, k_most_bytes - end.size());
+      name += end;
     }
     return name;
   }
@@ -77,33 +82,55 @@ std::optional<double> no_data_number(const ExtraDimension& dimension) {
 
 }  // namespace
 
+AttributeParts attribute_parts(Attribute attribute) {
+  switch (attribute) {
+    case Attribute::color:
+      return {ScalarType::uint16, {"red", "green", "blue"}};
+    case Attribute::near_infrared:
+      return {ScalarType::uint16, {"near_infrared"}};
+    case Attribute::intensity:
+      return {ScalarType::uint16, {"intensity"}};
+    case Attribute::classification:
+      return {ScalarType::uint8, {"classification"}};
+    case Attribute::returns:
+      return {ScalarType::uint8, {"return_number", "return_count"}};
+    case Attribute::flags:
+      return {ScalarType::uint8, {"flags"}};
+    case Attribute::scan_angle:
+      return {ScalarType::float32, {"scan_angle"}};
+    case Attribute::user_data:
+      return {ScalarType::uint8, {"user_data"}};
+    case Attribute::point_source_id:
+      return {ScalarType::uint16, {"point_source_id"}};
+    case Attribute::gps_time:
+      return {ScalarType::float64, {"gps_time"}};
+    case Attribute::normal:
+      return {ScalarType::float32, {"normal_x", "normal_y", "normal_z"}};
+    case Attribute::extra_dimensions:
+      break;
+  }
+  return {};
+}
+
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
   std::vector<StoredColumn> columns = {{.name = "id", .size = 8, .type = ScalarType::uint64}};
   Names names;
   int blob = 0;
-  // One blob of `size` bytes per point, read as the parts that follow each other.
-  const auto add = [&](bool is_there, ScalarType type, std::initializer_list<const char*> parts) {
-    if (!is_there) return;
+  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
+    if (column.empty()) return;
+    const AttributeParts parts = attribute_parts(attribute);
+    const int size = scalar_size(parts.type), count = static_cast<int>(parts.names.size());
     ++blob;
-    const int size = scalar_size(type), count = static_cast<int>(parts.size());
     int place = 0;
-    for (const char* const part : parts) {
-      columns.push_back(
-          {.name = names.free_name(part), .blob = blob, .size = size * count, .place = place, .type = type});
+    for (const char* const part : parts.names) {
+      columns.push_back({.name = names.free_name(part),
+                         .blob = blob,
+                         .size = size * count,
+                         .place = place,
+                         .type = parts.type});
       place += size;
     }
-  };
-  add(!cloud.colors.empty(), ScalarType::uint16, {"red", "green", "blue"});
-  add(!cloud.near_infrared.empty(), ScalarType::uint16, {"near_infrared"});
-  add(!cloud.intensities.empty(), ScalarType::uint16, {"intensity"});
-  add(!cloud.classifications.empty(), ScalarType::uint8, {"classification"});
-  add(!cloud.returns.empty(), ScalarType::uint8, {"return_number", "return_count"});
-  add(!cloud.flags.empty(), ScalarType::uint8, {"flags"});
-  add(!cloud.scan_angles.empty(), ScalarType::float32, {"scan_angle"});
-  add(!cloud.user_data.empty(), ScalarType::uint8, {"user_data"});
-  add(!cloud.point_source_ids.empty(), ScalarType::uint16, {"point_source_id"});
-  add(!cloud.gps_times.empty(), ScalarType::float64, {"gps_time"});
-  add(!cloud.normals.empty(), ScalarType::float32, {"normal_x", "normal_y", "normal_z"});
+  });
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
     columns.push_back({.name = names.free_name(dimension.name),
                        .blob = ++blob,

@@ -23,6 +23,15 @@ struct StoredColumn {
   std::optional<double> no_data{};   ///< the number that stands for none: NULL
 };
 
+/// What columns a standard attribute becomes; all in one blob, one behind the other, as in PointCloud.
+struct AttributeParts {
+  ScalarType type = ScalarType::uint8;
+  std::vector<const char*> names{};
+};
+
+/// Requires another one than Attribute::extra_dimensions.
+AttributeParts attribute_parts(Attribute attribute);
+
 /// Columns that hold all attributes of a cloud, blob by blob: id, then those that `info` names in its order
 /// (color as red, green, blue), then the extra dimensions. A name that SQL cannot tell from an earlier one
 /// or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as PostgreSQL

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "octree/cloud/cloud_database.h"
 #include "octree/cloud/cloud_files.h"
-#include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/crs_name.h"
 #include "octree/cloud/is_las.h"
 #include "octree/cloud/read_cloud.h"
@@ -65,7 +65,7 @@ Description describe(const InfoOptions& options) {
   const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
   for (const std::filesystem::path& file : options.files) {
     if (is_index_file(file)) description.indexes.push_back(open_index(file));
-    description.attributes = description.attributes | open_cloud(InputFile(file), damage)->attributes();
+    description.attributes = description.attributes | open_cloud(cloud_input(file), damage)->attributes();
   }
   for (const std::filesystem::path& file : e57_files(options)) {
     description.e57_files.emplace_back(InputFile(file));
@@ -85,7 +85,7 @@ Description describe(const InfoOptions& options) {
 void verify(const InfoOptions& options) {
   for (const std::filesystem::path& file : options.files) {
     // Opened first, so that a file that is not there is what the message is about.
-    InputFile(file).rest();
+    cloud_input(file).rest();
     if (!is_index_file(file)) {
       throw Error({.file = file.string(),
                    .problem = "has no checksums to verify",

@@ -5,6 +5,7 @@
 #include <new>
 #include <span>
 
+#include "database/sqlite/read_cloud_table.h"
 #include "octree/error.h"
 #include "renderer/json_reader.h"
 #include "tools/command.h"
@@ -128,6 +129,7 @@ ExitCode run_chosen(const std::vector<Command>& commands) {
 int main(int argument_count, char** arguments) {
   using namespace alidade;
   catch_interrupts();
+  add_cloud_database(sqlite_clouds());
   ExitCode code = ExitCode::failed;
   try {
     code = run(CommandLine(arguments, arguments + argument_count));

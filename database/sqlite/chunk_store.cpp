@@ -61,14 +61,14 @@ const std::byte* ChunkStore::bytes(StoredChunk& chunk, const StoredColumn& colum
     values_.bind(1, value_id(column.blob, chunk.id));
     const bool is_there = values_.step();
     const std::span<const std::byte> stored = is_there ? values_.bytes(0) : std::span<const std::byte>();
-    std::vector<std::byte> copy(stored.begin(), stored.end());
+    chunk.blobs[blob].emplace(stored.begin(), stored.end());
     values_.reset();
-    if (copy.size() != size * chunk.positions.size()) {
-      refuse(chunk.id, fmt::format("the values of {} have another size than its points need", column.name),
-             fmt::format("{} bytes for each of {} points", size, chunk.positions.size()),
-             is_there ? fmt::format("{} bytes", copy.size()) : "none");
-    }
-    chunk.blobs[blob] = std::move(copy);
+  }
+  // Each time, since columns may disagree about the blob they share.
+  if (chunk.blobs[blob]->size() != size * chunk.positions.size()) {
+    refuse(chunk.id, fmt::format("the values of {} have another size than its points need", column.name),
+           fmt::format("{} bytes for each of {} points", size, chunk.positions.size()),
+           fmt::format("{} bytes", chunk.blobs[blob]->size()));
   }
   return chunk.blobs[blob]->data() + row * size + static_cast<std::size_t>(column.place);
 }

@@ -25,8 +25,8 @@ struct StoreOptions {
 /// Stores a cloud in an SQLite database, which is made if it is not there, as a table that the module
 /// pointcloud reads (database/sqlite/cloud_schema.h): points along a Morton curve in chunks, all attributes,
 /// ids as their rows were. The table is there as a whole or not at all, and so is a new file, also if the
-/// program is killed: then a hidden file may remain beside it, whose name ends in .part and a number. The bytes
-/// depend neither on memory nor on the number of threads.
+/// program is killed: then a hidden file may remain beside it, whose name ends in .part and a number. The
+/// bytes depend neither on memory nor on the number of threads.
 ///
 /// Errors: options out of range; the table exists; the file is no database or cannot be written; more than
 /// 2^32 - 1 chunks; no space left; SQLite's. Cancelled. Memory: 36 bytes per point at the peak beside the

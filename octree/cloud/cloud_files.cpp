@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "octree/cloud/cloud_database.h"
 #include "octree/error.h"
 
 namespace alidade {
@@ -128,6 +129,10 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
 std::vector<fs::path> expand_cloud_files(std::span<const fs::path> names) {
   std::vector<fs::path> files;
   for (const fs::path& name : names) {
+    if (find_database_named(name.string()) != nullptr) {
+      files.push_back(name);
+      continue;
+    }
     std::error_code error;
     const fs::file_status status = fs::status(name, error);
     std::vector<fs::path> some = fs::is_directory(status)                           ? files_of_folder(name)

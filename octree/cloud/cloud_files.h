@@ -8,6 +8,7 @@
 namespace alidade {
 
 /// The files that names of files, folders and patterns stand for, in the order of the names:
+/// - the name of a cloud in a database (cloud_database.h) stands for itself;
 /// - what is neither a folder nor a pattern is one file, whether it is there or not;
 /// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
 ///   pts, ptx, xyz, txt or csv, in capitals or not;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "octree/cloud/cloud_reader.h"
+#include "octree/cloud/cloud_database.h"
 #include "octree/cloud/text_scanner.h"
 #include "octree/error.h"
 #include "octree/index_header.h"
@@ -68,6 +68,8 @@ bool is_ptx(std::string_view start) {
 }  // namespace
 
 std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage) {
+  if (const CloudDatabase* const database = find_database_named(file.name()))
+    return database->open(file.name());
   const std::span<const std::byte> bytes = file.view_up_to(0, k_looked_at);
   // A copy, because the file is handed on.
   const std::string copy(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -76,6 +78,7 @@ std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage) {
   if (start.starts_with("LASF")) return open_las(std::move(file), damage);
   if (is_index_file(std::as_bytes(std::span(start)))) return open_index_cloud(std::move(file));
   if (start.starts_with("ASTM-E57")) return open_e57(std::move(file));
+  if (const CloudDatabase* const database = find_database_begun_by(copy)) return database->open(file.name());
   // Every reader of text skips a byte order mark.
   if (start.starts_with(k_byte_order_mark)) start.remove_prefix(k_byte_order_mark.size());
   if (start.starts_with("ply") && start.size() > 3 && (is_blank(start[3]) || start[3] == '\n')) {

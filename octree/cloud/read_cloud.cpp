@@ -12,8 +12,8 @@
 #include "octree/bounds_meet.h"
 #include "octree/cloud/append_cloud.h"
 #include "octree/cloud/at_once.h"
+#include "octree/cloud/cloud_database.h"
 #include "octree/cloud/cloud_files.h"
-#include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/cloud_source.h"
 #include "octree/cloud/crs_plausibility.h"
 #include "octree/cloud/is_las.h"
@@ -257,7 +257,7 @@ PiecewiseCloud read_in_pieces(std::span<const std::filesystem::path> paths, cons
                               const CloudPieces& pieces) {
   const std::vector<std::filesystem::path> names = expand_cloud_files(paths);
   std::vector<InputFile> files;
-  for (const std::filesystem::path& name : names) files.emplace_back(name).rest();
+  for (const std::filesystem::path& name : names) files.emplace_back(cloud_input(name)).rest();
   PiecewiseCloud whole = join_in_pieces(std::move(files), options, pieces);
   warn_of_twins(names, whole.rest);
   return whole;
@@ -277,7 +277,7 @@ Bounds stated_box(std::span<const std::filesystem::path> paths) {
   const std::vector<std::filesystem::path> files = expand_cloud_files(paths);
   std::vector<Bounds> boxes(files.size());
   in_turns(files.size(), k_most_files_at_once, [&](std::size_t i) {
-    boxes[i] = open_cloud(InputFile(files[i]), Damage::read_over)->facts().box.value_or(Bounds());
+    boxes[i] = open_cloud(cloud_input(files[i]), Damage::read_over)->facts().box.value_or(Bounds());
   });
   Bounds all;
   for (const Bounds& box : boxes) all.grow(box);

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "octree/cloud/append_rows.h"
 #include "octree/cloud/cloud_reader.h"
-#include "octree/cloud/fit_lattice.h"
-#include "octree/error.h"
+#include "octree/cloud/lattice_shift.h"
 #include "octree/index_file.h"
 #include "octree/tree_walk.h"
 
@@ -64,22 +61,13 @@ FileFacts IndexReader::facts() const {
 
 void IndexReader::take_positions(PointCloud& cloud, const Rows& rows) const {
   const TreeView& tree = index_.tree();
-  const std::optional<glm::i64vec3> shift = steps_between(tree.lattice, cloud.lattice);
-  if (!shift && tree.point_count > 0) {
-    throw Error({.file = index_.name(), .problem = "does not share the lattice of the files before it"});
-  }
+  if (tree.point_count == 0) return;
+  const LatticeShift shift(tree.lattice, cloud.lattice, index_.name());
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const std::size_t row = static_cast<std::size_t>(point_id(tree, leaf.place + i)) - rows.first;
       if (row >= rows.count) continue;
-      const glm::i64vec3 steps = glm::i64vec3(position_of(tree, leaf, i)) + *shift;
-      const LatticePosition position(steps);
-      if (glm::i64vec3(position) != steps) {
-        throw Error({.file = index_.name(),
-                     .problem = "lies too far from the first file to share its lattice of 32-bit steps",
-                     .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
-      }
-      cloud.positions[rows.target + row] = position;
+      cloud.positions[rows.target + row] = shift(position_of(tree, leaf, i));
     }
   });
 }

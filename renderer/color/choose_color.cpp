@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "octree/cloud/cloud_reader.h"
+#include "octree/cloud/cloud_database.h"
 #include "octree/error.h"
 #include "renderer/color/point_values.h"
 #include "renderer/json_reader.h"
@@ -119,7 +119,7 @@ AttributeSet check_color_of_files(const PointColoring& coloring, std::span<const
   AttributeSet seen;
   if (coloring.by == PointColor::automatic || needed == AttributeSet()) return seen;
   for (const std::filesystem::path& file : files) {
-    seen = seen | open_cloud(InputFile(file), damage)->attributes();
+    seen = seen | open_cloud(cloud_input(file), damage)->attributes();
     if ((seen & needed) == needed) return seen;
   }
   fail(name, color_word(coloring), seen, {});

@@ -46,6 +46,12 @@ TEST_F(SqliteDamageTest, short_and_missing_values_are_told) {
   EXPECT_TRUE(contains(missing, "chunk 1") && contains(missing, "values of id")) << missing;
 }
 
+TEST_F(SqliteDamageTest, columns_that_disagree_about_their_blob_are_told) {
+  const std::string error =
+      error_after("UPDATE points_column SET blob = 0, size = 120000, place = 119998 WHERE name = 'red'");
+  EXPECT_TRUE(contains(error, "values of red") && contains(error, "120000 bytes")) << error;
+}
+
 TEST_F(SqliteDamageTest, missing_chunks_are_told) {
   EXPECT_TRUE(contains(error_after("DELETE FROM points_chunk WHERE id = 5"), "chunk 5"));
 }
