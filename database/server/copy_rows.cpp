@@ -80,11 +80,8 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
 
 }  // namespace
 
-CopyRows::CopyRows(const PointCloud& cloud)
-    : cloud_(cloud),
-      columns_(stored_columns(cloud)),
-      attributes_(columns_of(cloud)),
-      blobs_(value_blobs(attributes_)) {
+CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)
+    : columns_(std::move(columns)), lattice_(lattice) {
   std::ranges::transform(columns_, std::back_inserter(types_), server_type);
 }
 
@@ -103,16 +100,18 @@ std::vector<std::byte> CopyRows::tail() {
   return bytes;
 }
 
-void CopyRows::append(std::uint32_t row, std::vector<std::byte>& bytes) const {
+void CopyRows::append(const EncodedChunks& points, std::size_t i, std::vector<std::byte>& bytes) const {
   constexpr std::size_t k_axes = 3;
   append_number(static_cast<std::int16_t>(columns_.size() + k_axes), bytes);
-  append_field(std::int64_t{row}, bytes);
-  const glm::dvec3 position = cloud_.world(row);
-  for (int axis = 0; axis < 3; ++axis) append_field(position[axis], bytes);
-  for (std::size_t i = 1; i < columns_.size(); ++i) {
-    const StoredColumn& column = columns_[i];
-    const ValueBlob& blob = blobs_[static_cast<std::size_t>(column.blob) - 1];
-    append_value(types_[i], stored_value(column, blob.values + row * blob.size + column.place), bytes);
+  const glm::dvec3 position = to_world(lattice_, points.positions[i]);
+  for (std::size_t number = 0; number < columns_.size(); ++number) {
+    const StoredColumn& column = columns_[number];
+    const std::byte* const values = points.blobs[static_cast<std::size_t>(column.blob)].data();
+    append_value(types_[number],
+                 stored_value(column, values + i * static_cast<std::size_t>(column.size) + column.place),
+                 bytes);
+    if (number > 0) continue;
+    for (int axis = 0; axis < 3; ++axis) append_field(position[axis], bytes);
   }
 }
 

@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "database/server/server_column.h"
-#include "database/value_blobs.h"
+#include "database/sqlite/chunk_writer.h"
 
 namespace alidade {
 
-/// Rows of a cloud as COPY ... (FORMAT binary) of PostgreSQL takes them, in the columns of server_columns().
+/// Makes rows as COPY ... (FORMAT binary) of PostgreSQL takes them, with the columns of server_columns().
 /// Source: PostgreSQL 15 documentation, COPY, "Binary Format".
 class CopyRows {
  public:
-  /// The cloud must outlive it. Requires at most 32,766 columns.
-  explicit CopyRows(const PointCloud& cloud);
+  /// Requires at most 32,764 columns.
+  CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice);
 
   const std::vector<StoredColumn>& columns() const { return columns_; }
 
@@ -24,15 +24,13 @@ class CopyRows {
   static std::vector<std::byte> head();
   static std::vector<std::byte> tail();
 
-  /// Adds a row, id and all, to `bytes`.
-  void append(std::uint32_t row, std::vector<std::byte>& bytes) const;
+  /// Adds a row for the i-th of the points to `bytes`.
+  void append(const EncodedChunks& points, std::size_t i, std::vector<std::byte>& bytes) const;
 
  private:
-  const PointCloud& cloud_;
   std::vector<StoredColumn> columns_;
   std::vector<ServerType> types_;
-  AttributeColumns attributes_;
-  std::vector<ValueBlob> blobs_;
+  Lattice lattice_;
 };
 
 }  // namespace alidade

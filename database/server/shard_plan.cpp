@@ -5,10 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <functional>
 
-#include "database/morton_order.h"
 #include "database/server/copy_rows.h"
 #include "database/server/shard_script.h"
+#include "database/streamed_columns.h"
 #include "octree/cloud/output_file.h"
 #include "octree/error.h"
 
@@ -21,7 +22,7 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.commit();
 }
 
-void check(const PointCloud& cloud, std::span<const Shard> shards, const std::string& table) {
+void check_table(const std::string& table) {
   // PostgreSQL keeps 63 bytes of a name, and parts of the cloud have the table's name with something behind.
   constexpr std::size_t k_longest_table = 40;
   const auto is_control = [](char letter) { return static_cast<unsigned char>(letter) < 0x20; };
@@ -30,56 +31,67 @@ void check(const PointCloud& cloud, std::span<const Shard> shards, const std::st
                  .expected = fmt::format("1 to {} bytes without control characters", k_longest_table),
                  .found = fmt::format("{} bytes", table.size())});
   }
-  if (shards.empty() || cloud.size() < shards.size() || cloud.size() > UINT32_MAX) {
-    throw Error(
-        {.problem = fmt::format("{} points cannot be spread over {} shards", cloud.size(), shards.size()),
-         .expected = fmt::format("a point for each shard, and at most {} points", UINT32_MAX)});
-  }
-  constexpr std::size_t k_most_columns = 1600;
-  const std::size_t columns = stored_columns(cloud).size() + 3;
-  if (columns > k_most_columns) {
-    throw Error({.problem = "the cloud has too many attributes for a table of PostgreSQL",
-                 .expected = fmt::format("at most {} columns", k_most_columns),
-                 .found = std::to_string(columns)});
-  }
 }
 
-/// Writes the rows of a shard, and tells their box.
-Bounds write_rows(const std::filesystem::path& path, const PointCloud& cloud, const CopyRows& rows,
-                  std::span<const std::uint32_t> order, std::uint64_t done, const Progress& progress) {
-  constexpr std::size_t k_rows_at_once = 8192;
+/// A cloud along the Morton curve.
+struct OrderedCloud {
+  explicit OrderedCloud(const std::filesystem::path& folder) : points(folder) {}
+
+  PointStream points;
+  PiecewiseCloud whole{};
+};
+
+/// Writes the next `count` rows, those of a shard, and tells their box.
+Bounds write_rows(const std::filesystem::path& path, OrderedCloud& cloud, const CopyRows& rows,
+                  std::uint64_t count, const std::function<void(std::size_t)>& tell) {
+  constexpr std::uint64_t k_rows_at_once = 8192;
+  const ChunkEncoding encoding{.chunk_points = k_rows_at_once,
+                               .lattice = cloud.whole.rest.lattice,
+                               .blobs = cloud.points.blobs(),
+                               .spread = cloud.whole.spread};
   OutputFile file(path, false);
   file.write(CopyRows::head());
   Bounds box;
   std::vector<std::byte> bytes;
-  while (!order.empty()) {
-    const auto now = order.first(std::min(k_rows_at_once, order.size()));
+  while (count > 0) {
+    const EncodedChunks points =
+        encode(encoding, cloud.points.next(static_cast<std::size_t>(std::min(k_rows_at_once, count))));
     bytes.clear();
-    for (const std::uint32_t row : now) {
-      box.grow(cloud.world(row));
-      rows.append(row, bytes);
-    }
+    for (std::size_t i = 0; i < points.positions.size(); ++i) rows.append(points, i, bytes);
     file.write(bytes);
-    order = order.subspan(now.size());
-    done += now.size();
-    report(progress, done, cloud.size());
+    for (const Bounds& part : points.boxes) box.grow(part);
+    count -= points.positions.size();
+    tell(points.positions.size());
   }
   file.write(CopyRows::tail());
   file.commit();
   return box;
 }
 
-void write_files(const std::filesystem::path& folder, const PointCloud& cloud, std::span<const Shard> shards,
+void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::span<const Shard> shards,
                  const ShardPlanOptions& options) {
-  const CopyRows rows(cloud);
-  const std::vector<std::uint32_t> order = morton_order(cloud.positions);
+  const CopyRows rows(streamed_columns(cloud.whole, cloud.points), cloud.whole.rest.lattice);
+  constexpr std::size_t k_most_columns = 1600;
+  if (rows.columns().size() + 3 > k_most_columns) {
+    throw Error({.problem = "the cloud has too many attributes for a table of PostgreSQL",
+                 .expected = fmt::format("at most {} columns", k_most_columns),
+                 .found = std::to_string(rows.columns().size() + 3)});
+  }
+  const std::uint64_t size = cloud.points.size();
+  if (shards.empty() || size < shards.size()) {
+    throw Error({.problem = fmt::format("{} points cannot be spread over {} shards", size, shards.size()),
+                 .expected = "a point or more for each shard"});
+  }
+  std::uint64_t done = 0;
+  const auto tell = [&](std::size_t count) {
+    done += count;
+    report(options.progress, done, size);
+  };
   std::vector<Bounds> boxes;
   for (std::size_t i = 0; i < shards.size(); ++i) {
-    const std::size_t begin = order.size() * i / shards.size();
-    const std::size_t end = order.size() * (i + 1) / shards.size();
     const std::string name = shard_name(i);
-    boxes.push_back(write_rows(folder / (name + ".copy"), cloud, rows,
-                               std::span(order).subspan(begin, end - begin), begin, options.progress));
+    const std::uint64_t count = size / shards.size() + (i < size % shards.size() ? 1 : 0);
+    boxes.push_back(write_rows(folder / (name + ".copy"), cloud, rows, count, tell));
     write_text(folder / (name + ".sql"), shard_script(options.table, rows.columns(), i, boxes.back()));
   }
   write_text(folder / "coordinator.sql", coordinator_script(options.table, rows.columns(), shards, boxes));
@@ -88,20 +100,31 @@ void write_files(const std::filesystem::path& folder, const PointCloud& cloud, s
 
 }  // namespace
 
-void write_shard_plan(const std::filesystem::path& folder, const PointCloud& cloud,
-                      std::span<const Shard> shards, const ShardPlanOptions& options) {
-  check(cloud, shards, options.table);
-  const std::filesystem::path whole = (folder / "").parent_path();
-  if (std::filesystem::exists(std::filesystem::symlink_status(whole)))
+ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const std::filesystem::path> files,
+                           const ReadOptions& reading, std::span<const Shard> shards,
+                           const ShardPlanOptions& options) {
+  check_table(options.table);
+  const std::filesystem::path whole_folder = (folder / "").parent_path();
+  if (std::filesystem::exists(std::filesystem::symlink_status(whole_folder))) {
     throw Error(
-        {.file = whole.string(), .problem = "exists already", .expected = "the name of a new folder"});
-  const std::filesystem::path beside = whole.string() + fmt::format(".part{}", ::getpid());
+        {.file = whole_folder.string(), .problem = "exists already", .expected = "the name of a new folder"});
+  }
+  const std::filesystem::path beside = whole_folder.string() + fmt::format(".part{}", ::getpid());
   std::error_code error;
-  if (!std::filesystem::create_directory(beside, error))
-    throw Error({.file = whole.string(), .problem = "this folder cannot be made", .found = error.message()});
+  if (!std::filesystem::create_directory(beside, error)) {
+    throw Error(
+        {.file = whole_folder.string(), .problem = "this folder cannot be made", .found = error.message()});
+  }
   try {
+    OrderedCloud cloud(beside);
+    cloud.whole = read_in_pieces(files, reading,
+                                 {.most_bytes = options.memory,
+                                  .bytes_beside = PointStream::k_bytes_beside,
+                                  .take = [&](PointCloud& piece) { cloud.points.add(piece); }});
+    cloud.points.finish(cloud.whole.rest);
     write_files(beside, cloud, shards, options);
-    std::filesystem::rename(beside, whole);
+    std::filesystem::rename(beside, whole_folder);
+    return {cloud.points.size(), std::move(cloud.whole.rest.warnings)};
   } catch (...) {
     std::filesystem::remove_all(beside, error);
     throw;

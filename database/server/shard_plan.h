@@ -6,14 +6,22 @@
 #include <string>
 
 #include "database/server/shard.h"
-#include "octree/cloud/point_cloud.h"
+#include "octree/cloud/read_cloud.h"
 #include "octree/progress.h"
 
 namespace alidade {
 
 struct ShardPlanOptions {
   std::string table = "points";  ///< what SQL calls the cloud, and its part on every shard
-  Progress progress{};           ///< in points
+  /// Bytes for points; those of a larger cloud wait in a file without a name beside the folder.
+  std::uint64_t memory = std::uint64_t{1} << 30;
+  Progress progress{};  ///< in points, once all are read
+};
+
+/// What was planned.
+struct ShardPlan {
+  std::uint64_t point_count = 0;
+  std::vector<std::string> warnings;  ///< PointCloud::warnings
 };
 
 /// Writes a folder with all that puts a cloud on several PostgreSQL servers, which have the extension
@@ -22,10 +30,11 @@ struct ShardPlanOptions {
 /// them for a server that asks the shards through postgres_fdw (coordinator.sql); and README.txt, which tells
 /// what to type. Every part states its box as a CHECK. The folder is there as a whole or not at all.
 ///
-/// Errors: the folder exists or cannot be written; fewer points than shards; 2^32 points or more; too many
-/// columns for PostgreSQL; a table's name that is empty, longer than 40 bytes or has control characters.
-/// Cancelled. Memory: 36 bytes per point beside the cloud.
-void write_shard_plan(const std::filesystem::path& folder, const PointCloud& cloud,
-                      std::span<const Shard> shards, const ShardPlanOptions& options = {});
+/// Errors: the folder exists or cannot be written; fewer points than shards; too many columns for PostgreSQL;
+/// a table's name that is empty, longer than 40 bytes or has control characters; those of reading. Cancelled.
+/// Memory: ShardPlanOptions::memory, and what CloudReader::read_in_pieces() says.
+ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const std::filesystem::path> files,
+                           const ReadOptions& reading, std::span<const Shard> shards,
+                           const ShardPlanOptions& options = {});
 
 }  // namespace alidade

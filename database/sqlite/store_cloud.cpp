@@ -17,8 +17,8 @@
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
+#include "database/streamed_columns.h"
 #include "octree/cloud/append_rows.h"
-#include "octree/cloud/read_in_pieces.h"
 
 namespace alidade {
 namespace {
@@ -37,20 +37,6 @@ void check_table(sqlite3* database, const StoreOptions& options) {
   throw Error({.file = file_of(database),
                .problem = fmt::format("there is a table {} already", options.table),
                .expected = options.replace ? "a cloud to replace" : "another name, or --overwrite"});
-}
-
-/// A cloud with the columns that some piece had, to be described.
-PointCloud described(const PiecewiseCloud& whole, const PointStream& points) {
-  PointCloud cloud;
-  for (const ExtraDimension& dimension : whole.rest.extra_dimensions)
-    cloud.extra_dimensions.push_back(description_of(dimension));
-  AttributeSet attributes;
-  for (const ValueBlob& blob : points.blobs()) {
-    if (blob.number < ValueBlob::number_of(Attribute::extra_dimensions))
-      attributes.bits |= std::uint32_t{1} << blob.number;
-  }
-  append_rows(cloud, attributes, 1);
-  return cloud;
 }
 
 /// Points that are under way together.
@@ -97,7 +83,7 @@ void store(sqlite3* database, const PiecewiseCloud& whole, PointStream& points, 
                        .chunk_count = (points.size() + options.chunk_points - 1) / options.chunk_points,
                        .crs = whole.rest.crs,
                        .gps_time_is_standard = whole.rest.gps_time_is_standard,
-                       .columns = stored_columns(described(whole, points))});
+                       .columns = streamed_columns(whole, points)});
   const ChunkEncoding encoding{.chunk_points = options.chunk_points,
                                .lattice = whole.rest.lattice,
                                .blobs = points.blobs(),

@@ -12,6 +12,7 @@
 
 #include "database/server/copy_rows.h"
 #include "database/server/shard_plan.h"
+#include "octree/cloud/write_ply.h"
 #include "octree/error.h"
 
 namespace alidade::test {
@@ -25,6 +26,10 @@ std::string error_of(const Work& work) {
     return error.what();
   }
   return {};
+}
+
+std::filesystem::path parent_path() {
+  return std::filesystem::path(::testing::TempDir()) / fmt::format("shard_plan_{}", ::getpid());
 }
 
 TEST(Shard, is_named_by_host_port_and_database) {
@@ -99,14 +104,18 @@ class Fields {
 
 TEST(CopyRows, fields_are_those_of_the_points) {
   const PointCloud cloud = two_points();
-  const CopyRows rows(cloud);
+  const CopyRows rows(stored_columns(cloud), cloud.lattice);
   EXPECT_EQ(server_columns(rows.columns()),
             "id bigint NOT NULL, x double precision NOT NULL, y double precision NOT NULL, "
             "z double precision NOT NULL, \"intensity\" integer, \"scan_angle\" real, \"large\" numeric(20), "
             "\"height\" double precision, \"raw\" bytea");
   std::vector<std::byte> bytes;
-  rows.append(0, bytes);
-  rows.append(1, bytes);
+  PointStream stream(parent_path());
+  stream.finish(cloud);
+  const EncodedChunks points = encode({.lattice = cloud.lattice, .blobs = stream.blobs()}, stream.next(2));
+  // Along the Morton curve, the second one comes first.
+  rows.append(points, 1, bytes);
+  rows.append(points, 0, bytes);
   Fields fields(bytes);
   for (std::int64_t row = 0; row < 2; ++row) {
     EXPECT_EQ(fields.number<std::int16_t>(), 9);
@@ -145,28 +154,36 @@ class ShardPlanTest : public ::testing::Test {
     return std::string(std::istreambuf_iterator<char>(file), {});
   }
 
-  static PointCloud line(int count) {
+  /// A cloud file of so many points in a line.
+  std::filesystem::path line(int count) const {
     PointCloud cloud;
     for (int i = 0; i < count; ++i) cloud.positions.emplace_back(i, 0, 0);
-    return cloud;
+    const std::filesystem::path path = parent_ / fmt::format("line_{}.ply", count);
+    write_ply(path, cloud, {.overwrite = true});
+    return path;
   }
 
-  const std::filesystem::path parent_ =
-      std::filesystem::path(::testing::TempDir()) / fmt::format("shard_plan_{}", ::getpid());
+  static void plan(const std::filesystem::path& folder, const std::filesystem::path& file,
+                   const ShardPlanOptions& options = {}) {
+    write_shard_plan(folder, std::span(&file, 1), {}, k_shards, options);
+  }
+
+  static inline const std::vector<Shard> k_shards = {
+      {"db1", 5432, "site"}, {"db2", 5433, "it's"}, {"db3", 5432, "site"}};
+  const std::filesystem::path parent_ = parent_path();
   const std::filesystem::path folder_ = parent_ / "plan";
-  const std::vector<Shard> shards_ = {{"db1", 5432, "site"}, {"db2", 5433, "it's"}, {"db3", 5432, "site"}};
 };
 
 TEST_F(ShardPlanTest, parts_are_equally_large_and_hold_each_point_once) {
-  const PointCloud cloud = line(100);
-  write_shard_plan(folder_, cloud, shards_);
+  // Little memory: pieces are merged.
+  plan(folder_, line(100), {.memory = 1000});
   std::multiset<std::int64_t> ids;
   constexpr std::size_t k_head = 19, k_tail = 2, k_row = 2 + 4 * 12;
   for (int shard = 1; shard <= 3; ++shard) {
     const std::string bytes = text_of(folder_ / fmt::format("shard_{}.copy", shard));
     const std::size_t rows = (bytes.size() - k_head - k_tail) / k_row;
     EXPECT_EQ(bytes.size(), k_head + k_tail + rows * k_row);
-    EXPECT_EQ(rows, shard == 3 ? 34u : 33u);
+    EXPECT_EQ(rows, shard == 1 ? 34u : 33u);
     EXPECT_EQ(bytes.substr(0, 11), std::string("PGCOPY\n\377\r\n\0", 11));
     EXPECT_EQ(bytes.substr(bytes.size() - k_tail), "\377\377");
     const std::span all = std::as_bytes(std::span(bytes));
@@ -180,28 +197,27 @@ TEST_F(ShardPlanTest, parts_are_equally_large_and_hold_each_point_once) {
 }
 
 TEST_F(ShardPlanTest, names_cannot_leave_their_place_in_a_script) {
-  write_shard_plan(folder_, line(10), shards_, {.table = "a\"b'; DROP TABLE c; --"});
+  plan(folder_, line(10), {.table = "a\"b'; DROP TABLE c; --"});
   EXPECT_NE(text_of(folder_ / "shard_1.sql").find("CREATE TABLE \"a\"\"b'; DROP TABLE c; --\"("),
             std::string::npos);
   const std::string coordinator = text_of(folder_ / "coordinator.sql");
   EXPECT_NE(coordinator.find("(host 'db2', port '5433', dbname 'it''s',"), std::string::npos) << coordinator;
   EXPECT_NE(coordinator.find("OPTIONS (table_name 'a\"b''; DROP TABLE c; --')"), std::string::npos);
   for (const std::string& table : {std::string(), std::string("a\nb"), std::string(41, 'n')})
-    EXPECT_NE(error_of([&] { write_shard_plan(parent_ / "more", line(10), shards_, {.table = table}); }), "");
+    EXPECT_NE(error_of([&] { plan(parent_ / "more", line(10), {.table = table}); }), "");
 }
 
 TEST_F(ShardPlanTest, a_folder_is_whole_or_not_there) {
   const ShardPlanOptions stopped{.progress = [](std::uint64_t done, std::uint64_t) { return done < 60; }};
-  EXPECT_THROW(write_shard_plan(folder_, line(100), shards_, stopped), Cancelled);
-  EXPECT_NE(error_of([&] { write_shard_plan(folder_, line(2), shards_); }).find("2 points"),
+  EXPECT_THROW(plan(folder_, line(100), stopped), Cancelled);
+  EXPECT_NE(error_of([&] { plan(folder_, line(2)); }).find("2 points"), std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+  for (const auto& entry : std::filesystem::directory_iterator(parent_))
+    EXPECT_TRUE(entry.path().extension() == ".ply") << entry.path();
+  plan(folder_ / "", line(100));
+  EXPECT_NE(error_of([&] { plan(folder_, line(100)); }).find("exists already"), std::string::npos);
+  EXPECT_NE(error_of([&] { plan(parent_ / "no" / "plan", line(100)); }).find("cannot be made"),
             std::string::npos);
-  EXPECT_TRUE(std::filesystem::is_empty(parent_));
-  write_shard_plan(folder_ / "", line(100), shards_);
-  EXPECT_NE(error_of([&] { write_shard_plan(folder_, line(100), shards_); }).find("exists already"),
-            std::string::npos);
-  EXPECT_NE(
-      error_of([&] { write_shard_plan(parent_ / "no" / "plan", line(100), shards_); }).find("cannot be made"),
-      std::string::npos);
 }
 
 }  // namespace
