@@ -7,6 +7,7 @@
 #include "tools/command.h"
 #include "tools/message.h"
 #include "tools/sql_load.h"
+#include "tools/sql_shard_plan.h"
 
 namespace alidade {
 namespace {
@@ -32,7 +33,7 @@ Command add_sql(CLI::App& program) {
   sql->add_option("statement", command->statement, "SQL")->option_text("STATEMENT");
   // Not finished: not in the manual.
   sql->group("");
-  const std::vector<Command> parts = {add_sql_load(*sql)};
+  const std::vector<Command> parts = {add_sql_load(*sql), add_sql_shard_plan(*sql)};
   return {
       sql,
       [command, parts, sql] { return sql->get_subcommands().empty() ? run(*command) : run_chosen(parts); },

@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 
 #include "database/sqlite/store_cloud.h"
 #include "octree/cloud/cloud_files.h"
-#include "tools/cloud_options.h"
+#include "tools/load_options.h"
 #include "tools/message.h"
-#include "tools/options.h"
-#include "tools/parse_size.h"
 #include "visibility/file_ending.h"
 
 namespace alidade {
@@ -20,11 +17,8 @@ namespace {
 
 struct LoadCommand {
   std::vector<std::filesystem::path> files;  ///< the last one is the database
-  bool partial = false;
-  std::optional<ColorDepth> color_depth;
   StoreOptions store;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
+  LoadOptions load;
 };
 
 /// Who forgot the database has named a cloud there.
@@ -38,31 +32,6 @@ void check_name(const std::filesystem::path& database) {
                .expected = "the database as the last name, as site.db"});
 }
 
-/// Reads and stores, each with a progress line of its own.
-StoredFiles store(const std::filesystem::path& database, std::span<const std::filesystem::path> files,
-                  const LoadCommand& command) {
-  const Verbosity verbosity = command.verbosity.verbosity();
-  ProgressLine reading("reading", "B", verbosity);
-  std::optional<ProgressLine> storing;
-  Progress store_progress;
-  StoreOptions options = command.store;
-  options.progress = [&](std::uint64_t done, std::uint64_t total) {
-    if (!storing) {
-      reading.finish();
-      storing.emplace("storing", "points", verbosity);
-      store_progress = storing->callback();
-    }
-    return store_progress(done, total);
-  };
-  const StoredFiles stored = store_files(database, files,
-                                         {.color_depth = command.color_depth.value_or(ColorDepth::automatic),
-                                          .partial = command.partial,
-                                          .progress = reading.callback()},
-                                         options);
-  storing->finish();
-  return stored;
-}
-
 ExitCode run(const LoadCommand& command) {
   const std::filesystem::path& database = command.files.back();
   const auto names = std::span(command.files).first(command.files.size() - 1);
@@ -70,11 +39,17 @@ ExitCode run(const LoadCommand& command) {
   const std::vector<std::filesystem::path> files = expand_cloud_files(names);
   // A database that is there stays: what may be replaced is a table in it.
   check_writable(database, true, files);
-  const StoredFiles stored = store(database, files, command);
-  if (command.verbosity.quiet) return ExitCode::done;
-  for (const std::string& warning : stored.warnings) say_warning(warning);
-  say_note(fmt::format("{} points are table {} of {}", stored.point_count, command.store.table,
-                       database.string()));
+  std::uint64_t count = 0;
+  load_with_progress(command.load, "storing", [&](const ReadOptions& reading, const Progress& storing) {
+    StoreOptions options = command.store;
+    options.memory = command.load.memory;
+    options.progress = storing;
+    StoredFiles stored = store_files(database, files, reading, options);
+    count = stored.point_count;
+    return std::move(stored.warnings);
+  });
+  if (!command.load.verbosity.quiet)
+    say_note(fmt::format("{} points are table {} of {}", count, command.store.table, database.string()));
   return ExitCode::done;
 }
 
@@ -97,22 +72,7 @@ Command add_sql_load(CLI::App& sql) {
               command->store.chunk_points = static_cast<std::uint32_t>(parse_count(text, 1, 65536));
             });
   load->add_flag("--overwrite", command->store.replace, "replace a table of that name, if it is a cloud");
-  add_value(
-      *load, "--memory", "SIZE",
-      "for points while they are sorted: bytes, or a number with k, M, G or T (default: 1G); those of a "
-      "larger cloud wait in a hidden file beside the database",
-      [command](const std::string& text) {
-        constexpr std::size_t k_least = std::size_t{1} << 20;
-        command->store.memory = parse_size(text);
-        if (command->store.memory < k_least)
-          throw CLI::ValidationError("expected at least 1M, found '" + text + "'");
-      });
-  add_choice<ColorDepth>(*load, "--color-depth",
-                         "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are stored",
-                         command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_partial(*load, command->partial);
-  add_threads(*load, command->threads);
-  add_verbosity(*load, command->verbosity);
+  add_load_options(*load, command->load);
   load->footer(
       "Form:\n"
       "  alidade sql load FILE... DB [OPTIONS]\n"
@@ -130,7 +90,7 @@ Command add_sql_load(CLI::App& sql) {
       "  alidade sql load tiles/ site.db --table tiles --memory 4G\n");
   return {load, [command] {
             ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command); });
+            with_threads(command->load.threads, [&] { code = run(*command); });
             return code;
           }};
 }

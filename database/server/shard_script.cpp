@@ -3,6 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
+
 #include "database/server/server_column.h"
 #include "database/sql_name.h"
 
@@ -21,6 +24,17 @@ std::string box_check(const Bounds& box) {
                         box.min[axis], "xyz"[axis], box.max[axis]);
   }
   return text;
+}
+
+/// `word` as a shell takes it for a word, whatever is in it.
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](unsigned char letter) {
+    return std::isalnum(letter) != 0 || letter == '_' || letter == '-' || letter == '.' || letter == ':';
+  };
+  if (std::ranges::all_of(word, is_plain)) return word;
+  std::string quoted = "'";
+  for (const char letter : word) quoted += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return quoted + "'";
 }
 
 std::string box_text(const Bounds& box) {
@@ -86,8 +100,8 @@ std::string plan_readme(const std::string& table, std::span<const Shard> shards,
       "version.\n\n"
       "1. Fill the shards, in this folder. Each script works as a whole or not at all:\n\n";
   for (std::size_t i = 0; i < shards.size(); ++i) {
-    text += fmt::format("   psql -h {} -p {} -d {} -f {}.sql\n", shards[i].host, shards[i].port,
-                        shards[i].database, shard_name(i));
+    text += fmt::format("   psql -h {} -p {} -d {} -f {}.sql\n", shell_word(shards[i].host), shards[i].port,
+                        shell_word(shards[i].database), shard_name(i));
   }
   text += fmt::format(
       "\n2. Make the table over all of them, on the server that is asked:\n\n"

@@ -203,6 +203,8 @@ TEST_F(ShardPlanTest, names_cannot_leave_their_place_in_a_script) {
   const std::string coordinator = text_of(folder_ / "coordinator.sql");
   EXPECT_NE(coordinator.find("(host 'db2', port '5433', dbname 'it''s',"), std::string::npos) << coordinator;
   EXPECT_NE(coordinator.find("OPTIONS (table_name 'a\"b''; DROP TABLE c; --')"), std::string::npos);
+  EXPECT_NE(text_of(folder_ / "README.txt").find("psql -h db2 -p 5433 -d 'it'\\''s' -f shard_2.sql"),
+            std::string::npos);
   for (const std::string& table : {std::string(), std::string("a\nb"), std::string(41, 'n')})
     EXPECT_NE(error_of([&] { plan(parent_ / "more", line(10), {.table = table}); }), "");
 }
