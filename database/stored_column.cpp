@@ -5,7 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstring>
+#include <cmath>
 #include <set>
 
 #include "octree/cloud/attribute_columns.h"
@@ -53,31 +53,9 @@ class Names {
   std::set<std::string> taken_ = k_taken;
 };
 
-/// The number that a file's mark for "no value" means, in the type of the dimension.
-std::optional<double> no_data_number(const ExtraDimension& dimension) {
-  if (!dimension.no_data) return std::nullopt;
-  const auto as = [&]<class Value>(Value value) {
-    std::memcpy(&value, dimension.no_data->data(), sizeof value);
-    return static_cast<double>(value);
-  };
-  switch (dimension.type) {
-    case ScalarType::uint8:
-    case ScalarType::uint16:
-    case ScalarType::uint32:
-    case ScalarType::uint64:
-      return as(std::uint64_t{});
-    case ScalarType::int8:
-    case ScalarType::int16:
-    case ScalarType::int32:
-    case ScalarType::int64:
-      return as(std::int64_t{});
-    case ScalarType::float32:
-    case ScalarType::float64:
-      return as(double{});
-    case ScalarType::bytes:
-      break;
-  }
-  return std::nullopt;
+/// A factor or a summand that is no number is none.
+double finite_or(bool is_given, double number, double otherwise) {
+  return is_given && std::isfinite(number) ? number : otherwise;
 }
 
 }  // namespace
@@ -136,9 +114,9 @@ std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
                        .blob = ++blob,
                        .size = dimension.byte_count,
                        .type = dimension.type,
-                       .scale = dimension.has_scale ? dimension.scale : 1.0,
-                       .offset = dimension.has_offset ? dimension.offset : 0.0,
-                       .no_data = no_data_number(dimension)});
+                       .scale = finite_or(dimension.has_scale, dimension.scale, 1.0),
+                       .offset = finite_or(dimension.has_offset, dimension.offset, 0.0),
+                       .no_data = dimension.no_data});
   }
   return columns;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -20,7 +21,8 @@ struct StoredColumn {
   int place = 0;  ///< byte within these
   ScalarType type = ScalarType::uint8;
   double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, unless 1 and 0
-  std::optional<double> no_data{};   ///< the number that stands for none: NULL
+  /// The number that stands for none: NULL. As ExtraDimension's: widened to 8 bytes.
+  std::optional<std::array<std::uint8_t, 8>> no_data{};
 };
 
 /// What columns a standard attribute becomes; all in one blob, one behind the other, as in PointCloud.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "database/stored_value.h"
 
+#include <cmath>
+#include <type_traits>
 #include <utility>
 
 #include "octree/cloud/byte_order.h"
@@ -8,10 +10,25 @@
 namespace alidade {
 namespace {
 
+/// Whether a number is the mark that was widened to 8 bytes: of whole numbers by their sign, of others to
+/// float64.
+template <class Number>
+bool is_mark(const std::array<std::uint8_t, 8>& mark, Number number) {
+  using Wide = std::conditional_t<std::is_floating_point_v<Number>, double,
+                                  std::conditional_t<std::is_signed_v<Number>, std::int64_t, std::uint64_t>>;
+  const Wide wide = load<Wide>(reinterpret_cast<const std::byte*>(mark.data()));
+  if constexpr (std::is_floating_point_v<Number>) {
+    // The mark may have digits that the type has not.
+    return (std::isnan(wide) && std::isnan(number)) || static_cast<Number>(wide) == number;
+  } else {
+    return wide == static_cast<Wide>(number);
+  }
+}
+
 template <class Number>
 ColumnValue meant_value(const StoredColumn& column, Number stored) {
   const double number = static_cast<double>(stored);
-  if (column.no_data && number == *column.no_data) return std::monostate{};
+  if (column.no_data && is_mark(*column.no_data, stored)) return std::monostate{};
   if (column.scale != 1.0 || column.offset != 0.0) return column.offset + column.scale * number;
   if constexpr (std::is_integral_v<Number>) {
     if (std::in_range<std::int64_t>(stored)) return static_cast<std::int64_t>(stored);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,18 +30,25 @@ struct ChunkPlace {
 /// Asks such a table.
 class BoxTree {
  public:
-  /// `cloud` is what messages call the cloud.
-  BoxTree(sqlite3* database, const std::string& table_name, std::string cloud, std::uint64_t chunk_count);
+  /// Of the cloud `table` of one of the connection's databases.
+  BoxTree(sqlite3* database, const std::string& schema, const std::string& table, std::uint64_t chunk_count);
 
   /// The chunks for whose box, and the boxes around it, `wanted` is true; by id. Errors: pages that are
-  /// missing or of another size. Cost: the pages that it has to look at.
+  /// missing or of another size; boxes that are none, or not inside that of their page. Cost: the pages that
+  /// it has to look at.
   std::vector<ChunkPlace> chunks(const std::function<bool(const Bounds&)>& wanted);
 
- private:
-  void visit(int level, std::uint64_t page, const std::function<bool(const Bounds&)>& wanted,
-             std::vector<ChunkPlace>& found);
+  /// The chunk of this id, if there is one. Errors: as those of the others. Cost: one page.
+  std::optional<ChunkPlace> chunk(std::uint64_t id);
 
-  std::string cloud_;
+ private:
+  std::vector<Bounds> read_page(int level, std::uint64_t page, const Bounds& around);
+  void visit(int level, std::uint64_t page, const Bounds& around,
+             const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkPlace>& found);
+  [[noreturn]] void refuse(int level, std::uint64_t page, std::string problem, std::string expected,
+                           std::string found) const;
+
+  std::string file_, table_;
   std::vector<std::uint64_t> counts_;  ///< boxes of every level
   Statement page_;
 };

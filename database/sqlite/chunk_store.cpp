@@ -5,29 +5,41 @@
 
 #include <cstring>
 
+#include "octree/lattice_extent.h"
+
 namespace alidade {
+
 ChunkStore::ChunkStore(sqlite3* database, const std::string& schema, const std::string& table,
                        const CloudSchema& cloud)
-    : table_(table),
-      boxes_(database, part_name(schema, table, "bounds"), table, cloud.chunk_count),
+    : file_(file_of(database, schema)),
+      table_(table),
+      lattice_(cloud.lattice),
+      boxes_(database, schema, table, cloud.chunk_count),
       positions_(database,
-                 "SELECT points, positions FROM " + part_name(schema, table, "chunk") + " WHERE id = ?"),
-      values_(database, "SELECT data FROM " + part_name(schema, table, "value") + " WHERE id = ?") {}
+                 "SELECT points, positions FROM " + part_name(schema, table, "chunk") + " WHERE id = ?",
+                 Readable::plain_tables, schema),
+      values_(database, "SELECT data FROM " + part_name(schema, table, "value") + " WHERE id = ?",
+              Readable::plain_tables, schema) {}
 
 void ChunkStore::refuse(std::uint64_t chunk, std::string problem, std::string expected,
                         std::string found) const {
-  throw Error({.file = table_,
-               .place = fmt::format("chunk {}", chunk),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw SqliteError(SQLITE_CORRUPT_VTAB, {.file = file_,
+                                          .place = fmt::format("{}, chunk {}", table_, chunk),
+                                          .problem = std::move(problem),
+                                          .expected = std::move(expected),
+                                          .found = std::move(found)});
 }
 
-std::vector<ChunkPlace> ChunkStore::chunks(const PointFilter& filter) {
-  return boxes_.chunks([&](const Bounds& box) { return may_hold(filter, box); });
+std::vector<ChunkPlace> ChunkStore::chunks(const PointFilter& filter, const PointFilter& other,
+                                           std::optional<std::uint64_t> only) {
+  const auto wanted = [&](const Bounds& box) { return may_hold(filter, box) && may_hold(other, box); };
+  if (!only) return boxes_.chunks(wanted);
+  const std::optional<ChunkPlace> place = boxes_.chunk(*only);
+  return place && wanted(place->box) ? std::vector{*place} : std::vector<ChunkPlace>();
 }
 
-std::shared_ptr<StoredChunk> ChunkStore::read(std::uint64_t id) {
+std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkPlace& place) {
+  const std::uint64_t id = place.id;
   positions_.bind(1, static_cast<std::int64_t>(id));
   if (!positions_.step()) {
     positions_.reset();
@@ -50,6 +62,11 @@ std::shared_ptr<StoredChunk> ChunkStore::read(std::uint64_t id) {
            fmt::format("{} bytes for each of {} points", sizeof(LatticePosition), count),
            fmt::format("{} bytes", size));
   }
+  LatticeExtent extent;
+  for (const LatticePosition& position : chunk->positions) extent.grow(position);
+  if (!chunk->positions.empty() &&
+      (to_world(lattice_, extent.low) != place.box.min || to_world(lattice_, extent.high) != place.box.max))
+    refuse(id, "its points do not fill its box", "the box around them", "");
   return chunk;
 }
 

@@ -22,17 +22,20 @@ struct StoredChunk {
   std::vector<std::optional<std::vector<std::byte>>> blobs;  ///< those read so far
 };
 
-/// The chunks of one cloud. Errors: SQLite's, and chunks that are not there or too short, with their number.
+/// The chunks of one cloud. Errors: SQLite's, and chunks that are not there, too short or not in their box,
+/// with their number.
 class ChunkStore {
  public:
   /// What it is given must outlive it.
   ChunkStore(sqlite3* database, const std::string& schema, const std::string& table,
              const CloudSchema& cloud);
 
-  /// Chunks that may have points for which the filter holds, by id. Cost: as BoxTree::chunks().
-  std::vector<ChunkPlace> chunks(const PointFilter& filter);
+  /// Chunks that may have points for which the one filter holds and points for which the other does, by id;
+  /// of all, or the only one to look at. Cost: as BoxTree's.
+  std::vector<ChunkPlace> chunks(const PointFilter& filter, const PointFilter& other,
+                                 std::optional<std::uint64_t> only);
 
-  std::shared_ptr<StoredChunk> read(std::uint64_t id);
+  std::shared_ptr<StoredChunk> read(const ChunkPlace& place);
 
   /// The bytes of a point in the column's blob, which is read if it is not there yet.
   const std::byte* bytes(StoredChunk& chunk, const StoredColumn& column, std::size_t row);
@@ -41,7 +44,8 @@ class ChunkStore {
   [[noreturn]] void refuse(std::uint64_t chunk, std::string problem, std::string expected,
                            std::string found) const;
 
-  std::string table_;
+  std::string file_, table_;
+  Lattice lattice_;
   BoxTree boxes_;
   Statement positions_, values_;
 };

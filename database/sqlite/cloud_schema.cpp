@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 #include "database/sqlite/statement.h"
 
@@ -12,24 +15,45 @@ namespace {
 
 const char* const k_parts[] = {"cloud", "column", "chunk", "value", "bounds"};
 
-[[noreturn]] void refuse(const std::string& table, const std::string& part, std::string problem,
-                         std::string expected, std::string found) {
-  throw Error({.file = table,
-               .place = fmt::format("table {}_{}", table, part),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
-}
+static_assert(std::endian::native == std::endian::little, "numbers in blobs are copied as they are");
+
+/// The tables of one cloud, to be read.
+class Described {
+ public:
+  Described(sqlite3* database, const std::string& schema, const std::string& table)
+      : database_(database), schema_(schema), table_(table) {}
+
+  CloudSchema read() const;
+
+ private:
+  [[noreturn]] void refuse(const std::string& part, std::string problem, std::string expected,
+                           std::string found) const {
+    throw SqliteError(SQLITE_CORRUPT_VTAB, {.file = file_of(database_, schema_),
+                                            .place = fmt::format("table {}_{}", table_, part),
+                                            .problem = std::move(problem),
+                                            .expected = std::move(expected),
+                                            .found = std::move(found)});
+  }
+  Statement statement(const std::string& part, const std::string& before, const std::string& behind) const {
+    return {database_, before + part_name(schema_, table_, part) + behind, Readable::plain_tables, schema_};
+  }
+  void read_cloud(CloudSchema& cloud) const;
+  void read_columns(CloudSchema& cloud) const;
+  void check_blobs(const std::vector<StoredColumn>& columns) const;
+
+  sqlite3* database_;
+  const std::string &schema_, &table_;
+};
 
 /// Whether a row of NAME_column can be: the number lies within the bytes of a point.
 bool is_possible(const StoredColumn& column) {
   const int type = static_cast<int>(column.type);
   if (type < static_cast<int>(ScalarType::bytes) || type > static_cast<int>(ScalarType::float64))
     return false;
-  constexpr int k_most_blobs = 1 << 20, k_most_bytes = 1 << 17;
+  constexpr int k_most_bytes = 1 << 17;
   const int size = column.type == ScalarType::bytes ? column.size : scalar_size(column.type);
-  return column.blob >= 0 && column.blob < k_most_blobs && column.size > 0 && column.size < k_most_bytes &&
-         column.place >= 0 && column.place <= column.size - size;
+  return column.blob >= 0 && column.size > 0 && column.size < k_most_bytes && column.place >= 0 &&
+         column.place <= column.size - size && std::isfinite(column.scale) && std::isfinite(column.offset);
 }
 
 /// Whole values only.
@@ -71,7 +95,7 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
   run(database,
       "CREATE TABLE " + name("column") +
           "(id INTEGER PRIMARY KEY, name TEXT, blob INTEGER, size INTEGER, place INTEGER, type INTEGER,"
-          " scale REAL, \"offset\" REAL, no_data REAL)");
+          " scale REAL, \"offset\" REAL, no_data BLOB)");
   Statement entry(database, "INSERT INTO " + name("column") + " VALUES(NULL,?,?,?,?,?,?,?,?)");
   for (const StoredColumn& column : cloud.columns) {
     entry.bind(1, column.name);
@@ -82,7 +106,7 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
     entry.bind(6, column.scale);
     entry.bind(7, column.offset);
     if (column.no_data)
-      entry.bind(8, *column.no_data);
+      entry.bind(8, std::as_bytes(std::span(*column.no_data)));
     else
       entry.bind_null(8);
     entry.run();
@@ -92,12 +116,11 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
   run(database, "CREATE TABLE " + name("bounds") + "(id INTEGER PRIMARY KEY, boxes BLOB)");
 }
 
-CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table) {
-  CloudSchema cloud;
-  Statement row(database, "SELECT * FROM " + part_name(schema, table, "cloud"));
-  if (!row.step()) refuse(table, "cloud", "is empty", "one row", "");
+void Described::read_cloud(CloudSchema& cloud) const {
+  Statement row = statement("cloud", "SELECT * FROM ", "");
+  if (!row.step()) refuse("cloud", "is empty", "one row", "");
   if (row.whole(0) != k_cloud_table_version) {
-    refuse(table, "cloud", "is of another version", std::to_string(k_cloud_table_version),
+    refuse("cloud", "is of another version", std::to_string(k_cloud_table_version),
            std::to_string(row.whole(0)));
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -105,23 +128,30 @@ CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, cons
     cloud.lattice.offset[axis] = row.number(4 + axis);
     if (!(cloud.lattice.scale[axis] > 0.0) || !std::isfinite(cloud.lattice.scale[axis]) ||
         !std::isfinite(cloud.lattice.offset[axis])) {
-      refuse(table, "cloud", "has no lattice", "a scale above 0 and finite offsets",
+      refuse("cloud", "has no lattice", "a scale above 0 and finite offsets",
              fmt::format("scale {}, offset {}", cloud.lattice.scale[axis], cloud.lattice.offset[axis]));
     }
   }
-  if (row.whole(7) < 0 || row.whole(8) < 0) {
-    refuse(table, "cloud", "counts fewer than no points", "counts from 0",
-           fmt::format("{} points in {} chunks", row.whole(7), row.whole(8)));
+  // Chunks have a point or more, and their numbers 32 bits.
+  const std::int64_t points = row.whole(7), chunks = row.whole(8);
+  if (row.type(7) != SQLITE_INTEGER || row.type(8) != SQLITE_INTEGER || chunks < 0 || chunks > UINT32_MAX ||
+      points < chunks || points > chunks * k_most_chunk_points) {
+    refuse("cloud", "has counts that cannot be",
+           fmt::format("1 to {} points in each of 0 to {} chunks", k_most_chunk_points, UINT32_MAX),
+           fmt::format("{} points in {} chunks", row.text(7), row.text(8)));
   }
-  cloud.point_count = static_cast<std::uint64_t>(row.whole(7));
-  cloud.chunk_count = static_cast<std::uint64_t>(row.whole(8));
+  cloud.point_count = static_cast<std::uint64_t>(points);
+  cloud.chunk_count = static_cast<std::uint64_t>(chunks);
   cloud.crs.wkt = row.text(9);
   take_bytes(row.bytes(10), cloud.crs.geotiff_keys);
   take_bytes(row.bytes(11), cloud.crs.geotiff_doubles);
   take_bytes(row.bytes(12), cloud.crs.geotiff_ascii);
   cloud.gps_time_is_standard = row.whole(13) != 0;
-  Statement entry(database, "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM " +
-                                part_name(schema, table, "column") + " ORDER BY id");
+}
+
+void Described::read_columns(CloudSchema& cloud) const {
+  Statement entry = statement(
+      "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
   while (entry.step()) {
     StoredColumn column{.name = entry.text(0),
                         .blob = static_cast<int>(entry.whole(1)),
@@ -130,19 +160,69 @@ CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, cons
                         .type = static_cast<ScalarType>(entry.whole(4)),
                         .scale = entry.number(5),
                         .offset = entry.number(6)};
-    if (!entry.is_null(7)) column.no_data = entry.number(7);
-    if (!is_possible(column))
-      refuse(table, "column", "describes a column that cannot be", "a number within a point's bytes",
-             column.name);
+    if (!entry.is_null(7)) {
+      const std::span<const std::byte> mark = entry.bytes(7);
+      if (mark.size() != column.no_data.emplace().size())
+        refuse("column", "has a mark for no value that is none", "8 bytes", column.name);
+      std::memcpy(column.no_data->data(), mark.data(), mark.size());
+    }
+    const auto is_number = [&](int place) { return entry.type(place) == SQLITE_FLOAT; };
+    if (entry.type(0) != SQLITE_TEXT || column.name.empty())
+      refuse("column", "has a column without a name", "a name", entry.text(0));
+    if (!is_possible(column) || !is_number(5) || !is_number(6))
+      refuse("column", "describes a column that cannot be", "a number within a point's bytes", column.name);
     cloud.columns.push_back(std::move(column));
   }
-  if (cloud.columns.empty()) refuse(table, "column", "describes no columns", "one or more", "none");
+  if (cloud.columns.empty()) refuse("column", "describes no columns", "one or more", "none");
+  check_blobs(cloud.columns);
+}
+
+void Described::check_blobs(const std::vector<StoredColumn>& columns) const {
+  std::vector<const StoredColumn*> first_of(columns.size());
+  for (const StoredColumn& column : columns) {
+    const auto blob = static_cast<std::size_t>(column.blob);
+    if (blob >= columns.size()) {
+      refuse("column", fmt::format("has column {} in a blob that cannot be", column.name),
+             fmt::format("a number up to {}", columns.size() - 1), std::to_string(blob));
+    }
+    const StoredColumn*& first = first_of[blob];
+    if (first == nullptr) first = &column;
+    if (first->size != column.size) {
+      refuse("column", fmt::format("says two sizes of one blob, with {} and {}", first->name, column.name),
+             std::to_string(first->size), std::to_string(column.size));
+    }
+  }
+}
+
+CloudSchema Described::read() const {
+  CloudSchema cloud;
+  read_cloud(cloud);
+  read_columns(cloud);
   return cloud;
 }
 
+CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table) {
+  return Described(database, schema, table).read();
+}
+
 void drop_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table) {
-  for (const char* const part : k_parts)
-    run(database, "DROP TABLE IF EXISTS " + part_name(schema, table, part));
+  for (const char* const part : k_parts) {
+    Statement found(database,
+                    "SELECT type FROM " + sql_name(schema) +
+                        ".sqlite_schema WHERE lower(name) = lower(?) AND type IN ('table', 'view')");
+    if (!found.bind(1, table + "_" + part).step()) continue;
+    const std::string type = found.text(0);
+    found.reset();
+    run(database, "DROP " + type + " " + part_name(schema, table, part));
+  }
+}
+
+void rename_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
+                         const std::string& name) {
+  for (const char* const part : k_parts) {
+    run(database,
+        "ALTER TABLE " + part_name(schema, table, part) + " RENAME TO " + sql_name(name + "_" + part));
+  }
 }
 
 }  // namespace alidade

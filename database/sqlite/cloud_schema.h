@@ -12,17 +12,20 @@
 
 struct sqlite3;
 
-// A cloud in SQLite. A table of the module pointcloud, named NAME, stands on four ordinary tables:
-//   NAME_cloud   one row: format version, lattice, counts, CRS as WKT and as GeoTIFF keys, how GPS time
-//   counts NAME_column  what the columns are (StoredColumn), in their order NAME_chunk   positions of chunks
-//   of points in Morton order: 3 int32 lattice steps per point NAME_value   the other values: blob `blob` of
-//   chunk `chunk` has the id blob * 2^32 + chunk NAME_bounds  boxes of the chunks
-//   (database/sqlite/box_tree.h)
+// A cloud in SQLite. A table of the module pointcloud, named NAME, stands on five ordinary tables:
+//
+//   NAME_cloud   one row: format version, lattice, counts, reference system, how GPS times count
+//   NAME_column  what the columns are (StoredColumn), in their order
+//   NAME_chunk   positions of chunks of points in Morton order: 3 int32 lattice steps per point
+//   NAME_value   the other values: blob `blob` of chunk `chunk` has the id blob * 2^32 + chunk
+//   NAME_bounds  boxes of the chunks (database/sqlite/box_tree.h)
+//
 // Numbers in blobs are little endian.
 
 namespace alidade {
 
 inline constexpr int k_cloud_table_version = 1;
+inline constexpr std::uint32_t k_most_chunk_points = 65536;
 
 struct CloudSchema {
   Lattice lattice;
@@ -37,12 +40,16 @@ struct CloudSchema {
 void create_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
                          const CloudSchema& cloud);
 
-/// Reads what create_cloud_tables() wrote. Errors: the tables are not there, of another version, or say what
-/// cannot be.
+/// Reads what create_cloud_tables() wrote. Errors: the tables are not there, are none, of another version, or
+/// say what cannot be.
 CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table);
 
-/// Removes the tables, those that are there.
+/// Removes the tables, those that are there, or what else has their names.
 void drop_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table);
+
+/// Gives the tables the names that those of a cloud `name` have. Errors: SQLite's.
+void rename_cloud_tables(sqlite3* database, const std::string& schema, const std::string& table,
+                         const std::string& name);
 
 /// "SCHEMA"."TABLE_PART", quoted.
 std::string part_name(const std::string& schema, const std::string& table, const std::string& part);

@@ -78,11 +78,31 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
           throw Error({.problem = "pointcloud takes no arguments", .expected = "USING pointcloud"});
         auto table = std::make_unique<Table>(database, words[1], words[2], static_cast<ScanReads*>(reads));
         const int result = sqlite3_declare_vtab(database, table->columns.declaration().c_str());
-        if (result != SQLITE_OK) return result;
+        if (result != SQLITE_OK) {
+          throw SqliteError(result, {.file = file_of(database, table->schema),
+                                     .place = "table " + table->name + "_column",
+                                     .problem = sqlite3_errmsg(database)});
+        }
+        // Its tables are read and nothing else is done, whatever a file says.
+        sqlite3_vtab_config(database, SQLITE_VTAB_INNOCUOUS);
         *made = &table.release()->base;
         return SQLITE_OK;
       },
       [&](const char* text) { keep_message(message, text); });
+}
+
+/// Apart from connect(): a module for which both are one is a table itself, without being made.
+int create(sqlite3* database, void* reads, int count, const char* const* words, sqlite3_vtab** made,
+           char** message) {
+  return connect(database, reads, count, words, made, message);
+}
+
+int rename(sqlite3_vtab* base, const char* name) {
+  return table_guarded(base, [&] {
+    const Table& table = table_of(base);
+    rename_cloud_tables(table.database, table.schema, table.name, name);
+    return SQLITE_OK;
+  });
 }
 
 int disconnect(sqlite3_vtab* base) {
@@ -124,7 +144,7 @@ int filter(sqlite3_vtab_cursor* base, int order, const char* plan, int count, sq
     const Table& table = table_of(base->pVtab);
     cursor.end_scan();
     if (table.reads != nullptr) *table.reads += {.scans = 1, .chunks = table.cloud.chunk_count};
-    const std::optional<PointFilter> wanted = plan_filter(
+    const std::optional<ScanFilter> wanted = plan_filter(
         plan == nullptr ? "" : plan, std::span(values, static_cast<std::size_t>(count)), cursor.arguments);
     if (wanted) cursor.points.emplace(cursor.store, table.cloud, *wanted, static_cast<RowOrder>(order));
     return SQLITE_OK;
@@ -166,11 +186,13 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
                  stored_value(stored, cursor.store.bytes(points.chunk(), stored, points.row())));
     } else if (kind == TableColumns::Kind::axis) {
       sqlite3_result_double(context, points.position()[columns.axis(number)]);
-    } else if (kind == TableColumns::Kind::argument) {
-      if (cursor.arguments) sqlite3_result_double(context, (*cursor.arguments)[columns.argument(number)]);
     } else if (kind == TableColumns::Kind::chunk) {
       sqlite3_result_int64(context, static_cast<sqlite3_int64>(points.chunk().id));
-    } else if (cursor.arguments) {
+    } else if (!cursor.arguments) {
+      throw Error({.problem = "a ray's columns are asked without a ray", .expected = k_ray_form});
+    } else if (kind == TableColumns::Kind::argument) {
+      sqlite3_result_double(context, (*cursor.arguments)[columns.argument(number)]);
+    } else {
       const RayProjection at = *points.projection();
       sqlite3_result_double(context, kind == TableColumns::Kind::t ? at.t : at.distance);
     }
@@ -180,7 +202,7 @@ int column(sqlite3_vtab_cursor* base, sqlite3_context* context, int number) {
 
 int row_id(sqlite3_vtab_cursor* base, sqlite3_int64* id) {
   const PointCursor& points = *cursor_of(base).points;
-  *id = static_cast<sqlite3_int64>(points.chunk().id << 20 | points.row());
+  *id = static_cast<sqlite3_int64>(points.chunk().id << k_row_bits | points.row());
   return SQLITE_OK;
 }
 
@@ -204,7 +226,7 @@ int is_shadow(const char* name) {
 const sqlite3_module k_module = [] {
   sqlite3_module module{};
   module.iVersion = 3;
-  module.xCreate = connect;
+  module.xCreate = create;
   module.xConnect = connect;
   module.xBestIndex = best_index;
   module.xDisconnect = disconnect;
@@ -217,6 +239,7 @@ const sqlite3_module k_module = [] {
   module.xColumn = column;
   module.xRowid = row_id;
   module.xFindFunction = find_function;
+  module.xRename = rename;
   module.xShadowName = is_shadow;
   return module;
 }();

@@ -21,6 +21,12 @@ Connection::Connection(const std::filesystem::path& file, Mode mode) {
       throw Error({.file = file.string(),
                    .problem = database_ == nullptr ? sqlite3_errstr(result) : sqlite3_errmsg(database_)});
     }
+    // What others put into a file, such as views and triggers, may do nothing but ask.
+    sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    if (mode == Mode::read) sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    // Whoever reads or writes in the meantime is waited for.
+    constexpr int k_milliseconds = 10'000;
+    sqlite3_busy_timeout(database_, k_milliseconds);
     // Opening looks at nothing; a file that is no database shows here.
     Statement(database_, "SELECT count(*) FROM sqlite_schema").step();
   } catch (...) {

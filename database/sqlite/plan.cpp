@@ -2,7 +2,7 @@
 #include "database/sqlite/plan.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 
 #include "database/sqlite/distance_limit.h"
 #include "database/sqlite/point_cursor.h"
@@ -15,7 +15,7 @@ namespace {
 // A plan's text is two letters for each value that the scan gets: what it limits, and how.
 constexpr char k_first_argument = 'A';  // to 'F'
 constexpr char k_axes[] = "xyz";
-constexpr char k_distance = 'd', k_t = 't', k_limit = 'w';
+constexpr char k_distance = 'd', k_t = 't', k_limit = 'w', k_chunk = 'c', k_row = 'r';
 constexpr char k_most = '<', k_least = '>', k_equal = '=';
 
 char comparison(unsigned char op) {
@@ -68,15 +68,65 @@ bool narrow(Interval& limits, char how, sqlite3_value* value) {
   // Comparing with text is SQLite's affair, and so is an integer that no double holds.
   if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return true;
   constexpr sqlite3_int64 k_exact = sqlite3_int64{1} << 53;
-  if (type == SQLITE_INTEGER && std::abs(sqlite3_value_int64(value)) > k_exact) return true;
+  if (type == SQLITE_INTEGER) {
+    const sqlite3_int64 whole = sqlite3_value_int64(value);
+    if (whole > k_exact || whole < -k_exact) return true;
+  }
   const double number = sqlite3_value_double(value);
   if (how != k_most) limits.low = std::max(limits.low, number);
   if (how != k_least) limits.high = std::min(limits.high, number);
   return true;
 }
 
-std::optional<PointFilter> none() {
+/// Narrows the chunks to the one of a row id or with a number. False if there can be none.
+bool narrow(std::optional<std::uint64_t>& only, char what, sqlite3_value* value) {
+  const int type = sqlite3_value_type(value);
+  if (type == SQLITE_NULL) return false;
+  if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) return true;  // SQLite's affair
+  constexpr double k_end = 9223372036854775808.0;
+  const double about = sqlite3_value_double(value);
+  if (!(about >= 0.0)) return false;
+  if (type == SQLITE_FLOAT && about >= k_end) return false;
+  const sqlite3_int64 number =
+      type == SQLITE_INTEGER ? sqlite3_value_int64(value) : static_cast<sqlite3_int64>(about);
+  const auto chunk = static_cast<std::uint64_t>(number) >> (what == k_row ? k_row_bits : 0);
+  if (only && *only != chunk) return false;
+  only = chunk;
+  return true;
+}
+
+std::optional<ScanFilter> none() {
   return std::nullopt;
+}
+
+/// Where the six arguments stand among the constraints.
+struct GivenArguments {
+  std::array<int, 6> places;  ///< -1 for those that are not given
+  bool is_complete = true, are_usable = true;
+
+  GivenArguments(const TableColumns& columns, const sqlite3_index_info& info) {
+    places.fill(-1);
+    for (int i = 0; i < info.nConstraint; ++i) {
+      const auto& constraint = info.aConstraint[i];
+      if (constraint.iColumn < 0 || constraint.op != SQLITE_INDEX_CONSTRAINT_EQ ||
+          columns.kind(constraint.iColumn) != TableColumns::Kind::argument)
+        continue;
+      int& place = places[columns.argument(constraint.iColumn)];
+      if (place < 0 || constraint.usable) place = i;
+    }
+    for (const int place : places) {
+      is_complete &= place >= 0;
+      are_usable &= place < 0 || info.aConstraint[place].usable;
+    }
+  }
+};
+
+/// Whether a condition is on what only the form with a ray has.
+bool needs_ray(const TableColumns& columns, int column) {
+  if (column < 0) return false;
+  const TableColumns::Kind kind = columns.kind(column);
+  return kind == TableColumns::Kind::argument || kind == TableColumns::Kind::distance ||
+         kind == TableColumns::Kind::t;
 }
 
 }  // namespace
@@ -105,21 +155,8 @@ std::string TableColumns::declaration() const {
 }
 
 int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_index_info& info) {
-  int arguments[6];
-  std::ranges::fill(arguments, -1);
-  for (int i = 0; i < info.nConstraint; ++i) {
-    const auto& constraint = info.aConstraint[i];
-    if (constraint.iColumn < 0 || columns.kind(constraint.iColumn) != TableColumns::Kind::argument) continue;
-    if (constraint.op != SQLITE_INDEX_CONSTRAINT_EQ) continue;
-    if (!constraint.usable) return SQLITE_CONSTRAINT;
-    arguments[columns.argument(constraint.iColumn)] = i;
-  }
-  const auto given = std::ranges::count_if(arguments, [](int place) { return place >= 0; });
-  if (given != 0 && given != 6) {
-    throw Error({.problem = "a cloud takes a ray's six numbers or none",
-                 .expected = "cloud(ox, oy, oz, dx, dy, dz)",
-                 .found = std::to_string(given) + " of them"});
-  }
+  const GivenArguments given(columns, info);
+  if (given.is_complete && !given.are_usable) return SQLITE_CONSTRAINT;
   std::string plan;
   int used = 0;
   const auto use = [&](int constraint, char what, char how, bool is_settled) {
@@ -128,15 +165,28 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
     plan += what;
     plan += how;
   };
-  const bool has_ray = given == 6;
+  const bool has_ray = given.is_complete;
   for (std::size_t i = 0; has_ray && i < 6; ++i)
-    use(arguments[i], static_cast<char>(k_first_argument + static_cast<char>(i)), k_equal, true);
-  double share = 1.0;
+    use(given.places[i], static_cast<char>(k_first_argument + static_cast<char>(i)), k_equal, true);
+  double share = 1.0, cost = 100.0;
   for (int i = 0; i < info.nConstraint; ++i) {
     const auto& constraint = info.aConstraint[i];
+    // Such rows are errors: another plan may do without.
+    if (!has_ray && needs_ray(columns, constraint.iColumn)) cost = 1e30;
     if (!constraint.usable) continue;
-    if (constraint.op == SQLITE_INDEX_CONSTRAINT_FUNCTION &&
-        columns.kind(constraint.iColumn) == TableColumns::Kind::chunk) {
+    const bool is_row = constraint.iColumn < 0;
+    const bool is_chunk = !is_row && columns.kind(constraint.iColumn) == TableColumns::Kind::chunk;
+    if (constraint.op == SQLITE_INDEX_CONSTRAINT_EQ && (is_row || is_chunk)) {
+      if (is_chunk && has_ray) {
+        throw Error(
+            {.problem = "a cloud takes a ray's six numbers, and the number of a chunk only without a ray",
+             .expected = k_ray_form});
+      }
+      use(i, is_row ? k_row : k_chunk, k_equal, false);
+      share = std::min(share, (is_row ? 1.0 : 1024.0) / std::max(1.0, static_cast<double>(point_count)));
+      continue;
+    }
+    if (constraint.op == SQLITE_INDEX_CONSTRAINT_FUNCTION && is_chunk) {
       use(i, k_limit, k_equal, false);
       share *= 0.01;
       continue;
@@ -144,7 +194,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
     const char what = letter(columns, constraint.iColumn, has_ray), how = comparison(constraint.op);
     if (what == 0 || how == 0) continue;
     use(i, what, how, false);
-    share *= what == k_distance && how != k_least ? 0.01 : 0.5;
+    share *= how == k_equal ? 0.001 : what == k_distance && how == k_most ? 0.01 : 0.5;
   }
   const RowOrder order = order_of(columns, info, has_ray);
   info.orderByConsumed = order == RowOrder::stored ? 0 : 1;
@@ -154,13 +204,14 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
   info.needToFreeIdxStr = 1;
   const double rows = std::max(1.0, share * static_cast<double>(point_count));
   info.estimatedRows = static_cast<sqlite3_int64>(rows);
-  info.estimatedCost = 100.0 + rows;
+  info.estimatedCost = cost + rows;
   return SQLITE_OK;
 }
 
-std::optional<PointFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
-                                       Arguments& arguments) {
-  PointFilter filter;
+std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
+                                      Arguments& arguments) {
+  ScanFilter scan;
+  PointFilter& filter = scan.points;
   std::vector<DistanceLimit> limits;
   arguments.reset();
   std::size_t next = 0;
@@ -175,7 +226,9 @@ std::optional<PointFilter> plan_filter(const char* plan, std::span<sqlite3_value
   for (; next < values.size(); ++next) {
     const char what = plan[2 * next], how = plan[2 * next + 1];
     sqlite3_value* const value = values[next];
-    if (what == k_limit) {
+    if (what == k_row || what == k_chunk) {
+      if (!narrow(scan.only_chunk, what, value)) return none();
+    } else if (what == k_limit) {
       if (sqlite3_value_type(value) == SQLITE_NULL) return none();
       const auto* const bytes = static_cast<const std::byte*>(sqlite3_value_blob(value));
       limits.push_back(decode_distance_limit({bytes, static_cast<std::size_t>(sqlite3_value_bytes(value))}));
@@ -193,9 +246,9 @@ std::optional<PointFilter> plan_filter(const char* plan, std::span<sqlite3_value
   // Where one of them is an error, the rows for which it is one must be met.
   if (std::ranges::none_of(limits,
                            [](const auto& limit) { return limit.kind == DistanceLimit::Kind::none; })) {
-    for (const DistanceLimit& limit : limits) add(limit, filter);
+    for (const DistanceLimit& limit : limits) add(limit, scan.chunks);
   }
-  return filter;
+  return scan;
 }
 
 }  // namespace alidade

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "database/point_filter.h"
+#include "database/sqlite/point_cursor.h"
 #include "database/sqlite/sqlite_api.h"
 #include "database/stored_column.h"
 
@@ -42,17 +42,24 @@ class TableColumns {
   const std::vector<StoredColumn>& stored_;
 };
 
+/// How the form with a ray is written.
+inline constexpr const char* k_ray_form = "cloud(ox, oy, oz, dx, dy, dz)";
+
+/// A row id is a chunk and the row in it.
+inline constexpr int k_row_bits = 20;
+
 /// Origin and direction of the form table(ox, oy, oz, dx, dy, dz), if it was used.
 using Arguments = std::optional<std::array<double, 6>>;
 
 /// Says in `info` what a scan uses: conditions become the plan's text, which plan_filter() reads, and its
 /// number is the RowOrder. Answers SQLite's code; SQLITE_CONSTRAINT where arguments come from a table that is
-/// not read before. Errors: some arguments of the form with a ray, but not all.
+/// not read before. Fewer arguments than six are conditions on columns that only a ray has. Errors: a
+/// seventh.
 int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_index_info& info);
 
 /// The filter of a scan, and its arguments; empty if no row can be an answer. Limits are closed: SQLite
 /// checks each row once more. Errors: arguments that are no ray; what is no limit for in_chunk().
-std::optional<PointFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
-                                       Arguments& arguments);
+std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
+                                      Arguments& arguments);
 
 }  // namespace alidade

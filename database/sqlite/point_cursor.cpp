@@ -7,9 +7,9 @@
 
 namespace alidade {
 
-PointCursor::PointCursor(ChunkStore& store, const CloudSchema& cloud, PointFilter filter, RowOrder order)
-    : store_(store), cloud_(cloud), filter_(std::move(filter)), order_(order) {
-  for (const ChunkPlace& place : store_.chunks(filter_)) {
+PointCursor::PointCursor(ChunkStore& store, const CloudSchema& cloud, ScanFilter filter, RowOrder order)
+    : store_(store), cloud_(cloud), filter_(std::move(filter.points)), order_(order) {
+  for (const ChunkPlace& place : store_.chunks(filter_, filter.chunks, filter.only_chunk)) {
     double least = 0.0;
     if (order_ != RowOrder::stored) {
       const RayReach reach = project(filter_.lines.front().ray, place.box);
@@ -17,7 +17,7 @@ PointCursor::PointCursor(ChunkStore& store, const CloudSchema& cloud, PointFilte
       // Where numbers overflow nothing is known.
       if (!(least >= -std::numeric_limits<double>::max())) least = -std::numeric_limits<double>::infinity();
     }
-    chunks_.push_back({least, place.id});
+    chunks_.push_back({least, place});
   }
   std::ranges::stable_sort(chunks_, {}, &Next::least);
   next();
@@ -37,7 +37,7 @@ void PointCursor::next() {
 }
 
 std::shared_ptr<StoredChunk> PointCursor::read_next() {
-  std::shared_ptr<StoredChunk> chunk = store_.read(chunks_[next_chunk_++].id);
+  std::shared_ptr<StoredChunk> chunk = store_.read(chunks_[next_chunk_++].place);
   ++reads_.chunks_read;
   reads_.points_read += chunk->positions.size();
   return chunk;

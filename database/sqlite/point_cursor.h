@@ -20,13 +20,21 @@ enum class RowOrder {
   distance,  ///< by the distance to it
 };
 
+/// What a scan gives.
+struct ScanFilter {
+  PointFilter points{};  ///< the points for which it holds
+  /// Of the chunks that may hold such: those that may hold one for which this holds, all their points.
+  PointFilter chunks{};
+  std::optional<std::uint64_t> only_chunk{};
+};
+
 /// One scan of a cloud: the points for which a filter holds. Chunks are read when their first point may come,
 /// so that the nearest few cost little. Memory: a chunk, or in another order than stored all chunks read so
 /// far. Errors: ChunkStore's.
 class PointCursor {
  public:
   /// What it is given must outlive it. An order that is not `stored` needs a line in the filter.
-  PointCursor(ChunkStore& store, const CloudSchema& cloud, PointFilter filter, RowOrder order);
+  PointCursor(ChunkStore& store, const CloudSchema& cloud, ScanFilter filter, RowOrder order);
 
   bool at_end() const { return chunk_ == nullptr; }
   void next();
@@ -52,7 +60,7 @@ class PointCursor {
   };
   struct Next {
     double least;  ///< of the measure of its points
-    std::uint64_t id;
+    ChunkPlace place;
   };
 
   void next_stored();
@@ -62,7 +70,7 @@ class PointCursor {
 
   ChunkStore& store_;
   const CloudSchema& cloud_;
-  PointFilter filter_;
+  PointFilter filter_;  ///< of points
   RowOrder order_;
   std::vector<Next> chunks_;  ///< those to read, in that order
   std::size_t next_chunk_ = 0;

@@ -65,14 +65,6 @@ std::vector<Blob> blobs_of(const std::vector<StoredColumn>& columns) {
   return blobs;
 }
 
-/// The mark for "no value" as LAS keeps it.
-std::array<std::uint8_t, 8> no_data_bytes(ScalarType type, double number) {
-  const auto as = [](auto value) { return std::bit_cast<std::array<std::uint8_t, 8>>(value); };
-  if (type == ScalarType::float32 || type == ScalarType::float64) return as(number);
-  if (number < 0.0) return as(static_cast<std::int64_t>(std::max(number, -0x1p63)));
-  return as(number < 0x1p64 ? static_cast<std::uint64_t>(number) : UINT64_MAX);
-}
-
 ExtraDimension dimension_of(const StoredColumn& column) {
   ExtraDimension dimension;
   dimension.name = column.name;
@@ -82,7 +74,7 @@ ExtraDimension dimension_of(const StoredColumn& column) {
   dimension.offset = column.offset;
   dimension.has_scale = column.scale != 1.0;
   dimension.has_offset = column.offset != 0.0;
-  if (column.no_data) dimension.no_data = no_data_bytes(column.type, *column.no_data);
+  dimension.no_data = column.no_data;
   return dimension;
 }
 
@@ -193,11 +185,10 @@ FileFacts SqliteCloudReader::facts() const {
   facts.crs = schema_.crs;
   facts.gps_time_is_standard = schema_.gps_time_is_standard;
   Bounds box;
-  BoxTree(connection_.get(), part_name(k_schema, table_, "bounds"), table_, schema_.chunk_count)
-      .chunks([&](const Bounds& part) {
-        box.grow(part);
-        return false;
-      });
+  BoxTree(connection_.get(), k_schema, table_, schema_.chunk_count).chunks([&](const Bounds& part) {
+    box.grow(part);
+    return false;
+  });
   if (schema_.point_count > 0) facts.box = box;
   return facts;
 }
@@ -242,8 +233,9 @@ void SqliteCloudReader::take_rows(PointCloud& cloud, AttributeSet kept, const Ro
   std::vector<bool> is_there(rows.count);
   std::uint64_t points = 0;
   std::size_t taken = 0;
-  for (std::uint64_t id = 0; id < schema_.chunk_count; ++id) {
-    const std::shared_ptr<StoredChunk> chunk = store.read(id);
+  for (const ChunkPlace& place : store.chunks({}, {}, std::nullopt)) {
+    const std::uint64_t id = place.id;
+    const std::shared_ptr<StoredChunk> chunk = store.read(place);
     for (std::size_t i = 0; i < chunk->positions.size(); ++i) {
       const auto number = load<std::uint64_t>(store.bytes(*chunk, schema_.columns.front(), i));
       const std::uint64_t row = number - rows.first;

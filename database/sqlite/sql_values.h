@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "database/sqlite/sqlite_api.h"
+#include "database/sqlite/statement.h"
 
 // What SQLite hands to functions and tables of the module, and what they answer.
 
@@ -22,6 +22,9 @@ int guarded(const Work& work, const Fail& fail) {
     return work();
   } catch (const std::bad_alloc&) {
     return SQLITE_NOMEM;
+  } catch (const SqliteError& error) {
+    fail(error.what());
+    return error.code();
   } catch (const std::exception& error) {
     fail(error.what());
     return SQLITE_ERROR;

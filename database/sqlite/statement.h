@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "database/sql_name.h"
 #include "database/sqlite/sqlite_api.h"
@@ -11,19 +12,41 @@
 
 namespace alidade {
 
-/// The file of a connection, as messages name it.
-inline std::string file_of(sqlite3* database) {
-  const char* const file = sqlite3_db_filename(database, "main");
+/// The file of one of a connection's databases, as messages name it.
+inline std::string file_of(sqlite3* database, const std::string& schema = "main") {
+  const char* const file = sqlite3_db_filename(database, schema.c_str());
   return file == nullptr ? "" : file;
 }
+
+/// An Error for which SQLite has a code.
+class SqliteError : public Error {
+ public:
+  SqliteError(int code, Parts parts) : Error(std::move(parts)), code_(code) {}
+  int code() const { return code_; }
+
+ private:
+  int code_;
+};
+
+/// What a statement may read.
+enum class Readable {
+  everything,
+  /// No virtual tables and no views: the tables of a cloud could be made such that reading them reads the
+  /// cloud again.
+  plain_tables,
+};
 
 /// A prepared statement of SQLite. Parameters and columns are counted as SQLite does: from 1 and from 0.
 /// Errors of all members: SQLite's message, with the name of the database file.
 class Statement {
  public:
-  Statement(sqlite3* database, const std::string& sql) : database_(database) {
+  /// `schema`: the database that it is about, for messages.
+  Statement(sqlite3* database, const std::string& sql, Readable readable = Readable::everything,
+            std::string schema = "main")
+      : database_(database), schema_(std::move(schema)) {
+    const unsigned flags = readable == Readable::plain_tables ? SQLITE_PREPARE_NO_VTAB : 0;
     const int result =
-        sqlite3_prepare_v2(database, sql.c_str(), static_cast<int>(sql.size()), &statement_, nullptr);
+        sqlite3_prepare_v3(database, sql.c_str(), static_cast<int>(sql.size()), flags, &statement_, nullptr);
     if (result != SQLITE_OK) fail();
   }
   ~Statement() { sqlite3_finalize(statement_); }
@@ -56,6 +79,8 @@ class Statement {
   }
   void reset() { sqlite3_reset(statement_); }
 
+  /// SQLITE_INTEGER, SQLITE_FLOAT, SQLITE_TEXT, SQLITE_BLOB or SQLITE_NULL.
+  int type(int column) const { return sqlite3_column_type(statement_, column); }
   bool is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
   std::int64_t whole(int column) const { return sqlite3_column_int64(statement_, column); }
   double number(int column) const { return sqlite3_column_double(statement_, column); }
@@ -76,10 +101,14 @@ class Statement {
     return *this;
   }
   [[noreturn]] void fail() const {
-    throw Error({.file = file_of(database_), .problem = sqlite3_errmsg(database_)});
+    const std::string file = file_of(database_, schema_), message = sqlite3_errmsg(database_);
+    // A cloud's own messages begin with it.
+    throw SqliteError(sqlite3_errcode(database_),
+                      {.file = message.starts_with(file + ":") ? "" : file, .problem = message});
   }
 
   sqlite3* database_;
+  std::string schema_;
   sqlite3_stmt* statement_ = nullptr;
 };
 

@@ -8,6 +8,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <memory>
 #include <utility>
 
@@ -30,13 +34,30 @@ bool exists(sqlite3* database, const std::string& table) {
   return found.bind(1, table).step();
 }
 
+/// Whether a table is the module's, which its tables only show as long as they are whole.
+bool is_cloud(sqlite3* database, const std::string& table) {
+  Statement made(database,
+                 "SELECT 1 FROM main.sqlite_schema WHERE lower(name) = lower(?) AND type = 'table'"
+                 " AND sql LIKE 'CREATE VIRTUAL TABLE % USING pointcloud%'");
+  return made.bind(1, table).step();
+}
+
 /// Errors: there is a table of that name that may not be replaced.
 void check_table(sqlite3* database, const StoreOptions& options) {
   if (!exists(database, options.table)) return;
-  if (options.replace && exists(database, options.table + "_bounds")) return;
+  if (options.replace && is_cloud(database, options.table)) return;
   throw Error({.file = file_of(database),
                .problem = fmt::format("there is a table {} already", options.table),
                .expected = options.replace ? "a cloud to replace" : "another name, or --overwrite"});
+}
+
+/// Also one that cannot be read: SQLite drops what it can open, so it gets something to open.
+void drop_cloud(sqlite3* database, const std::string& table) {
+  drop_cloud_tables(database, k_schema, table);
+  CloudSchema empty;
+  empty.columns = stored_columns(PointCloud());
+  create_cloud_tables(database, k_schema, table, empty);
+  run(database, "DROP TABLE main." + sql_name(table));
 }
 
 /// Points that are under way together.
@@ -76,7 +97,7 @@ void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWrite
 /// Inside a transaction, which ends when it returns, and is undone if it throws.
 void store(sqlite3* database, const PiecewiseCloud& whole, PointStream& points, const StoreOptions& options) {
   check_table(database, options);
-  if (exists(database, options.table)) run(database, "DROP TABLE main." + sql_name(options.table));
+  if (exists(database, options.table)) drop_cloud(database, options.table);
   create_cloud_tables(database, k_schema, options.table,
                       {.lattice = whole.rest.lattice,
                        .point_count = points.size(),
@@ -119,21 +140,44 @@ void store_in(const std::filesystem::path& file, Connection::Mode mode, const Pi
   }
 }
 
-void flush_to_disk(const std::filesystem::path& file) {
-  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+/// Of a file, or a folder.
+void flush_to_disk(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool is_flushed = descriptor >= 0 && ::fsync(descriptor) == 0;
   if (descriptor >= 0) ::close(descriptor);
-  if (!is_flushed) throw Error({.file = file.string(), .problem = "cannot be written to the disk"});
+  if (!is_flushed) throw Error({.file = path.string(), .problem = "cannot be written to the disk"});
+}
+
+/// Gives a whole file its name. Error: there is a file of that name by now.
+void give_name(const std::filesystem::path& beside, const std::filesystem::path& file) {
+  flush_to_disk(beside);
+  if (::renameat2(AT_FDCWD, beside.c_str(), AT_FDCWD, file.c_str(), RENAME_NOREPLACE) != 0) {
+    // File systems without the atomic form: a check and a plain rename.
+    const bool is_known = errno != EINVAL && errno != ENOSYS;
+    if (is_known || std::filesystem::exists(file))
+      throw Error({.file = file.string(), .problem = "cannot be written", .found = std::strerror(errno)});
+    std::filesystem::rename(beside, file);
+  }
+  flush_to_disk(file.has_parent_path() ? file.parent_path() : ".");
+}
+
+void check_name(const std::string& table) {
+  std::string small = table.substr(0, 7);
+  std::ranges::transform(small, small.begin(), [](unsigned char letter) { return std::tolower(letter); });
+  if (table.empty() || table.find('\0') != table.npos || small == "sqlite_") {
+    throw Error({.problem = "no name for a table",
+                 .expected = "one that is not empty and does not begin with sqlite_",
+                 .found = "'" + table + "'"});
+  }
 }
 
 void check(const std::filesystem::path& file, const StoreOptions& options) {
-  constexpr std::uint32_t k_most_chunk_points = 65536;
   if (options.chunk_points < 1 || options.chunk_points > k_most_chunk_points) {
     throw Error({.problem = "bad number of points per chunk",
                  .expected = fmt::format("1 to {}", k_most_chunk_points),
                  .found = std::to_string(options.chunk_points)});
   }
-  if (options.table.empty()) throw Error({.problem = "the table has no name"});
+  check_name(options.table);
   if (std::filesystem::exists(file)) check_table(Connection(file, Connection::Mode::write).get(), options);
 }
 
@@ -153,8 +197,7 @@ void store_stream(const std::filesystem::path& file, const PiecewiseCloud& whole
       file.parent_path() / fmt::format(".{}.part-{}", file.filename().string(), ::getpid());
   try {
     store_in(beside, Connection::Mode::create, whole, points, options);
-    flush_to_disk(beside);
-    std::filesystem::rename(beside, file);
+    give_name(beside, file);
   } catch (...) {
     std::error_code error;
     std::filesystem::remove(beside, error);

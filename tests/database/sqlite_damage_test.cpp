@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Databases that are not what they say: an error that names table and chunk, never a wrong row.
+// Databases that are not what they say: an error that names file, table and chunk.
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
@@ -46,12 +46,6 @@ TEST_F(SqliteDamageTest, short_and_missing_values_are_told) {
   EXPECT_TRUE(contains(missing, "chunk 1") && contains(missing, "values of id")) << missing;
 }
 
-TEST_F(SqliteDamageTest, columns_that_disagree_about_their_blob_are_told) {
-  const std::string error =
-      error_after("UPDATE points_column SET blob = 0, size = 120000, place = 119998 WHERE name = 'red'");
-  EXPECT_TRUE(contains(error, "values of red") && contains(error, "120000 bytes")) << error;
-}
-
 TEST_F(SqliteDamageTest, missing_chunks_are_told) {
   EXPECT_TRUE(contains(error_after("DELETE FROM points_chunk WHERE id = 5"), "chunk 5"));
 }
@@ -71,7 +65,89 @@ TEST_F(SqliteDamageTest, boxes_that_are_missing_or_short_are_told) {
   EXPECT_TRUE(contains(error_after("DELETE FROM points_bounds WHERE id = 1"), "page 1 of level 0"));
   EXPECT_TRUE(
       contains(error_after("UPDATE points_bounds SET boxes = x'' WHERE id = 1 << 32"), "page 0 of level 1"));
-  EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET chunks = 9223372036854775807"), "of its boxes"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET chunks = 900"), "of its boxes"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET chunks = 9223372036854775807"), "counts"));
+}
+
+TEST_F(SqliteDamageTest, columns_of_one_blob_agree_on_its_size) {
+  // The first column that is read decides how long the blob has to be; the next must not read beyond.
+  const std::string error =
+      error_after("UPDATE points_column SET blob = 1, size = 9000, place = 8998 WHERE name = 'green'");
+  EXPECT_TRUE(contains(error, "green") && contains(error, "red")) << error;
+  const std::string of_ids =
+      error_after("UPDATE points_column SET blob = 0, size = 120000, place = 119998 WHERE name = 'red'");
+  EXPECT_TRUE(contains(of_ids, "red") && contains(of_ids, "120000")) << of_ids;
+}
+
+TEST_F(SqliteDamageTest, blobs_are_numbered_without_gaps) {
+  EXPECT_TRUE(
+      contains(error_after("UPDATE points_column SET blob = 1048575 WHERE name = 'gps_time'"), "gps_time"));
+}
+
+TEST_F(SqliteDamageTest, tables_that_are_views_over_the_cloud_are_told) {
+  for (const auto& [table, column] :
+       {std::pair("chunk", "positions"), {"bounds", "boxes"}, {"value", "data"}}) {
+    const std::string name = std::string("points_") + table;
+    std::filesystem::remove(file_);
+    store_cloud(file_, site(100));
+    {
+      const Connection database(file_, Connection::Mode::write);
+      run(database.get(), "ALTER TABLE " + name + " RENAME TO old");
+      run(database.get(),
+          "CREATE VIEW " + name + " AS SELECT id, 1 AS points, x AS " + column + " FROM points");
+    }
+    const Connection database(file_, Connection::Mode::read);
+    EXPECT_TRUE(contains(error_of(database, "SELECT red FROM points"), "no such table")) << table;
+  }
+}
+
+TEST_F(SqliteDamageTest, numbers_of_another_kind_are_told) {
+  EXPECT_TRUE(contains(error_after("UPDATE points_column SET scale = NULL WHERE name = 'red'"), "red"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_column SET \"offset\" = 9e999 WHERE name = 'red'"), "red"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_column SET name = NULL WHERE name = 'red'"), "name"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_column SET name = 'x' WHERE name = 'red'"),
+                       "duplicate column name: x"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET points = 9223372036854775807"), "points"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET points = 'many'"), "points"));
+}
+
+TEST_F(SqliteDamageTest, boxes_that_do_not_hold_their_points_are_told) {
+  const std::string size = "(SELECT length(boxes) FROM points_bounds WHERE id = 0)";
+  EXPECT_TRUE(contains(error_after("UPDATE points_bounds SET boxes = zeroblob(" + size + ") WHERE id = 0"),
+                       "page 0 of level 0"));
+  const std::string no_number = "x'000000000000f87f'";
+  EXPECT_TRUE(contains(error_after("UPDATE points_bounds SET boxes = CAST(" + no_number +
+                                   " || substr(boxes, 9) AS BLOB) WHERE id = 0"),
+                       "page 0 of level 0"));
+  // The box of chunk 0 becomes that of chunk 1.
+  EXPECT_TRUE(contains(error_after("UPDATE points_bounds SET boxes = CAST(substr(boxes, 49, 48) || "
+                                   "substr(boxes, 49) AS BLOB) WHERE id = 0"),
+                       "chunk 0"));
+}
+
+TEST_F(SqliteDamageTest, errors_name_the_file_and_have_sqlites_code) {
+  store_cloud(file_, site(100), {.chunk_points = 10});
+  const std::filesystem::path other = folder_ / "other.db";
+  store_cloud(other, site(100), {.chunk_points = 10});
+  const Connection database(other, Connection::Mode::write);
+  run(database.get(), "DELETE FROM points_chunk WHERE id = 5");
+  const Connection both(file_, Connection::Mode::write);
+  run(both.get(), "ATTACH '" + other.string() + "' AS other");
+  const std::string error = error_of(both, "SELECT id FROM other.points");
+  EXPECT_TRUE(contains(error, "other.db") && contains(error, "chunk 5")) << error;
+  EXPECT_EQ(sqlite3_errcode(both.get()), SQLITE_CORRUPT);
+  run(database.get(), "DROP TABLE points_value");
+  EXPECT_TRUE(contains(error_of(both, "SELECT id FROM other.points"), "other.db"));
+}
+
+TEST_F(SqliteDamageTest, a_cloud_that_cannot_be_read_can_be_replaced) {
+  for (const char* const change :
+       {"UPDATE points_cloud SET version = 2", "DROP TABLE points_column", "DROP TABLE points_bounds"}) {
+    EXPECT_NE(error_after(change), "");
+    store_cloud(file_, site(10), {.replace = true});
+    const Connection database(file_, Connection::Mode::read);
+    EXPECT_EQ(numbers(database, "SELECT count(*) FROM points"), std::vector<double>{10}) << change;
+  }
 }
 
 TEST_F(SqliteDamageTest, truncated_files_are_told) {

@@ -4,6 +4,7 @@
 
 #include <climits>
 #include <fstream>
+#include <thread>
 
 #include "database/sqlite/cloud_schema.h"
 #include "database/stored_column.h"
@@ -52,6 +53,96 @@ TEST_F(StoreCloudTest, a_table_is_replaced_only_when_that_is_wanted) {
   EXPECT_EQ(numbers(database, "SELECT count(*) FROM points"), std::vector<double>{100});
   run(database.get(), "DROP TABLE points");
   EXPECT_EQ(rows(database, "SELECT name FROM sqlite_schema"), std::vector<std::string>{"mine"});
+}
+
+TEST_F(StoreCloudTest, what_is_replaced_is_a_cloud_by_more_than_its_name) {
+  store_cloud(file_, site(10), {.table = "other"});
+  {
+    const Connection database(file_, Connection::Mode::write);
+    run(database.get(), "CREATE TABLE points(mine)");
+    run(database.get(), "CREATE TABLE points_bounds(mine)");
+  }
+  EXPECT_NE(error_of_storing({.replace = true}).find("a cloud to replace"), std::string::npos);
+  EXPECT_NE(error_of_storing({.table = std::string("a\0b", 3)}).find("name"), std::string::npos);
+  EXPECT_NE(error_of_storing({.table = "SQLite_points"}).find("name"), std::string::npos);
+}
+
+TEST_F(StoreCloudTest, a_cloud_can_be_renamed) {
+  store_cloud(file_, site(50));
+  const Connection database(file_, Connection::Mode::write);
+  run(database.get(), "ALTER TABLE points RENAME TO \"my \"\"points\"");
+  EXPECT_EQ(numbers(database, "SELECT sum(red) FROM \"my \"\"points\""), std::vector<double>{49 * 25});
+  run(database.get(), "BEGIN");
+  run(database.get(), "ALTER TABLE \"my \"\"points\" RENAME TO mine");
+  run(database.get(), "ROLLBACK");
+  EXPECT_EQ(numbers(database, "SELECT sum(red) FROM \"my \"\"points\""), std::vector<double>{49 * 25});
+  run(database.get(), "ALTER TABLE \"my \"\"points\" RENAME TO mine");
+  run(database.get(), "DROP TABLE mine");
+  EXPECT_EQ(rows(database, "SELECT name FROM sqlite_schema"), std::vector<std::string>());
+}
+
+TEST_F(StoreCloudTest, storing_waits_for_readers) {
+  store_cloud(file_, site(50));
+  const Connection reader(file_, Connection::Mode::read);
+  std::optional<Statement> reading(std::in_place, reader.get(), "SELECT id FROM points");
+  ASSERT_TRUE(reading->step());
+  std::jthread ends([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    reading.reset();
+  });
+  EXPECT_EQ(error_of_storing({.table = "more"}), "");
+}
+
+TEST_F(StoreCloudTest, only_clouds_that_are_made_are_tables) {
+  store_cloud(file_, site(50), {.table = "pointcloud_"});
+  store_cloud(file_, site(50), {.table = "points"});
+  const Connection database(file_, Connection::Mode::write);
+  EXPECT_NE(error_of(database, "SELECT * FROM pointcloud").find("no such table: pointcloud"),
+            std::string::npos);
+}
+
+TEST_F(StoreCloudTest, views_over_clouds_are_no_risk) {
+  store_cloud(file_, site(50));
+  const Connection database(file_, Connection::Mode::write);
+  run(database.get(), "CREATE VIEW reds AS SELECT red FROM points");
+  run(database.get(), "PRAGMA trusted_schema = OFF");
+  EXPECT_EQ(numbers(database, "SELECT sum(red) FROM reds"), std::vector<double>{49 * 25});
+}
+
+TEST_F(StoreCloudTest, marks_for_no_value_are_compared_as_they_are) {
+  PointCloud cloud = site(8);
+  const auto add = [&]<class Value>(const char* name, ScalarType type, auto mark,
+                                    const std::vector<Value>& values) {
+    ExtraDimension& dimension = cloud.extra_dimensions.emplace_back();
+    dimension.name = name;
+    dimension.type = type;
+    dimension.byte_count = sizeof(Value);
+    dimension.no_data.emplace();
+    std::memcpy(dimension.no_data->data(), &mark, sizeof mark);
+    dimension.values.resize(sizeof(Value) * values.size());
+    std::memcpy(dimension.values.data(), values.data(), dimension.values.size());
+  };
+  const std::uint64_t most = UINT64_MAX;
+  const std::int64_t greatest = INT64_MAX;
+  add("u", ScalarType::uint64, most,
+      std::vector<std::uint64_t>{most, most - 1, most - 2, most - 3, 1, 2, 3, 4});
+  add("i", ScalarType::int64, greatest,
+      std::vector<std::int64_t>{greatest, greatest - 1, greatest - 2, -1, 1, 2, 3, 4});
+  add("f", ScalarType::float32, -9999.9, std::vector<float>{-9999.9f, 1, 2, 3, 4, 5, 6, 7});
+  add("d", ScalarType::float64, -9999.9, std::vector<double>{-9999.9, -9999.900390625, 2, 3, 4, 5, 6, 7});
+  ExtraDimension& odd = cloud.extra_dimensions.emplace_back();
+  odd.name = "odd";
+  odd.type = ScalarType::uint8;
+  odd.byte_count = 1;
+  odd.values.assign(8, 3);
+  odd.has_scale = odd.has_offset = true;
+  odd.scale = std::numeric_limits<double>::quiet_NaN();
+  store_cloud(file_, cloud);
+  const Connection database(file_, Connection::Mode::read);
+  for (const char* const name : {"u", "i", "f", "d"})
+    EXPECT_EQ(numbers(database, fmt::format("SELECT count({}) FROM points", name)), std::vector<double>{7})
+        << name;
+  EXPECT_EQ(numbers(database, "SELECT sum(odd) FROM points"), std::vector<double>{24}) << "no scale is none";
 }
 
 TEST_F(StoreCloudTest, stopping_leaves_no_file_and_no_table) {
