@@ -24,6 +24,10 @@ const CloudDatabase* find_database_named(const std::string& name);
 /// The one whose file begins so; null if there is none.
 const CloudDatabase* find_database_begun_by(const std::string& bytes);
 
+/// Whether the cloud of that name lies in a database, whose first bytes are looked at if it is a file that is
+/// there.
+bool lies_in_database(const std::filesystem::path& name);
+
 /// The file of that name, or what stands for a cloud of that name in a database: open_cloud() knows it again.
 /// Errors: InputFile's.
 InputFile cloud_input(const std::filesystem::path& name);

@@ -43,6 +43,32 @@ TEST_F(DatabaseCloudTest, answers_and_pictures_are_those_of_the_file) {
   EXPECT_TRUE(contains(done({"info", "yard.db"}), "20000"));
 }
 
+/// Few chunks are read, and answers are those of the file, by the numbers of its points.
+TEST_F(DatabaseCloudTest, queries_read_the_chunks_they_need) {
+  write("rays.csv",
+        "ox,oy,oz,dx,dy,dz,t_min,t_max\n690000,5325000,650,0.01,0,-1,0,60\n"
+        "689960,5325010,602,1,0.2,0,-inf,inf\n690000,5325000,650,0,0,1,0,inf\n");
+  const std::vector<Words> questions = {
+      {"--rays", "rays.csv", "--radius", "0.8"},
+      {"--rays", "rays.csv", "--radius", "0.8", "--k", "3", "--measure", "distance", "--class", "2,6"},
+      {"--rays", "rays.csv", "--radius", "0.8", "--count"},
+      {"--cone", "690000,5325000,650,0,0,-1,1"},
+      {"--box", "690000,5325000,600,690002,5325003,603"},
+      {"--plane", "690000,5324950,602,0,-1,0"},
+      {"--point", "690001,5325001,601", "--radius", "2", "--k", "4"},
+      {"--point", "690001,5325001,601", "--k", "4"}};
+  for (const Words& question : questions) {
+    const std::string file = done(with({"query", "yard.las", "-q"}, question));
+    EXPECT_GT(std::ranges::count(file, '\n'), 2) << question[1];
+    EXPECT_EQ(done(with({"query", "yard.db", "-q"}, question)), file) << question[1];
+  }
+  const ProgramResult explained = run(with({"query", "yard.db", "--explain"}, questions[0]));
+  EXPECT_TRUE(contains(explained.err, "chunks read")) << explained.err;
+  EXPECT_EQ(run(with({"query", "yard.db", "-o", "a.las"}, questions[0])).exit_code, 0);
+  EXPECT_EQ(run(with({"query", "yard.las", "-o", "b.las"}, questions[0])).exit_code, 0);
+  EXPECT_EQ(done({"info", "a.las", "--json"}).substr(60), done({"info", "b.las", "--json"}).substr(60));
+}
+
 TEST_F(DatabaseCloudTest, what_is_no_cloud_is_told) {
   for (const char* const name : {"yard.db?table=other", "no.db?table=points", "yard.las?table=points"}) {
     const ProgramResult result = run({"info", name});

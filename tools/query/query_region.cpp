@@ -15,17 +15,16 @@ namespace {
 constexpr std::uint64_t k_most_targets = 1'000'000;
 constexpr std::size_t k_batch = 4096;
 
-/// Whether targets can be looked through before they are asked.
-bool can_be_read_twice(const GivenTargets& given) {
-  std::error_code error;
-  return given.text.empty() || std::filesystem::is_regular_file(given.text, error);
-}
-
 bool contains(const Bounds& outer, const Bounds& inner) {
   return outer.contains(inner.min) && outer.contains(inner.max);
 }
 
 }  // namespace
+
+bool can_be_read_twice(const GivenTargets& given) {
+  std::error_code error;
+  return given.text.empty() || std::filesystem::is_regular_file(given.text, error);
+}
 
 template <class Target>
 std::optional<Bounds> query_region(const QueryCommand& command, TargetFamily family, AnswerForm form) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "octree/bounds.h"
-#include "octree/cloud/row_ids.h"
 #include "tools/query/answer_row.h"
 #include "tools/query/query_options.h"
 
@@ -25,10 +25,15 @@ extern template std::optional<Bounds> query_region<HalfSpaces>(const QueryComman
 extern template std::optional<Bounds> query_region<Bounds>(const QueryCommand&, TargetFamily, AnswerForm);
 extern template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, TargetFamily, AnswerForm);
 
-/// Answers whose points are numbered as if all files had been read.
+/// Whether targets can be looked through before they are asked.
+bool can_be_read_twice(const GivenTargets& given);
+
+/// Answers whose points are numbered in another way, in the same order.
 class RenumberedAnswers final : public AnswerOutput {
  public:
-  RenumberedAnswers(std::unique_ptr<AnswerOutput> output, RowIds ids)
+  using Ids = std::function<std::uint64_t(std::uint64_t row)>;
+
+  RenumberedAnswers(std::unique_ptr<AnswerOutput> output, Ids ids)
       : output_(std::move(output)), ids_(std::move(ids)) {}
 
   void write(const AnswerRows& rows) override;
@@ -36,7 +41,7 @@ class RenumberedAnswers final : public AnswerOutput {
 
  private:
   std::unique_ptr<AnswerOutput> output_;
-  RowIds ids_;
+  Ids ids_;
 };
 
 }  // namespace alidade

@@ -8,6 +8,7 @@
 #include <chrono>
 
 #include "octree/check_query.h"
+#include "octree/cloud/row_ids.h"
 #include "octree/indexed_cloud.h"
 #include "tools/message.h"
 #include "tools/progress.h"
@@ -19,6 +20,7 @@
 #include "tools/query/copc_asker.h"
 #include "tools/query/copc_source.h"
 #include "tools/query/explain_table.h"
+#include "tools/query/query_part.h"
 #include "tools/query/query_region.h"
 #include "tools/query/target_reader.h"
 
@@ -58,6 +60,22 @@ typename Family<Target>::Query conditions(const QueryCommand& command) {
   return query;
 }
 
+AttributeSet needed_attributes(const QueryCommand& command, bool all) {
+  if (all) return AttributeSet::all();
+  return command.classes ? AttributeSet(Attribute::classification) : AttributeSet();
+}
+
+[[noreturn]] void refuse_classes(const QueryCommand& command) {
+  throw Error(
+      {.file = command.files.front().string(), .problem = "points have no classification for --class"});
+}
+
+/// A cloud, all or some of whose points have been loaded.
+struct QueriedCloud {
+  IndexedCloud indexed;
+  std::optional<CloudPart> part{};  ///< of a database; its cloud has been moved from
+};
+
 IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::optional<Bounds>& region) {
   const Verbosity verbosity = command.verbosity.verbosity();
   ProgressLine line("loading cloud", "B", verbosity);
@@ -65,9 +83,7 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
   options.read.progress = line.callback();
   options.read.partial = command.partial;
   options.read.region = region;
-  options.read.attributes = all_attributes    ? AttributeSet::all()
-                            : command.classes ? AttributeSet(Attribute::classification)
-                                              : AttributeSet();
+  options.read.attributes = needed_attributes(command, all_attributes);
   if (command.max_level) options.build.organisation = Organisation::layered;
   IndexedCloud cloud = load_indexed_cloud(command.files, options);
   line.finish();
@@ -87,6 +103,25 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
   return cloud;
 }
 
+/// Of a cloud in a database, what the targets need.
+template <class Target>
+QueriedCloud load_needed(const QueryCommand& command, TargetFamily family, AnswerForm form) {
+  const bool all_attributes = form == AnswerForm::las;
+  ProgressLine line("loading chunks", "chunks", command.verbosity.verbosity());
+  QueriedCloud cloud;
+  cloud.part =
+      read_query_part<Target>(command, family, needed_attributes(command, all_attributes), line.callback());
+  if (!cloud.part) {
+    cloud.indexed = load(command, all_attributes, query_region<Target>(command, family, form));
+    return cloud;
+  }
+  line.finish();
+  if (command.classes && !cloud.part->attributes.contains(Attribute::classification)) refuse_classes(command);
+  cloud.indexed.cloud = std::move(cloud.part->cloud);
+  cloud.indexed.octree = build(std::move(cloud.indexed.cloud));
+  return cloud;
+}
+
 /// Admits points of the chosen classes. `cloud` must outlive it.
 CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cloud) {
   if (!command.classes || cloud.octree.size() == 0) return {};
@@ -95,8 +130,7 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
     // Files with classes make those of files without 0, even if nothing of them was read.
     if (RowIds(cloud.cloud.files).skipped_files() > 0)
       return [is_wanted = command.classes->test(0)](const Candidate&) { return is_wanted; };
-    throw Error(
-        {.file = command.files.front().string(), .problem = "points have no classification for --class"});
+    refuse_classes(command);
   }
   return [classes = *command.classes, classifications](const Candidate& point) {
     return classes.test(classifications[point.point_id]);
@@ -115,10 +149,10 @@ std::unique_ptr<AnswerOutput> open_las(const QueryCommand& command, const Indexe
   return las;
 }
 
-/// `files`: those of the cloud, of which some may have been skipped.
+/// `ids` tells the numbers of points, if they are not their rows.
 template <class Target>
 std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm form,
-                                        std::span<const CloudFile> files) {
+                                        RenumberedAnswers::Ids ids = {}) {
   auto columns = command.occluded ? number_columns<Target>("occluded")
                  : command.count  ? number_columns<Target>("count")
                                   : answer_columns<Target>();
@@ -126,9 +160,15 @@ std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm 
   if (!command.output.empty()) file = std::make_unique<OutputFile>(command.output, command.overwrite);
   auto text = std::make_unique<AnswerText>(
       std::move(columns), form == AnswerForm::csv ? TextForm::csv : TextForm::json_lines, std::move(file));
-  RowIds ids(files);
-  if (ids.skipped_files() == 0 || only_numbers(command)) return text;
+  if (!ids || only_numbers(command)) return text;
   return std::make_unique<RenumberedAnswers>(std::move(text), std::move(ids));
+}
+
+/// The numbers that points have in the whole cloud; empty if they are the rows. The cloud must outlive them.
+RenumberedAnswers::Ids ids_of(const QueriedCloud& cloud) {
+  if (cloud.part) return [&ids = cloud.part->ids](std::uint64_t row) { return ids[row]; };
+  RowIds ids(cloud.indexed.cloud.files);
+  return ids.skipped_files() == 0 ? RenumberedAnswers::Ids() : RenumberedAnswers::Ids(std::move(ids));
 }
 
 /// Writes the answers of a batch, in the order of the targets; tells how many there were. No more than
@@ -235,7 +275,7 @@ ExitCode run_query(const QueryCommand& command, TargetFamily family) {
     if (!command.verbosity.quiet) {
       for (const std::string& warning : source.file->warnings()) say_warning(warning);
     }
-    const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form, {});
+    const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form);
     CopcAsker<Target> asker(*source.cache, query);
     table = run_targets(reader, asker, command, *output);
     table += copc_table(*source.cache);
@@ -244,14 +284,15 @@ ExitCode run_query(const QueryCommand& command, TargetFamily family) {
       throw Error({.problem = "--memory limits nothing here",
                    .expected = "a COPC file as the only cloud, asked where it lies"});
     }
-    const IndexedCloud cloud =
-        load(command, form == AnswerForm::las, query_region<Target>(command, family, form));
+    const QueriedCloud queried = load_needed<Target>(command, family, form);
+    const IndexedCloud& cloud = queried.indexed;
     query.filter = class_filter(command, cloud);
     const std::unique_ptr<AnswerOutput> output = form == AnswerForm::las
                                                      ? open_las<Target>(command, cloud)
-                                                     : open_text<Target>(command, form, cloud.cloud.files);
+                                                     : open_text<Target>(command, form, ids_of(queried));
     Asker<Target> asker(cloud.octree, query, command.explain);
     table = run_targets(reader, asker, command, *output);
+    if (queried.part) table += part_table(*queried.part);
   }
   if (command.explain) write_to_stderr(table);
   return ExitCode::done;

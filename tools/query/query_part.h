@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <optional>
+
+#include "database/cloud_part.h"
+#include "octree/progress.h"
+#include "tools/query/query_options.h"
+
+namespace alidade {
+
+/// Whether the only cloud lies in a database that can be asked for a part of it.
+bool lies_in_asked_database(const QueryCommand& command);
+
+/// What answers can come from of a cloud that lies in a database, from a first look through the targets;
+/// empty if that is all of it, or cannot be known: without a radius, for targets that come through a pipe,
+/// and for levels. Errors: those of targets, and of the database.
+template <class Target>
+std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
+                                         AttributeSet attributes, const Progress& progress);
+
+extern template std::optional<CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                              const Progress&);
+extern template std::optional<CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily,
+                                                               AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily,
+                                                               AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<HalfSpaces>(const QueryCommand&, TargetFamily,
+                                                                     AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily,
+                                                                 AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily,
+                                                                     AttributeSet, const Progress&);
+
+/// What --explain adds for such a part.
+std::string part_table(const CloudPart& part);
+
+}  // namespace alidade
