@@ -30,9 +30,8 @@ void ChunkStore::refuse(std::uint64_t chunk, std::string problem, std::string ex
                                           .found = std::move(found)});
 }
 
-std::vector<ChunkPlace> ChunkStore::chunks(const PointFilter& filter, const PointFilter& other,
-                                           std::optional<std::uint64_t> only) {
-  const auto wanted = [&](const Bounds& box) { return may_hold(filter, box) && may_hold(other, box); };
+std::vector<ChunkPlace> ChunkStore::chunks(const PointFilter& filter, std::optional<std::uint64_t> only) {
+  const auto wanted = [&](const Bounds& box) { return may_hold(filter, box); };
   if (!only) return boxes_.chunks(wanted);
   const std::optional<ChunkPlace> place = boxes_.chunk(*only);
   return place && wanted(place->box) ? std::vector{*place} : std::vector<ChunkPlace>();

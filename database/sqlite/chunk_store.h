@@ -30,10 +30,9 @@ class ChunkStore {
   ChunkStore(sqlite3* database, const std::string& schema, const std::string& table,
              const CloudSchema& cloud);
 
-  /// Chunks that may have points for which the one filter holds and points for which the other does, by id;
-  /// of all, or the only one to look at. Cost: as BoxTree's.
-  std::vector<ChunkPlace> chunks(const PointFilter& filter, const PointFilter& other,
-                                 std::optional<std::uint64_t> only);
+  /// Chunks that may have points for which the filter holds, by id; of all, or the only one to look at. Cost:
+  /// as BoxTree's.
+  std::vector<ChunkPlace> chunks(const PointFilter& filter, std::optional<std::uint64_t> only = std::nullopt);
 
   std::shared_ptr<StoredChunk> read(const ChunkPlace& place);
 

@@ -14,7 +14,7 @@ Connection::Connection(const std::filesystem::path& file, Mode mode) {
   try {
     // Names such as ":memory:" are those of files here.
     const std::filesystem::path path = file.is_absolute() ? file : "." / file;
-    int result = sqlite3_open_v2(path.c_str(), &database_, flags, nullptr);
+    int result = sqlite3_open_v2(path.c_str(), &database_, flags | SQLITE_OPEN_NOMUTEX, nullptr);
     if (result == SQLITE_OK) result = add_functions(database_);
     if (result == SQLITE_OK) result = add_cloud_table(database_, &reads_);
     if (result != SQLITE_OK) {

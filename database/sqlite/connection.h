@@ -8,7 +8,8 @@
 
 namespace alidade {
 
-/// A connection to an SQLite file with the functions and the table module of Alidade.
+/// A connection to an SQLite file with the functions and the table module of Alidade. For one thread at a
+/// time.
 class Connection {
  public:
   enum class Mode { read, write, create };

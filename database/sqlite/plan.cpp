@@ -246,7 +246,7 @@ std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value*
   // Where one of them is an error, the rows for which it is one must be met.
   if (std::ranges::none_of(limits,
                            [](const auto& limit) { return limit.kind == DistanceLimit::Kind::none; })) {
-    for (const DistanceLimit& limit : limits) add(limit, scan.chunks);
+    for (const DistanceLimit& limit : limits) add(limit, filter);
   }
   return scan;
 }

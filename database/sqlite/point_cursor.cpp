@@ -9,7 +9,7 @@ namespace alidade {
 
 PointCursor::PointCursor(ChunkStore& store, const CloudSchema& cloud, ScanFilter filter, RowOrder order)
     : store_(store), cloud_(cloud), filter_(std::move(filter.points)), order_(order) {
-  for (const ChunkPlace& place : store_.chunks(filter_, filter.chunks, filter.only_chunk)) {
+  for (const ChunkPlace& place : store_.chunks(filter_, filter.only_chunk)) {
     double least = 0.0;
     if (order_ != RowOrder::stored) {
       const RayReach reach = project(filter_.lines.front().ray, place.box);

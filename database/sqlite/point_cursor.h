@@ -23,8 +23,6 @@ enum class RowOrder {
 /// What a scan gives.
 struct ScanFilter {
   PointFilter points{};  ///< the points for which it holds
-  /// Of the chunks that may hold such: those that may hold one for which this holds, all their points.
-  PointFilter chunks{};
   std::optional<std::uint64_t> only_chunk{};
 };
 

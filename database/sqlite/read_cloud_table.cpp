@@ -63,7 +63,7 @@ void SqliteCloudReader::take_rows(PointCloud& cloud, AttributeSet kept, const Ro
   std::vector<bool> is_there(rows.count);
   std::uint64_t points = 0;
   std::size_t taken = 0;
-  for (const ChunkPlace& place : store.chunks({}, {}, std::nullopt)) {
+  for (const ChunkPlace& place : store.chunks({})) {
     const std::uint64_t id = place.id;
     const std::shared_ptr<StoredChunk> chunk = store.read(place);
     for (std::size_t i = 0; i < chunk->positions.size(); ++i) {

@@ -92,9 +92,10 @@ TEST_F(CloudTableTest, conditions_on_chunks_change_no_answer) {
     const std::string plain = "dist_ray(" + text + ", x, y, z) <= 1.5";
     const std::string pruned = "in_chunk(_chunk, ray_limit(" + text + ", -1e999, 1.5))";
     EXPECT_EQ(ids("points WHERE " + plain + " AND " + pruned), ids("points WHERE " + plain));
-    // Alone it gives all points of the chunks that it leaves.
-    EXPECT_EQ(ids("points WHERE " + pruned),
-              ids("points WHERE _chunk IN (SELECT _chunk FROM points WHERE " + pruned + ")"));
+    // Alone it leaves out none within the limit, and many of the others.
+    const std::vector<double> within = ids("points WHERE " + plain), alone = ids("points WHERE " + pruned);
+    EXPECT_TRUE(std::ranges::includes(alone, within));
+    EXPECT_LT(alone.size(), cloud_.size() / 2);
     const std::string slab = "dist_plane(" + text + ", x, y, z) BETWEEN -2 AND 3";
     EXPECT_EQ(ids("points WHERE " + slab + " AND in_chunk(_chunk, plane_limit(" + text + ", -2, 3))"),
               ids("points WHERE " + slab));
