@@ -15,6 +15,7 @@ from pathlib import Path
 import laz_tables
 import query_tables
 import ray_tables
+import sql_tables
 from bench_results import Results
 
 FIRST_LINE = "## Ray queries"
@@ -100,6 +101,8 @@ def main():
         "identical": query_tables.identical_table(results),
         "laz": laz_tables.codec_table(results),
         "laz_files": laz_tables.files_table(results),
+        "sql_load": sql_tables.load_table(results),
+        "sql": sql_tables.queries_table(results),
     }
     template = (repository / "tests/bench/page.md").read_text()
     page = re.sub(r"\{(\w+)\}", lambda match: parts[match.group(1)], template)
