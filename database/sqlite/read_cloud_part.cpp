@@ -15,7 +15,7 @@ namespace {
 std::vector<ChunkPlace> wanted_chunks(ChunkStore& store, std::span<const PointFilter> any_of) {
   std::vector<ChunkPlace> chunks;
   for (const PointFilter& filter : any_of)
-    std::ranges::move(store.chunks(filter, {}, std::nullopt), std::back_inserter(chunks));
+    std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
   std::ranges::sort(chunks, {}, &ChunkPlace::id);
   const auto twice = std::ranges::unique(chunks, {}, &ChunkPlace::id);
   chunks.erase(twice.begin(), twice.end());
