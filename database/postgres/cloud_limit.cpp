@@ -71,8 +71,8 @@ Bounds box_of(const glm::dvec3& point) {
 }
 
 bool may_hold(const CloudLimit& limit, const Bounds& box) {
-  if (!is_finite(box)) return true;
-  // Distances that are not numbers come only of sums that overflow, where a PointFilter rules nothing out.
+  // Distances that are not numbers come only of infinite ends and sums that overflow, where a PointFilter
+  // rules nothing out.
   const auto end = [](double value) { return std::isnan(value) ? k_infinity : value; };
   const Interval limits{end(limit.least), end(limit.largest)};
   const CloudLine& line = limit.line;

@@ -21,8 +21,7 @@ CloudLimit make_limit(DistanceKind kind, const CloudLine& line, Comparison compa
 /// Whether a point keeps it.
 bool holds(const CloudLimit& limit, const glm::dvec3& point);
 
-/// False only if no point of the box keeps it. A box with a face that is not finite may hold anything, also
-/// points that have no place.
+/// False only if no point of the box keeps it. A box without limits holds points without a place, too.
 bool may_hold(const CloudLimit& limit, const Bounds& box);
 
 /// False only if all points of the box keep it.

@@ -180,7 +180,7 @@ ALIDADE_SQL_FUNCTION(alidade_limit_out) {
   return text_of(limit.kind == DistanceKind::ray ? "ray" : "plane", numbers_of(limit));
 }
 ALIDADE_SQL_FUNCTION(alidade_limit_receive) {
-  const StringInfo message = message_in(fcinfo);
+  StringInfoData* const message = message_in(fcinfo);
   const auto kind = static_cast<DistanceKind>(pq_getmsgbyte(message));
   if (kind != DistanceKind::ray && kind != DistanceKind::plane)
     ereport(ERROR, (errcode(ERRCODE_INVALID_BINARY_REPRESENTATION),

@@ -120,16 +120,23 @@ TEST(CloudLimit, no_box_is_pruned_that_has_a_match) {
   EXPECT_GT(wholly, 10000);
 }
 
-TEST(CloudLimit, boxes_of_points_without_a_place_are_never_pruned) {
-  const CloudLine line = make_line(DistanceKind::ray, {0, 0, 0}, {1, 0, 0});
-  for (const double odd : {k_nan, k_infinity, -k_infinity}) {
-    Bounds box = box_of({1, 2, 3});
-    box.grow(box_of({1, odd, 3}));
-    for (const Comparison comparison : k_comparisons) {
-      EXPECT_TRUE(may_hold(make_limit(DistanceKind::ray, line, comparison, 1), box));
-      EXPECT_TRUE(may_break(make_limit(DistanceKind::ray, line, comparison, 1), box));
-    }
+TEST(CloudLimit, boxes_with_points_without_a_place_are_not_pruned_if_these_match) {
+  test::Random random;
+  const double odd[] = {k_nan, k_infinity, -k_infinity, k_huge, 1e154, 0.0};
+  const double bounds[] = {k_nan, k_infinity, -k_infinity, 0.0, 1.0, -1.0, k_huge};
+  int kept = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const DistanceKind kind = random.below(2) ? DistanceKind::ray : DistanceKind::plane;
+    const CloudLine line = make_line(kind, place(random), direction(random));
+    const glm::dvec3 point(odd[random.below(6)], odd[random.below(6)], odd[random.below(6)]);
+    Bounds box = box_of(point);
+    if (random.below(2)) box.grow(box_of(place(random)));
+    const CloudLimit limit = make_limit(kind, line, k_comparisons[random.below(5)], bounds[random.below(7)]);
+    ASSERT_TRUE(!holds(limit, point) || may_hold(limit, box)) << i;
+    ASSERT_TRUE(holds(limit, point) || may_break(limit, box)) << i;
+    kept += holds(limit, point);
   }
+  EXPECT_GT(kept, 10000);
 }
 
 TEST(CloudLimit, lines_that_are_none_are_refused) {
@@ -177,6 +184,7 @@ TEST(MortonOrder, is_one_also_for_odd_places) {
 TEST(EstimatedShare, is_near_the_share_of_all_points) {
   test::Random random;
   std::vector<glm::dvec3> points;
+  points.reserve(100000);
   for (int i = 0; i < 100000; ++i) points.push_back(100.0 * random.in_cube());
   for (const DistanceKind kind : {DistanceKind::ray, DistanceKind::plane}) {
     const CloudLine line = make_line(kind, {0, 0, 0}, {1, 0.5, 0.25});
