@@ -39,7 +39,9 @@ std::string cut(const std::string& name, std::size_t most) {
 class Names {
  public:
   std::string free_name(const std::string& wanted) {
-    const std::string plain = wanted.empty() ? "unnamed" : cut(wanted, k_most_bytes);
+    // SQL ends names at a byte of 0.
+    const std::string given = wanted.substr(0, wanted.find('\0'));
+    const std::string plain = given.empty() ? "unnamed" : cut(given, k_most_bytes);
     std::string name = plain;
     for (int number = 2; !taken_.insert(small(name)).second; ++number) {
       const std::string end = fmt::format("_{}", number);

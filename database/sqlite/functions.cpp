@@ -8,22 +8,33 @@
 namespace alidade {
 namespace {
 
-/// Wraps what computes an answer as a function of SQL.
-template <void (*answer)(sqlite3_context*, std::span<sqlite3_value* const>)>
+// As template arguments they need a place of their own.
+constexpr char k_dist_ray[] = "dist_ray";
+constexpr char k_dist_plane[] = "dist_plane";
+constexpr char k_ray_limit[] = "ray_limit";
+constexpr char k_plane_limit[] = "plane_limit";
+constexpr char k_try_ray_limit[] = "try_ray_limit";
+constexpr char k_try_plane_limit[] = "try_plane_limit";
+
+/// Wraps what computes an answer as a function of SQL, whose name its errors begin with.
+template <void (*answer)(sqlite3_context*, std::span<sqlite3_value* const>), const char* name>
 void call(sqlite3_context* context, int count, sqlite3_value** values) {
   const int result = guarded(
       [&] {
         answer(context, std::span(values, static_cast<std::size_t>(count)));
         return SQLITE_OK;
       },
-      [&](const char* message) { sqlite3_result_error(context, message, -1); });
+      [&](const std::string& message) {
+        const std::string text = message.starts_with(name) ? message : std::string(name) + ": " + message;
+        sqlite3_result_error(context, text.c_str(), -1);
+      });
   if (result == SQLITE_NOMEM) sqlite3_result_error_nomem(context);
 }
 
 using Values = std::span<sqlite3_value* const>;
 
 void dist_ray(sqlite3_context* context, Values values) {
-  const auto n = numbers<9>(values, "dist_ray");
+  const auto n = numbers<9>(values, k_dist_ray);
   if (!n) return;
   const auto& [ox, oy, oz, dx, dy, dz, x, y, z] = *n;
   const Ray ray = make_ray({ox, oy, oz}, {dx, dy, dz});
@@ -31,7 +42,7 @@ void dist_ray(sqlite3_context* context, Values values) {
 }
 
 void dist_plane(sqlite3_context* context, Values values) {
-  const auto n = numbers<9>(values, "dist_plane");
+  const auto n = numbers<9>(values, k_dist_plane);
   if (!n) return;
   const auto& [px, py, pz, nx, ny, nz, x, y, z] = *n;
   const Plane plane = make_plane({px, py, pz}, {nx, ny, nz});
@@ -53,11 +64,11 @@ void limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind, co
 }
 
 void ray_limit(sqlite3_context* context, Values values) {
-  limit(context, values, DistanceLimit::Kind::ray, "ray_limit");
+  limit(context, values, DistanceLimit::Kind::ray, k_ray_limit);
 }
 
 void plane_limit(sqlite3_context* context, Values values) {
-  limit(context, values, DistanceLimit::Kind::plane, "plane_limit");
+  limit(context, values, DistanceLimit::Kind::plane, k_plane_limit);
 }
 
 void try_limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind) {
@@ -88,12 +99,12 @@ int add_functions(sqlite3* database) {
     return sqlite3_create_function_v2(database, name, count, k_flags, nullptr, function, nullptr, nullptr,
                                       nullptr);
   };
-  int result = add("dist_ray", 9, call<dist_ray>);
-  if (result == SQLITE_OK) result = add("dist_plane", 9, call<dist_plane>);
-  if (result == SQLITE_OK) result = add("ray_limit", 8, call<ray_limit>);
-  if (result == SQLITE_OK) result = add("plane_limit", 8, call<plane_limit>);
-  if (result == SQLITE_OK) result = add("try_ray_limit", 8, call<try_ray_limit>);
-  if (result == SQLITE_OK) result = add("try_plane_limit", 8, call<try_plane_limit>);
+  int result = add(k_dist_ray, 9, call<dist_ray, k_dist_ray>);
+  if (result == SQLITE_OK) result = add(k_dist_plane, 9, call<dist_plane, k_dist_plane>);
+  if (result == SQLITE_OK) result = add(k_ray_limit, 8, call<ray_limit, k_ray_limit>);
+  if (result == SQLITE_OK) result = add(k_plane_limit, 8, call<plane_limit, k_plane_limit>);
+  if (result == SQLITE_OK) result = add(k_try_ray_limit, 8, call<try_ray_limit, k_try_ray_limit>);
+  if (result == SQLITE_OK) result = add(k_try_plane_limit, 8, call<try_plane_limit, k_try_plane_limit>);
   if (result == SQLITE_OK) result = add("in_chunk", 2, in_chunk);
   return result;
 }

@@ -59,7 +59,7 @@ class SqliteTest : public ::testing::Test {
     return cloud;
   }
 
-  /// All rows of a statement, each column as text.
+  /// The first column of all rows as text.
   static std::vector<std::string> rows(const Connection& connection, const std::string& sql) {
     Statement statement(connection.get(), sql);
     std::vector<std::string> found;
