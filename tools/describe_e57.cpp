@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "octree/cloud/cloud_database.h"
+
 namespace alidade {
 namespace {
 
@@ -48,7 +50,7 @@ void tell_each(const std::vector<Item>& items, const char* kind, Verbosity verbo
 }  // namespace
 
 bool is_e57_file(const std::filesystem::path& file) {
-  InputFile input(file);
+  InputFile input = cloud_input(file);
   const auto start = input.view_up_to(0, 8);
   return std::string_view(reinterpret_cast<const char*>(start.data()), start.size()) == "ASTM-E57";
 }

@@ -41,6 +41,7 @@ TEST_F(DatabaseCloudTest, answers_and_pictures_are_those_of_the_file) {
   }
   EXPECT_TRUE(read("db.png") == read("las.png"));
   EXPECT_TRUE(contains(done({"info", "yard.db"}), "20000"));
+  EXPECT_TRUE(contains(done({"info", "yard.db?table=points"}), "20000"));
 }
 
 /// Few chunks are read, and answers are those of the file, by the numbers of its points.
