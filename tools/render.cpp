@@ -9,6 +9,7 @@
 #include "tools/command.h"
 #include "tools/first_look.h"
 #include "tools/image_writer.h"
+#include "tools/load_in_view.h"
 #include "tools/long_render.h"
 #include "tools/message.h"
 #include "tools/picture_command.h"
@@ -38,7 +39,10 @@ std::string radius_text(const CloudSettings& settings, const LoadedCloud& cloud)
                      settings.radius ? "" : " (from the spacing of the points)");
 }
 
-LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
+/// `views` are those of the pictures, if they are known before the cloud is.
+LoadedCloud load(const RenderCommand& command, const Scene& scene, std::span<const View> views) {
+  const CloudSettings& settings = *scene.cloud;
+  const Verbosity verbosity = command.verbosity.verbosity();
   ProgressLine line("loading cloud", "B", verbosity);
   std::optional<ProgressLine> measuring;
   const Progress measure = [&](std::uint64_t done, std::uint64_t total) {
@@ -48,8 +52,9 @@ LoadedCloud load(const CloudSettings& settings, Verbosity verbosity) {
     }
     return measuring->callback()(done, total);
   };
-  LoadedCloud cloud = load_cloud(settings, line.callback(), measure);
-  (measuring ? *measuring : line).finish();
+  LoadedCloud cloud = command.in_view ? load_in_view(command, scene, views, measure)
+                                      : load_cloud(settings, line.callback(), measure);
+  if (measuring || !command.in_view) (measuring ? *measuring : line).finish();
   if (verbosity == Verbosity::quiet) return cloud;
   for (const std::string& warning : cloud.warnings) say_warning(warning);
   const std::string color = cloud.color.by == PointColor::rgb ? "their rgb values" : cloud.color.word;
@@ -236,7 +241,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   if (scene.cloud && !command.long_render.preview.empty() && !resumed)
     show_first_looks(command, scene, views.empty() ? nullptr : &pictures.front().view, write_picture);
   std::optional<LoadedCloud> loaded;
-  if (scene.cloud) loaded = load(*scene.cloud, verbosity);
+  if (scene.cloud) loaded = load(command, scene, views);
   const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
   if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
   check_views(pictures, scene, cloud);

@@ -164,6 +164,7 @@ std::string cloud_option(const RenderCommand& command) {
   if (command.normals) return "--normals";
   if (command.max_level) return "--max-level";
   if (command.partial) return "--partial";
+  if (command.in_view) return "--in-view";
   return given_option(command.color);
 }
 
@@ -198,6 +199,10 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
                   "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, "
                   "with %04d (number, from 0) or %s (name) in it")
       ->option_text("FILE");
+  render.add_flag(
+      "--in-view", command->in_view,
+      "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, "
+      "sends no light, and has no say in automatic radii and colour scales");
   render.add_flag("--overwrite", command->overwrite, "replace an existing picture");
   render.add_flag("--skip-existing", command->skip_existing,
                   "leave out pictures that are there already: goes on with an interrupted set");

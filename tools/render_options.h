@@ -32,6 +32,7 @@ struct RenderCommand {
   std::filesystem::path scene_file;
   std::vector<std::filesystem::path> cloud_files;
   bool partial = false;
+  bool in_view = false;  ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
   LightRequest light;

@@ -70,6 +70,29 @@ TEST_F(DatabaseCloudTest, queries_read_the_chunks_they_need) {
   EXPECT_EQ(done({"info", "a.las", "--json"}).substr(60), done({"info", "b.las", "--json"}).substr(60));
 }
 
+/// Where no light comes from elsewhere, the part in view makes the same picture.
+TEST_F(DatabaseCloudTest, pictures_of_what_the_camera_sees) {
+  write("camera.json",
+        R"({"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},
+    "pose": {"look_at": {"eye": [689975, 5324975, 603], "target": [689985, 5324985, 601]}}})");
+  const auto picture = [&](const std::string& name, const Words& options) {
+    const ProgramResult result = run(with({"render", "--cloud", "yard.db", "--camera", "camera.json",
+                                           "--radius", "0.2", "--color", "rgb", "--samples", "4", "-o", name},
+                                          options));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  picture("whole.png", {"--mode", "flat"});
+  EXPECT_TRUE(contains(picture("part.png", {"--mode", "flat", "--in-view"}), "read "));
+  const auto pixels = [&](const std::string& name) { return done({"compare", "whole.png", name, "--json"}); };
+  EXPECT_TRUE(contains(pixels("part.png"), "\"max_abs\": 0.0")) << pixels("part.png");
+
+  const ProgramResult of_file =
+      run({"render", "--cloud", "yard.las", "--camera", "camera.json", "--in-view", "-o", "no.png"});
+  EXPECT_EQ(of_file.exit_code, 2);
+  EXPECT_TRUE(contains(of_file.err, "lies in a database")) << of_file.err;
+}
+
 TEST_F(DatabaseCloudTest, what_is_no_cloud_is_told) {
   for (const char* const name : {"yard.db?table=other", "no.db?table=points", "yard.las?table=points"}) {
     const ProgramResult result = run({"info", name});

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "tools/query/query_part.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <type_traits>
 
-#include "database/sqlite/read_cloud_part.h"
 #include "octree/cloud/cloud_database.h"
 #include "octree/cloud/read_cloud.h"
+#include "tools/database_part.h"
 #include "tools/query/query_region.h"
 #include "tools/query/target_bounds.h"
 #include "tools/query/target_reader.h"
@@ -69,7 +67,7 @@ std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFami
     filters.resize(1);
     filters.front() = PointFilter{.box = region};
   }
-  return read_cloud_part(command.files.front().string(), filters, attributes, progress);
+  return read_database_part(command.files.front(), filters, attributes, progress);
 }
 
 template std::optional<CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily, AttributeSet,
@@ -84,12 +82,5 @@ template std::optional<CloudPart> read_query_part<Bounds>(const QueryCommand&, T
                                                           const Progress&);
 template std::optional<CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily, AttributeSet,
                                                               const Progress&);
-
-std::string part_table(const CloudPart& part) {
-  const double share = part.chunk_count > 0 ? 100.0 * static_cast<double>(part.chunks_read) /
-                                                  static_cast<double>(part.chunk_count)
-                                            : 0.0;
-  return fmt::format("{:<22}{:>16}{:>15.2f}%\n", "chunks read", part.chunks_read, share);
-}
 
 }  // namespace alidade

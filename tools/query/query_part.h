@@ -32,7 +32,4 @@ extern template std::optional<CloudPart> read_query_part<Bounds>(const QueryComm
 extern template std::optional<CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily,
                                                                      AttributeSet, const Progress&);
 
-/// What --explain adds for such a part.
-std::string part_table(const CloudPart& part);
-
 }  // namespace alidade

@@ -10,6 +10,7 @@
 #include "octree/check_query.h"
 #include "octree/cloud/row_ids.h"
 #include "octree/indexed_cloud.h"
+#include "tools/database_part.h"
 #include "tools/message.h"
 #include "tools/progress.h"
 #include "tools/query/answer_columns.h"
