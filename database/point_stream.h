@@ -24,8 +24,8 @@ class PointStream {
   /// `folder`: for the file.
   explicit PointStream(std::filesystem::path folder) : file_(std::move(folder)) {}
 
-  /// Takes the points of a piece (CloudPieces), whose ids follow those of the pieces before. Errors:
-  /// ScratchFile's.
+  /// Takes the points of a piece (CloudPieces), fewer than 2^32, whose ids follow those of the pieces before.
+  /// Errors: ScratchFile's.
   void add(PointCloud& piece);
 
   /// Takes the last piece. If it is the only one, it stays where it is and must outlive the object.

@@ -209,6 +209,11 @@ void store_stream(const std::filesystem::path& file, const PiecewiseCloud& whole
 
 void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, const StoreOptions& options) {
   check(file, options);
+  if (cloud.size() > UINT32_MAX) {
+    throw Error({.problem = "too many points at once",
+                 .expected = fmt::format("at most {}, or files", UINT32_MAX),
+                 .found = std::to_string(cloud.size())});
+  }
   PointStream points(file.parent_path());
   points.finish(cloud);
   PiecewiseCloud whole;

@@ -29,8 +29,8 @@ struct StoreOptions {
 /// bytes depend neither on memory nor on the number of threads.
 ///
 /// Errors: options out of range; the table exists; the file is no database or cannot be written; more than
-/// 2^32 - 1 chunks; no space left; SQLite's. Cancelled. Memory: 36 bytes per point at the peak beside the
-/// cloud.
+/// 2^32 - 1 chunks, or points in memory; no space left; SQLite's. Cancelled. Memory: 36 bytes per point at
+/// the peak beside the cloud.
 void store_cloud(const std::filesystem::path& database, const PointCloud& cloud,
                  const StoreOptions& options = {});
 

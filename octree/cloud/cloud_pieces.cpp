@@ -24,7 +24,7 @@ std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t 
                           const CloudPieces& pieces) {
   if (!pieces.take) return static_cast<std::size_t>(wanted);
   const std::uint64_t bytes = bytes_per_point(cloud, cloud.attributes() | coming) + pieces.bytes_beside;
-  const std::uint64_t most = std::max<std::uint64_t>(1, pieces.most_bytes / bytes);
+  const std::uint64_t most = std::clamp<std::uint64_t>(pieces.most_bytes / bytes, 1, UINT32_MAX);
   if (cloud.size() >= most) pieces.take(cloud);
   return static_cast<std::size_t>(std::min(wanted, most - cloud.size()));
 }

@@ -9,8 +9,8 @@
 
 namespace alidade {
 
-/// How points are handed over while a cloud is read that memory does not hold. As it stands: not at all, they
-/// all stay in the cloud.
+/// How points are handed over while a cloud is read that memory does not hold, fewer than 2^32 at a time. As
+/// it stands: not at all, they all stay in the cloud.
 struct CloudPieces {
   std::uint64_t most_bytes = UINT64_MAX;  ///< of the points of a piece, and of what they need beside
   std::uint64_t bytes_beside = 0;         ///< per point, for what `take` makes of them
