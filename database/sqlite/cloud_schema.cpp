@@ -153,11 +153,16 @@ void Described::read_columns(CloudSchema& cloud) const {
   Statement entry = statement(
       "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
   while (entry.step()) {
+    // Numbers that are too large are none of those that can be.
+    const auto small = [&](int place, std::int64_t most) {
+      const std::int64_t number = entry.whole(place);
+      return static_cast<int>(number >= 0 && number <= most ? number : -1);
+    };
     StoredColumn column{.name = entry.text(0),
-                        .blob = static_cast<int>(entry.whole(1)),
-                        .size = static_cast<int>(entry.whole(2)),
-                        .place = static_cast<int>(entry.whole(3)),
-                        .type = static_cast<ScalarType>(entry.whole(4)),
+                        .blob = small(1, INT32_MAX),
+                        .size = small(2, INT32_MAX),
+                        .place = small(3, INT32_MAX),
+                        .type = static_cast<ScalarType>(small(4, static_cast<int>(ScalarType::float64))),
                         .scale = entry.number(5),
                         .offset = entry.number(6)};
     if (!entry.is_null(7)) {

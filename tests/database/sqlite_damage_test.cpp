@@ -54,6 +54,9 @@ TEST_F(SqliteDamageTest, descriptions_that_cannot_be_are_told) {
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET place = 5 WHERE name = 'red'"), "red"));
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET type = 77 WHERE name = 'red'"), "red"));
   EXPECT_TRUE(contains(error_after("UPDATE points_column SET size = 4294967296 WHERE name = 'red'"), "red"));
+  EXPECT_TRUE(
+      contains(error_after("UPDATE points_column SET size = size + (1 << 32) WHERE name = 'id'"), "id"));
+  EXPECT_TRUE(contains(error_after("UPDATE points_column SET type = type + 256 WHERE name = 'red'"), "red"));
   EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET scale_x = 0"), "lattice"));
   EXPECT_TRUE(contains(error_after("UPDATE points_cloud SET version = 2"), "another version"));
   EXPECT_TRUE(contains(error_after("DELETE FROM points_column"), "columns"));
