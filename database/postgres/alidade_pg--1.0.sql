@@ -293,3 +293,19 @@ CREATE OPERATOR CLASS cloud_point_tree_ops DEFAULT FOR TYPE cloud_point USING gi
   FUNCTION 8 cloud_gist_distance(internal, cloud_point, smallint, oid, internal),
   FUNCTION 11 cloud_gist_sort_support(internal),
   STORAGE cloud_box;
+
+COMMENT ON FUNCTION dist_ray(float8, float8, float8, float8, float8, float8, float8, float8, float8) IS
+  'distance of (x,y,z) to the line through (ox,oy,oz) along (dx,dy,dz)';
+COMMENT ON FUNCTION dist_plane(float8, float8, float8, float8, float8, float8, float8, float8, float8) IS
+  'signed distance of (x,y,z) to the plane through (px,py,pz) across (nx,ny,nz)';
+COMMENT ON FUNCTION cloud_point(float8, float8, float8) IS 'a place: what indexes are made on, and the order to store points in';
+COMMENT ON FUNCTION ray_limit(float8, float8, float8, float8, float8, float8, float8, float8) IS
+  'what points keep whose dist_ray is between low and high, inclusive';
+COMMENT ON FUNCTION plane_limit(float8, float8, float8, float8, float8, float8, float8, float8) IS
+  'what points keep whose dist_plane is between low and high, inclusive';
+COMMENT ON FUNCTION cloud_limit(cloud_ray, text, float8) IS 'what points keep whose distance to the ray compares so with the value';
+COMMENT ON FUNCTION cloud_limit(cloud_plane, text, float8) IS 'what points keep whose distance to the plane compares so with the value';
+COMMENT ON OPERATOR <@ (cloud_point, cloud_limit) IS 'keeps the limit';
+COMMENT ON OPERATOR !<@ (cloud_point, cloud_limit) IS 'breaks the limit';
+COMMENT ON OPERATOR <-> (cloud_point, cloud_ray) IS 'dist_ray';
+COMMENT ON OPERATOR <-> (cloud_point, cloud_plane) IS 'dist_plane';
