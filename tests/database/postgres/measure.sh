@@ -69,10 +69,15 @@ for radius in 1 0.1; do
 done
 run -c "SELECT measured('the same without index, 1 m', 'SELECT * FROM points WHERE dist_ray($ray)::float8 <= 1')"
 run -c "SELECT measured('BRIN, ray of 1 m in a slab of 10 m', 'SELECT * FROM points WHERE dist_ray($ray) <= 1 AND dist_plane($ray) BETWEEN 50 AND 60')"
+run -c "DROP INDEX points_brin"
+index points brin "WITH (pages_per_range = 2)"
+run -c "SELECT measured('BRIN, 2 pages a range, ray of 1 m', 'SELECT * FROM points WHERE dist_ray($ray) <= 1')"
 run -c "DROP TABLE points"
 
 fill tree "$points_in_tree"
 index tree gist ""
+run -c "CREATE TABLE rays AS SELECT 200 * share AS oy, share - 0.5 AS dy FROM (SELECT i / 44.0 AS share FROM generate_series(1, 44) i) s" -c "ANALYZE rays"
+run -c "SELECT measured('GiST, 44 rays of 0.5 m joined', 'SELECT * FROM rays, tree WHERE dist_ray(0,oy,1.5, 1,dy,0, x,y,z) <= 0.5')"
 run -c "SELECT measured('GiST, nearest 10', 'SELECT * FROM tree ORDER BY dist_ray($ray) LIMIT 10')"
 run -c "SELECT measured('GiST, first hit within 0.1 m', 'SELECT * FROM tree WHERE dist_ray($ray) <= 0.1 AND dist_plane($ray) >= 0 ORDER BY dist_plane($ray) LIMIT 1')"
 run -c "SELECT measured('GiST, ray of 1 m', 'SELECT * FROM tree WHERE dist_ray($ray) <= 1')"
