@@ -12,8 +12,8 @@ namespace {
 // The only state a signal handler may touch; nothing else in the program is global.
 volatile std::sig_atomic_t signal_came = 0;
 
-void note_signal(int) {
-  signal_came = 1;
+void note_signal(int signal) {
+  signal_came = signal;
 }
 
 }  // namespace
@@ -43,6 +43,13 @@ void end_by_broken_pipe() {
 
 bool interrupted() {
   return signal_came != 0;
+}
+
+bool forget_ctrl_c() {
+  if (signal_came != 0 && signal_came != SIGINT) return false;
+  signal_came = 0;
+  catch_interrupts();
+  return true;
 }
 
 }  // namespace alidade

@@ -14,4 +14,7 @@ void catch_interrupts();
 /// Whether such a signal has come.
 bool interrupted();
 
+/// Lets a prompt go on after Ctrl-C: from now on it has not come. False if another signal has.
+bool forget_ctrl_c();
+
 }  // namespace alidade

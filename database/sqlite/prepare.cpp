@@ -3,25 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "database/sqlite/prune_statement.h"
+#include "database/sqlite/sql_tokens.h"
 #include "octree/error.h"
 
 namespace alidade {
 namespace {
-
-/// Line and column of a byte, counted from 1.
-std::string place_of(std::string_view sql, std::size_t byte) {
-  const std::string_view before = sql.substr(0, byte);
-  const std::size_t line_begin = before.rfind('\n') + 1;  // 0 if there is no line before
-  const auto is_letter = [](char byte_of_letter) {
-    return (static_cast<unsigned char>(byte_of_letter) & 0xc0u) != 0x80u;
-  };
-  return fmt::format("{}:{}", 1 + std::ranges::count(before, '\n'),
-                     1 + std::ranges::count_if(before.substr(line_begin), is_letter));
-}
 
 struct Parsed {
   StatementHandle statement;
@@ -75,7 +64,7 @@ Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, con
   if (given.result != SQLITE_OK) {
     const int byte = sqlite3_error_offset(database);
     throw Error({.file = file,
-                 .place = byte < 0 ? "" : place_of(sql, begin + static_cast<std::size_t>(byte)),
+                 .place = byte < 0 ? "" : text_place(sql, begin + static_cast<std::size_t>(byte)),
                  .problem = sqlite3_errmsg(database)});
   }
   Prepared prepared{.statement = std::move(given.statement), .size = given.size};

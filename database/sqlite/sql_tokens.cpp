@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/sql_tokens.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 
@@ -171,6 +173,16 @@ class Scanner {
 
 std::vector<SqlToken> sql_tokens(std::string_view sql) {
   return Scanner(sql).tokens();
+}
+
+std::string text_place(std::string_view text, std::size_t byte) {
+  const std::string_view before = text.substr(0, byte);
+  const std::size_t line_begin = before.rfind('\n') + 1;  // 0 if there is no line before
+  const auto starts_letter = [](char letter) {
+    return (static_cast<unsigned char>(letter) & 0xc0u) != 0x80u;
+  };
+  return fmt::format("{}:{}", 1 + std::ranges::count(before, '\n'),
+                     1 + std::ranges::count_if(before.substr(line_begin), starts_letter));
 }
 
 std::string plain_name(std::string_view text) {

@@ -31,6 +31,9 @@ struct SqlToken {
 /// All tokens of the text, up to its end or a byte of value 0. White space and comments are none.
 std::vector<SqlToken> sql_tokens(std::string_view sql);
 
+/// Line and column of a byte, counted from 1: "2:14".
+std::string text_place(std::string_view text, std::size_t byte);
+
 /// A name as SQL compares it: without its quotes, ASCII letters small. `text` is that of a word or quoted
 /// name.
 std::string plain_name(std::string_view text);

@@ -6,7 +6,7 @@ build_packages=(
   libglm-dev libtbb-dev libfmt-dev libhwy-dev libxxhash-dev libpugixml-dev  # octree
   libopenimageio-dev openimageio-tools libopenexr-dev libgdal-dev libnova-dev  # pictures
   libfreetype-dev fonts-dejavu-core                # legends
-  nlohmann-json3-dev libcli11-dev                  # the program
+  nlohmann-json3-dev libcli11-dev libedit2         # the program
   libsqlite3-dev                                   # databases
   libgtest-dev                                     # tests
 )

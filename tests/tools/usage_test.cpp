@@ -17,7 +17,7 @@ TEST_F(UsageTest, help_lists_the_finished_commands_and_the_exit_codes) {
   const ProgramResult result = run({"--help"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_EQ(result.err, "");
-  for (const char* const command : {"info", "generate", "index", "query", "render", "visibility"})
+  for (const char* const command : {"info", "generate", "index", "query", "render", "visibility", "sql"})
     EXPECT_TRUE(contains(result.out, command)) << command;
   for (const char* const code : {"0 done", "1 the answer is no", "2 anything wrong", "130 interrupted"}) {
     EXPECT_TRUE(contains(result.out, code)) << code;
@@ -30,7 +30,8 @@ TEST_F(UsageTest, help_of_every_command_gives_units_and_examples) {
       {"generate", {"metres", "Examples:", "alidade generate courtyard"}},
       {"query",
        {"metres", "degrees", "inclusive", "ray_id,rank,point_id", "Examples:", "alidade query site.las"}},
-      {"render", {"metres", "pixels", "degrees", "bits", "Examples:", "alidade render --cloud"}}};
+      {"render", {"metres", "pixels", "degrees", "bits", "Examples:", "alidade render --cloud"}},
+      {"sql", {"metres", "dist_ray(", "dist_plane(", "shard-plan", "Examples:", "alidade sql site.db"}}};
   for (const auto& [command, parts] : expected) {
     const ProgramResult result = run({command, "--help"});
     EXPECT_EQ(result.exit_code, 0);

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+// alidade sql: what it prints, what it refuses, and that nothing given to it becomes SQL but the statement.
+#include <signal.h>
+
+#include <chrono>
+#include <fstream>
+#include <thread>
+
+#include "database/sqlite/connection.h"
+#include "database/sqlite/statement.h"
+#include "database/sqlite/store_cloud.h"
+#include "tests/tools/run_program.h"
+#include "tests/tools/sql_site.h"
+
+namespace alidade::test {
+namespace {
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+class SqlTest : public ProgramTest {
+ protected:
+  void SetUp() override {
+    ProgramTest::SetUp();
+    store_cloud(folder / "site.db", sql_site(), {.chunk_points = 50});
+  }
+
+  ProgramResult sql(std::vector<std::string> words) {
+    words.insert(words.begin(), {"sql", "site.db"});
+    return run(words);
+  }
+};
+
+TEST_F(SqlTest, rows_are_a_table_for_people) {
+  const ProgramResult result =
+      sql({"SELECT 5 AS five, 'a\nb' AS text, NULL AS none, x'00ff' AS bytes, 0.1 + 0.2 AS sum, 1e0 AS one;\n"
+           "-- nothing\n;SELECT id, x, y, 'ä' || id AS \"ä\" FROM points WHERE id IN (0, 399)"});
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out,
+            "five  text  none  bytes                    sum  one\n"
+            "----  ----  ----  -------  -------------------  ---\n"
+            "   5  a\\nb  NULL  x'00ff'  0.30000000000000004  1.0\n"
+            " id      x      y  ä\n"
+            "---  -----  -----  ----\n"
+            "  0  100.0  200.0  ä0\n"
+            "399  101.9  201.9  ä399\n");
+}
+
+TEST_F(SqlTest, the_papers_statement_is_rewritten_and_explained) {
+  const ProgramResult result =
+      sql({"SELECT id FROM points WHERE dist_ray(100,200,5, 0,0,1, x,y,z) <= 0.1 ORDER BY id", "--csv",
+           "--explain"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out, "id\n0\n1\n20\n");
+  EXPECT_TRUE(contains(result.err, "1 of 8 chunks read (12.5 %), 50 points looked at, 3 rows, "))
+      << result.err;
+  EXPECT_TRUE(contains(result.err, "rewritten as: SELECT id FROM points WHERE (dist_ray(")) << result.err;
+}
+
+TEST_F(SqlTest, why_a_statement_is_not_rewritten_is_explained) {
+  const ProgramResult result =
+      sql({"SELECT count(*) FROM points WHERE dist_ray(100,200,5, 0,0,1, x,y,z) <= abs(-1)", "--explain"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.err, "8 of 8 chunks read (100.0 %), 400 points looked at, 1 rows"))
+      << result.err;
+  EXPECT_TRUE(contains(result.err, "not rewritten: a distance is not compared")) << result.err;
+}
+
+TEST_F(SqlTest, parameters_are_values_and_no_sql) {
+  write("ask.sql", "SELECT ? AS a, ? AS b, ? AS c;\nSELECT ?2 AS d, typeof(?3) AS g, :text AS e, ?1 AS f");
+  const std::string evil = "1); DROP TABLE points; --";
+  const ProgramResult result = sql({"--file", "ask.sql", "--json", "--param", "1.5", "--param", evil,
+                                    "--param", "NULL", "--param", "text='12', \"x\""});
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.out, "[{\"a\":1.5,\"b\":\"" + evil + "\",\"c\":null}]\n[{\"d\":\"" + evil +
+                            "\",\"g\":\"null\",\"e\":\"'12', \\\"x\\\"\",\"f\":1.5}]\n");
+}
+
+TEST_F(SqlTest, csv_quotes_what_needs_it) {
+  const ProgramResult result = run_with_input({"sql", "site.db", "-", "--csv"},
+                                              "SELECT 'a,b' AS \"x,\"\"y\", '' AS empty, NULL AS none, 'q\"' "
+                                              "AS quote, -1e999 AS low, x'0a' AS bytes");
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.out, "\"x,\"\"y\",empty,none,quote,low,bytes\n\"a,b\",\"\",,\"q\"\"\",-inf,0a\n");
+}
+
+TEST_F(SqlTest, names_of_tables_and_files_are_no_sql) {
+  const std::string evil = "'; DROP TABLE points; --\"x", file = "a'b\"; --?mode=rwc.db";
+  store_cloud(folder / file, sql_site(), {.table = evil});
+  store_cloud(folder / file, sql_site());
+  const ProgramResult result =
+      run({"sql", file,
+           "SELECT count(*) AS n FROM \"'; DROP TABLE points; --\"\"x\"; SELECT count(*) AS m FROM points",
+           "--csv"});
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.out, "n\n400\nm\n400\n");
+}
+
+TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
+  write("broken.db", "no database at all, but long enough to be looked at by whoever opens such files");
+  alidade::run(Connection(folder / "site.db", Connection::Mode::write).get(), "CREATE TABLE notes(text)");
+  const std::string whole = read("site.db");
+  write("short.db", whole.substr(0, whole.size() / 2));
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
+      {{"site.db", "SELECT 1; SELEC 2"},
+       "statement:1:11: only statements that read are run; expected SELECT"},
+      {{"site.db", "SELECT 1;\nSELECT idd FROM points"}, "statement:2:8: no such column: idd"},
+      {{"site.db", "SELECT 1; SELECT 1 FROM nowhere"}, "statement: no such table: nowhere"},
+      {{"site.db", "WITH a AS (SELECT 1) DELETE FROM notes"}, "a statement that writes"},
+      {{"site.db", "VACUUM INTO 'copy.db'"}, "found VACUUM"},
+      {{"site.db", "ATTACH 'new.db' AS n"}, "found ATTACH"},
+      {{"site.db", "PRAGMA journal_mode = WAL"}, "found PRAGMA"},
+      {{"site.db", "SELECT ?, ?", "--param", "1"}, "parameter 2 has no value"},
+      {{"site.db", "SELECT @a", "--param", "1"}, "parameter @a has no value; expected --param a=VALUE"},
+      {{"site.db", "SELECT 1", "--param", "a=1"}, "--param: no statement has a parameter :a"},
+      {{"site.db", "SELECT dist_ray(1,2,3, 0,0,0, x,y,z) FROM points"},
+       "site.db: ray direction has length zero"},
+      {{"site.db", "SELECT 1", "--file", "x.sql"}, "--file"},
+      {{"site.db", "--file", "x.sql"}, "x.sql: cannot be read"},
+      {{"none.db", "SELECT 1"}, "none.db: unable to open database file"},
+      {{"broken.db", "SELECT 1"}, "broken.db: file is not a database"},
+      {{"short.db", "SELECT count(*) FROM points"}, "short.db: "},
+      {{}, "no database is given"}};
+  for (const auto& [words, message] : cases) {
+    std::vector<std::string> all = {"sql"};
+    all.insert(all.end(), words.begin(), words.end());
+    const ProgramResult result = run(all);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_EQ(result.out, "") << message;
+    EXPECT_TRUE(contains(result.err, "alidade: error: ")) << result.err;
+    EXPECT_TRUE(contains(result.err, message)) << message << "\n" << result.err;
+  }
+  EXPECT_EQ(names(), (std::vector<std::string>{"broken.db", "short.db", "site.db"}));
+  EXPECT_EQ(read("site.db"), whole);
+}
+
+TEST_F(SqlTest, ctrl_c_ends_a_statement) {
+  Program program(
+      {"sql", "site.db",
+       "SELECT 1; WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n) SELECT count(*) FROM n",
+       "--csv"},
+      folder);
+  const std::filesystem::path out = folder.string() + ".out";
+  const auto has_begun = [&] {
+    std::error_code error;
+    const std::uintmax_t size = std::filesystem::file_size(out, error);
+    return !error && size > 0;
+  };
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  // What the first statement gives is there once the second one runs.
+  while (program.running() && !has_begun() && std::chrono::steady_clock::now() < limit)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_EQ(result.out, "1\n1\n");
+}
+
+}  // namespace
+}  // namespace alidade::test
