@@ -116,7 +116,7 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
       {{"site.db", "SELECT @a", "--param", "1"}, "parameter @a has no value; expected --param a=VALUE"},
       {{"site.db", "SELECT 1", "--param", "a=1"}, "--param: no statement has a parameter :a"},
       {{"site.db", "SELECT dist_ray(1,2,3, 0,0,0, x,y,z) FROM points"},
-       "site.db: ray direction has length zero"},
+       "site.db: dist_ray: ray direction has length zero"},
       {{"site.db", "SELECT 1", "--file", "x.sql"}, "--file"},
       {{"site.db", "--file", "x.sql"}, "x.sql: cannot be read"},
       {{"none.db", "SELECT 1"}, "none.db: unable to open database file"},
