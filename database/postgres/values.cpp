@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The types of SQL: their texts, their bytes, and the functions that make them.
 #include <array>
+#include <string_view>
 
 #include "database/postgres/cloud_limit.h"
 #include "database/postgres/number_list.h"
@@ -97,13 +98,13 @@ glm::dvec3 point_of(const std::array<double, 3>& n) {
 }
 
 Comparison comparison_of(const text* word) {
-  const char* const written = text_to_cstring(word);
-  constexpr std::array<const char*, 5> k_words = {"<", "<=", "=", ">=", ">"};
+  const std::string_view written(VARDATA_ANY(word), VARSIZE_ANY_EXHDR(word));
+  constexpr std::array<std::string_view, 5> k_words = {"<", "<=", "=", ">=", ">"};
   for (std::size_t i = 0; i < k_words.size(); ++i)
-    if (std::strcmp(written, k_words[i]) == 0) return static_cast<Comparison>(i);
-  ereport(ERROR,
-          (errcode(ERRCODE_INVALID_PARAMETER_VALUE),
-           errmsg("cloud_limit: unknown comparison \"%s\"", written), errhint("Known are < <= = >= and >.")));
+    if (written == k_words[i]) return static_cast<Comparison>(i);
+  ereport(ERROR, (errcode(ERRCODE_INVALID_PARAMETER_VALUE),
+                  errmsg("cloud_limit: unknown comparison \"%s\"", text_to_cstring(word)),
+                  errhint("Known are < <= = >= and >.")));
 }
 
 Datum limit_by_comparison(FunctionCallInfo fcinfo, DistanceKind kind) {
