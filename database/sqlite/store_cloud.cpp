@@ -69,8 +69,10 @@ std::size_t points_per_group(std::uint32_t chunk_points) {
 void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWriter& writer,
                   const Progress& progress) {
   const std::size_t group = points_per_group(encoding.chunk_points);
-  const std::size_t groups_at_once =
-      2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()) + 1;
+  // More are not written faster, and each takes some megabytes.
+  constexpr int k_most_groups = 16;
+  const auto groups_at_once =
+      static_cast<std::size_t>(std::min(2 * tbb::this_task_arena::max_concurrency() + 1, k_most_groups));
   std::uint64_t done = 0;
   tbb::parallel_pipeline(
       groups_at_once,
