@@ -267,6 +267,13 @@ TEST_F(CloudTableTest, bad_input_is_told_and_null_matches_nothing) {
   says("SELECT dist_plane(" + place + ", 0, 0, 0, x, y, z) FROM points", "dist_plane: ");
   says("SELECT dist_ray(" + place + ", 1e999, 0, 0, x, y, z) FROM points", "direction is not finite");
   says("SELECT dist_ray(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "origin is not finite");
+  says("SELECT dist_plane(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "point of a plane is not finite");
+  says("SELECT dist_plane(" + place + ", 0, -1e999, 0, x, y, z) FROM points",
+       "normal of a plane is not finite");
+  EXPECT_EQ(
+      numbers(*database_, "SELECT dist_ray(" + place + ", 1, 0, 0, 1, NULL, 1) IS NULL AND dist_plane(" +
+                              place + ", 1, 0, 0, NULL, 1, 1) IS NULL"),
+      std::vector<double>{1});
   says("SELECT dist_ray(" + place + ", 1, 0, '0', x, y, z) FROM points", "argument 6 is no number");
   says("SELECT dist_ray(" + place + ", 1, 0, x, y, z) FROM points", "wrong number of arguments");
   says("SELECT id FROM points(" + place + ", 0, 0, 0)", "direction has length zero");
