@@ -16,7 +16,6 @@ namespace {
 
 /// More than these are asked for by one box around all.
 constexpr std::size_t k_most_filters = 4096;
-constexpr std::uint64_t k_most_targets = 1'000'000;
 
 /// What holds for all points that can answer a target; maybe for some more.
 template <class Target>
@@ -56,7 +55,7 @@ std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFami
   std::uint64_t count = 0;
   while (reader.next(k_most_filters, batch)) {
     count += batch.targets.size();
-    if (count > k_most_targets) return std::nullopt;
+    if (count > k_most_looked_through) return std::nullopt;
     for (const Target& target : batch.targets) {
       const double radius = command.radius.value_or(0.0);
       if (count <= k_most_filters) filters.push_back(filter_of(target, radius, within));

@@ -12,7 +12,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::uint64_t k_most_targets = 1'000'000;
 constexpr std::size_t k_batch = 4096;
 
 bool contains(const Bounds& outer, const Bounds& inner) {
@@ -39,7 +38,7 @@ std::optional<Bounds> query_region(const QueryCommand& command, TargetFamily fam
   TargetBatch<Target> batch;
   Bounds region;
   for (std::uint64_t count = 0; reader.next(k_batch, batch); count += batch.targets.size()) {
-    if (count > k_most_targets) return std::nullopt;
+    if (count > k_most_looked_through) return std::nullopt;
     for (const Target& target : batch.targets)
       region.grow(target_bounds(target, command.radius.value_or(0.0), within));
     if (contains(region, within)) return std::nullopt;

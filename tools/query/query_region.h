@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -24,6 +25,9 @@ extern template std::optional<Bounds> query_region<Path>(const QueryCommand&, Ta
 extern template std::optional<Bounds> query_region<HalfSpaces>(const QueryCommand&, TargetFamily, AnswerForm);
 extern template std::optional<Bounds> query_region<Bounds>(const QueryCommand&, TargetFamily, AnswerForm);
 extern template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, TargetFamily, AnswerForm);
+
+/// More targets than these are not looked through before they are asked.
+inline constexpr std::uint64_t k_most_looked_through = 1'000'000;
 
 /// Whether targets can be looked through before they are asked.
 bool can_be_read_twice(const GivenTargets& given);
