@@ -9,6 +9,7 @@
 #include <mutex>
 
 #include "octree/check_tree.h"
+#include "octree/cloud/cloud_database.h"
 #include "octree/error.h"
 #include "octree/huge_array.h"
 #include "octree/index_metadata.h"
@@ -240,7 +241,7 @@ void verify_index(const std::filesystem::path& path, const Progress& progress) {
 
 bool is_index_file(const std::filesystem::path& path) {
   try {
-    InputFile file(path);
+    InputFile file = cloud_input(path);
     return is_index_file(file.view_up_to(0, 8));
   } catch (const Error&) {
     return false;

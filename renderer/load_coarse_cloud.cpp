@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "octree/cloud/cloud_database.h"
 #include "octree/cloud/cloud_files.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/index_cloud.h"
@@ -17,7 +18,7 @@ std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudSettings& sett
   std::vector<std::unique_ptr<CopcFile>> files;
   if (paths.size() > k_most_files) return files;
   for (const std::filesystem::path& path : paths) {
-    InputFile file(path);
+    InputFile file = cloud_input(path);
     if (!is_copc(file)) return {};
     files.push_back(std::make_unique<CopcFile>(std::move(file)));
   }

@@ -157,6 +157,8 @@ void read_version(const JsonNode& version) {
 }
 
 std::filesystem::path path_beside(const std::filesystem::path& scene_file, const JsonNode& node) {
+  // A server's name lies beside nothing.
+  if (node.text().find("://") != std::string::npos) return node.text();
   return (scene_file.parent_path() / node.text()).lexically_normal();
 }
 

@@ -10,7 +10,9 @@ namespace alidade {
 
 /// What the help text says about the files of a cloud, where there is nothing else to say.
 inline constexpr const char* k_cloud_help =
-    "cloud files, folders or patterns as 'tiles/*.las', taken together as one, or an index file (.alidade)";
+    "cloud files, folders or patterns as 'tiles/*.las', taken together as one, an index file (.alidade), or "
+    "a "
+    "table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
 /// (expand_cloud_files()) while the command line is read. Errors then: those of expand_cloud_files().

@@ -5,6 +5,8 @@
 #include <new>
 #include <span>
 
+#include "database/server/read_server_table.h"
+#include "database/server/server_name.h"
 #include "database/sqlite/read_cloud_table.h"
 #include "octree/error.h"
 #include "renderer/json_reader.h"
@@ -77,7 +79,18 @@ ExitCode say_usage_error(const std::string& text, std::span<const std::string> w
   return ExitCode::failed;
 }
 
+/// Errors: a word, or what is behind its '=', names a table on a server in a way that might hold a password,
+/// which no message may repeat.
+void check_server_names(const CommandLine& words) {
+  for (const std::string& word : words) {
+    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+    const std::string name = equals == std::string::npos ? word : word.substr(equals + 1);
+    if (is_server_name(name)) ServerName{name};
+  }
+}
+
 ExitCode run(const CommandLine& command_line) {
+  check_server_names(command_line);
   CLI::App program("Alidade: ray queries on raw point clouds, and path-traced pictures of them.", "alidade");
   program.require_subcommand(1);
   program.set_version_flag("--version", ALIDADE_VERSION);
@@ -129,6 +142,8 @@ ExitCode run_chosen(const std::vector<Command>& commands) {
 int main(int argument_count, char** arguments) {
   using namespace alidade;
   catch_interrupts();
+  // The first that knows a name has it.
+  add_cloud_database(server_clouds());
   add_cloud_database(sqlite_clouds());
   ExitCode code = ExitCode::failed;
   try {

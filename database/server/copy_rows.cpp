@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
-#include <span>
+#include <string_view>
 
 #include "database/stored_value.h"
 #include "octree/cloud/byte_order.h"
@@ -113,6 +113,28 @@ void CopyRows::append(const EncodedChunks& points, std::size_t i, std::vector<st
     if (number > 0) continue;
     for (int axis = 0; axis < 3; ++axis) append_field(position[axis], bytes);
   }
+}
+
+Bounds CopyRows::copy(
+    PointStream& points, const PiecewiseCloud& whole, std::uint64_t count,
+    const std::function<void(std::span<const std::byte> bytes, std::size_t points)>& write) const {
+  constexpr std::uint64_t k_rows_at_once = 8192;
+  const ChunkEncoding encoding{
+      .chunk_points = k_rows_at_once, .lattice = lattice_, .blobs = points.blobs(), .spread = whole.spread};
+  Bounds box;
+  write(head(), 0);
+  std::vector<std::byte> bytes;
+  while (count > 0) {
+    const EncodedChunks some =
+        encode(encoding, points.next(static_cast<std::size_t>(std::min(k_rows_at_once, count))));
+    bytes.clear();
+    for (std::size_t i = 0; i < some.positions.size(); ++i) append(some, i, bytes);
+    write(bytes, some.positions.size());
+    for (const Bounds& part : some.boxes) box.grow(part);
+    count -= some.positions.size();
+  }
+  write(tail(), 0);
+  return box;
 }
 
 }  // namespace alidade

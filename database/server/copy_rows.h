@@ -3,11 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "database/server/server_column.h"
 #include "database/sqlite/chunk_writer.h"
+#include "octree/cloud/read_in_pieces.h"
 
 namespace alidade {
 
@@ -26,6 +28,11 @@ class CopyRows {
 
   /// Adds a row for the i-th of the points to `bytes`.
   void append(const EncodedChunks& points, std::size_t i, std::vector<std::byte>& bytes) const;
+
+  /// Gives the next `count` points of a stream, those of `whole`, to `write` as a whole COPY, piece by piece;
+  /// answers their box.
+  Bounds copy(PointStream& points, const PiecewiseCloud& whole, std::uint64_t count,
+              const std::function<void(std::span<const std::byte> bytes, std::size_t points)>& write) const;
 
  private:
   std::vector<StoredColumn> columns_;

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_column.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "database/sql_name.h"
+#include "octree/error.h"
 
 namespace alidade {
 namespace {
@@ -53,6 +58,29 @@ ServerType server_type(const StoredColumn& column) {
       break;
   }
   return ServerType::bytea;
+}
+
+std::string server_index(const std::string& quoted_name) {
+  return "CREATE INDEX ON " + quoted_name +
+         " USING brin (cloud_point(x, y, z)) WITH (pages_per_range = 8, autosummarize = on)";
+}
+
+void check_server_table(const std::string& name) {
+  constexpr std::size_t k_longest = 40;
+  const auto is_control = [](char letter) { return static_cast<unsigned char>(letter) < 0x20; };
+  if (name.empty() || name.size() > k_longest || std::ranges::any_of(name, is_control)) {
+    throw Error({.problem = "this cannot be the name of a table on a server",
+                 .expected = fmt::format("1 to {} bytes without control characters", k_longest),
+                 .found = fmt::format("{} bytes", name.size())});
+  }
+}
+
+void check_column_count(const std::vector<StoredColumn>& columns) {
+  constexpr std::size_t k_most = 1600, k_axes = 3;
+  if (columns.size() + k_axes <= k_most) return;
+  throw Error({.problem = "the cloud has too many attributes for a table of PostgreSQL",
+               .expected = fmt::format("at most {} columns", k_most),
+               .found = std::to_string(columns.size() + k_axes)});
 }
 
 std::string server_columns(const std::vector<StoredColumn>& columns) {

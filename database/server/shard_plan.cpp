@@ -22,17 +22,6 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
   file.commit();
 }
 
-void check_table(const std::string& table) {
-  // PostgreSQL keeps 63 bytes of a name, and parts of the cloud have the table's name with something behind.
-  constexpr std::size_t k_longest_table = 40;
-  const auto is_control = [](char letter) { return static_cast<unsigned char>(letter) < 0x20; };
-  if (table.empty() || table.size() > k_longest_table || std::ranges::any_of(table, is_control)) {
-    throw Error({.problem = "this cannot be the name of a table on a server",
-                 .expected = fmt::format("1 to {} bytes without control characters", k_longest_table),
-                 .found = fmt::format("{} bytes", table.size())});
-  }
-}
-
 /// A cloud along the Morton curve.
 struct OrderedCloud {
   explicit OrderedCloud(const std::filesystem::path& folder) : points(folder) {}
@@ -44,26 +33,12 @@ struct OrderedCloud {
 /// Writes the next `count` rows, those of a shard, and tells their box.
 Bounds write_rows(const std::filesystem::path& path, OrderedCloud& cloud, const CopyRows& rows,
                   std::uint64_t count, const std::function<void(std::size_t)>& tell) {
-  constexpr std::uint64_t k_rows_at_once = 8192;
-  const ChunkEncoding encoding{.chunk_points = k_rows_at_once,
-                               .lattice = cloud.whole.rest.lattice,
-                               .blobs = cloud.points.blobs(),
-                               .spread = cloud.whole.spread};
   OutputFile file(path, false);
-  file.write(CopyRows::head());
-  Bounds box;
-  std::vector<std::byte> bytes;
-  while (count > 0) {
-    const EncodedChunks points =
-        encode(encoding, cloud.points.next(static_cast<std::size_t>(std::min(k_rows_at_once, count))));
-    bytes.clear();
-    for (std::size_t i = 0; i < points.positions.size(); ++i) rows.append(points, i, bytes);
-    file.write(bytes);
-    for (const Bounds& part : points.boxes) box.grow(part);
-    count -= points.positions.size();
-    tell(points.positions.size());
-  }
-  file.write(CopyRows::tail());
+  const Bounds box =
+      rows.copy(cloud.points, cloud.whole, count, [&](std::span<const std::byte> bytes, std::size_t points) {
+        file.write(bytes);
+        tell(points);
+      });
   file.commit();
   return box;
 }
@@ -71,12 +46,7 @@ Bounds write_rows(const std::filesystem::path& path, OrderedCloud& cloud, const 
 void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::span<const Shard> shards,
                  const ShardPlanOptions& options) {
   const CopyRows rows(streamed_columns(cloud.whole, cloud.points), cloud.whole.rest.lattice);
-  constexpr std::size_t k_most_columns = 1600;
-  if (rows.columns().size() + 3 > k_most_columns) {
-    throw Error({.problem = "the cloud has too many attributes for a table of PostgreSQL",
-                 .expected = fmt::format("at most {} columns", k_most_columns),
-                 .found = std::to_string(rows.columns().size() + 3)});
-  }
+  check_column_count(rows.columns());
   const std::uint64_t size = cloud.points.size();
   if (shards.empty() || size < shards.size()) {
     throw Error({.problem = fmt::format("{} points cannot be spread over {} shards", size, shards.size()),
@@ -94,7 +64,10 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
     boxes.push_back(write_rows(folder / (name + ".copy"), cloud, rows, count, tell));
     write_text(folder / (name + ".sql"), shard_script(options.table, rows.columns(), i, boxes.back()));
   }
-  write_text(folder / "coordinator.sql", coordinator_script(options.table, rows.columns(), shards, boxes));
+  Bounds whole_box;
+  for (const Bounds& box : boxes) whole_box.grow(box);
+  write_text(folder / "coordinator.sql", coordinator_script(options.table, rows.columns(), shards, boxes,
+                                                            cloud_row(cloud.whole, whole_box)));
   write_text(folder / "README.txt", plan_readme(options.table, shards, boxes));
 }
 
@@ -103,7 +76,7 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
 ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const std::filesystem::path> files,
                            const ReadOptions& reading, std::span<const Shard> shards,
                            const ShardPlanOptions& options) {
-  check_table(options.table);
+  check_server_table(options.table);
   const std::filesystem::path whole_folder = (folder / "").parent_path();
   if (std::filesystem::exists(std::filesystem::symlink_status(whole_folder))) {
     throw Error(

@@ -58,15 +58,16 @@ std::string shard_script(const std::string& table, const std::vector<StoredColum
       "CREATE TABLE {2}({3},\n"
       "  CONSTRAINT box CHECK ({4}));\n"
       "\\copy {2} FROM '{5}.copy' (FORMAT binary)\n"
-      "CREATE INDEX ON {2} USING brin (cloud_point(x, y, z)) WITH (pages_per_range = 8, autosummarize = "
-      "on);\n"
+      "{6};\n"
       "COMMIT;\n"
       "ANALYZE {2};\n",
-      shard + 1, k_head, name, server_columns(columns), box_check(box), shard_name(shard));
+      shard + 1, k_head, name, server_columns(columns), box_check(box), shard_name(shard),
+      server_index(name));
 }
 
 std::string coordinator_script(const std::string& table, const std::vector<StoredColumn>& columns,
-                               std::span<const Shard> shards, std::span<const Bounds> boxes) {
+                               std::span<const Shard> shards, std::span<const Bounds> boxes,
+                               const CloudRow& cloud) {
   std::string text = fmt::format(
       "-- Run by psql, connected to the database that is to answer for all shards.\n"
       "{0}"
@@ -90,7 +91,8 @@ std::string coordinator_script(const std::string& table, const std::vector<Store
         name, sql_text(shards[i].host), shards[i].port, sql_text(shards[i].database), box_check(boxes[i]),
         sql_name(table), sql_text(table));
   }
-  return text + "COMMIT;\n";
+  const std::string beside = sql_name(table + "_cloud");
+  return text + fmt::format("{};\n{};\nCOMMIT;\n", cloud_row_table(beside), cloud_row_insert(beside, cloud));
 }
 
 std::string plan_readme(const std::string& table, std::span<const Shard> shards,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "database/server/cloud_row.h"
 #include "database/server/shard.h"
 #include "database/stored_column.h"
 #include "octree/bounds.h"
@@ -20,9 +21,11 @@ std::string shard_name(std::size_t shard);
 std::string shard_script(const std::string& table, const std::vector<StoredColumn>& columns,
                          std::size_t shard, const Bounds& box);
 
-/// Makes the table over all shards, whose points are in these boxes.
+/// Makes the table over all shards, whose points are in these boxes, and what says of them all what rows
+/// cannot.
 std::string coordinator_script(const std::string& table, const std::vector<StoredColumn>& columns,
-                               std::span<const Shard> shards, std::span<const Bounds> boxes);
+                               std::span<const Shard> shards, std::span<const Bounds> boxes,
+                               const CloudRow& cloud);
 
 /// What to type.
 std::string plan_readme(const std::string& table, std::span<const Shard> shards,

@@ -32,6 +32,7 @@ class SqliteCloudReader final : public CloudReader {
   }
   std::optional<Lattice> lattice() const override { return schema().lattice; }
   std::optional<std::uint64_t> point_count() const override { return schema().point_count; }
+  std::uint64_t work() const override { return stored_.file_bytes(); }
   CoordinateSurvey survey(const Progress&) override {
     // The lattice is stored: there is nothing to find out.
     return {};
@@ -109,10 +110,7 @@ void SqliteCloudReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, c
 }  // namespace
 
 CloudDatabase sqlite_clouds() {
-  return {.is_named =
-              [](const std::string& name) {
-                return name.find(k_table_word) != std::string::npos && !name.starts_with("postgres");
-              },
+  return {.is_named = [](const std::string& name) { return name.find(k_table_word) != std::string::npos; },
           .is_begun_by = [](const std::string& bytes) { return bytes.starts_with(k_first_bytes); },
           .open = [](const std::string& name) -> std::unique_ptr<CloudReader> {
             return std::make_unique<SqliteCloudReader>(name);

@@ -72,7 +72,10 @@ class CloudReader {
   /// size. With Damage::read_over the most it can be: points that turn out to be lost are fewer rows.
   virtual std::optional<std::uint64_t> point_count() const = 0;
 
-  /// First pass, only for readers without a lattice. `progress` is in bytes.
+  /// How much a pass takes, in bytes, where the points lie in no file that could be measured; 0 for files.
+  virtual std::uint64_t work() const { return 0; }
+
+  /// First pass, only for readers without a lattice. `progress` is in bytes, or of what work() says.
   virtual CoordinateSurvey survey(const Progress& progress) = 0;
 
   /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from

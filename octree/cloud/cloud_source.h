@@ -12,7 +12,8 @@ namespace alidade {
 /// A file of a cloud that waits to be read.
 struct CloudSource {
   std::unique_ptr<CloudReader> reader;
-  std::uint64_t bytes = 0;
+  std::uint64_t bytes = 0;  ///< of the file
+  std::uint64_t work = 0;   ///< of a pass: the bytes, or CloudReader::work()
   bool has_lattice = false;
   FileFacts facts{};
   CoordinateSurvey survey{};  ///< of files without a lattice

@@ -40,6 +40,7 @@ std::vector<CloudSource> open_sources(std::vector<InputFile> files, const ReadOp
     CloudSource& source = sources[i];
     source.bytes = files[i].size();
     source.reader = open_cloud(std::move(files[i]), damage);
+    source.work = std::max(source.bytes, source.reader->work());
     source.has_lattice = source.reader->lattice().has_value();
     source.facts = source.reader->facts();
     source.is_skipped = options.region && !options.partial && source.has_lattice && source.facts.box &&
@@ -186,7 +187,7 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
     PointCloud& piece = pieces[i - first].emplace();
     piece.lattice = lattice;
     piece.positions.reserve(static_cast<std::size_t>(std::min(sources[i].point_count(), sources[i].bytes)));
-    sources[i].reader->read(piece, wanted, progress.pass(sources[i].bytes));
+    sources[i].reader->read(piece, wanted, progress.pass(sources[i].work));
     sources[i].reader->rest();
   });
   return pieces;
@@ -197,13 +198,13 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
 PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& options,
                               const CloudPieces& pieces) {
   std::vector<CloudSource> sources = open_sources(std::move(files), options);
-  std::uint64_t bytes_to_read = 0;
+  std::uint64_t work = 0;
   for (const CloudSource& source : sources)
-    bytes_to_read += source.is_skipped ? 0 : source.has_lattice ? source.bytes : 2 * source.bytes;
-  JoinedProgress progress(options.progress, bytes_to_read);
+    work += source.is_skipped ? 0 : source.has_lattice ? source.work : 2 * source.work;
+  JoinedProgress progress(options.progress, work);
   in_turns(sources.size(), k_most_files_at_once, [&](std::size_t i) {
     if (sources[i].has_lattice) return;
-    sources[i].survey = sources[i].reader->survey(progress.pass(sources[i].bytes));
+    sources[i].survey = sources[i].reader->survey(progress.pass(sources[i].work));
     sources[i].reader->rest();
   });
 
@@ -234,7 +235,7 @@ PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& o
         joining.skip(sources[i]);
       } else {
         joining.add(sources[i], piece ? &*piece : nullptr,
-                    piece ? Progress() : progress.pass(sources[i].bytes));
+                    piece ? Progress() : progress.pass(sources[i].work));
       }
       piece.reset();
     }
@@ -243,7 +244,7 @@ PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& o
   whole.spread = joining.finish();
   whole.point_count = joining.row_count();
   whole.attributes = joining.attributes();
-  report(options.progress, bytes_to_read, bytes_to_read);
+  report(options.progress, work, work);
   return whole;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <unordered_set>
 #include <utility>
 
@@ -104,15 +103,8 @@ glm::dvec3 TableReader::resolution(const Bounds& bounds) const {
   constexpr ColumnRole k_roles[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
   for (int axis = 0; axis < 3; ++axis) {
     if (!find_role(columns_, k_roles[axis])) continue;
-    const ScalarType type = type_of(k_roles[axis]);
-    if (type == ScalarType::float32) {
-      const double largest = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
-      const float next = std::nextafter(static_cast<float>(largest), std::numeric_limits<float>::infinity());
-      result[axis] = 0.5 * (static_cast<double>(next) - largest);
-      if (!std::isfinite(result[axis])) result[axis] = 0.0;
-    } else if (type != ScalarType::float64) {
-      result[axis] = 0.5;
-    }
+    const double largest = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
+    result[axis] = type_resolution(type_of(k_roles[axis]), largest);
   }
   return result;
 }

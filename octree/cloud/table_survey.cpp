@@ -49,6 +49,14 @@ ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, Intensi
           .assumption = "intensities were stretched from their own smallest and largest value to 0 .. 65535"};
 }
 
+double type_resolution(ScalarType type, double largest) {
+  if (type == ScalarType::float64) return 0.0;
+  if (type != ScalarType::float32) return 0.5;
+  const float next = std::nextafter(static_cast<float>(largest), std::numeric_limits<float>::infinity());
+  const double half = 0.5 * (static_cast<double>(next) - largest);
+  return std::isfinite(half) ? half : 0.0;
+}
+
 PositionColumns::PositionColumns(std::span<const TableColumn> columns)
     : x_(find_role(columns, ColumnRole::x).value()),
       y_(find_role(columns, ColumnRole::y).value()),

@@ -59,6 +59,9 @@ enum class IntensityScale {
 /// interval; anything else linearly from the smallest to the largest value.
 ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, IntensityScale scale);
 
+/// How finely coordinates of a type are rounded whose largest one is `largest`: CoordinateSurvey::resolution.
+double type_resolution(ScalarType type, double largest);
+
 /// Columns of x, y and z. A file without z is flat: its z is 0. Requires x and y.
 class PositionColumns {
  public:

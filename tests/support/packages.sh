@@ -7,7 +7,7 @@ build_packages=(
   libopenimageio-dev openimageio-tools libopenexr-dev libgdal-dev libnova-dev  # pictures
   libfreetype-dev fonts-dejavu-core                # legends
   nlohmann-json3-dev libcli11-dev libedit2         # the program
-  libsqlite3-dev                                   # databases
+  libsqlite3-dev libpq-dev                         # databases
   libgtest-dev                                     # tests
 )
 # libembree-dev: the test that compares hits with Embree's spheres. python3-numpy: the one that compares answers with a

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// Stands for read_server_table.cpp and store_on_server.cpp where libpq's header was not found.
+#include "database/server/read_server_table.h"
+#include "database/server/store_on_server.h"
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+[[noreturn]] void refuse(const ServerName& name) {
+  throw Error({.file = name.shown(),
+               .problem = "this program was built without PostgreSQL's client library",
+               .expected = "a build with Debian's package libpq-dev, or its like"});
+}
+
+}  // namespace
+
+CloudDatabase server_clouds() {
+  return {.is_named = [](const std::string& name) { return is_server_name(name); },
+          .is_begun_by = [](const std::string&) { return false; },
+          .open = [](const std::string& name) -> std::unique_ptr<CloudReader> { refuse(ServerName(name)); }};
+}
+
+StoredFiles store_on_server(const ServerName& name, std::span<const std::filesystem::path>,
+                            const ReadOptions&, const ServerStoreOptions&) {
+  refuse(name);
+}
+
+}  // namespace alidade

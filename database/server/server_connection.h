@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "database/server/server_name.h"
+
+struct pg_conn;
+struct pg_result;
+
+namespace alidade {
+
+/// Called some times per second while a server works; what it throws ends the wait.
+using ServerWait = std::function<void()>;
+
+/// The rows that a statement answers, as text.
+class ServerRows {
+ public:
+  explicit ServerRows(pg_result* result) : result_(result) {}
+  ~ServerRows();
+  ServerRows(ServerRows&& other) noexcept : result_(other.result_) { other.result_ = nullptr; }
+  ServerRows& operator=(ServerRows&&) = delete;
+
+  std::size_t size() const;
+  bool is_null(std::size_t row, int column) const;
+  /// Empty if there is none.
+  std::string text(std::size_t row, int column) const;
+  /// 0 if there is none.
+  double number(std::size_t row, int column) const;
+  std::int64_t whole(std::size_t row, int column) const;
+
+ private:
+  pg_result* result_;
+};
+
+/// A session on a server. If it ends inside a transaction, nothing of that stays; a statement that is under
+/// way is cancelled. Not thread safe. Errors of all functions: the server's own words, under the name of the
+/// table; the connection is lost.
+class ServerConnection {
+ public:
+  /// Waits 10 s for the server, unless the name says otherwise. Errors: no server, wrong database or user.
+  explicit ServerConnection(const ServerName& name);
+  ~ServerConnection();
+  ServerConnection(const ServerConnection&) = delete;
+  ServerConnection& operator=(const ServerConnection&) = delete;
+
+  /// Runs one statement with texts for $1, $2, ...
+  ServerRows run(const std::string& sql, std::span<const std::string> values = {},
+                 const ServerWait& wait = {});
+
+  /// Runs COPY ... TO STDOUT; `take` gets its bytes piece by piece.
+  void copy_out(const std::string& sql, const std::function<void(std::span<const std::byte>)>& take,
+                const ServerWait& wait = {});
+
+  /// Runs COPY ... FROM STDIN in three steps.
+  void begin_copy_in(const std::string& sql);
+  void put(std::span<const std::byte> bytes, const ServerWait& wait = {});
+  void end_copy_in(const ServerWait& wait = {});
+
+  /// What messages call the table.
+  const std::string& name() const { return name_; }
+  /// Throws an Error that names the table.
+  [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {},
+                         std::string place = {}) const;
+
+ private:
+  void send(const std::string& sql, std::span<const std::string> values);
+  void wait_for_socket(bool to_write, const ServerWait& wait);
+  void wait_while_busy(const ServerWait& wait);
+  ServerRows result(int wanted, const ServerWait& wait);
+  void finish_statement(const ServerWait& wait);
+  [[noreturn]] void fail_as_told(const char* problem) const;
+
+  std::string name_;
+  pg_conn* connection_ = nullptr;
+};
+
+}  // namespace alidade

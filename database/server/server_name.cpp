@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "database/server/server_name.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+#include "octree/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::string_view k_schemes[] = {"postgresql://", "postgres://"};
+constexpr const char* k_form = "postgresql://HOST:PORT/DATABASE?table=NAME";
+
+[[noreturn]] void refuse(std::string problem, std::string expected = k_form) {
+  throw Error({.problem = std::move(problem), .expected = std::move(expected)});
+}
+
+[[noreturn]] void refuse_password() {
+  refuse("a password does not belong into the name of a table: everybody sees command lines",
+         "it in ~/.pgpass, PGPASSFILE or PGPASSWORD");
+}
+
+std::string decoded(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    char letter = text[i];
+    if (letter == '%') {
+      unsigned value = 0;
+      const std::string_view digits = text.substr(i + 1, 2);
+      const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
+      if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || value == 0)
+        refuse("the name of a table on a server has a '%' without a letter's number", "%25 for a '%' itself");
+      letter = static_cast<char>(value);
+      i += 2;
+    }
+    if (letter == '\0') refuse("the name of a table on a server has a letter without a shape (NUL)");
+    result += letter;
+  }
+  return result;
+}
+
+std::string encoded(std::string_view text) {
+  std::string result;
+  for (const char letter : text) {
+    const auto byte = static_cast<unsigned char>(letter);
+    const bool is_plain = byte > 0x7f || std::isalnum(byte) != 0 ||
+                          std::string_view("-_.~/ '()*,;!$").find(letter) != std::string_view::npos;
+    result += is_plain ? std::string(1, letter) : fmt::format("%{:02X}", byte);
+  }
+  return result;
+}
+
+/// "password" and "sslpassword", and what newer versions may call so.
+bool is_secret(std::string word) {
+  std::ranges::transform(word, word.begin(), [](unsigned char letter) { return std::tolower(letter); });
+  return word.find("password") != std::string::npos || word.find("secret") != std::string::npos;
+}
+
+/// What stands in front of the first of these marks; the rest, without it, stays in `text`.
+std::string_view split(std::string_view& text, char mark) {
+  const std::size_t end = std::min(text.find(mark), text.size());
+  const std::string_view front = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return front;
+}
+
+void check_port(const std::string& text) {
+  int port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (error != std::errc() || end != text.data() + text.size() || port < 1 || port > 65535)
+    refuse("the port of a server is no number from 1 to 65535");
+}
+
+}  // namespace
+
+bool is_server_name(std::string_view text) {
+  return std::ranges::any_of(k_schemes, [&](std::string_view scheme) { return text.starts_with(scheme); });
+}
+
+ServerName::ServerName(std::string_view text) {
+  for (const std::string_view scheme : k_schemes) {
+    if (text.starts_with(scheme)) text.remove_prefix(scheme.size());
+  }
+  const auto take = [&](const char* word, std::string_view value) {
+    if (!value.empty()) parameters.emplace_back(word, decoded(value));
+  };
+  std::string_view words = text;
+  // A password may hold any mark, so what is in front of the last @ counts; a name that holds an @ elsewhere
+  // has it encoded.
+  const std::size_t at = text.rfind('@', text.find("?"));
+  if (at != std::string_view::npos) {
+    const std::string user(words.substr(0, at));
+    words.remove_prefix(at + 1);
+    if (decoded(user).find(':') != std::string::npos) refuse_password();
+    take("user", user);
+  }
+  std::string_view place = split(words, '?');
+  std::string_view host = split(place, '/');
+  const std::size_t bracket = host.starts_with('[') ? host.find(']') : std::string_view::npos;
+  const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
+  if (colon != std::string_view::npos) {
+    take("port", host.substr(colon + 1));
+    check_port(parameter("port"));
+    host = host.substr(0, colon);
+  }
+  if (bracket != std::string_view::npos) {
+    if (bracket + 1 != host.size()) refuse("the host of a server is no address");
+    host = host.substr(1, bracket - 1);
+  }
+  take("host", host);
+  take("dbname", place);
+  while (!words.empty()) {
+    std::string_view value = split(words, '&');
+    const std::string word = decoded(split(value, '='));
+    if (is_secret(word)) refuse_password();
+    // A part of a password that has marks in it is no word, and must not be repeated either.
+    if (word.empty() || word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos)
+      refuse("the name of a table on a server has something that is no WORD=VALUE");
+    if (word == "table")
+      table = decoded(value);
+    else if (word == "schema")
+      schema = decoded(value);
+    else
+      parameters.emplace_back(word, decoded(value));
+  }
+}
+
+std::string ServerName::parameter(std::string_view word) const {
+  const auto found = std::find_if(parameters.rbegin(), parameters.rend(),
+                                  [&](const auto& pair) { return pair.first == word; });
+  return found == parameters.rend() ? std::string() : found->second;
+}
+
+std::string ServerName::shown() const {
+  const std::string host = parameter("host"), port = parameter("port");
+  return fmt::format("postgresql://{}{}{}/{}{}{}",
+                     host.find(':') == std::string::npos ? encoded(host) : "[" + host + "]",
+                     port.empty() ? "" : ":", port, encoded(parameter("dbname")),
+                     table.empty() ? "" : "?table=", encoded(table));
+}
+
+}  // namespace alidade

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace alidade {
+
+/// A table of a PostgreSQL server, named as
+///   postgresql://[USER@][HOST][:PORT]/DATABASE?table=NAME[&schema=NAME][&WORD=VALUE]...
+/// or postgres://... Every part may be percent-encoded; other words than table and schema are parameters of
+/// libpq ("host" may be a folder with a socket). What is left out is what libpq takes for it (PGHOST and so
+/// on).
+struct ServerName {
+  /// Words and values for libpq, as given; of a word that is given twice, the later value counts.
+  std::vector<std::pair<std::string, std::string>> parameters;
+  std::string schema;  ///< empty: the first one of the search path that has the table
+  std::string table;   ///< maybe empty
+
+  /// Errors: not of this form; a password, which would be seen by everybody who lists the machine's
+  /// processes. No message repeats more than host, port, database and table.
+  explicit ServerName(std::string_view text);
+
+  /// "postgresql://HOST:PORT/DATABASE?table=NAME", as far as they are given: what messages call it.
+  std::string shown() const;
+
+  /// A parameter's value; empty if it is not given.
+  std::string parameter(std::string_view word) const;
+};
+
+/// Whether a name is one of tables of servers, maybe a wrong one.
+bool is_server_name(std::string_view text);
+
+}  // namespace alidade

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#include "database/server/store_on_server.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "database/server/cloud_row.h"
+#include "database/server/copy_rows.h"
+#include "database/server/server_connection.h"
+#include "database/sql_name.h"
+#include "database/streamed_columns.h"
+
+namespace alidade {
+namespace {
+
+/// The names of what belongs to a cloud, quoted.
+struct CloudTables {
+  std::string schema, points, cloud;
+};
+
+bool has_relation(ServerConnection& connection, const std::string& schema, const std::string& name) {
+  const std::array<std::string, 2> names = {schema, name};
+  return connection
+             .run(
+                 "SELECT 1 FROM pg_catalog.pg_class c JOIN pg_catalog.pg_namespace n ON n.oid = "
+                 "c.relnamespace"
+                 " WHERE n.nspname::text = $1::text AND c.relname::text = $2::text",
+                 names)
+             .size() > 0;
+}
+
+/// Errors: something of that name is there that may not be replaced.
+CloudTables check_tables(ServerConnection& connection, const ServerName& name, bool replace) {
+  std::string schema = name.schema;
+  if (schema.empty()) schema = connection.run("SELECT current_schema()").text(0, 0);
+  if (schema.empty()) connection.fail("the search path has no schema", "one in the name, as &schema=public");
+  const bool has_points = has_relation(connection, schema, name.table);
+  const bool has_cloud = has_relation(connection, schema, name.table + "_cloud");
+  if (has_points && !(replace && has_cloud)) {
+    connection.fail(fmt::format("there is a table {} already", name.table),
+                    replace ? "a cloud to replace, which has " + name.table + "_cloud beside it"
+                            : "another name, or --overwrite");
+  }
+  if (has_cloud && !has_points)
+    connection.fail(fmt::format("there is a table {}_cloud already", name.table), "another name");
+  return {.schema = schema,
+          .points = sql_name(schema) + "." + sql_name(name.table),
+          .cloud = sql_name(schema) + "." + sql_name(name.table + "_cloud")};
+}
+
+/// Within a transaction.
+void store(ServerConnection& connection, const ServerName& name, const PiecewiseCloud& whole,
+           PointStream& points, const ServerStoreOptions& options) {
+  std::uint64_t done = 0;
+  const ServerWait wait = [&] { report(options.progress, done, points.size()); };
+  const CopyRows rows(streamed_columns(whole, points), whole.rest.lattice);
+  check_column_count(rows.columns());
+  connection.run("CREATE EXTENSION IF NOT EXISTS alidade_pg");
+  // Somebody may have made a table meanwhile.
+  const CloudTables tables = check_tables(connection, name, options.replace);
+  if (options.replace)
+    connection.run("DROP TABLE IF EXISTS " + tables.points + ", " + tables.cloud, {}, wait);
+  connection.run("CREATE TABLE " + tables.points + "(" + server_columns(rows.columns()) +
+                 ", CONSTRAINT has_place CHECK (x > '-Infinity' AND x < 'Infinity' AND y > '-Infinity' AND"
+                 " y < 'Infinity' AND z > '-Infinity' AND z < 'Infinity'))");
+  connection.begin_copy_in("COPY " + tables.points + " FROM STDIN (FORMAT binary)");
+  const Bounds box =
+      rows.copy(points, whole, points.size(), [&](std::span<const std::byte> bytes, std::size_t count) {
+        connection.put(bytes, wait);
+        done += count;
+        wait();
+      });
+  connection.end_copy_in(wait);
+  connection.run(server_index(tables.points), {}, wait);
+  connection.run(cloud_row_table(tables.cloud));
+  connection.run(cloud_row_insert(tables.cloud, cloud_row(whole, box)));
+  connection.run("ANALYZE " + tables.points, {}, wait);
+  connection.run("COMMIT", {}, wait);
+}
+
+}  // namespace
+
+StoredFiles store_on_server(const ServerName& name, std::span<const std::filesystem::path> files,
+                            const ReadOptions& reading, const ServerStoreOptions& options) {
+  if (name.table.empty())
+    throw Error(
+        {.file = name.shown(), .problem = "the table has no name", .expected = "?table=NAME at the end"});
+  check_server_table(name.table);
+  ServerConnection connection(name);
+  check_tables(connection, name, options.replace);
+
+  PointStream points(std::filesystem::temp_directory_path());
+  PiecewiseCloud whole = read_in_pieces(files, reading,
+                                        {.most_bytes = options.memory,
+                                         .bytes_beside = PointStream::k_bytes_beside,
+                                         .take = [&](PointCloud& piece) { points.add(piece); }});
+  points.finish(whole.rest);
+  connection.run("BEGIN");
+  store(connection, name, whole, points, options);
+  return {points.size(), std::move(whole.rest.warnings)};
+}
+
+}  // namespace alidade

@@ -1,0 +1,155 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Tables of a server of its own as clouds: run_server_clouds.sh EXTENSION_FOLDER PG_CONFIG PROGRAM
+set -euo pipefail
+extension=$(realpath -- "$1") program=$(realpath -- "$3")
+cd -- "$(dirname -- "$0")"
+source private_cluster.sh
+export LC_ALL=C PGOPTIONS='' PGUSER=postgres PGPASSFILE=/nowhere
+unset PGPASSWORD PGHOST PGPORT PGDATABASE
+cluster_begin "$extension" "$2"
+failures=0
+
+# expect NAME WANTED FOUND
+expect() {
+  if [[ $2 != "$3" ]]; then
+    printf 'FAILED: %s\nexpected: %s\nfound:    %s\n' "$1" "$2" "$3" >&2
+    failures=$((failures + 1))
+  fi
+}
+
+# expect_part NAME TEXT FOUND: the text stands in it
+expect_part() {
+  if [[ $3 != *"$2"* ]]; then
+    printf 'FAILED: %s\nexpected: ...%s...\nfound:    %s\n' "$1" "$2" "$3" >&2
+    failures=$((failures + 1))
+  fi
+}
+
+# refused NAME TEXT WORD...: the program ends with 2 and says that
+refused() {
+  local name=$1 text=$2 said code=0
+  shift 2
+  said=$("$program" "$@" 2>&1) || code=$?
+  expect "$name: exit code" 2 "$code"
+  expect_part "$name" "$text" "$said"
+}
+
+cluster_start one
+sql() { psql -X -A -t -q "$(cluster_of one)" -v ON_ERROR_STOP=1 -c "$1" 2>&1; }
+# table NAME: how the program calls it
+table() { echo "postgresql:///postgres?host=$cluster_folder/one&table=$1"; }
+
+folder=$cluster_folder/work
+mkdir "$folder"
+cd "$folder"
+"$program" generate courtyard --points 20000 --seed 3 -o yard.las -q
+"$program" sql load yard.las "$(table points)" -q
+
+# Of the same points: the file, and the table whether memory holds them or not.
+answers() { "$program" query "$1" --ray 690000,5325000,650,0.01,0,-1 --radius 3 --class 2 -q; }
+expect 'there are answers' t "$([[ $(answers yard.las | wc -l) -gt 10 ]] && echo t)"
+expect 'answers' "$(answers yard.las)" "$(answers "$(table points)")"
+"$program" convert "$(table points)" -o server.las -q
+expect 'the same file again' '' "$(cmp yard.las server.las 2>&1)"
+"$program" sql load "$(table points)" server.db --memory 1M -q
+"$program" convert server.db -o pieces.las -q
+expect 'the same file from pieces' '' "$(cmp yard.las pieces.las 2>&1)"
+picture() { "$program" render --cloud "$1" --size 40x30 --samples 1 -o "$2.png" -q && "$program" compare "$2.png" file.png -q >/dev/null; }
+"$program" render --cloud yard.las --size 40x30 --samples 1 -o file.png -q
+expect 'the same picture' yes "$(picture "$(table points)" server && echo yes)"
+echo "{\"cloud\": \"$(table points)\", \"camera\": {\"position\": [690000, 5325000, 700], \"look_at\": [690001, 5325001, 600]}}" >scene.json
+"$program" info "$(table points)" >info.txt
+for text in "points      20000" "CRS         WGS 84 / UTM zone 32N" "PostgreSQL 1"; do expect_part info "$text" "$(cat info.txt)"; done
+expect 'the index' 1 "$(sql "SELECT count(*) FROM pg_indexes WHERE tablename = 'points' AND indexdef LIKE '%brin (cloud_point(x, y, z))%'")"
+
+# A table is there as a whole or not at all, and only clouds are replaced.
+refused 'a table that is there' 'there is a table points already' sql load yard.las "$(table points)"
+"$program" sql load yard.las "$(table points)" --overwrite -q
+expect 'it was replaced' 20000 "$(sql 'SELECT count(*) FROM points')"
+sql 'CREATE TABLE wages(x int)'
+refused 'a table that is no cloud' 'expected a cloud to replace' sql load yard.las "$(table wages)" --overwrite
+expect 'it stays' wages "$(sql "SELECT relname FROM pg_class WHERE relname = 'wages'")"
+"$program" generate courtyard --points 400000 --seed 3 -o large.las -q
+# The server is slow, so that there is time to end the program while it stores.
+cluster_tables() { sql "SELECT count(*) FROM pg_class WHERE relname LIKE 'large%'"; }
+for signal in INT KILL; do
+  "$program" sql load large.las "$(table large)" -q 2>said.txt &
+  loader=$!
+  until [[ $(sql "SELECT count(*) FROM pg_stat_activity WHERE query LIKE 'COPY%FROM STDIN%' AND pid <> pg_backend_pid()") != 0 ]]; do
+    if ! kill -0 "$loader" 2>/dev/null; then break; fi
+  done
+  kill -"$signal" "$loader" 2>/dev/null || true
+  code=0
+  wait "$loader" 2>/dev/null || code=$?
+  if [[ $signal == INT ]]; then expect 'exit code of Ctrl-C' 130 "$code"; else expect 'exit code of KILL' 137 "$code"; fi
+  until [[ $(sql "SELECT count(*) FROM pg_stat_activity WHERE application_name = 'alidade'") == 0 ]]; do sleep 0.05; done
+  expect "nothing is left after $signal" 0 "$(cluster_tables)"
+done
+
+# Tables of other people.
+sql 'CREATE TABLE "Mixed Case"("x" real, y int, z numeric(8,2), intensity int, class text, height int, share real);
+     INSERT INTO "Mixed Case" SELECT i, i * 2, i / 4.0, i, $$a$$, CASE WHEN i % 2 = 0 THEN i END, i / 8.0 FROM generate_series(1, 9) AS i;
+     INSERT INTO "Mixed Case" VALUES ($$NaN$$, 1, 1), (1, NULL, 1), ($$Infinity$$, 1, 1)'
+"$program" sql load "$(table 'Mixed%20Case')" mixed.db 2>said.txt
+expect_part 'rows without places' '3 points without finite coordinates were left out' "$(cat said.txt)"
+expect_part 'texts' 'columns that are no numbers were left out: class' "$(cat said.txt)"
+expect 'numbers of all types, and none' $'x,y,z,intensity,height,share\n1.0,2.0,0.25,1,,0.125\n2.0,4.0,0.5,2,2,0.25' \
+  "$("$program" sql mixed.db 'SELECT x, y, z, intensity, height, share FROM points ORDER BY id LIMIT 2' --csv)"
+expect 'all rows with a place' 9 "$("$program" sql mixed.db 'SELECT count(*) FROM points' --csv | tail -1)"
+expect_part 'attributes' 'attributes  intensity' "$("$program" info "$(table 'Mixed%20Case')" 2>/dev/null)"
+
+# Rows are in the order of ids only where these number them.
+sql 'CREATE TABLE shuffled AS SELECT * FROM points ORDER BY md5(id::text);
+     CREATE TABLE shifted AS SELECT id + 1 AS id, x, y, z FROM points;
+     CREATE TABLE twice AS SELECT CASE WHEN id = 5 THEN 6 ELSE id END AS id, x, y, z FROM points'
+expect 'rows by their ids' "$(answers yard.las | cut -d, -f1)" "$(answers "$(table shuffled)" | cut -d, -f1)"
+for other in shifted twice; do
+  expect_part "$other: ids are a dimension" 'id' "$("$program" info "$(table "$other")" 2>/dev/null | grep '^extra')"
+done
+
+# Names are names, whatever is in them.
+evil="a'; DROP TABLE points; --\""
+"$program" sql load yard.las "$(table "a'; DROP TABLE points; --%22")" -q
+expect 'an evil name' 20000 "$(psql -X -A -t -q "$(cluster_of one)" -v name="$evil" <<<'SELECT count(*) FROM :"name"')"
+expect 'its points' "$(answers yard.las)" "$(answers "$(table "a'; DROP TABLE points; --%22")")"
+expect 'nothing was dropped' 20000 "$(sql 'SELECT count(*) FROM points')"
+sql 'CREATE SCHEMA "other schema"'
+"$program" sql load yard.las "$(table points)&schema=other%20schema" -q
+expect 'a schema' 20000 "$(sql 'SELECT count(*) FROM "other schema".points')"
+refused 'a schema that is not there' 'no such table' info "$(table points)&schema=nowhere"
+
+# What cannot be read is said.
+refused 'no such table' 'the database has no such table; found' info "$(table nothing)"
+refused 'no table is named' 'it is not said which table is meant' info "postgresql:///postgres?host=$cluster_folder/one"
+refused 'no such database' 'database "nothing" does not exist' info "postgresql:///nothing?host=$cluster_folder/one&table=points"
+refused 'no server' 'the server cannot be asked' info 'postgresql://127.0.0.1:1/postgres?table=points'
+refused 'no coordinates' 'the table has no column y of numbers; expected x, y and z, found x' info "$(table wages)"
+sql "CREATE TABLE words(x text, y text, z text); CREATE TABLE bright AS SELECT 1 AS x, 2 AS y, 3 AS z, 70000 AS intensity"
+refused 'a table of texts' 'the table has no column x of numbers' info "$(table words)"
+refused 'a value that cannot be' 'row 1: intensity is out of the attribute'\''s range; expected 0 to 65535, found 70000' \
+  convert "$(table bright)" -o bright.las
+refused 'a view that fails' 'division by zero' info "$(sql 'CREATE VIEW broken AS SELECT x, y, z / 0 AS z FROM bright'; table broken)"
+sql 'INSERT INTO points SELECT * FROM points WHERE id = 1'
+refused 'more points than there were' 'expected 20000, found 20001' convert "$(table points)" -o more.las
+sql 'CREATE TABLE empty(x real, y real, z real)'
+expect_part 'no points' 'points      0' "$("$program" info "$(table empty)" 2>&1)"
+
+# Passwords are asked of files and the environment only, and never told.
+for name in 'postgresql://me:geheim@127.0.0.1:1/db?table=points' 'postgresql:///db?table=points&password=geheim' \
+  'postgresql:///db?table=points&p%61ssword=geheim' 'postgresql://me%3Ageheim@h/db?table=points' \
+  'postgresql:///db?sslpassword=geheim&table=points' 'postgresql://me:ge?heim@h/db?table=points'; do
+  for words in "info $name" "$name" "render --cloud=$name -o a.png" "sql load yard.las $name" "info --nothing $name"; do
+    read -r -a all <<<"$words"
+    said=$("$program" "${all[@]}" 2>&1) && code=0 || code=$?
+    expect "$words: exit code" 2 "$code"
+    if [[ $said == *heim* ]]; then expect "$words" 'no password' "$said"; fi
+  done
+done
+refused 'a password in a name' 'expected it in ~/.pgpass, PGPASSFILE or PGPASSWORD' info 'postgresql://me:geheim@h/db?table=points'
+
+cluster_stop one
+refused 'a server that is down' 'the server cannot be asked' info "$(table points)"
+
+if ((failures > 0)); then exit 1; fi
+echo "all as expected"
