@@ -63,7 +63,7 @@ TEST_F(SqlTest, why_a_statement_is_not_rewritten_is_explained) {
   const ProgramResult result =
       sql({"SELECT count(*) FROM points WHERE dist_ray(100,200,5, 0,0,1, x,y,z) <= abs(-1)", "--explain"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_TRUE(contains(result.err, "8 of 8 chunks read (100.0 %), 400 points looked at, 1 rows"))
+  EXPECT_TRUE(contains(result.err, "8 of 8 chunks read (100.0 %), 400 points looked at, 1 row,"))
       << result.err;
   EXPECT_TRUE(contains(result.err, "not rewritten: a distance is not compared")) << result.err;
 }

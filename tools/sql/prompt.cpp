@@ -88,9 +88,8 @@ class Prompt {
         {{"table", RowForm::table}, {"csv", RowForm::csv}, {"json", RowForm::json}}};
     const auto form =
         std::ranges::find(k_forms, value, [](const auto& known) { return std::string(known.first); });
-    if (!more.empty()) {
-      refuse(line);
-    } else if (name == ".quit" || name == ".exit") {
+    if (!more.empty()) name.clear();
+    if (name == ".quit" || name == ".exit") {
       is_done_ = true;
     } else if (name == ".help") {
       write_to_stdout(k_commands);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/sql/row_writer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -109,7 +111,7 @@ class TableWriter : public RowWriter {
       const int column = static_cast<int>(i), type = sqlite3_column_type(statement, column);
       std::string text = line_text(value_text(statement, column));
       if (type == SQLITE_NULL) text = "NULL";
-      if (type == SQLITE_BLOB) text = "x'" + text + "'";
+      if (type == SQLITE_BLOB) text = fmt::format("x'{}'", text);
       if (!has_begun_) {
         widths_[i] = std::max(widths_[i], letter_count(text));
         if (type == SQLITE_TEXT || type == SQLITE_BLOB) is_right_[i] = false;

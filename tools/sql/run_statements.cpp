@@ -66,7 +66,7 @@ void explain(const Prepared& prepared, const ScanReads& before, const ScanReads&
       scans == 0 ? "no cloud read" : fmt::format("{} of {} chunks read{}", read, chunks, share(read, chunks));
   if (scans > 1) text += fmt::format(" in {} scans", scans);
   if (scans > 0) text += fmt::format(", {} points looked at", after.points_read - before.points_read);
-  say_note(fmt::format("{}, {} rows, {:.1f} ms", text, rows, milliseconds));
+  say_note(fmt::format("{}, {} {}, {:.1f} ms", text, rows, rows == 1 ? "row" : "rows", milliseconds));
   if (!prepared.pruned.empty()) say_note("rewritten as: " + prepared.pruned);
   if (!prepared.reason.empty())
     say_note((prepared.pruned.empty() ? "not rewritten: " : "not rewritten further: ") + prepared.reason);
@@ -77,8 +77,9 @@ void run_one(const Connection& connection, Prepared& prepared, const SqlRun& run
   const ScanReads before = connection.reads();
   sqlite3_stmt* const statement = prepared.statement.get();
   std::vector<std::string> columns;
-  for (int i = 0; i < sqlite3_column_count(statement); ++i)
-    columns.emplace_back(sqlite3_column_name(statement, i));
+  const int count = sqlite3_column_count(statement);
+  columns.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) columns.emplace_back(sqlite3_column_name(statement, i));
   const std::unique_ptr<RowWriter> writer = make_row_writer(run.form);
   writer->begin(columns);
   std::uint64_t rows = 0;
