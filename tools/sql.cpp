@@ -6,6 +6,7 @@
 #include <iterator>
 #include <memory>
 
+#include "database/server/server_name.h"
 #include "octree/error.h"
 #include "tools/command.h"
 #include "tools/sql/prompt.h"
@@ -34,6 +35,12 @@ ExitCode run(const SqlCommand& command) {
   if (command.database.empty()) {
     throw Error({.problem = "no database is given",
                  .expected = "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB"});
+  }
+  if (is_server_name(command.database.string())) {
+    throw Error(
+        {.file = ServerName(command.database.string()).shown(),
+         .problem = "a server is asked with psql, where the extension alidade_pg leaves as much unread",
+         .expected = "an SQLite file"});
   }
   SqlRun run{.form = command.csv    ? RowForm::csv
                      : command.json ? RowForm::json

@@ -122,6 +122,8 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
       {{"none.db", "SELECT 1"}, "none.db: unable to open database file"},
       {{"broken.db", "SELECT 1"}, "broken.db: file is not a database"},
       {{"short.db", "SELECT count(*) FROM points"}, "short.db: "},
+      {{"postgresql://me@host/base", "SELECT 1"}, "postgresql://host/base: a server is asked with psql"},
+      {{"postgresql://me:secret@host/base", "SELECT 1"}, "a password does not belong"},
       {{}, "no database is given"}};
   for (const auto& [words, message] : cases) {
     std::vector<std::string> all = {"sql"};
@@ -131,6 +133,7 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
     EXPECT_EQ(result.out, "") << message;
     EXPECT_TRUE(contains(result.err, "alidade: error: ")) << result.err;
     EXPECT_TRUE(contains(result.err, message)) << message << "\n" << result.err;
+    EXPECT_FALSE(contains(result.err, "secret")) << result.err;
   }
   EXPECT_EQ(names(), (std::vector<std::string>{"broken.db", "short.db", "site.db"}));
   EXPECT_EQ(read("site.db"), whole);
