@@ -10,12 +10,19 @@
 
 namespace alidade {
 
+/// Whether it is a cloud in a database that can be asked for a part of it: one that 'alidade sql load' made.
+/// Errors: those of opening a table on a server.
+bool has_parts(const std::filesystem::path& name);
+
+/// What such parts consist of: "chunks" of SQLite, "points" of a server.
+const char* part_unit(const std::filesystem::path& name);
+
 /// Reads those points of a cloud in a database that are needed: at least all for which a filter holds
-/// (database/sqlite/read_cloud_part.h). Requires lies_in_database(name).
+/// (database/sqlite/read_cloud_part.h, database/server/read_server_part.h). Requires has_parts(name).
 CloudPart read_database_part(const std::filesystem::path& name, std::span<const PointFilter> any_of,
                              AttributeSet attributes, const Progress& progress);
 
-/// "chunks read", as a line of a table.
+/// "chunks read" or "points read", as a line of a table.
 std::string part_table(const CloudPart& part);
 
 }  // namespace alidade

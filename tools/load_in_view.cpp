@@ -5,7 +5,6 @@
 
 #include <algorithm>
 
-#include "octree/cloud/cloud_database.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/index_cloud.h"
 #include "renderer/point_radius.h"
@@ -17,7 +16,7 @@ namespace alidade {
 namespace {
 
 void check(const CloudSettings& settings, const Scene& scene, std::span<const View> views) {
-  if (settings.files.size() != 1 || !lies_in_database(settings.files.front())) {
+  if (settings.files.size() != 1 || !has_parts(settings.files.front())) {
     throw Error({.file = settings.files.empty() ? "" : settings.files.front().string(),
                  .problem = "--in-view needs one cloud that lies in a database",
                  .expected = "a database that 'alidade sql load' wrote"});
@@ -50,7 +49,8 @@ LoadedCloud load_in_view(const RenderCommand& command, const Scene& scene, std::
   const CloudSettings& settings = *scene.cloud;
   check(settings, scene, views);
   const Verbosity verbosity = command.verbosity.verbosity();
-  ProgressLine line("loading chunks in view", "chunks", verbosity);
+  const char* const unit = part_unit(settings.files.front());
+  ProgressLine line(fmt::format("loading {} in view", unit), unit, verbosity);
   CloudPart part =
       read_database_part(settings.files.front(), view_filters(views, settings.radius.value_or(0.0)),
                          attributes_for(settings.color), line.callback());

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Stands for read_server_table.cpp and store_on_server.cpp where libpq's header was not found.
+// Stands for read_server_table.cpp, read_server_part.cpp and store_on_server.cpp where libpq's header was not
+// found.
+#include "database/server/read_server_part.h"
 #include "database/server/read_server_table.h"
 #include "database/server/store_on_server.h"
 #include "octree/error.h"
@@ -19,6 +21,15 @@ CloudDatabase server_clouds() {
   return {.is_named = [](const std::string& name) { return is_server_name(name); },
           .is_begun_by = [](const std::string&) { return false; },
           .open = [](const std::string& name) -> std::unique_ptr<CloudReader> { refuse(ServerName(name)); }};
+}
+
+bool has_server_parts(const std::string& name) {
+  refuse(ServerName(name));
+}
+
+CloudPart read_server_part(const std::string& name, std::span<const PointFilter>, AttributeSet,
+                           const Progress&) {
+  refuse(ServerName(name));
 }
 
 StoredFiles store_on_server(const ServerName& name, std::span<const std::filesystem::path>,

@@ -8,6 +8,7 @@
 
 #include "database/server/cloud_row.h"
 #include "database/server/cloud_values.h"
+#include "database/server/filter_condition.h"
 #include "octree/cloud/append_rows.h"
 #include "octree/error.h"
 
@@ -133,6 +134,29 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
             std::string::npos)
       << error_of_row(beyond);
   EXPECT_NE(error_of_row(other).find("another type for gps_time"), std::string::npos);
+}
+
+TEST(FilterCondition, limits_are_widened_and_infinite_ones_left_out) {
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(filter_condition({}), "false");
+  std::vector<PointFilter> filters(1);
+  EXPECT_EQ(filter_condition(filters), "true");
+  filters[0].lines.push_back({make_ray({1, 2, 3}, {0, 0, 1}), {0.0, 1.0}, {0.5, k_infinity}});
+  const std::string text = filter_condition(filters);
+  EXPECT_TRUE(
+      text.starts_with("(dist_ray('1'::float8,'2'::float8,'3'::float8,'0'::float8,'0'::float8,'1'::float8,"
+                       "x,y,z) <= '1.000000002"))
+      << text;
+  EXPECT_NE(text.find(" AND dist_plane("), std::string::npos);
+  EXPECT_NE(text.find("x,y,z) >= '0.499999998"), std::string::npos) << text;
+  filters.push_back({.box = Bounds()});
+  EXPECT_EQ(filter_condition(filters), text + " OR (false AND false AND false)");
+  for (const Interval& never :
+       {Interval{std::nan(""), 1.0}, Interval{k_infinity, k_infinity}, Interval{2.0, 1.0}}) {
+    filters.assign(1, {});
+    filters[0].planes.push_back({make_plane({0, 0, 0}, {0, 0, 1}), never});
+    EXPECT_EQ(filter_condition(filters), "(false)");
+  }
 }
 
 TEST(CloudRow, texts_cannot_leave_their_place) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "database/server/server_name.h"
 #include "octree/cloud/cloud_database.h"
 #include "octree/cloud/read_cloud.h"
 #include "tools/database_part.h"
@@ -37,7 +36,7 @@ PointFilter filter_of(const Target& target, double radius, const Bounds& within)
 
 bool lies_in_asked_database(const QueryCommand& command) {
   return command.files.size() == 1 && !command.partial && !command.max_level &&
-         !is_server_name(command.files.front().string()) && lies_in_database(command.files.front());
+         has_parts(command.files.front());
 }
 
 template <class Target>

@@ -108,7 +108,8 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
 template <class Target>
 QueriedCloud load_needed(const QueryCommand& command, TargetFamily family, AnswerForm form) {
   const bool all_attributes = form == AnswerForm::las;
-  ProgressLine line("loading chunks", "chunks", command.verbosity.verbosity());
+  const char* const unit = part_unit(command.files.front());
+  ProgressLine line(fmt::format("loading {}", unit), unit, command.verbosity.verbosity());
   QueriedCloud cloud;
   cloud.part =
       read_query_part<Target>(command, family, needed_attributes(command, all_attributes), line.callback());

@@ -50,6 +50,30 @@ cd "$folder"
 answers() { "$program" query "$1" --ray 690000,5325000,650,0.01,0,-1 --radius 3 --class 2 -q; }
 expect 'there are answers' t "$([[ $(answers yard.las | wc -l) -gt 10 ]] && echo t)"
 expect 'answers' "$(answers yard.las)" "$(answers "$(table points)")"
+# What targets do not need stays on the server, and answers are the same to the last digit.
+box=689990,5324990,600,690010,5325010,605
+plane="690000,5325000,601,0.3,1,0.1"
+for target in '--ray 690000,5325000,650,0.01,0,-1 --radius 1' '--ray 690000,5325000,601,1,0.2,0,-5,20 --radius 0.5' \
+  '--ray 690000,5325000,601,1e-200,0,0 --ray 690000,5325000,601,0,0,-1 --radius 2' '--cone 690000,5325000,602,1,0,0,2' \
+  "--box $box" "--plane $plane --plane 690000,5325000,601,-1,0,0" '--point 690003.25,5325004,600 --radius 4' \
+  '--vertex 690000,5325000,601 --vertex 690020,5325010,602 --vertex 690020,5325000,602 --radius 1' \
+  '--ray 0,0,0,0,0,1 --radius 1' '--box 0,0,0,1,1,1'; do
+  read -r -a words <<<"$target"
+  expect "$target" "$("$program" query yard.las "${words[@]}" -q)" "$("$program" query "$(table points)" "${words[@]}" -q)"
+  read -r _ _ read_count < <("$program" query "$(table points)" "${words[@]}" --explain 2>&1 >/dev/null | grep '^points read')
+  expect "$target: few points are read" t "$([[ ${read_count:-20000} -lt 12000 ]] && echo t)"
+done
+cat >camera.json <<'TEXT'
+{"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},
+ "pose": {"look_at": {"eye": [689975, 5324975, 603], "target": [689985, 5324985, 601]}}}
+TEXT
+view() {
+  "$program" render --cloud "$(table points)" --camera camera.json --radius 0.2 --color rgb --samples 2 --mode flat \
+    -o "$1.png" -q "${@:2}"
+}
+view whole
+view part --in-view
+expect_part 'what the camera sees' '"max_abs": 0.0' "$("$program" compare whole.png part.png --json -q)"
 "$program" convert "$(table points)" -o server.las -q
 expect 'the same file again' '' "$(cmp yard.las server.las 2>&1)"
 "$program" sql load "$(table points)" server.db --memory 1M -q
@@ -58,7 +82,11 @@ expect 'the same file from pieces' '' "$(cmp yard.las pieces.las 2>&1)"
 picture() { "$program" render --cloud "$1" --size 40x30 --samples 1 -o "$2.png" -q && "$program" compare "$2.png" file.png -q >/dev/null; }
 "$program" render --cloud yard.las --size 40x30 --samples 1 -o file.png -q
 expect 'the same picture' yes "$(picture "$(table points)" server && echo yes)"
-echo "{\"cloud\": \"$(table points)\", \"camera\": {\"position\": [690000, 5325000, 700], \"look_at\": [690001, 5325001, 600]}}" >scene.json
+# A scene file names a server as it is, and not a file beside it.
+cat >scene.json <<TEXT
+{"version": 1, "cloud": {"file": "$(table points)"}}
+TEXT
+"$program" render scene.json --camera camera.json --radius 0.2 --samples 1 -o scene.png -q
 "$program" info "$(table points)" >info.txt
 for text in "points      20000" "CRS         WGS 84 / UTM zone 32N" "PostgreSQL 1"; do expect_part info "$text" "$(cat info.txt)"; done
 expect 'the index' 1 "$(sql "SELECT count(*) FROM pg_indexes WHERE tablename = 'points' AND indexdef LIKE '%brin (cloud_point(x, y, z))%'")"

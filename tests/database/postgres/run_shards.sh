@@ -75,6 +75,13 @@ rays="(SELECT 689950 + 10 * i AS ox, 5324980 + 7 * i AS oy, 601 + i AS oz, sin(i
 same 'join with rays' "$rows" "AS p JOIN $rays"
 expect 'join has rows' t "$(ask "SELECT count(*) > 100 FROM points AS p JOIN $rays")"
 
+# The table over all shards is a cloud of the program, as the file is.
+cloud="postgresql://postgres@/postgres?host=$cluster_folder/coordinator&table=points"
+"$program" convert "$cloud" -o ../again.las -q
+expect 'the same file again' '' "$(cmp ../yard.las ../again.las 2>&1)"
+query() { "$program" query "$1" --ray 690000,5325000,601,1,0.2,0 --radius 1 -q; }
+expect 'the same answers' "$(query ../yard.las)" "$(query "$cloud")"
+
 # Each shard says when it began and ended; all must have begun before any ended.
 for i in 1 2 3; do
   on_shard "$i" 'CREATE VIEW slow AS SELECT began, clock_timestamp() AS ended FROM
