@@ -12,7 +12,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_most_filters = 256;
+constexpr std::size_t k_most_filters = 64;
 
 /// The condition for the server; none if it cannot help.
 std::string condition(ServerConnection& connection, std::span<const PointFilter> any_of) {
@@ -77,6 +77,7 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
       },
       wait);
   part.cloud.resize(part.ids.size());
+  report(progress, part.ids.size(), part.ids.size());
   CloudFile& file = part.cloud.files.emplace_back();
   file.path = server.connection().name();
   file.format = "PostgreSQL";

@@ -11,8 +11,8 @@
 namespace alidade {
 
 /// Reads those points of a table on a server (ServerName) for which one of the filters may hold: at least all
-/// for which one does. The server finds them by its index; if there are more than 256 filters, all points
-/// are read. Requires a table with its NAME_cloud. `progress` is in points, of all. Errors: those of
+/// for which one does. The server finds them by its index; it would try more than 64 on too many points, and
+/// then all are read. Requires a table with its NAME_cloud. `progress` is in points, of all. Errors: those of
 /// server_clouds(); ids that are there twice.
 CloudPart read_server_part(const std::string& name, std::span<const PointFilter> any_of,
                            AttributeSet attributes, const Progress& progress = {});

@@ -63,6 +63,10 @@ for target in '--ray 690000,5325000,650,0.01,0,-1 --radius 1' '--ray 690000,5325
   read -r _ _ read_count < <("$program" query "$(table points)" "${words[@]}" --explain 2>&1 >/dev/null | grep '^points read')
   expect "$target: few points are read" t "$([[ ${read_count:-20000} -lt 12000 ]] && echo t)"
 done
+many=()
+for i in {1..70}; do many+=(--point "$((689960 + i)),5325000,600"); done
+expect 'more targets than conditions' "$("$program" query yard.las "${many[@]}" --radius 2 -q)" \
+  "$("$program" query "$(table points)" "${many[@]}" --radius 2 -q)"
 cat >camera.json <<'TEXT'
 {"version": 1, "model": "pinhole", "width": 60, "height": 40, "intrinsics": {"horizontal_fov": 40},
  "pose": {"look_at": {"eye": [689975, 5324975, 603], "target": [689985, 5324985, 601]}}}
