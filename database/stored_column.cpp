@@ -7,7 +7,9 @@
 #include <cctype>
 #include <cmath>
 #include <set>
+#include <string_view>
 
+#include "database/utf8_text.h"
 #include "octree/cloud/attribute_columns.h"
 
 namespace alidade {
@@ -36,11 +38,26 @@ std::string cut(const std::string& name, std::size_t most) {
   return name.substr(0, most);
 }
 
+/// What every database, script and terminal takes for the same letters: control characters and bytes that are
+/// no UTF-8 become '_'. SQL ends names at a byte of 0.
+std::string readable(const std::string& name) {
+  std::string text;
+  for (std::string_view rest(name.c_str()); !rest.empty();) {
+    const std::size_t size = utf8_letter_size(rest);
+    const auto first = static_cast<unsigned char>(rest.front());
+    if (size == 0 || first < 0x20 || first == 0x7f)
+      text += '_';
+    else
+      text += rest.substr(0, size);
+    rest.remove_prefix(size == 0 ? 1 : size);
+  }
+  return text;
+}
+
 class Names {
  public:
   std::string free_name(const std::string& wanted) {
-    // SQL ends names at a byte of 0.
-    const std::string given = wanted.substr(0, wanted.find('\0'));
+    const std::string given = readable(wanted);
     const std::string plain = given.empty() ? "unnamed" : cut(given, k_most_bytes);
     std::string name = plain;
     for (int number = 2; !taken_.insert(small(name)).second; ++number) {

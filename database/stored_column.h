@@ -37,7 +37,7 @@ AttributeParts attribute_parts(Attribute attribute);
 /// Columns that hold all attributes of a cloud, blob by blob: id, then those that `info` names in its order
 /// (color as red, green, blue), then the extra dimensions. A name that SQL cannot tell from an earlier one
 /// or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as PostgreSQL
-/// does.
+/// does; control characters and what is no UTF-8 become '_'.
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
 
 }  // namespace alidade

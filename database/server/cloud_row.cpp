@@ -6,6 +6,7 @@
 #include <span>
 
 #include "database/sql_name.h"
+#include "database/utf8_text.h"
 
 namespace alidade {
 namespace {
@@ -16,34 +17,6 @@ std::string bytes_text(const Values& values) {
   std::string text = "'\\x";
   for (const std::byte byte : std::as_bytes(std::span(values))) text += fmt::format("{:02x}", byte);
   return text + "'::bytea";
-}
-
-/// How many bytes the letter takes that begins with this one; 0 for none.
-std::size_t letter_size(unsigned char first) {
-  return first == 0     ? 0
-         : first < 0x80 ? 1
-         : first < 0xc2 ? 0
-         : first < 0xe0 ? 2
-         : first < 0xf0 ? 3
-         : first < 0xf5 ? 4
-                        : 0;
-}
-
-/// Whether it is UTF-8 without NUL, in the shortest form and without halves of UTF-16.
-bool is_text(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const auto at = [&](std::size_t place) { return static_cast<unsigned char>(text[i + place]); };
-    const std::size_t size = letter_size(at(0));
-    if (size == 0 || size > text.size() - i) return false;
-    for (std::size_t place = 1; place < size; ++place) {
-      if ((at(place) & 0xc0) != 0x80) return false;
-    }
-    const bool is_long = (at(0) == 0xe0 && at(1) < 0xa0) || (at(0) == 0xf0 && at(1) < 0x90);
-    const bool is_no_letter = (at(0) == 0xed && at(1) >= 0xa0) || (at(0) == 0xf4 && at(1) >= 0x90);
-    if (is_long || is_no_letter) return false;
-    i += size;
-  }
-  return true;
 }
 
 }  // namespace
@@ -78,7 +51,7 @@ std::string cloud_row_insert(const std::string& quoted_name, const CloudRow& row
   values.push_back(std::to_string(row.point_count));
   add(row.box.min, !row.box.empty());
   add(row.box.max, !row.box.empty());
-  values.push_back(is_text(row.crs.wkt) ? sql_text(row.crs.wkt) : "NULL");
+  values.push_back(is_utf8(row.crs.wkt) ? sql_text(row.crs.wkt) : "NULL");
   values.push_back(bytes_text(row.crs.geotiff_keys));
   values.push_back(bytes_text(row.crs.geotiff_doubles));
   values.push_back(bytes_text(row.crs.geotiff_ascii));

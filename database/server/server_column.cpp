@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "database/sql_name.h"
+#include "database/utf8_text.h"
 #include "octree/error.h"
 
 namespace alidade {
@@ -67,10 +68,12 @@ std::string server_index(const std::string& quoted_name) {
 
 void check_server_table(const std::string& name) {
   constexpr std::size_t k_longest = 40;
-  const auto is_control = [](char letter) { return static_cast<unsigned char>(letter) < 0x20; };
-  if (name.empty() || name.size() > k_longest || std::ranges::any_of(name, is_control)) {
+  const auto is_control = [](char letter) {
+    return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f;
+  };
+  if (name.empty() || name.size() > k_longest || std::ranges::any_of(name, is_control) || !is_utf8(name)) {
     throw Error({.problem = "this cannot be the name of a table on a server",
-                 .expected = fmt::format("1 to {} bytes without control characters", k_longest),
+                 .expected = fmt::format("1 to {} bytes of UTF-8 without control characters", k_longest),
                  .found = fmt::format("{} bytes", name.size())});
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/shard.h"
 
+#include <algorithm>
 #include <charconv>
 
 #include "octree/error.h"
@@ -25,8 +26,12 @@ int parse_port(std::string_view text, std::string_view whole) {
   return port;
 }
 
+/// Neither what programs take for an option or a setting, nor what terminals take for a command.
 bool is_plain(std::string_view name) {
-  return !name.empty() && name.find_first_of(std::string_view("\0\n\r\t ", 5)) == std::string_view::npos;
+  const auto is_strange = [](char letter) {
+    return static_cast<unsigned char>(letter) <= 0x20 || letter == 0x7f || letter == '=';
+  };
+  return !name.empty() && name.front() != '-' && std::ranges::none_of(name, is_strange);
 }
 
 }  // namespace

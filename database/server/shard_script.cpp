@@ -12,9 +12,11 @@
 namespace alidade {
 namespace {
 
-/// What every script begins with: an error ends it, and nothing that it did stays.
+/// What every script begins with: an error ends it, and nothing that it did stays. Whatever the client's
+/// settings say, names and texts end where they end here.
 constexpr const char* k_head =
-    "\\set ON_ERROR_STOP on\n\\set QUIET on\nSET client_min_messages = warning;\nBEGIN;\n";
+    "\\set ON_ERROR_STOP on\n\\set QUIET on\n\\encoding UTF8\nSET standard_conforming_strings = on;\n"
+    "SET client_min_messages = warning;\nBEGIN;\n";
 
 /// Numbers are written such that reading gives the same ones.
 std::string box_check(const Bounds& box) {
@@ -110,7 +112,14 @@ std::string plan_readme(const std::string& table, std::span<const Shard> shards,
       "   psql -d DATABASE -f coordinator.sql\n"
       "\n   A shard that wants another user or a password gets it from there:\n\n"
       "   ALTER USER MAPPING FOR CURRENT_USER SERVER {0}\n"
-      "     OPTIONS (ADD user 'NAME', ADD password 'PASSWORD');\n"
+      "     OPTIONS (ADD user 'NAME', ADD password 'PASSWORD');\n\n"
+      "   Each other role that asks needs mappings of its own (CREATE USER MAPPING FOR ROLE SERVER ...), "
+      "with a "
+      "password\n"
+      "   unless it is a superuser. A role that is none runs coordinator.sql after GRANT USAGE ON FOREIGN "
+      "DATA "
+      "WRAPPER\n"
+      "   postgres_fdw TO ROLE.\n"
       "\n3. Ask there. EXPLAIN (VERBOSE) shows what each shard is asked:\n\n"
       "   SELECT * FROM {1} WHERE dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) <= 1;\n\n"
       "Where the points are:\n\n",

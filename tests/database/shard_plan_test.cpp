@@ -37,9 +37,9 @@ TEST(Shard, is_named_by_host_port_and_database) {
   EXPECT_EQ(parse_shard("10.0.0.7:5433/Site's"), (Shard{"10.0.0.7", 5433, "Site's"}));
   EXPECT_EQ(parse_shard("[::1]:5434/site"), (Shard{"::1", 5434, "site"}));
   EXPECT_EQ(parse_shard("[::1]/site"), (Shard{"::1", 5432, "site"}));
-  for (const char* const wrong :
-       {"", "/", "db1", "db1/", "/site", "db1:/site", "db1:0/site", "db1:65536/site", "db1:5432x/site",
-        "[::1/site", "[::1]x/site", "a/b/c", "db1/si te"})
+  for (const char* const wrong : {"", "/", "db1", "db1/", "/site", "db1:/site", "db1:0/site",
+                                  "db1:65536/site", "db1:5432x/site", "[::1/site", "[::1]x/site", "a/b/c",
+                                  "db1/si te", "-h/site", "db1/-c", "db1/password=secret", "db1/\x1b[2J"})
     EXPECT_NE(error_of([&] { parse_shard(wrong); }), "") << wrong;
 }
 
@@ -205,7 +205,8 @@ TEST_F(ShardPlanTest, names_cannot_leave_their_place_in_a_script) {
   EXPECT_NE(coordinator.find("OPTIONS (table_name 'a\"b''; DROP TABLE c; --')"), std::string::npos);
   EXPECT_NE(text_of(folder_ / "README.txt").find("psql -h db2 -p 5433 -d 'it'\\''s' -f shard_2.sql"),
             std::string::npos);
-  for (const std::string& table : {std::string(), std::string("a\nb"), std::string(41, 'n')})
+  for (const std::string& table :
+       {std::string(), std::string("a\nb"), std::string("\xff"), std::string(41, 'n')})
     EXPECT_NE(error_of([&] { plan(parent_ / "more", line(10), {.table = table}); }), "");
 }
 

@@ -264,9 +264,9 @@ TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
 TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_told_apart) {
   PointCloud cloud = site(10);
   const std::string at_most(62, 'n'), umlaut = at_most + "\u00fc";
-  for (const std::string& name :
-       {std::string("X"), std::string("Red"), std::string("height"), std::string(), std::string("dist"),
-        umlaut, umlaut, std::string("XMax"), std::string("a\0b", 3), std::string("a\0c", 3)}) {
+  for (const std::string& name : {std::string("X"), std::string("Red"), std::string("height"), std::string(),
+                                  std::string("dist"), umlaut, umlaut, std::string("XMax"),
+                                  std::string("a\0b", 3), std::string("a\0c", 3), std::string("h\xf6he\n")}) {
     ExtraDimension& dimension = cloud.extra_dimensions.emplace_back();
     dimension.name = name;
     dimension.type = ScalarType::uint8;
@@ -275,10 +275,26 @@ TEST_F(StoreCloudTest, names_that_sql_takes_for_equal_are_told_apart) {
   }
   std::vector<std::string> names;
   for (const StoredColumn& column : stored_columns(cloud)) names.push_back(column.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"id", "red", "green", "blue", "classification", "return_number",
-                                             "return_count", "gps_time", "Height", "X_2", "Red_2", "height_2",
-                                             "unnamed", "dist_2", at_most, std::string(61, 'n') + "_2",
-                                             "XMax_2", "a", "a_2"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"id",
+                                             "red",
+                                             "green",
+                                             "blue",
+                                             "classification",
+                                             "return_number",
+                                             "return_count",
+                                             "gps_time",
+                                             "Height",
+                                             "X_2",
+                                             "Red_2",
+                                             "height_2",
+                                             "unnamed",
+                                             "dist_2",
+                                             at_most,
+                                             std::string(61, 'n') + "_2",
+                                             "XMax_2",
+                                             "a",
+                                             "a_2",
+                                             "h_he_"}));
   store_cloud(file_, cloud);
   const Connection database(file_, Connection::Mode::read);
   EXPECT_EQ(numbers(database, "SELECT sum(X_2 + dist_2 + unnamed) FROM points"), std::vector<double>{30});

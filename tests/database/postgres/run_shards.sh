@@ -98,6 +98,14 @@ expect_part 'scripts run as a whole or not at all' 'already exists' 1 \
   "$(psql -X -h 127.0.0.1 -p "${ports[0]}" -d postgres -f shard_1.sql 2>&1 || true)"
 expect 'a shard is filled once' 20000 "$(on_shard 1 'SELECT count(*) FROM points')"
 
+# Whatever attributes are called, and however the client reads letters, a script does what it says.
+printf 'x,y,z,name\xc3\x81,\\! touch pwned #\n1,2,3,4,5\n2,3,4,5,6\n' >names.csv
+"$program" sql shard-plan names.csv --table names --shard "${shards[0]}" -o names -q
+(cd names && PGCLIENTENCODING=SJIS psql -X -q -h 127.0.0.1 -p "${ports[0]}" -d postgres -f shard_1.sql)
+expect 'a name that looks like a command' '' "$(find . -name pwned)"
+expect 'names of columns' "id x y z nameÁ \\! touch pwned #" \
+  "$(PGCLIENTENCODING=UTF8 on_shard 1 "SELECT string_agg(attname, ' ' ORDER BY attnum) FROM pg_attribute WHERE attrelid = 'names'::regclass AND attnum > 0")"
+
 cluster_stop shard_3
 broken=$(ask "SELECT count(*) FROM points WHERE $near" || true)
 expect_part 'a shard that is down' 'could not connect to server "points_shard_3"' 1 "$broken"
