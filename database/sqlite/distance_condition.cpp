@@ -16,6 +16,8 @@ bool is_steady(const TokenList& tokens, TokenRange range) {
     // These words call functions of their name.
     if (tokens.is_one_of(i, {"like", "glob", "match", "regexp"})) return false;
     if (tokens.is_name(i) && tokens.is_sign(i + 1, "(")) return false;
+    // These signs call functions, too, and what they say of text that is no JSON is an error.
+    if (tokens.is_sign(i, "->") || tokens.is_sign(i, "->>")) return false;
   }
   return true;
 }

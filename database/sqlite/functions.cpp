@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/functions.h"
 
+#include <algorithm>
+
 #include "database/sqlite/distance_limit.h"
 #include "database/sqlite/sql_values.h"
 #include "octree/distance.h"
@@ -55,12 +57,19 @@ void answer(sqlite3_context* context, const DistanceLimit& limit) {
 }
 
 void limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind, const char* function) {
-  const auto n = numbers<8>(values, function);
-  if (!n) return;
-  const DistanceLimit limit{kind, *n};
+  const auto given = numbers<8>(values, function);
+  DistanceLimit limit{.kind = kind};
+  if (given) {
+    limit.numbers = *given;
+  } else {
+    // What a ray is compared with does not make one of it.
+    const auto ray = numbers<6>(values.first(6), function);
+    if (!ray) return;
+    std::ranges::copy(*ray, limit.numbers.begin());
+  }
   PointFilter filter;
   add(limit, filter);
-  answer(context, limit);
+  if (given) answer(context, limit);
 }
 
 void ray_limit(sqlite3_context* context, Values values) {

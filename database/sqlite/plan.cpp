@@ -213,6 +213,7 @@ std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value*
   ScanFilter scan;
   PointFilter& filter = scan.points;
   std::vector<DistanceLimit> limits;
+  bool has_null_limit = false;
   arguments.reset();
   std::size_t next = 0;
   if (plan[0] == k_first_argument) {
@@ -229,7 +230,10 @@ std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value*
     if (what == k_row || what == k_chunk) {
       if (!narrow(scan.only_chunk, what, value)) return none();
     } else if (what == k_limit) {
-      if (sqlite3_value_type(value) == SQLITE_NULL) return none();
+      if (sqlite3_value_type(value) == SQLITE_NULL) {
+        has_null_limit = true;
+        continue;
+      }
       const auto* const bytes = static_cast<const std::byte*>(sqlite3_value_blob(value));
       limits.push_back(decode_distance_limit({bytes, static_cast<std::size_t>(sqlite3_value_bytes(value))}));
     } else if (what == k_distance || what == k_t) {
@@ -246,6 +250,7 @@ std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value*
   // Where one of them is an error, the rows for which it is one must be met.
   if (std::ranges::none_of(limits,
                            [](const auto& limit) { return limit.kind == DistanceLimit::Kind::none; })) {
+    if (has_null_limit) return none();
     for (const DistanceLimit& limit : limits) add(limit, filter);
   }
   return scan;

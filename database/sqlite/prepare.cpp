@@ -25,27 +25,35 @@ Parsed parse(sqlite3* database, std::string_view sql) {
   return {StatementHandle(made), static_cast<std::size_t>(tail - sql.data()), result};
 }
 
-/// Whether a statement that is being prepared reads _chunk by way of a view, whose x, y, z may be anything.
-class ViewWatch {
+/// Sees what a statement that is being prepared uses, by way of names and views, too, and for which limits
+/// are of no use.
+class UseWatch {
  public:
-  explicit ViewWatch(sqlite3* database) : database_(database) {
+  explicit UseWatch(sqlite3* database) : database_(database) {
     sqlite3_set_authorizer(database, notice, this);
   }
-  ~ViewWatch() { sqlite3_set_authorizer(database_, nullptr, nullptr); }
-  ViewWatch(const ViewWatch&) = delete;
-  ViewWatch& operator=(const ViewWatch&) = delete;
+  ~UseWatch() { sqlite3_set_authorizer(database_, nullptr, nullptr); }
+  UseWatch(const UseWatch&) = delete;
+  UseWatch& operator=(const UseWatch&) = delete;
 
-  bool has_seen_one() const { return has_seen_one_; }
+  /// Why limits are of no use; empty if they are.
+  const std::string& reason() const { return reason_; }
 
  private:
-  static int notice(void* self, int action, const char*, const char* column, const char*, const char* view) {
-    if (action == SQLITE_READ && view != nullptr && sqlite3_stricmp(column, "_chunk") == 0)
-      static_cast<ViewWatch*>(self)->has_seen_one_ = true;
+  static int notice(void* self, int action, const char*, const char* name, const char*, const char* view) {
+    std::string& reason = static_cast<UseWatch*>(self)->reason_;
+    // The x, y, z of a view may be anything.
+    if (action == SQLITE_READ && view != nullptr && sqlite3_stricmp(name, "_chunk") == 0)
+      reason = "it asks a view that has a column _chunk";
+    // A limit would draw another number than the condition that it stands for.
+    if (action == SQLITE_FUNCTION &&
+        (sqlite3_stricmp(name, "random") == 0 || sqlite3_stricmp(name, "randomblob") == 0))
+      reason = "it calls random or randomblob, which answer something else each time";
     return SQLITE_OK;
   }
 
   sqlite3* database_;
-  bool has_seen_one_ = false;
+  std::string reason_;
 };
 
 bool same_columns(sqlite3_stmt* a, sqlite3_stmt* b) {
@@ -73,12 +81,12 @@ Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, con
   prepared.reason = std::move(pruned.reason);
   if (pruned.text.empty()) return prepared;
 
-  const ViewWatch watch(database);
+  const UseWatch watch(database);
   Parsed limited = parse(database, pruned.text);
   if (limited.result != SQLITE_OK) {
     prepared.reason = fmt::format("with limits it is not understood: {}", sqlite3_errmsg(database));
-  } else if (watch.has_seen_one()) {
-    prepared.reason = "it asks a view that has a column _chunk";
+  } else if (!watch.reason().empty()) {
+    prepared.reason = watch.reason();
   } else if (!same_columns(prepared.statement.get(), limited.statement.get())) {
     prepared.reason = "with limits it has other columns";
   } else {

@@ -26,8 +26,9 @@ struct Prepared {
 /// Prepares the statement of a text that begins at that byte; where conditions on dist_ray and dist_plane can
 /// leave chunks unread without changing the answer, such that they do. Rows, values, names of columns,
 /// parameters and errors are those of the text, with these exceptions: rows whose order the text leaves open
-/// may come in another one, and a condition that gives errors, but has no limit, is asked about other rows.
-/// Takes away an authorizer that the connection may have.
+/// may come in another one, and a condition that gives errors, but has no limit, is asked about other rows,
+/// since SQLite may then ask the conditions of a statement in another order. One that calls random() or
+/// randomblob(), a view included, is as given. Takes away an authorizer that the connection may have.
 ///
 /// Errors: what SQLite does not understand, with `file` (what the text is called) and line and column in it.
 Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin = 0,

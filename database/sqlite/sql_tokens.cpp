@@ -9,6 +9,10 @@
 namespace alidade {
 namespace {
 
+// Files of other systems begin with it, and so do their parts once they are joined. To SQLite it is blank
+// where a token would begin, and a letter in a name.
+constexpr std::string_view k_byte_order_mark = "\xef\xbb\xbf";
+
 bool is_space(char letter) {
   return letter == ' ' || (letter >= '\t' && letter <= '\r' && letter != '\v');
 }
@@ -53,6 +57,8 @@ class Scanner {
     while (at_ < sql_.size()) {
       if (is_space(peek())) {
         ++at_;
+      } else if (sql_.substr(at_).starts_with(k_byte_order_mark)) {
+        at_ += k_byte_order_mark.size();
       } else if (peek() == '-' && peek(1) == '-') {
         at_ = std::min(sql_.find('\n', at_), sql_.size());
       } else if (peek() == '/' && peek(1) == '*') {

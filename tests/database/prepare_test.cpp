@@ -108,6 +108,49 @@ TEST_F(PrepareTest, null_and_limits_that_no_distance_meets_give_no_rows) {
     EXPECT_TRUE(ask("SELECT id FROM points WHERE " + condition).empty()) << condition;
 }
 
+TEST_F(PrepareTest, a_limit_that_is_null_hides_no_error) {
+  const std::string wrong = "dist_ray(0,0,0, 0,0,0, x,y,z)", nothing = "dist_ray(0,0,0, NULL,0,1, x,y,z) < 2";
+  for (const std::string& condition :
+       {wrong + " <= NULL", wrong + " BETWEEN NULL AND 1", wrong + " BETWEEN 0 AND NULL",
+        wrong + " <= 1 AND " + nothing, wrong + " <= NULL AND " + nothing})
+    EXPECT_NE(error_of("SELECT id FROM points WHERE " + condition).find("length zero"), std::string::npos)
+        << condition;
+  EXPECT_NE(error_of("SELECT id FROM points WHERE dist_plane('a',0,0, 1,0,0, x,y,z) >= 4 AND " + nothing)
+                .find("argument 1 is no number"),
+            std::string::npos);
+}
+
+TEST_F(PrepareTest, what_may_answer_differently_each_time_gets_no_limit) {
+  run(Connection(file_, Connection::Mode::write).get(),
+      "CREATE VIEW coin AS SELECT abs(random()) % 2 * 5 AS r");
+  const std::string near = "dist_ray(690050,5325050,410, 0,0,1, x,y,z) <= ";
+  for (const std::string& sql : {"SELECT id, abs(random()) % 2 AS r FROM points WHERE " + near + "r",
+                                 "SELECT id, length(randomblob(id % 3)) AS r FROM points WHERE " + near + "r",
+                                 "SELECT id FROM points, coin WHERE " + near + "r"}) {
+    const Prepared prepared = prepare(database_->get(), sql);
+    EXPECT_EQ(prepared.pruned, "") << sql;
+    EXPECT_EQ(prepared.reason, "it calls random or randomblob, which answer something else each time");
+  }
+}
+
+TEST_F(PrepareTest, operators_that_call_functions_give_errors_only_where_rows_meet_them) {
+  EXPECT_TRUE(
+      ask("SELECT id FROM points WHERE id < 0 AND dist_ray(690050,5325050,410, 0,0,1, x,y,z) <= ('{' -> 'a')",
+          false)
+          .empty());
+  EXPECT_TRUE(
+      ask("SELECT id FROM points WHERE id < 0 AND dist_ray(0,0,('{' ->> 'a'), 0,0,1, x,y,z) <= 1", false)
+          .empty());
+}
+
+TEST_F(PrepareTest, a_byte_order_mark_between_tokens_is_blank) {
+  const std::string distance = "dist_ray(690050,5325050,9999, 1,0,0, x,y,z)";
+  EXPECT_EQ(ask("SELECT id FROM points WHERE z \ufeffBETWEEN 0 AND " + distance + " = 1", false),
+            ask("SELECT id FROM points WHERE (z BETWEEN 0 AND " + distance + ") = 1", false));
+  EXPECT_EQ(ask("\ufeffSELECT id AS a\ufeff FROM points WHERE \ufeff" + distance + " <= 1 ORDER BY a\ufeff"),
+            std::vector<double>());
+}
+
 TEST_F(PrepareTest, text_for_numbers_and_wrong_counts_are_errors) {
   EXPECT_NE(error_of("SELECT id FROM points WHERE dist_ray('1',2,3, 0,0,1, x,y,z) <= 1")
                 .find("argument 1 is no number"),

@@ -78,6 +78,13 @@ TEST_F(SqlTest, parameters_are_values_and_no_sql) {
                             "\",\"g\":\"null\",\"e\":\"'12', \\\"x\\\"\",\"f\":1.5}]\n");
 }
 
+TEST_F(SqlTest, files_may_begin_with_a_byte_order_mark) {
+  write("ask.sql", "\ufeffSELECT 7 AS seven;\n\ufeffSELECT 8 AS eight");
+  const ProgramResult result = sql({"--file", "ask.sql", "--csv"});
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.out, "seven\n7\neight\n8\n");
+}
+
 TEST_F(SqlTest, csv_quotes_what_needs_it) {
   const ProgramResult result = run_with_input({"sql", "site.db", "-", "--csv"},
                                               "SELECT 'a,b' AS \"x,\"\"y\", '' AS empty, NULL AS none, 'q\"' "
