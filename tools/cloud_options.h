@@ -14,6 +14,10 @@ inline constexpr const char* k_cloud_help =
     "a "
     "table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
+/// What other help texts about them end with.
+inline const std::string k_database_help =
+    "; a table of a database, too: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
 /// (expand_cloud_files()) while the command line is read. Errors then: those of expand_cloud_files().
 CLI::Option* add_cloud_files(CLI::App& command, const std::string& name,

@@ -126,7 +126,8 @@ Command add_convert(CLI::App& program) {
   CLI::App* convert =
       program.add_subcommand("convert", "Write clouds in another format, joined, cropped or thinned");
   add_cloud_files(*convert, "files", command->files,
-                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one, or index files")
+                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one, or index files" +
+                      k_database_help)
       ->option_text("FILE...")
       ->required();
   convert->add_option("-o,--output", command->output, "file to write; its name tells the format")

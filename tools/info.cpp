@@ -261,7 +261,8 @@ Command add_info(CLI::App& program) {
   CLI::App* command = program.add_subcommand("info", "Say what cloud files hold");
   add_cloud_files(
       *command, "files", options->files,
-      "cloud files, folders or patterns as 'tiles/*.las'; several are taken together as one cloud")
+      "cloud files, folders or patterns as 'tiles/*.las'; several are taken together as one cloud" +
+          k_database_help)
       ->option_text("FILE...")
       ->required();
   command->add_flag("--json", options->json, "print JSON instead of a table; the keys are below");

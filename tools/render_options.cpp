@@ -190,8 +190,9 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   auto command = std::make_shared<RenderCommand>();
   CLI::Option* scene =
       render.add_option("scene", command->scene_file, "scene file")->option_text("SCENE.json");
-  add_cloud_files(render, "--cloud", command->cloud_files,
-                  "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file")
+  add_cloud_files(
+      render, "--cloud", command->cloud_files,
+      "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file" + k_database_help)
       ->option_text("FILE...")
       ->excludes(scene);
   render
