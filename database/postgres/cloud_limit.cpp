@@ -71,11 +71,15 @@ Bounds box_of(const glm::dvec3& point) {
 }
 
 bool may_hold(const CloudLimit& limit, const Bounds& box) {
-  // Distances that are not numbers come only of infinite ends and sums that overflow, where a PointFilter
-  // rules nothing out.
+  // Distances that are not numbers come only of infinite ends and of what overflows. They keep a limit whose
+  // end is NaN, which says more than an end at infinity where only one end of a plane's reach is no number.
   const auto end = [](double value) { return std::isnan(value) ? k_infinity : value; };
   const Interval limits{end(limit.least), end(limit.largest)};
   const CloudLine& line = limit.line;
+  if (limit.kind == DistanceKind::plane && std::isnan(limit.largest)) {
+    const Interval reach = distance(limit.kind, line, box);
+    if (std::isnan(reach.low) || std::isnan(reach.high)) return true;
+  }
   PointFilter filter;
   if (limit.kind == DistanceKind::ray)
     filter.lines.push_back({.ray = Ray{.origin = line.place, .direction = line.unit}, .distance = limits});

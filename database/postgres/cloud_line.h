@@ -31,7 +31,7 @@ inline double distance(DistanceKind kind, const CloudLine& line, const glm::dvec
   return signed_distance(Plane{line.place, line.unit}, point);
 }
 
-/// Between what it lies for the points of a box. Requires finite faces.
+/// Between what it lies for the points of a box. Where a point's is NaN, an end is NaN or high is infinite.
 inline Interval distance(DistanceKind kind, const CloudLine& line, const Bounds& box) {
   if (kind == DistanceKind::ray)
     return project(Ray{.origin = line.place, .direction = line.unit}, box).distance;

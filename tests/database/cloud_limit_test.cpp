@@ -139,6 +139,28 @@ TEST(CloudLimit, boxes_with_points_without_a_place_are_not_pruned_if_these_match
   EXPECT_GT(kept, 10000);
 }
 
+TEST(CloudLimit, boxes_are_not_pruned_where_a_distance_overflows_to_none) {
+  test::Random random;
+  const double ends[] = {1e308, -1e308, k_huge, 0.0, 1.0};
+  const double bounds[] = {k_nan, k_infinity, -k_infinity, 0.0, 1000.0, -1000.0, k_huge};
+  const auto corner = [&] {
+    return glm::dvec3(ends[random.below(5)], ends[random.below(5)], ends[random.below(5)]);
+  };
+  int without_number = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const DistanceKind kind = random.below(2) ? DistanceKind::ray : DistanceKind::plane;
+    const CloudLine line = make_line(kind, corner(), direction(random));
+    const glm::dvec3 point = corner();
+    Bounds box = box_of(point);
+    box.grow(corner());
+    const CloudLimit limit = make_limit(kind, line, k_comparisons[random.below(5)], bounds[random.below(7)]);
+    ASSERT_TRUE(!holds(limit, point) || may_hold(limit, box)) << i;
+    ASSERT_TRUE(holds(limit, point) || may_break(limit, box)) << i;
+    without_number += std::isnan(distance(kind, line, point));
+  }
+  EXPECT_GT(without_number, 10000);
+}
+
 TEST(CloudLimit, lines_that_are_none_are_refused) {
   for (const DistanceKind kind : {DistanceKind::ray, DistanceKind::plane}) {
     EXPECT_THROW(make_line(kind, {0, 0, 0}, {0, -0.0, 0}), Error);

@@ -17,7 +17,8 @@ BEGIN
   statements := 0; indexed := 0; differences := 0;
   SET LOCAL enable_seqscan = off;
   FOREACH call IN ARRAY ARRAY['dist_ray(0,0,1, 1,0,0, x,y,z)', 'dist_ray(4,4,0, 1e-200,0,1e-200, x,y,z)', 'dist_ray(1e6,1e6,1e6, 1,1,1, x,y,z)',
-                              'dist_plane(1,1,1, 0,0,1e-300, x,y,z)', 'dist_plane(0,0,0, 1,-1,1, x,y,z)'] LOOP
+                              'dist_plane(1,1,1, 0,0,1e-300, x,y,z)', 'dist_plane(0,0,0, 1,-1,1, x,y,z)',
+                              'dist_plane(-1e308,0,0, 0,0,1, x,y,z)', 'dist_plane(0,1e308,0, 1,0,0, x,y,z)'] LOOP
     FOREACH symbol IN ARRAY ARRAY['<', '<=', '=', '>=', '>'] LOOP
       FOREACH bound IN ARRAY ARRAY['0', '-0', '1', '-1', '1.4142135623730951', '1e308', '5e-324', 'Infinity', '-Infinity', 'NaN', NULL] LOOP
         EXECUTE format('SELECT coalesce(array_agg(id ORDER BY id), ''{}'') FROM cloud WHERE %s::float8 %s %L::float8', call, symbol, bound) INTO expected;
