@@ -6,42 +6,45 @@
 #include "database/postgres/distances.h"
 
 extern "C" {
-#include <catalog/namespace.h>
 #include <catalog/pg_collation.h>
+#include <catalog/pg_operator.h>
+#include <catalog/pg_proc.h>
 #include <catalog/pg_type.h>
 #include <nodes/makefuncs.h>
 #include <nodes/nodeFuncs.h>
 #include <nodes/supportnodes.h>
 #include <optimizer/optimizer.h>
-#include <parser/parse_func.h>
 #include <utils/builtins.h>
 #include <utils/fmgrprotos.h>
 #include <utils/lsyscache.h>
+#include <utils/syscache.h>
 }
 
 namespace alidade {
 namespace {
 
 /// What the extension brought, where it lies now. Its parts may have been renamed: then nothing is found, and
-/// statements stay as they are.
+/// statements stay as they are. The schema's USAGE right is not asked for: who reads a view or keeps a CHECK
+/// that names its functions needs none.
 class OwnParts {
  public:
   /// The extension lies where this function of it does.
-  explicit OwnParts(Oid function) : schema_(get_namespace_name(get_func_namespace(function))) {}
+  explicit OwnParts(Oid function) : schema_(get_func_namespace(function)) {}
 
   template <class... Types>
   Oid function(const char* name, Types... types) const {
     const Oid given[] = {static_cast<Oid>(types)...};
-    return schema_ == nullptr ? InvalidOid : LookupFuncName(name_of(name), sizeof...(types), given, true);
+    return GetSysCacheOid3(PROCNAMEARGSNSP, Anum_pg_proc_oid, CStringGetDatum(name),
+                           PointerGetDatum(buildoidvector(given, sizeof...(types))),
+                           ObjectIdGetDatum(schema_));
   }
   Oid symbol(const char* name, Oid left, Oid right) const {
-    return schema_ == nullptr ? InvalidOid : OpernameGetOprid(name_of(name), left, right);
+    return GetSysCacheOid4(OPERNAMENSP, Anum_pg_operator_oid, CStringGetDatum(name), ObjectIdGetDatum(left),
+                           ObjectIdGetDatum(right), ObjectIdGetDatum(schema_));
   }
 
  private:
-  List* name_of(const char* name) const { return list_make2(makeString(schema_), makeString(pstrdup(name))); }
-
-  char* schema_;
+  Oid schema_;
 };
 
 Node* call(Oid function, List* arguments) {
@@ -81,9 +84,10 @@ PGFunction address_of(Oid function) {
   return info.fn_addr;
 }
 
-/// The operation that simplify_distance made; null if the node is none.
+/// The operation that simplify_distance made; null if the node is none. Casts that are functions, and
+/// domains, change or check the value: they stay.
 OpExpr* as_distance(Node* node) {
-  node = strip_implicit_coercions(node);
+  while (IsA(node, RelabelType)) node = reinterpret_cast<Node*>(reinterpret_cast<RelabelType*>(node)->arg);
   if (!IsA(node, OpExpr)) return nullptr;
   auto* const found = reinterpret_cast<OpExpr*>(node);
   const PGFunction address = address_of(found->opfuncid);

@@ -7,6 +7,19 @@ CREATE INDEX ON points USING brin (clouds.cloud_point(x,y,z)) WITH (pages_per_ra
 ANALYZE points;
 EXPLAIN (COSTS OFF) SELECT * FROM points WHERE clouds.dist_plane(5,0,0, 1,0,0, x,y,z) OPERATOR(clouds.<) 3.5 AND x > 5;
 SELECT * FROM points WHERE clouds.dist_plane(5,0,0, 1,0,0, x,y,z) OPERATOR(clouds.<) 3.5 AND x > 5;
+-- Who may read a view or add rows needs no right to the schema that the view and a CHECK of the table use.
+CREATE TABLE checked(x float8, y float8, z float8, CHECK (clouds.dist_ray(0,0,0, 1,0,0, x,y,z) OPERATOR(clouds.<=) 1));
+CREATE VIEW distances AS SELECT *, clouds.dist_ray(0,0,0, 1,0,0, x,y,z) AS d FROM points;
+CREATE VIEW near_points AS SELECT * FROM points WHERE clouds.dist_ray(1,0,0, 0,1,0, x,y,z) OPERATOR(clouds.<=) 2;
+CREATE ROLE reader;
+GRANT SELECT ON distances, near_points TO reader;
+GRANT INSERT ON checked TO reader;
+SET ROLE reader;
+SELECT max(d::float8) FROM distances;
+SELECT * FROM near_points;
+INSERT INTO checked VALUES (7, 0, 1);
+INSERT INTO checked VALUES (7, 0, 2);
+RESET ROLE;
 -- Moved: planned anew, with what lies there now.
 PREPARE near AS SELECT count(*) FROM points WHERE clouds.dist_plane(5,0,0, 1,0,0, x,y,z) OPERATOR(clouds.<) 3.5;
 EXECUTE near;
@@ -25,3 +38,5 @@ SELECT provolatile, proisstrict, proparallel, count(*) FROM pg_proc p JOIN pg_de
 DROP EXTENSION alidade_pg;
 DROP EXTENSION alidade_pg CASCADE;
 SELECT count(*) FROM pg_proc WHERE probin LIKE '%alidade%';
+DROP OWNED BY reader;
+DROP ROLE reader;

@@ -28,3 +28,11 @@ CREATE TABLE generated(x float8, y float8, z float8, height cloud_distance GENER
 INSERT INTO generated VALUES (1, 2, 3);
 CREATE INDEX ON generated (height);
 SELECT * FROM generated WHERE height > 2;
+-- Casts that round, and domains, keep their say when a function is inlined.
+CREATE FUNCTION whole_metres(x float8, y float8, z float8) RETURNS integer LANGUAGE sql IMMUTABLE AS 'SELECT dist_ray(0,0,0, 1,0,0, x,y,z)';
+CREATE TABLE quarters AS SELECT i * 0.25::float8 AS x, i * 0.25::float8 AS y, 0::float8 AS z FROM generate_series(1, 100) i;
+SELECT count(*) FROM quarters WHERE whole_metres(x,y,z) <= 3::cloud_distance;
+SELECT count(*) FROM (SELECT whole_metres(x,y,z) AS whole FROM quarters OFFSET 0) s WHERE whole <= 3::cloud_distance;
+CREATE DOMAIN near AS cloud_distance CHECK (VALUE < 5);
+CREATE FUNCTION is_near(v near) RETURNS boolean LANGUAGE sql IMMUTABLE AS 'SELECT v <= 100::float8';
+SELECT count(*) FROM quarters WHERE is_near(dist_ray(0,0,0, 1,0,0, x,y,z));
