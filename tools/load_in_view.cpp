@@ -22,7 +22,8 @@ void check(const CloudSettings& settings, const Scene& scene, std::span<const Vi
                  .expected = "a database that 'alidade sql load' wrote"});
   }
   if (views.empty())
-    throw Error({.problem = "--in-view needs a camera", .expected = "--camera or a scene file"});
+    throw Error({.problem = "--in-view needs a camera that does not go by the cloud",
+                 .expected = "--camera, --panorama or a scene file"});
   if (settings.max_level < k_max_level || settings.partial)
     throw Error({.problem = "--in-view cannot be used with --max-level or --partial"});
   if (std::ranges::find(scene.output.layers, Layer::id) != scene.output.layers.end()) {

@@ -202,8 +202,9 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
       ->option_text("FILE");
   render.add_flag(
       "--in-view", command->in_view,
-      "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, "
-      "sends no light, and has no say in automatic radii and colour scales");
+      "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, sends no "
+      "light, and has no say in automatic radii, colour scales and the smooth normals of points at the "
+      "border");
   render.add_flag("--overwrite", command->overwrite, "replace an existing picture");
   render.add_flag("--skip-existing", command->skip_existing,
                   "leave out pictures that are there already: goes on with an interrupted set");

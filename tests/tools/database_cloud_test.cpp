@@ -68,6 +68,11 @@ TEST_F(DatabaseCloudTest, queries_read_the_chunks_they_need) {
   EXPECT_EQ(run(with({"query", "yard.db", "-o", "a.las"}, questions[0])).exit_code, 0);
   EXPECT_EQ(run(with({"query", "yard.las", "-o", "b.las"}, questions[0])).exit_code, 0);
   EXPECT_EQ(done({"info", "a.las", "--json"}).substr(60), done({"info", "b.las", "--json"}).substr(60));
+
+  const Words nowhere = {"--box", "0,0,0,1,1,1", "-o"};
+  for (const char* const cloud : {"yard.db", "yard.las"})
+    done(with(with({"query", cloud}, nowhere), {std::string(cloud) + ".none.las"}));
+  EXPECT_TRUE(read("yard.db.none.las") == read("yard.las.none.las"));
 }
 
 /// Where no light comes from elsewhere, the part in view makes the same picture.

@@ -113,6 +113,8 @@ QueriedCloud load_needed(const QueryCommand& command, TargetFamily family, Answe
   QueriedCloud cloud;
   cloud.part =
       read_query_part<Target>(command, family, needed_attributes(command, all_attributes), line.callback());
+  // A LAS file has the columns of the cloud even if it has no points.
+  if (cloud.part && cloud.part->ids.empty() && all_attributes) cloud.part.reset();
   if (!cloud.part) {
     cloud.indexed = load(command, all_attributes, query_region<Target>(command, family, form));
     return cloud;
