@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "database/encode_points.h"
 #include "database/server/server_column.h"
-#include "database/sqlite/chunk_writer.h"
 #include "octree/cloud/read_in_pieces.h"
 
 namespace alidade {
