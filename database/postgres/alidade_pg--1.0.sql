@@ -34,6 +34,9 @@ CREATE CAST (numeric AS cloud_distance) WITH FUNCTION cloud_distance(numeric) AS
 CREATE FUNCTION cloud_distance_to_real(cloud_distance) RETURNS real
   LANGUAGE internal IMMUTABLE STRICT PARALLEL SAFE AS 'dtof';
 CREATE CAST (cloud_distance AS real) WITH FUNCTION cloud_distance_to_real(cloud_distance) AS ASSIGNMENT;
+CREATE FUNCTION cloud_distance_to_smallint(cloud_distance) RETURNS smallint
+  LANGUAGE internal IMMUTABLE STRICT PARALLEL SAFE AS 'dtoi2';
+CREATE CAST (cloud_distance AS smallint) WITH FUNCTION cloud_distance_to_smallint(cloud_distance) AS ASSIGNMENT;
 CREATE FUNCTION cloud_distance_to_integer(cloud_distance) RETURNS integer
   LANGUAGE internal IMMUTABLE STRICT PARALLEL SAFE AS 'dtoi4';
 CREATE CAST (cloud_distance AS integer) WITH FUNCTION cloud_distance_to_integer(cloud_distance) AS ASSIGNMENT;

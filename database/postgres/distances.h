@@ -7,4 +7,7 @@
 extern "C" {
 Datum alidade_distance_to_ray(PG_FUNCTION_ARGS);
 Datum alidade_distance_to_plane(PG_FUNCTION_ARGS);
+Datum alidade_keeps_limit(PG_FUNCTION_ARGS);
+Datum alidade_breaks_limit(PG_FUNCTION_ARGS);
+Datum alidade_limit_by_plane(PG_FUNCTION_ARGS);
 }

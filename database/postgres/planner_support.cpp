@@ -7,13 +7,16 @@
 
 extern "C" {
 #include <catalog/pg_collation.h>
+#include <catalog/pg_namespace.h>
 #include <catalog/pg_operator.h>
 #include <catalog/pg_proc.h>
 #include <catalog/pg_type.h>
+#include <miscadmin.h>
 #include <nodes/makefuncs.h>
 #include <nodes/nodeFuncs.h>
 #include <nodes/supportnodes.h>
 #include <optimizer/optimizer.h>
+#include <utils/acl.h>
 #include <utils/builtins.h>
 #include <utils/fmgrprotos.h>
 #include <utils/lsyscache.h>
@@ -23,9 +26,18 @@ extern "C" {
 namespace alidade {
 namespace {
 
+bool may_execute(Oid function) {
+  return pg_proc_aclcheck(function, GetUserId(), ACL_EXECUTE) == ACLCHECK_OK;
+}
+
+Oid operator_in(Oid schema, const char* name, Oid left, Oid right) {
+  return GetSysCacheOid4(OPERNAMENSP, Anum_pg_operator_oid, CStringGetDatum(name), ObjectIdGetDatum(left),
+                         ObjectIdGetDatum(right), ObjectIdGetDatum(schema));
+}
+
 /// What the extension brought, where it lies now. Its parts may have been renamed: then nothing is found, and
-/// statements stay as they are. The schema's USAGE right is not asked for: who reads a view or keeps a CHECK
-/// that names its functions needs none.
+/// statements stay as they are, as they do where the user may not execute a part. The schema's USAGE right is
+/// not asked for: who reads a view or keeps a CHECK that names its functions needs none.
 class OwnParts {
  public:
   /// The extension lies where this function of it does.
@@ -34,13 +46,14 @@ class OwnParts {
   template <class... Types>
   Oid function(const char* name, Types... types) const {
     const Oid given[] = {static_cast<Oid>(types)...};
-    return GetSysCacheOid3(PROCNAMEARGSNSP, Anum_pg_proc_oid, CStringGetDatum(name),
-                           PointerGetDatum(buildoidvector(given, sizeof...(types))),
-                           ObjectIdGetDatum(schema_));
+    const Oid found =
+        GetSysCacheOid3(PROCNAMEARGSNSP, Anum_pg_proc_oid, CStringGetDatum(name),
+                        PointerGetDatum(buildoidvector(given, sizeof...(types))), ObjectIdGetDatum(schema_));
+    return OidIsValid(found) && may_execute(found) ? found : InvalidOid;
   }
   Oid symbol(const char* name, Oid left, Oid right) const {
-    return GetSysCacheOid4(OPERNAMENSP, Anum_pg_operator_oid, CStringGetDatum(name), ObjectIdGetDatum(left),
-                           ObjectIdGetDatum(right), ObjectIdGetDatum(schema_));
+    const Oid found = operator_in(schema_, name, left, right);
+    return OidIsValid(found) && may_execute(get_opcode(found)) ? found : InvalidOid;
   }
 
  private:
@@ -78,12 +91,6 @@ Node* simplify_distance(const SupportRequestSimplify& request, const char* line_
                                                  -1, InvalidOid, COERCE_IMPLICIT_CAST));
 }
 
-PGFunction address_of(Oid function) {
-  FmgrInfo info;
-  fmgr_info(function, &info);
-  return info.fn_addr;
-}
-
 /// The operation that simplify_distance made; null if the node is none. Casts that are functions, and
 /// domains, change or check the value: they stay.
 OpExpr* as_distance(Node* node) {
@@ -113,6 +120,17 @@ const Symbol* symbol_of(Oid function) {
   return nullptr;
 }
 
+Node* as_double(Node* node) {
+  return applyRelabelType(node, FLOAT8OID, -1, InvalidOid, COERCE_IMPLICIT_CAST, -1, true);
+}
+
+/// The same comparison of doubles, which is in PostgreSQL's own operator families: stored distances are found
+/// by an index on them, and joined by merging or hashing.
+Node* compare_doubles(const Symbol& symbol, Node* left, Node* right) {
+  const Oid known = operator_in(PG_CATALOG_NAMESPACE, symbol.written, FLOAT8OID, FLOAT8OID);
+  return operation(known, BOOLOID, as_double(left), as_double(right));
+}
+
 /// A comparison with a distance as a limit that a point keeps; null if it has to stay.
 Node* simplify_comparison(const SupportRequestSimplify& request) {
   const FuncExpr& written = *request.fcall;
@@ -121,12 +139,9 @@ Node* simplify_comparison(const SupportRequestSimplify& request) {
   auto* const left = static_cast<Node*>(linitial(written.args));
   auto* const right = static_cast<Node*>(lsecond(written.args));
   const OpExpr *const on_left = as_distance(left), *const on_right = as_distance(right);
-  if ((on_left == nullptr) == (on_right == nullptr)) return nullptr;
+  if ((on_left == nullptr) == (on_right == nullptr)) return compare_doubles(*symbol, left, right);
   const OpExpr& distance = on_left != nullptr ? *on_left : *on_right;
-  Node* bound = on_left != nullptr ? right : left;
-  if (exprType(bound) != FLOAT8OID)
-    bound = reinterpret_cast<Node*>(
-        makeRelabelType(reinterpret_cast<Expr*>(bound), FLOAT8OID, -1, InvalidOid, COERCE_IMPLICIT_CAST));
+  Node* const bound = as_double(on_left != nullptr ? right : left);
 
   auto* const point = static_cast<Node*>(linitial(distance.args));
   auto* const line = static_cast<Node*>(lsecond(distance.args));
@@ -146,7 +161,8 @@ template <class Simplify>
 Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
   auto* const request = reinterpret_cast<Node*>(PG_GETARG_POINTER(0));
   if (!IsA(request, SupportRequestSimplify)) PG_RETURN_POINTER(nullptr);
-  PG_RETURN_POINTER(simplify(*reinterpret_cast<SupportRequestSimplify*>(request)));
+  const auto& simplifiable = *reinterpret_cast<SupportRequestSimplify*>(request);
+  PG_RETURN_POINTER(may_execute(simplifiable.fcall->funcid) ? simplify(simplifiable) : nullptr);
 }
 
 }  // namespace

@@ -44,6 +44,13 @@ auto guarded(const Work& work) -> decltype(work()) {
   ereport(ERROR, (errcode(ERRCODE_INVALID_PARAMETER_VALUE), errmsg("%s", message)));
 }
 
+/// What a function of SQL is in C.
+inline PGFunction address_of(Oid function) {
+  FmgrInfo info;
+  fmgr_info(function, &info);
+  return info.fn_addr;
+}
+
 /// An argument of a type of ours, which PostgreSQL passes by reference.
 template <class Value>
 const Value& value_of(Datum datum) {

@@ -2,14 +2,16 @@
 // How many rows the planner may expect: the histogram that ANALYZE keeps for an index on cloud_point(x,y,z)
 // is a sample of the table's points, about a hundred of them, evenly spaced in Morton order.
 #include <algorithm>
+#include <string_view>
 
 #include "database/postgres/distance_share.h"
+#include "database/postgres/distances.h"
 #include "database/postgres/point_order.h"
-#include "database/postgres/postgres_api.h"
 
 extern "C" {
 #include <access/htup_details.h>
 #include <catalog/pg_statistic.h>
+#include <utils/builtins.h>
 #include <utils/lsyscache.h>
 #include <utils/selfuncs.h>
 }
@@ -19,6 +21,17 @@ namespace {
 
 /// Without statistics, or for limits not known before the statement runs: a thin cylinder or slab.
 constexpr double k_unknown_share = 0.001;
+
+/// Of a limit not known yet. One side of a plane has as much as PostgreSQL expects of any inequality.
+double unknown_share(const Node* limit) {
+  if (!IsA(limit, FuncExpr)) return k_unknown_share;
+  const auto& made = *reinterpret_cast<const FuncExpr*>(limit);
+  if (address_of(made.funcid) != alidade_limit_by_plane) return k_unknown_share;
+  const auto& comparison = *static_cast<const Const*>(lsecond(made.args));
+  const bool has_sides = IsA(&comparison, Const) && !comparison.constisnull &&
+                         text_to_cstring(DatumGetTextPP(comparison.constvalue)) != std::string_view("=");
+  return has_sides ? DEFAULT_INEQ_SEL : k_unknown_share;
+}
 
 double share_of_sample(const CloudLimit& limit, const AttStatsSlot& sample) {
   const int count = sample.nvalues;
@@ -36,6 +49,7 @@ struct Shares {
   double keeping, null;
 };
 
+/// Requires that the symbol compares a point with a limit.
 Shares shares_of(VariableStatData* column, Oid symbol, const CloudLimit& limit) {
   if (!HeapTupleIsValid(column->statsTuple)) return {k_unknown_share, 0.0};
   const double null = reinterpret_cast<Form_pg_statistic>(GETSTRUCT(column->statsTuple))->stanullfrac;
@@ -44,7 +58,7 @@ Shares shares_of(VariableStatData* column, Oid symbol, const CloudLimit& limit) 
   if (statistic_proc_security_check(column, get_opcode(symbol)) &&
       get_attstatsslot(&sample, column->statsTuple, STATISTIC_KIND_HISTOGRAM, InvalidOid,
                        ATTSTATSSLOT_VALUES)) {
-    if (sample.nvalues > 0) share = share_of_sample(limit, sample);
+    if (sample.nvalues > 0 && sample.valuetype == column->atttype) share = share_of_sample(limit, sample);
     free_attstatsslot(&sample);
   }
   return {share * (1.0 - null), null};
@@ -56,6 +70,11 @@ Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
   Shares shares{k_unknown_share, 0.0};
   VariableStatData column;
   Node* other = nullptr;
+  const Oid symbol = PG_GETARG_OID(1);
+  const PGFunction decides = address_of(get_opcode(symbol));
+  const bool is_own = decides == alidade_keeps_limit || decides == alidade_breaks_limit;
+  // Superusers can give any operator this estimate.
+  if (!is_own) PG_RETURN_FLOAT8(k_unknown_share);
   bool is_left = false;
   if (get_restriction_variable(root, arguments, PG_GETARG_INT32(3), &column, &other, &is_left)) {
     if (IsA(other, Const)) {
@@ -64,7 +83,9 @@ Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
         ReleaseVariableStats(column);
         PG_RETURN_FLOAT8(0.0);
       }
-      if (is_left) shares = shares_of(&column, PG_GETARG_OID(1), value_of<CloudLimit>(limit.constvalue));
+      if (is_left) shares = shares_of(&column, symbol, value_of<CloudLimit>(limit.constvalue));
+    } else {
+      shares.keeping = unknown_share(other);
     }
     ReleaseVariableStats(column);
   }

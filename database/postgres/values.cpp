@@ -31,8 +31,8 @@ Six numbers_of(const Bounds& box) {
 Bounds box_of_numbers(const Six& n) {
   const Bounds box{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
   if (box.empty())
-    ereport(ERROR,
-            (errcode(ERRCODE_INVALID_PARAMETER_VALUE), errmsg("least corner of a box is above its largest")));
+    ereport(ERROR, (errcode(ERRCODE_INVALID_PARAMETER_VALUE),
+                    errmsg("least corner of a box has to be at most its largest")));
   return box;
 }
 

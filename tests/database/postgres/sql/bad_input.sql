@@ -78,3 +78,29 @@ COPY binary_values TO :'file' (FORMAT binary);
 COPY copied FROM :'file' (FORMAT binary);
 SELECT (SELECT b::text FROM binary_values b) = (SELECT c::text FROM copied c);
 SELECT cloud_limit_send(l) FROM copied;
+
+-- A direction from a row that has no length is an error also where there is no point, as the manual says.
+SELECT dist_ray(0,0,0, d,0,0, x,y,z) FROM (VALUES (1.0), (0.0)) v(d) LEFT JOIN points ON false;
+-- Who may not execute a function does not, and one that stands for it in plans is not asked for.
+CREATE ROLE stranger;
+GRANT SELECT ON points TO stranger;
+REVOKE EXECUTE ON FUNCTION dist_ray FROM PUBLIC;
+SET ROLE stranger;
+SELECT count(*) FROM points WHERE dist_ray(0,0,0, 1,0,0, x,y,z) <= 100;
+RESET ROLE;
+GRANT EXECUTE ON FUNCTION dist_ray TO PUBLIC;
+REVOKE EXECUTE ON FUNCTION cloud_limit(cloud_ray, text, float8) FROM PUBLIC;
+SET ROLE stranger;
+SELECT count(*) FROM points WHERE dist_ray(0,0,0, 1,0,0, x,y,z) <= 100;
+RESET ROLE;
+REVOKE EXECUTE ON FUNCTION cloud_ray(float8, float8, float8, float8, float8, float8) FROM PUBLIC;
+SET ROLE stranger;
+SELECT count(*) FROM points WHERE dist_ray(0,0,0, 1,0,0, x,y,z) <= 100;
+RESET ROLE;
+DROP OWNED BY stranger;
+DROP ROLE stranger;
+-- The estimate is for limits; a superuser who gives it to another operator gets one all the same.
+CREATE OPERATOR ==== (LEFTARG = integer, RIGHTARG = integer, FUNCTION = int4eq, RESTRICT = cloud_keeping_share);
+CREATE TABLE numbers AS SELECT i FROM generate_series(1, 1000) i;
+ANALYZE numbers;
+SELECT * FROM numbers WHERE i ==== 3;

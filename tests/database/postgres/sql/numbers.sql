@@ -2,7 +2,7 @@
 CREATE EXTENSION alidade_pg;
 CREATE TABLE points(x, y, z) AS SELECT i % 3, i % 2, i FROM generate_series(1, 6) i;
 CREATE VIEW d AS SELECT dist_ray(0,0,0, 0,0,1, x,y,z) AS ray, dist_plane(0,0,3, 0,0,1, x,y,z) AS plane, z FROM points;
-SELECT ray + 1, 2 * ray, -plane, plane / 2.0, plane ^ 2, abs(plane), sqrt(ray), round(ray), round(ray::numeric, 3), plane::int, plane::bigint, ray::real
+SELECT ray + 1, 2 * ray, -plane, plane / 2.0, plane ^ 2, abs(plane), sqrt(ray), round(ray), round(ray::numeric, 3), plane::int, plane::smallint, plane::bigint, ray::real
 FROM d WHERE z = 5;
 SELECT sum(plane), avg(plane), min(plane), max(plane), count(DISTINCT plane), stddev(plane) > 1 FROM d;
 SELECT percentile_cont(0.5) WITHIN GROUP (ORDER BY plane), array_agg(plane ORDER BY plane DESC) FROM d;
@@ -36,3 +36,14 @@ SELECT count(*) FROM (SELECT whole_metres(x,y,z) AS whole FROM quarters OFFSET 0
 CREATE DOMAIN near AS cloud_distance CHECK (VALUE < 5);
 CREATE FUNCTION is_near(v near) RETURNS boolean LANGUAGE sql IMMUTABLE AS 'SELECT v <= 100::float8';
 SELECT count(*) FROM quarters WHERE is_near(dist_ray(0,0,0, 1,0,0, x,y,z));
+-- Stored distances are found by an index on them, and joined as doubles are.
+CREATE TABLE stored AS SELECT i AS id, dist_plane(0,0,0, 1,0,0, i,0,0) AS d FROM generate_series(1, 1000) i;
+CREATE INDEX ON stored(d);
+ANALYZE stored;
+EXPLAIN (COSTS OFF) SELECT id FROM stored WHERE d = 3;
+EXPLAIN (COSTS OFF) SELECT id FROM stored WHERE 3.5 > d;
+SELECT count(*) FILTER (WHERE d < 3), count(*) FILTER (WHERE d <= 3), count(*) FILTER (WHERE d = 3), count(*) FILTER (WHERE d >= 3),
+       count(*) FILTER (WHERE d > 3), count(*) FILTER (WHERE 3 > d), count(*) FILTER (WHERE 3 >= d) FROM stored;
+EXPLAIN (COSTS OFF) SELECT count(*) FROM stored a JOIN stored b USING (d);
+SELECT count(*) FROM stored a JOIN stored b USING (d);
+SELECT count(*) FROM stored a FULL JOIN stored b ON a.d = b.d;
