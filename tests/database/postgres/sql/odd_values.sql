@@ -68,3 +68,10 @@ WHERE (cloud_point(a.x,a.y,a.z) < cloud_point(b.x,b.y,b.z))::int + (cloud_point(
    OR (cloud_point(a.x,a.y,a.z) >= cloud_point(b.x,b.y,b.z)) <> (cloud_point(b.x,b.y,b.z) <= cloud_point(a.x,a.y,a.z));
 SELECT array_agg(p ORDER BY p) FROM (SELECT cloud_point(x,y,z) AS p FROM generate_series(-1, 0) x, generate_series(0, 1) y, generate_series(0, 1) z) s;
 SELECT cloud_point(0,0,0.2e-6) < cloud_point(0,0,0.3e-6), cloud_point(1e15,0,0) < cloud_point(2e15,0,0), cloud_point(1e300,0,0) < cloud_point('NaN',0,0);
+-- A range of pages whose box overflows at one end has a row that matches.
+CREATE TABLE wide(id int, x float8, y float8, z float8);
+INSERT INTO wide VALUES (1, -1e308, 0, 0), (2, 0, 0, 0);
+CREATE INDEX ON wide USING brin (cloud_point(x,y,z));
+SET enable_seqscan = off;
+EXPLAIN (COSTS OFF) SELECT id FROM wide WHERE dist_plane(1e308,0,0, 0,0,1, x,y,z) >= 1000;
+SELECT id FROM wide WHERE dist_plane(1e308,0,0, 0,0,1, x,y,z) >= 1000;
