@@ -7,8 +7,10 @@
 #include <memory>
 
 #include "database/server/server_name.h"
+#include "database/sqlite/sql_tokens.h"
 #include "octree/error.h"
 #include "tools/command.h"
+#include "tools/interrupt.h"
 #include "tools/sql/prompt.h"
 #include "tools/sql_load.h"
 #include "tools/sql_shard_plan.h"
@@ -25,13 +27,32 @@ struct SqlCommand {
 
 /// All of a file; "-" is standard input.
 std::string read_text(const std::filesystem::path& file) {
+  if (file != "-" && std::filesystem::is_directory(file)) {
+    throw Error({.file = file.string(), .problem = "cannot be read", .found = "a folder"});
+  }
   std::ifstream stream(file == "-" ? "/dev/stdin" : file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
   if (!stream) throw Error({.file = file.string(), .problem = "cannot be read"});
+  if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
+    throw Error({.file = file.string(),
+                 .place = text_place(text, nul),
+                 .problem = "a byte that is no text",
+                 .found = "0"});
+  }
   return text;
 }
 
-ExitCode run(const SqlCommand& command) {
+std::unique_ptr<Connection> open_for_reading(const std::filesystem::path& database) {
+  try {
+    return std::make_unique<Connection>(database, Connection::Mode::read, interrupted);
+  } catch (const Error&) {
+    // Such as that the file is locked, once nobody waits any more.
+    if (interrupted()) throw Cancelled();
+    throw;
+  }
+}
+
+ExitCode run(const SqlCommand& command, bool has_statement) {
   if (command.database.empty()) {
     throw Error({.problem = "no database is given",
                  .expected = "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB"});
@@ -47,13 +68,15 @@ ExitCode run(const SqlCommand& command) {
                                     : RowForm::table,
              .explain = command.explain};
   for (const std::string& text : command.parameters) run.parameters.push_back(parse_sql_parameter(text));
-  const Connection connection(command.database, Connection::Mode::read);
-  if (!command.statement.empty() && command.statement != "-") {
+  const std::unique_ptr<Connection> opened = open_for_reading(command.database);
+  const Connection& connection = *opened;
+  // An empty statement is one, too: what a script puts there may be empty, and nobody would type at a prompt.
+  if (has_statement && command.statement != "-") {
     run_statements(connection, command.statement, "statement", std::move(run));
     return ExitCode::done;
   }
   const bool on_terminal = ::isatty(STDIN_FILENO) == 1 && ::isatty(STDOUT_FILENO) == 1;
-  if (command.file.empty() && command.statement.empty() && on_terminal) {
+  if (command.file.empty() && !has_statement && on_terminal) {
     run_prompt(connection, command.database.string(), std::move(run));
     return ExitCode::done;
   }
@@ -76,7 +99,7 @@ Command add_sql(CLI::App& program) {
       ->option_text("FILE")
       ->excludes(statement);
   sql->add_option("--param", command->parameters,
-                  "value for ? (by its place) or, as name=VALUE, for :name; NULL, a number or text")
+                  "value for ? (in their order) or, as name=VALUE, for :name; NULL, a number or text")
       ->option_text("VALUE")
       ->allow_extra_args(false);
   CLI::Option* const csv =
@@ -112,10 +135,11 @@ Command add_sql(CLI::App& program) {
       "  alidade sql site.db \"SELECT avg(z) FROM points WHERE x BETWEEN ? AND ?\" --param 10 --param 20 "
       "--csv\n");
   const std::vector<Command> parts = {add_sql_load(*sql), add_sql_shard_plan(*sql)};
-  return {
-      sql,
-      [command, parts, sql] { return sql->get_subcommands().empty() ? run(*command) : run_chosen(parts); },
-      parts};
+  return {sql,
+          [command, parts, sql, statement] {
+            return sql->get_subcommands().empty() ? run(*command, statement->count() > 0) : run_chosen(parts);
+          },
+          parts};
 }
 
 }  // namespace alidade

@@ -1,13 +1,28 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/connection.h"
 
+#include <utility>
+
 #include "database/sqlite/cloud_table.h"
 #include "database/sqlite/functions.h"
 #include "database/sqlite/statement.h"
 
 namespace alidade {
+namespace {
 
-Connection::Connection(const std::filesystem::path& file, Mode mode) {
+/// Waits a moment for who holds the file. 0 if it has waited long enough.
+int wait_for_others(void* is_given_up, int waits_before) {
+  constexpr int k_milliseconds = 10, k_most_waits = 1000;
+  const auto& stop = *static_cast<const std::function<bool()>*>(is_given_up);
+  if (waits_before >= k_most_waits || (stop && stop())) return 0;
+  sqlite3_sleep(k_milliseconds);
+  return 1;
+}
+
+}  // namespace
+
+Connection::Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up)
+    : is_given_up_(std::move(is_given_up)) {
   const int flags = mode == Mode::read    ? SQLITE_OPEN_READONLY
                     : mode == Mode::write ? SQLITE_OPEN_READWRITE
                                           : SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE;
@@ -24,9 +39,7 @@ Connection::Connection(const std::filesystem::path& file, Mode mode) {
     // What others put into a file, such as views and triggers, may do nothing but ask.
     sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     if (mode == Mode::read) sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
-    // Whoever reads or writes in the meantime is waited for.
-    constexpr int k_milliseconds = 10'000;
-    sqlite3_busy_timeout(database_, k_milliseconds);
+    sqlite3_busy_handler(database_, wait_for_others, &is_given_up_);
     // Opening looks at nothing; a file that is no database shows here.
     Statement(database_, "SELECT count(*) FROM sqlite_schema").step();
   } catch (...) {

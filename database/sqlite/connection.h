@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 
 #include "database/sqlite/scan_reads.h"
 #include "database/sqlite/sqlite_api.h"
@@ -14,8 +15,9 @@ class Connection {
  public:
   enum class Mode { read, write, create };
 
+  /// While others write, each statement waits for them for up to 10 s, or until `is_given_up` says so.
   /// Errors: the file cannot be opened, or is no database.
-  Connection(const std::filesystem::path& file, Mode mode);
+  Connection(const std::filesystem::path& file, Mode mode, std::function<bool()> is_given_up = {});
   ~Connection() { sqlite3_close(database_); }
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -26,6 +28,7 @@ class Connection {
 
  private:
   ScanReads reads_;
+  std::function<bool()> is_given_up_;
   sqlite3* database_ = nullptr;
 };
 

@@ -27,7 +27,7 @@ class Terminal {
     ::setenv("XDG_STATE_HOME", state.c_str(), 1);
     ::setenv("TERM", "xterm", 1);
     if (::chdir(folder.c_str()) != 0) ::_exit(125);
-    ::execl(program.c_str(), program.c_str(), "sql", database.c_str(), nullptr);
+    ::execl(program.c_str(), program.c_str(), "sql", database.c_str(), "--param", "more=25", nullptr);
     ::_exit(126);
   }
   ~Terminal() {
@@ -103,9 +103,13 @@ TEST_F(SqlPromptTest, statements_are_typed_edited_and_called_back) {
     ASSERT_TRUE(terminal.shows("", k_prompt));
     EXPECT_TRUE(terminal.edits("SELECT 4000 +\n", "...> "));
     EXPECT_TRUE(terminal.edits("23;\n", "4023"));
+    EXPECT_TRUE(terminal.edits("SELECT 4000 + :more;\n", "4025"));
     EXPECT_TRUE(terminal.edits(".mode csv\n", k_prompt));
     EXPECT_TRUE(terminal.edits(".tables\n", "points,cloud"));
     EXPECT_TRUE(terminal.edits(".schema POINTS\n", "points,x,REAL"));
+    EXPECT_TRUE(terminal.edits("/* not run\n", "...> "));
+    EXPECT_TRUE(terminal.edits("SELECT 70 + 7;\n", "...> "));
+    EXPECT_TRUE(terminal.edits("*/ SELECT 4000 + 24;\n", "4024"));
     EXPECT_TRUE(terminal.edits(".frob\n", "no such command"));
     EXPECT_TRUE(terminal.edits("SELECT idd;\n", "statement:1:8: no such column: idd"));
     EXPECT_TRUE(

@@ -70,12 +70,97 @@ TEST_F(SqlTest, why_a_statement_is_not_rewritten_is_explained) {
 
 TEST_F(SqlTest, parameters_are_values_and_no_sql) {
   write("ask.sql", "SELECT ? AS a, ? AS b, ? AS c;\nSELECT ?2 AS d, typeof(?3) AS g, :text AS e, ?1 AS f");
-  const std::string evil = "1); DROP TABLE points; --";
+  const std::string evil = "'); DROP TABLE points; --";
   const ProgramResult result = sql({"--file", "ask.sql", "--json", "--param", "1.5", "--param", evil,
                                     "--param", "NULL", "--param", "text='12', \"x\""});
   EXPECT_EQ(result.err, "");
   EXPECT_EQ(result.out, "[{\"a\":1.5,\"b\":\"" + evil + "\",\"c\":null}]\n[{\"d\":\"" + evil +
                             "\",\"g\":\"null\",\"e\":\"'12', \\\"x\\\"\",\"f\":1.5}]\n");
+}
+
+TEST_F(SqlTest, parameters_that_read_as_numbers_are_numbers) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"0.5", "0.5"},
+      {"+0.5", "0.5"},
+      {" 0.5 ", "0.5"},
+      {"-.5", "-0.5"},
+      {"7.", "7.0"},
+      {"1e-400", "0.0"},
+      {"-1e999", "-inf"},
+      {"+12", "12"},
+      {"9223372036854775807", "9223372036854775807"},
+      {"1e2", "100.0"},
+      {"'12'", "12 text"},
+      {"9223372036854775808", "9.223372036854776e+18"},
+      {"inf", "inf text"},
+      {"nan", "nan text"},
+      {"infinity", "infinity text"},
+      {"nan(1)", "nan(1) text"},
+      {"'it''s'", "it's text"},
+      {"it's", "it's text"},
+      {"", " text"}};
+  for (const auto& [value, expected] : cases) {
+    const ProgramResult result =
+        sql({"SELECT a || iif(typeof(a) = 'text', ' text', '') AS a FROM (SELECT ? AS a)", "--json",
+             "--param", value});
+    const ProgramResult number = sql({"SELECT ? AS a", "--csv", "--param", value});
+    EXPECT_EQ(result.err, "") << value;
+    if (expected.ends_with(" text"))
+      EXPECT_EQ(result.out, "[{\"a\":\"" + expected + "\"}]\n") << value;
+    else
+      EXPECT_EQ(number.out, "a\n" + expected + "\n") << value;
+  }
+  for (const std::string value : {"0x1", "0,5", "1 2", "2026-11-23", "1e", "-", ".", "- 1", "+'1'"}) {
+    const ProgramResult result = sql({"SELECT 1 WHERE 2 <= ?", "--csv", "--param", value});
+    EXPECT_EQ(result.exit_code, 2) << value;
+    EXPECT_EQ(result.out, "") << value;
+    EXPECT_TRUE(contains(result.err,
+                         "--param: begins like a number and is none; expected a number, or text in "
+                         "quotes: \"'TEXT'\", found " +
+                             value))
+        << result.err;
+  }
+}
+
+TEST_F(SqlTest, parameters_without_and_with_names_may_stand_in_one_statement) {
+  const ProgramResult named = sql({"SELECT :a AS a, ? AS b, @c AS c, ? AS d", "--json", "--param", "a=1",
+                                   "--param", "2", "--param", "c=3", "--param", "4"});
+  EXPECT_EQ(named.err, "");
+  EXPECT_EQ(named.out, "[{\"a\":1,\"b\":2,\"c\":3,\"d\":4}]\n");
+  const ProgramResult numbered =
+      sql({"SELECT ?2 AS a, :b AS b, ?1 AS c", "--json", "--param", "1", "--param", "2", "--param", "b=3"});
+  EXPECT_EQ(numbered.err, "");
+  EXPECT_EQ(numbered.out, "[{\"a\":2,\"b\":3,\"c\":1}]\n");
+}
+
+TEST_F(SqlTest, an_empty_statement_is_one) {
+  const ProgramResult result = run_with_input({"sql", "site.db", "", "--csv"}, "SELECT 7");
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.out, "");
+}
+
+TEST_F(SqlTest, what_is_stored_cannot_move_the_cursor) {
+  const ProgramResult result =
+      sql({"SELECT char(0x9b) || '31m' AS a, cast(x'9b' AS text) AS b, char(0x202e, 0x2066) AS c, "
+           "cast(x'41e282' AS text) AS "
+           "d, 'é€𝄞' AS e"});
+  EXPECT_EQ(result.err, "");
+  EXPECT_EQ(result.out,
+            "a          b     c             d          e\n"
+            "---------  ----  ------------  ---------  ---\n"
+            "\\u009b31m  \\x9b  \\u202e\\u2066  A\\xe2\\x82  é€𝄞\n");
+}
+
+TEST_F(SqlTest, ctrl_c_ends_waiting_for_who_writes) {
+  const Connection writer(folder / "site.db", Connection::Mode::write);
+  alidade::run(writer.get(), "BEGIN EXCLUSIVE");
+  Program program({"sql", "site.db", "SELECT 1"}, folder);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  program.send(SIGINT);
+  const ProgramResult result = program.wait();
+  EXPECT_EQ(result.exit_code, 130);
+  EXPECT_FALSE(contains(result.err, "locked")) << result.err;
 }
 
 TEST_F(SqlTest, files_may_begin_with_a_byte_order_mark) {
@@ -109,6 +194,7 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
   write("broken.db", "no database at all, but long enough to be looked at by whoever opens such files");
   alidade::run(Connection(folder / "site.db", Connection::Mode::write).get(), "CREATE TABLE notes(text)");
   const std::string whole = read("site.db");
+  write("nul.sql", std::string("SELECT 1 AS a;\0SELECT 2", 23));
   write("short.db", whole.substr(0, whole.size() / 2));
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
       {{"site.db", "SELECT 1; SELEC 2"},
@@ -126,6 +212,8 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
        "site.db: dist_ray: ray direction has length zero"},
       {{"site.db", "SELECT 1", "--file", "x.sql"}, "--file"},
       {{"site.db", "--file", "x.sql"}, "x.sql: cannot be read"},
+      {{"site.db", "--file", "."}, ".: cannot be read; found a folder"},
+      {{"site.db", "--file", "nul.sql"}, "nul.sql:1:15: a byte that is no text; found 0"},
       {{"none.db", "SELECT 1"}, "none.db: unable to open database file"},
       {{"broken.db", "SELECT 1"}, "broken.db: file is not a database"},
       {{"short.db", "SELECT count(*) FROM points"}, "short.db: "},
@@ -142,7 +230,7 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
     EXPECT_TRUE(contains(result.err, message)) << message << "\n" << result.err;
     EXPECT_FALSE(contains(result.err, "secret")) << result.err;
   }
-  EXPECT_EQ(names(), (std::vector<std::string>{"broken.db", "short.db", "site.db"}));
+  EXPECT_EQ(names(), (std::vector<std::string>{"broken.db", "nul.sql", "short.db", "site.db"}));
   EXPECT_EQ(read("site.db"), whole);
 }
 

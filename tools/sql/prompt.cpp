@@ -40,7 +40,10 @@ constexpr const char* k_columns =
 class Prompt {
  public:
   Prompt(const Connection& connection, SqlRun run)
-      : connection_(connection), run_(std::move(run)), editor_(sql_history_file()) {}
+      : connection_(connection), run_(std::move(run)), editor_(sql_history_file()) {
+    // Those of one statement may not be those of the next.
+    run_.are_all_used = false;
+  }
 
   void run() {
     while (!is_done_) {
@@ -64,7 +67,8 @@ class Prompt {
         return;
       }
       typed_ += line + "\n";
-      if (sql_tokens(typed_).empty()) typed_.clear();
+      const bool is_in_comment = sqlite3_complete((typed_ + ";").c_str()) == 0;
+      if (sql_tokens(typed_).empty() && !is_in_comment) typed_.clear();
       if (sqlite3_complete(typed_.c_str()) != 0)
         run_statements(connection_, std::exchange(typed_, {}), "statement", run_);
     } catch (const Error& error) {

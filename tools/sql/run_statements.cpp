@@ -43,6 +43,10 @@ std::vector<Prepared> prepare_all(sqlite3* database, const std::string& text, co
     end = begin + statements.back().size;
     bind_parameters(statement, parameters);
   }
+  return statements;
+}
+
+void refuse_unused(const std::vector<SqlParameter>& parameters) {
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     if (parameters[i].is_used) continue;
     throw Error({.file = "--param",
@@ -50,7 +54,6 @@ std::vector<Prepared> prepare_all(sqlite3* database, const std::string& text, co
                                 ? fmt::format("value {} belongs to no parameter of a statement", i + 1)
                                 : fmt::format("no statement has a parameter :{}", parameters[i].name)});
   }
-  return statements;
 }
 
 std::string share(std::uint64_t part, std::uint64_t all) {
@@ -106,8 +109,15 @@ void run_statements(const Connection& connection, const std::string& text, const
   constexpr int k_steps = 1000;
   sqlite3_progress_handler(
       connection.get(), k_steps, [](void*) { return interrupted() ? 1 : 0; }, nullptr);
-  for (Prepared& prepared : prepare_all(connection.get(), text, file, run.parameters))
-    run_one(connection, prepared, run);
+  try {
+    std::vector<Prepared> statements = prepare_all(connection.get(), text, file, run.parameters);
+    if (run.are_all_used) refuse_unused(run.parameters);
+    for (Prepared& prepared : statements) run_one(connection, prepared, run);
+  } catch (const Error&) {
+    // Such as that the file is locked, once nobody waits any more.
+    if (interrupted()) throw Cancelled();
+    throw;
+  }
 }
 
 }  // namespace alidade

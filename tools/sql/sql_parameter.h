@@ -12,15 +12,20 @@ namespace alidade {
 
 /// A value for a parameter of a statement. It is bound, and never part of the statement's text.
 struct SqlParameter {
+  using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
+
   std::string name;  ///< without its sign; empty if it is bound by its place
-  std::variant<std::monostate, std::int64_t, double, std::string> value;
+  Value value;
   bool is_used = false;
 };
 
-/// "1.5", "name=value". A value is NULL, a number, 'text', or else text as it stands.
+/// "1.5", "name=value". A value is NULL, a decimal number as in SQL (blanks around it and a plus do not
+/// matter), 'text' with quotes in it written twice, or else text as it stands. Errors: text without quotes
+/// that begins like a number, with a digit, dot or sign.
 SqlParameter parse_sql_parameter(const std::string& text);
 
-/// Gives all parameters of a statement their values: ?, ?1 and ?2 those without a name in their order, :name,
+/// Gives all parameters of a statement their values: ? those without a name in their order, ?2 the second one
+/// of these, :name,
 /// @name and $name those of that name. Errors: one has no value.
 void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& parameters);
 

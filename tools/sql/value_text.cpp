@@ -7,7 +7,27 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "database/utf8_text.h"
+
 namespace alidade {
+namespace {
+
+/// The code in Unicode of what is one letter of UTF-8.
+unsigned letter_code(std::string_view letter) {
+  const auto byte = [&](std::size_t place) { return static_cast<unsigned char>(letter[place]); };
+  if (letter.size() == 1) return byte(0);
+  unsigned code = byte(0) & (0x7fu >> letter.size());
+  for (std::size_t place = 1; place < letter.size(); ++place) code = code << 6 | (byte(place) & 0x3fu);
+  return code;
+}
+
+/// Whether terminals take a letter beyond ASCII as a command, or as one that turns the direction of writing.
+bool is_command(unsigned code) {
+  return (code >= 0x80 && code <= 0x9f) || (code >= 0x202a && code <= 0x202e) ||
+         (code >= 0x2066 && code <= 0x2069);
+}
+
+}  // namespace
 
 std::string real_text(double value) {
   std::string text = fmt::format("{}", value);
@@ -43,12 +63,17 @@ std::string json_text(std::string_view text) {
 
 std::string line_text(std::string_view text) {
   std::string line;
-  for (const char letter : text) {
-    const auto code = static_cast<unsigned char>(letter);
-    if (letter == '\n')
+  while (!text.empty()) {
+    const std::size_t size = utf8_letter_size(text);
+    const std::string_view letter = text.substr(0, std::max<std::size_t>(size, 1));
+    text.remove_prefix(letter.size());
+    const unsigned code = size == 0 ? static_cast<unsigned char>(letter.front()) : letter_code(letter);
+    if (code == '\n')
       line += "\\n";
-    else if (code < 0x20 || code == 0x7f)
+    else if (size == 0 || code < 0x20 || code == 0x7f)
       line += fmt::format("\\x{:02x}", code);
+    else if (is_command(code))
+      line += fmt::format("\\u{:04x}", code);
     else
       line += letter;
   }

@@ -17,7 +17,8 @@ std::string value_text(sqlite3_stmt* statement, int column);
 /// Between quotes, for JSON. Bytes that are no UTF-8 become U+FFFD.
 std::string json_text(std::string_view text);
 
-/// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b.
+/// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b,
+/// \u009b, bytes that are no UTF-8 as \xff, and letters that turn the direction of writing as \u202e.
 std::string line_text(std::string_view text);
 
 /// How many letters a text of UTF-8 has.
