@@ -32,17 +32,25 @@ int read_byte() {
 }
 
 /// The next letter, which libedit takes as its code in Unicode. Left to itself it would wait on after Ctrl-C.
+/// Bytes that are no UTF-8 are U+FFFD, or nothing if a key comes where the letter should go on.
 int read_letter(FILE*) {
-  const int first = read_byte();
-  if (first < 0xc0) return first;
-  const int length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
-  int code = first & (0x7f >> length);
-  for (int i = 1; i < length; ++i) {
-    const int next = read_byte();
-    if (next == EOF) return EOF;
-    code = code << 6 | (next & 0x3f);
+  constexpr int k_no_letter = 0xfffd;
+  int code = 0, missing = 0;
+  while (true) {
+    const int byte = read_byte();
+    if (byte == EOF || byte < 0x80) return byte;
+    if (byte >= 0xf8) return k_no_letter;
+    if (byte >= 0xc0) {
+      missing = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
+      code = byte & (0x3f >> missing);
+      continue;
+    }
+    if (missing == 0) return k_no_letter;
+    code = code << 6 | (byte & 0x3f);
+    if (--missing > 0) continue;
+    const bool is_letter = code >= 0x80 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
+    return is_letter ? code : k_no_letter;
   }
-  return code;
 }
 
 std::optional<std::string> read_plain_line(const std::string& prompt) {
