@@ -39,6 +39,8 @@ Connection::Connection(const std::filesystem::path& file, Mode mode, std::functi
     // What others put into a file, such as views and triggers, may do nothing but ask.
     sqlite3_db_config(database_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
     if (mode == Mode::read) sqlite3_db_config(database_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    // A misspelt "name" would else be text, which is above every number.
+    sqlite3_db_config(database_, SQLITE_DBCONFIG_DQS_DML, 0, nullptr);
     sqlite3_busy_handler(database_, wait_for_others, &is_given_up_);
     // Opening looks at nothing; a file that is no database shows here.
     Statement(database_, "SELECT count(*) FROM sqlite_schema").step();

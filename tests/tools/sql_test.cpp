@@ -202,6 +202,8 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
       {{"site.db", "SELECT 1;\nSELECT idd FROM points"}, "statement:2:8: no such column: idd"},
       {{"site.db", "SELECT 1; SELECT 1 FROM nowhere"}, "statement: no such table: nowhere"},
       {{"site.db", "WITH a AS (SELECT 1) DELETE FROM notes"}, "a statement that writes"},
+      {{"site.db", "SELECT count(*) FROM points WHERE \"intensitty\" > 5"},
+       "statement:1:35: no such column: intensitty"},
       {{"site.db", "VACUUM INTO 'copy.db'"}, "found VACUUM"},
       {{"site.db", "ATTACH 'new.db' AS n"}, "found ATTACH"},
       {{"site.db", "PRAGMA journal_mode = WAL"}, "found PRAGMA"},
