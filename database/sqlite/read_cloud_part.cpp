@@ -17,8 +17,8 @@ std::vector<ChunkPlace> wanted_chunks(ChunkStore& store, std::span<const PointFi
   for (const PointFilter& filter : any_of)
     std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
   std::ranges::sort(chunks, {}, &ChunkPlace::id);
-  const auto twice = std::ranges::unique(chunks, {}, &ChunkPlace::id);
-  chunks.erase(twice.begin(), twice.end());
+  const auto is_same = [](const ChunkPlace& one, const ChunkPlace& other) { return one.id == other.id; };
+  chunks.erase(std::unique(chunks.begin(), chunks.end(), is_same), chunks.end());
   return chunks;
 }
 
