@@ -12,8 +12,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <memory>
 #include <utility>
+#include <vector>
 
 #include "database/point_stream.h"
 #include "database/sqlite/box_tree.h"
@@ -73,27 +73,31 @@ void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWrite
   constexpr int k_most_groups = 16;
   const auto groups_at_once =
       static_cast<std::size_t>(std::min(2 * tbb::this_task_arena::max_concurrency() + 1, k_most_groups));
+  struct Group {
+    PickedPoints picked;
+    EncodedChunks chunks;
+  };
+  // Owned here, since the pipeline forgets what it holds when it is cancelled. They end in their order, so
+  // the one whose place is taken has been written.
+  std::vector<Group> groups(groups_at_once);
+  std::size_t begun = 0;
   std::uint64_t done = 0;
   tbb::parallel_pipeline(
       groups_at_once,
-      tbb::make_filter<void, std::shared_ptr<PickedPoints>>(tbb::filter_mode::serial_in_order,
-                                                            [&](tbb::flow_control& control) {
-                                                              auto picked = std::make_shared<PickedPoints>(
-                                                                  points.next(group));
-                                                              if (picked->picks.empty()) control.stop();
-                                                              return picked;
-                                                            }) &
-          tbb::make_filter<std::shared_ptr<PickedPoints>, std::shared_ptr<EncodedChunks>>(
-              tbb::filter_mode::parallel,
-              [&](const std::shared_ptr<PickedPoints>& picked) {
-                return std::make_shared<EncodedChunks>(encode(encoding, *picked));
-              }) &
-          tbb::make_filter<std::shared_ptr<EncodedChunks>, void>(
-              tbb::filter_mode::serial_in_order, [&](const std::shared_ptr<EncodedChunks>& chunks) {
-                writer.write(*chunks);
-                done += chunks->positions.size();
-                report(progress, done, points.size());
-              }));
+      tbb::make_filter<void, Group*>(tbb::filter_mode::serial_in_order, [&](tbb::flow_control& control) {
+        Group& next = groups[begun++ % groups.size()];
+        next.picked = points.next(group);
+        if (next.picked.picks.empty()) control.stop();
+        return &next;
+      }) & tbb::make_filter<Group*, Group*>(tbb::filter_mode::parallel, [&](Group* now) {
+        now->chunks = encode(encoding, now->picked);
+        now->picked = PickedPoints();
+        return now;
+      }) & tbb::make_filter<Group*, void>(tbb::filter_mode::serial_in_order, [&](Group* now) {
+        writer.write(now->chunks);
+        done += now->chunks.positions.size();
+        report(progress, done, points.size());
+      }));
 }
 
 /// Inside a transaction, which ends when it returns, and is undone if it throws.
