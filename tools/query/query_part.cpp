@@ -32,12 +32,13 @@ PointFilter filter_of(const Target& target, double radius, const Bounds& within)
   return filter;
 }
 
-}  // namespace
-
+/// Whether the only cloud lies in a database that can be asked for a part of it.
 bool lies_in_asked_database(const QueryCommand& command) {
   return command.files.size() == 1 && !command.partial && !command.max_level &&
          has_parts(command.files.front());
 }
+
+}  // namespace
 
 template <class Target>
 std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,

@@ -9,9 +9,6 @@
 
 namespace alidade {
 
-/// Whether the only cloud lies in a database that can be asked for a part of it.
-bool lies_in_asked_database(const QueryCommand& command);
-
 /// What answers can come from of a cloud that lies in a database, from a first look through the targets;
 /// empty if that is all of it, or cannot be known: without a radius, for targets that come through a pipe,
 /// and for levels. Errors: those of targets, and of the database.

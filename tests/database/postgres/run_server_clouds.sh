@@ -5,18 +5,10 @@ set -euo pipefail
 extension=$(realpath -- "$1") program=$(realpath -- "$3")
 cd -- "$(dirname -- "$0")"
 source private_cluster.sh
+source expect.sh
 export LC_ALL=C PGOPTIONS='' PGUSER=postgres PGPASSFILE=/nowhere
 unset PGPASSWORD PGHOST PGPORT PGDATABASE
 cluster_begin "$extension" "$2"
-failures=0
-
-# expect NAME WANTED FOUND
-expect() {
-  if [[ $2 != "$3" ]]; then
-    printf 'FAILED: %s\nexpected: %s\nfound:    %s\n' "$1" "$2" "$3" >&2
-    failures=$((failures + 1))
-  fi
-}
 
 # expect_part NAME TEXT FOUND: the text stands in it
 expect_part() {

@@ -6,17 +6,9 @@ set -euo pipefail
 extension=$(realpath -- "$1") program=$(realpath -- "$3")
 cd -- "$(dirname -- "$0")"
 source private_cluster.sh
+source expect.sh
 export LC_ALL=C PGOPTIONS='' PGUSER=postgres
 cluster_begin "$extension" "$2"
-failures=0
-
-# expect NAME WANTED FOUND
-expect() {
-  if [[ $2 != "$3" ]]; then
-    printf 'FAILED: %s\nexpected: %s\nfound:    %s\n' "$1" "$2" "$3" >&2
-    failures=$((failures + 1))
-  fi
-}
 
 # expect_part NAME PATTERN COUNT TEXT: the pattern stands in so many lines
 expect_part() { expect "$1: $2" "$3" "$(grep -c -E -e "$2" <<<"$4" || true)"; }
