@@ -16,7 +16,7 @@
 #include <tuple>
 
 #include "compare/report.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "compare/tidy_pixels.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -19,7 +19,7 @@
 #include "compare/histogram.h"
 #include "compare/image_mask.h"
 #include "compare/layer_metrics.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 // The whole run: two files in, one result out. Thresholds, JSON and reports are made of it.
 //

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "compare/logarithm.h"
+#include "base/logarithm.h"
 #include "compare/row_sums.h"
 #include "compare/srgb_curve.h"
 

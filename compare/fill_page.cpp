@@ -3,7 +3,7 @@
 #include <cassert>
 
 #include "compare/page_parts.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 
 namespace alidade {
 

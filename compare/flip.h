@@ -7,8 +7,8 @@
 
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
-#include "octree/progress.h"
-#include "octree/simd/instruction_set.h"
+#include "base/progress.h"
+#include "base/instruction_set.h"
 
 namespace alidade {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "compare/logarithm.h"
-#include "octree/error.h"
+#include "base/logarithm.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compare/flip_filters.h"
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 
 namespace alidade {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "compare/float_ranks.h"
-#include "compare/logarithm.h"
+#include "base/logarithm.h"
 #include "compare/pair_pixels.h"
 #include "renderer/image_display.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "compare/row_sums.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <map>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

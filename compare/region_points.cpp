@@ -8,7 +8,7 @@
 
 #include "octree/cloud/append_rows.h"
 #include "octree/cloud/attribute_columns.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 

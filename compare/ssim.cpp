@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "compare/logarithm.h"
+#include "base/logarithm.h"
 #include "compare/pair_pixels.h"
 #include "compare/ssim_tile.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "compare/ssim_tile.h"
 
-#include "compare/logarithm.h"
+#include "base/logarithm.h"
 
 namespace alidade {
 namespace {

@@ -7,8 +7,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "octree/error.h"
-#include "renderer/json_reader.h"
+#include "base/error.h"
+#include "base/json.h"
 
 namespace alidade {
 namespace {

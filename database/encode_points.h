@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "database/point_stream.h"
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/spread_colors.h"
 
 namespace alidade {

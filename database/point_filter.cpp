@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "octree/bounds_meet.h"
+#include "base/bounds_meet.h"
 #include "octree/distance.h"
 
 namespace alidade {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "octree/bounds.h"
-#include "octree/interval.h"
+#include "base/bounds.h"
+#include "base/interval.h"
 #include "octree/plane.h"
 #include "octree/ray.h"
 
@@ -38,7 +38,7 @@ struct PointFilter {
 bool holds(const PointFilter& filter, const glm::dvec3& point);
 
 /// False only if it holds for no point of the box, to the last bit: the paper's pruning of chunks by bounds
-/// of a distance over their boxes (section 4.2), with the bounds of octree/interval.h.
+/// of a distance over their boxes (section 4.2), with the bounds of base/interval.h.
 bool may_hold(const PointFilter& filter, const Bounds& box);
 
 }  // namespace alidade

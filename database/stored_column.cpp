@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "database/utf8_text.h"
+#include "base/utf8_text.h"
 #include "octree/cloud/attribute_columns.h"
 
 namespace alidade {

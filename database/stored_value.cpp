@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "octree/candidate.h"
 #include "octree/check_query.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/point_spacing.h"
 
 namespace alidade::brute_force {

@@ -3,8 +3,8 @@
 
 #include "octree/cloud/point_cloud.h"
 #include "octree/octree.h"
-#include "octree/progress.h"
-#include "octree/simd/instruction_set.h"
+#include "base/progress.h"
+#include "base/instruction_set.h"
 
 namespace alidade {
 

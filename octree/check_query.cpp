@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/octree.h"
 #include "octree/segment.h"
 

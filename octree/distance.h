@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "octree/interval.h"
+#include "base/interval.h"
 #include "octree/plane.h"
 #include "octree/ray.h"
 
@@ -15,7 +15,7 @@
 // is compiled, otherwise a fused multiply-add rounds differently from machine to machine.
 //
 // A function of a box gives bounds on what the function of the same name gives for any point inside, see
-// octree/interval.h: it repeats the same operations in the same order. Change one, change both.
+// base/interval.h: it repeats the same operations in the same order. Change one, change both.
 
 namespace alidade {
 

@@ -10,8 +10,8 @@
 
 #include "octree/check_tree.h"
 #include "octree/cloud/cloud_database.h"
-#include "octree/error.h"
-#include "octree/huge_array.h"
+#include "base/error.h"
+#include "base/huge_memory.h"
 #include "octree/index_metadata.h"
 #include "octree/index_sections.h"
 

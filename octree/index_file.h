@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/point_cloud.h"
 #include "octree/index_header.h"
 #include "octree/octree.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 // Index files (.alidade): the octree over a cloud with all attributes of its points and all that the cloud's
 // files said about themselves, so that one file takes the place of the LAS and is asked without building

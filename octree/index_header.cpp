@@ -7,11 +7,11 @@
 #include <bit>
 #include <cmath>
 
-#include "octree/checksum.h"
-#include "octree/cloud/byte_order.h"
+#include "base/checksum.h"
+#include "base/byte_order.h"
 #include "octree/cloud/point_cloud.h"
-#include "octree/error.h"
-#include "octree/header_fields.h"
+#include "base/error.h"
+#include "base/bytes.h"
 #include "octree/point_spacing.h"
 
 // Byte positions below are those of docs/index_file.md.

@@ -3,8 +3,8 @@
 
 #include <fmt/format.h>
 
-#include "octree/cloud/byte_order.h"
-#include "octree/error.h"
+#include "base/byte_order.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -9,8 +9,8 @@
 #include <limits>
 #include <mutex>
 
-#include "octree/checksum.h"
-#include "octree/error.h"
+#include "base/checksum.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -7,10 +7,10 @@
 #include <span>
 #include <string>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/index_header.h"
-#include "octree/mapped_file.h"
-#include "octree/progress.h"
+#include "base/mapped_file.h"
+#include "base/progress.h"
 
 namespace alidade {
 

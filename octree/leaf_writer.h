@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "octree/huge_array.h"
+#include "base/huge_memory.h"
 #include "octree/octree.h"
 #include "octree/sort_entry.h"
 

@@ -7,10 +7,10 @@
 #include <glm/vec3.hpp>
 #include <memory>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/lattice.h"
 #include "octree/node.h"
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 
 namespace alidade {
 

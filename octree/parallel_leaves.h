@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "octree/tree_walk.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/unit_direction.h"
 
 namespace alidade {

@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "octree/answer_target.h"
-#include "octree/huge_array.h"
+#include "base/huge_memory.h"
 #include "octree/parallel_leaves.h"
 #include "octree/slot_spacings.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "octree/octree.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "octree/query.h"
 
 // How far the points of a cloud stand from each other, point by point: what RayQuery::spacing_factor makes

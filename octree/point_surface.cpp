@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "octree/huge_array.h"
+#include "base/huge_memory.h"
 #include "octree/local_plane.h"
 #include "octree/packed_normal.h"
 #include "octree/parallel_leaves.h"

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 
 #include "octree/octree.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 // The surface that each point of a cloud was measured on: what makes discs of points.
 //

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cone.h"
 #include "octree/hit.h"
 #include "octree/path.h"

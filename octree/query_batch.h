@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "octree/check_query.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 // Many targets at once: in parallel, answered in their order, with errors that name the target.
 

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/unit_direction.h"
 
 namespace alidade {

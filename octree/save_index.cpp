@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include "octree/checksum.h"
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/checksum.h"
+#include "base/output_file.h"
+#include "base/error.h"
 #include "octree/index_file.h"
 #include "octree/index_metadata.h"
 

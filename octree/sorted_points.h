@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "octree/cloud/lattice.h"
-#include "octree/huge_array.h"
+#include "base/huge_memory.h"
 #include "octree/morton.h"
-#include "octree/page_release.h"
+#include "base/page_release.h"
 #include "octree/sort_entry.h"
 
 namespace alidade {

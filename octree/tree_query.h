@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "octree/bounds.h"
-#include "octree/interval.h"
+#include "base/bounds.h"
+#include "base/interval.h"
 
 // Algorithm 1 of the paper (Teuscher et al. 2026, section 3), once for every tree and every target.
 //
@@ -59,7 +59,7 @@ struct Reach {
 enum class DistanceBound {
   none,
   sphere,  ///< eq. 3, of rays and cones; other targets take `box`
-  box,     ///< the formula of the distance on intervals (octree/interval.h): tighter, and as cheap
+  box,     ///< the formula of the distance on intervals (base/interval.h): tighter, and as cheap
 };
 
 /// The pruning mechanisms of section 3.3; each can be switched off to see what it gains. Answers stay the

@@ -11,7 +11,7 @@
 #include <numbers>
 
 #include "renderer/camera/projection.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/ray.h"
 #include "renderer/scene.h"
 

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cstring>
 
-#include "octree/checksum.h"
-#include "octree/cloud/byte_order.h"
-#include "octree/cloud/output_file.h"
+#include "base/checksum.h"
+#include "base/byte_order.h"
+#include "base/output_file.h"
 #include "renderer/checkpoint_head.h"
 
 namespace alidade {

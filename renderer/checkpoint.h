@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "renderer/picture_identity.h"
 #include "renderer/picture_state.h"
 

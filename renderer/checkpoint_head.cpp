@@ -6,9 +6,9 @@
 #include <array>
 #include <cstring>
 
-#include "octree/checksum.h"
-#include "octree/cloud/byte_order.h"
-#include "octree/header_fields.h"
+#include "base/checksum.h"
+#include "base/byte_order.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

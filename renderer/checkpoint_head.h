@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "renderer/picture_identity.h"
 
 namespace alidade {

@@ -7,8 +7,8 @@
 #include <cassert>
 #include <span>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 #include "renderer/image_display.h"
 #include "renderer/image_exr.h"
 #include "renderer/image_geotiff.h"

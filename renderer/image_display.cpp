@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

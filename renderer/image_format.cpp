@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/image.h"
 
 // Apart from the writing, so that who only asks for the format does not load OpenImageIO.

@@ -16,7 +16,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/ground_transform.h"
 #include "renderer/gdal_handles.h"
 #include "renderer/image_display.h"

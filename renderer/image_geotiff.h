@@ -4,7 +4,7 @@
 #include <string>
 
 #include "octree/cloud/crs.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "renderer/image.h"
 
 namespace alidade {

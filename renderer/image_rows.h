@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 
 namespace alidade {
 

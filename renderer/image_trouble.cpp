@@ -6,7 +6,7 @@
 #include <system_error>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

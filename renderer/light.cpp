@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/sampling.h"
 
 namespace alidade {

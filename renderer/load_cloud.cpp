@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "octree/build.h"
-#include "octree/checksum.h"
+#include "base/checksum.h"
 #include "octree/cloud/attribute_columns.h"
 #include "octree/cloud/cloud_files.h"
 #include "octree/cloud/read_cloud.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "octree/checksum.h"
+#include "base/checksum.h"
 #include "renderer/camera/camera_json.h"
 #include "renderer/quick_modes.h"
 #include "renderer/scene_text.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "renderer/identity.h"
+#include "base/fingerprint.h"
 #include "renderer/render.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "renderer/render.h"
 
 namespace alidade {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/point_spacing.h"
 #include "renderer/image.h"
 #include "renderer/read_scene_parts.h"

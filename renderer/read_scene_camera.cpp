@@ -5,7 +5,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/projection.h"
 #include "renderer/camera/rotation.h"

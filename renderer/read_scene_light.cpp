@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <array>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "renderer/json_reader.h"
+#include "base/json.h"
 #include "renderer/scene.h"
 
 // How the scene reader is split over its files. Ranges are those of scenes/schema, which the tests compare.

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/error.h"
-#include "renderer/deterministic_math.h"
+#include "base/error.h"
+#include "base/exact_math.h"
 #include "renderer/image_trouble.h"
 
 namespace alidade {

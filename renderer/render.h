@@ -11,7 +11,7 @@
 
 #include "octree/cloud/point_cloud.h"
 #include "octree/octree.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "octree/ray.h"
 #include "renderer/color/color_key.h"
 #include "renderer/film.h"

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <numbers>
 
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 // From the unit square to discs, hemispheres, cones and spheres; each with its density. Pure functions: equal
 // numbers in, equal directions out, on every machine. Sources: Pharr, Jakob, Humphreys, Physically Based

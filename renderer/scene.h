@@ -16,7 +16,7 @@
 #include "octree/cloud/read_cloud.h"
 #include "renderer/camera/lens.h"
 #include "renderer/color/point_color.h"
-#include "renderer/date_time.h"
+#include "base/date_time.h"
 #include "renderer/material.h"
 
 // A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative

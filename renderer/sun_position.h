@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "renderer/date_time.h"
+#include "base/date_time.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/point_spacing.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "octree/ray.h"
 #include "simulation/scanner.h"
-#include "simulation/trigonometry.h"
+#include "base/trigonometry.h"
 
 // Where the beams of a scan go: beam number -> ray. Nothing here looks at the site.
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "simulation/scan.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "simulation/trigonometry.h"
+#include "base/trigonometry.h"
 
 namespace alidade::shapes {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "octree/cloud/point_cloud.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "simulation/scanner.h"
 #include "simulation/site.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/ray.h"
 
 namespace alidade {

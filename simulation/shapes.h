@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/ray.h"
 
 // The exact surfaces an analytic site is made of. All lengths in metres, z up, in the site's own frame (near

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/ray.h"
 #include "simulation/finish.h"
 #include "simulation/shape_tree.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/projection.h"
 #include "renderer/read_scene.h"

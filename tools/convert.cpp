@@ -13,7 +13,7 @@
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/write_index.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "octree/cloud/crop.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/load_module.h"
 #include "tools/options.h"
 #include "tools/split_list.h"

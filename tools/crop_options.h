@@ -6,9 +6,9 @@
 #include <optional>
 #include <string>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/point_cloud.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "octree/cloud/copc/copc_file.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

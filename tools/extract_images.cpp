@@ -8,8 +8,8 @@
 #include <unordered_set>
 #include <vector>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 #include "renderer/camera/camera_json.h"
 #include "renderer/camera/e57_camera.h"
 

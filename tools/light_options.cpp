@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/quick_modes.h"
 #include "tools/image_writer.h"
 #include "tools/message.h"

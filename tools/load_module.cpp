@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/checkpoint.h"
 #include "renderer/stop_rule.h"
 #include "tools/message.h"

@@ -8,7 +8,7 @@
 #include <cstring>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/interrupt.h"
 
 namespace alidade {

@@ -8,7 +8,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

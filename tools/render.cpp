@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 #include "renderer/camera/ground_transform.h"
 #include "renderer/image.h"
 #include "tools/command.h"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <sstream>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/point_spacing.h"
 #include "renderer/image.h"
 #include "renderer/read_scene.h"

@@ -8,7 +8,7 @@
 
 #include "database/server/server_name.h"
 #include "database/sqlite/sql_tokens.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/sql/prompt.h"

@@ -13,7 +13,7 @@
 #include "octree/cloud/cloud_files.h"
 #include "tools/load_options.h"
 #include "tools/message.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/image_geotiff.h"
 
 namespace alidade {

@@ -3,7 +3,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/raster.h"
-#include "visibility/run_parts.h"
+#include "base/run_parts.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/chord_lines.h"
 
 namespace alidade {

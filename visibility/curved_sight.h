@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "visibility/earth.h"
 #include "visibility/sight_line.h"
 

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <string>
 
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/golden_turn.h"
 
 namespace alidade {

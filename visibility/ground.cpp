@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/fill_gaps.h"
 #include "visibility/ground_samples.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "octree/octree.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "visibility/raster.h"
 
 // The ground below a cloud, as heights on a grid.

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "octree/octree.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "visibility/raster.h"
 
 // The first steps of make_ground() (visibility/ground.h): what each cell knows of the ground by itself.

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "visibility/occluders.h"
 #include "visibility/sight_line.h"
 

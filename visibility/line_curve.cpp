@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/unit_direction.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/line_report_bytes.h"
 
 namespace alidade {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/progress.h"
-#include "visibility/finished_parts.h"
+#include "base/progress.h"
+#include "base/checkpoint.h"
 #include "visibility/fresnel.h"
 #include "visibility/line_curve.h"
 #include "visibility/line_points.h"

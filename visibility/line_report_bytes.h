@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "visibility/line_report.h"
-#include "visibility/run_parts.h"
+#include "base/run_parts.h"
 
 namespace alidade {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

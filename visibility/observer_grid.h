@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "octree/bounds.h"
-#include "octree/progress.h"
+#include "base/bounds.h"
+#include "base/progress.h"
 #include "visibility/observers.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "visibility/observers.h"
 
 namespace alidade {

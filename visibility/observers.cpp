@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 #include <string_view>
 
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
-#include "renderer/deterministic_math.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"

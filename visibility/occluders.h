@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "octree/octree.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

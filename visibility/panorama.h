@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "renderer/film.h"
 #include "visibility/sight_line.h"
 

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <queue>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

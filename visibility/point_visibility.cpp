@@ -9,13 +9,13 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/point_surface.h"
 #include "octree/tree_walk.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 #include "visibility/golden_turn.h"
 #include "visibility/raster.h"
-#include "visibility/run_parts.h"
+#include "base/run_parts.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "octree/progress.h"
-#include "visibility/finished_parts.h"
+#include "base/progress.h"
+#include "base/checkpoint.h"
 #include "visibility/observers.h"
 #include "visibility/occluders.h"
 

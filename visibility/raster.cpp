@@ -8,7 +8,7 @@
 #include <fstream>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

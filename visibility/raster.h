@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 
 namespace alidade {
 

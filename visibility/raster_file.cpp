@@ -8,8 +8,8 @@
 #include <array>
 #include <cassert>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 #include "renderer/gdal_handles.h"
 #include "renderer/image_geotiff.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <string>
 
-#include "octree/error.h"
-#include "visibility/file_ending.h"
+#include "base/error.h"
+#include "base/words.h"
 #include "visibility/raster_file.h"
 
 // Apart from the writing, so that who only checks the name does not load GDAL.

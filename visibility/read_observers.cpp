@@ -6,9 +6,9 @@
 
 #include <cmath>
 
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
-#include "visibility/file_ending.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
+#include "base/words.h"
 #include "visibility/observer_fields.h"
 #include "visibility/observer_table.h"
 #include "visibility/vector_file.h"

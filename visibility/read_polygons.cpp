@@ -7,7 +7,7 @@
 #include <cmath>
 #include <memory>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/cloud_transformation.h"
 #include "visibility/vector_file.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/row_text.h"
 
-#include "visibility/file_ending.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "visibility/row_files.h"
 
 // Rows of named values as the text of CSV, JSON and GeoJSON.

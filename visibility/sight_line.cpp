@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 #include "visibility/golden_turn.h"
 
 namespace alidade {

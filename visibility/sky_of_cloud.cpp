@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/map_targets.h"
 #include "visibility/point_blocks.h"
-#include "visibility/run_parts.h"
+#include "base/run_parts.h"
 
 namespace alidade {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "octree/progress.h"
-#include "visibility/finished_parts.h"
+#include "base/progress.h"
+#include "base/checkpoint.h"
 #include "visibility/ground.h"
 #include "visibility/raster.h"
 #include "visibility/sky_view.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "visibility/horizon.h"
 
 namespace alidade {

@@ -9,7 +9,7 @@
 #include <map>
 #include <utility>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/compass.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/ground_place.h"
 #include "renderer/sun_position.h"
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "octree/cloud/crs.h"
-#include "octree/progress.h"
-#include "renderer/date_time.h"
+#include "base/progress.h"
+#include "base/date_time.h"
 #include "visibility/beam_irradiance.h"
 #include "visibility/sun_bins.h"
 

@@ -8,7 +8,7 @@
 
 #include "octree/cloud/lattice.h"
 #include "octree/distance.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/tree_walk.h"
 #include "visibility/raster.h"
 

@@ -7,7 +7,7 @@
 
 #include <memory>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/gdal_handles.h"
 
 namespace alidade {

@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/lowest_seen.h"
 #include "visibility/map_observer.h"
 #include "visibility/map_targets.h"
-#include "visibility/run_parts.h"
+#include "base/run_parts.h"
 
 namespace alidade {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <span>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "visibility/curved_sight.h"
-#include "visibility/finished_parts.h"
+#include "base/checkpoint.h"
 #include "visibility/ground.h"
 #include "visibility/observers.h"
 #include "visibility/raster.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/raster.h"
 
 namespace alidade {

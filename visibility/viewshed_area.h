@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "visibility/observers.h"
 
 namespace alidade {

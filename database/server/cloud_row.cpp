@@ -6,7 +6,7 @@
 #include <span>
 
 #include "database/sql_name.h"
-#include "database/utf8_text.h"
+#include "base/utf8_text.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "octree/cloud/scalar_bytes.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

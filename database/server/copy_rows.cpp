@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "database/stored_value.h"
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

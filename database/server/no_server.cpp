@@ -4,7 +4,7 @@
 #include "database/server/read_server_part.h"
 #include "database/server/read_server_table.h"
 #include "database/server/store_on_server.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "database/cloud_part.h"
 #include "database/point_filter.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

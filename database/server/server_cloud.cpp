@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_cloud.h"
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "database/sql_name.h"
-#include "database/utf8_text.h"
-#include "octree/error.h"
+#include "base/utf8_text.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdint>
 
 #include "database/server/server_library.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

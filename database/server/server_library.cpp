@@ -3,7 +3,7 @@
 
 #include <dlfcn.h>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

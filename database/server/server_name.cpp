@@ -7,7 +7,7 @@
 #include <cctype>
 #include <charconv>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

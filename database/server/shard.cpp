@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <charconv>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

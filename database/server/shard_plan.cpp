@@ -10,8 +10,8 @@
 #include "database/server/copy_rows.h"
 #include "database/server/shard_script.h"
 #include "database/streamed_columns.h"
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "database/server/shard.h"
 #include "octree/cloud/read_cloud.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 #include "database/server/cloud_row.h"
 #include "database/server/shard.h"
 #include "database/stored_column.h"
-#include "octree/bounds.h"
+#include "base/bounds.h"
 
 // What write_shard_plan() has servers do. Scripts are for psql, and run as a whole or not at all.
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "database/stored_column.h"
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/crs.h"
 #include "octree/cloud/lattice.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "database/sqlite/prune_statement.h"
 #include "database/sqlite/sql_tokens.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

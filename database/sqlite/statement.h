@@ -8,7 +8,7 @@
 
 #include "database/sql_name.h"
 #include "database/sqlite/sqlite_api.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "octree/cloud/read_cloud.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

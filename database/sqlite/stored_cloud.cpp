@@ -9,7 +9,7 @@
 
 #include "octree/cloud/append_rows.h"
 #include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

@@ -9,13 +9,13 @@
 #include <optional>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/cloud_pieces.h"
 #include "octree/cloud/damage.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/point_cloud.h"
 #include "octree/cloud/read_cloud.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

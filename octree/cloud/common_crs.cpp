@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octree/cloud/cloud_source.h"
 #include "octree/cloud/crs_name.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "octree/cloud/cloud_source.h"
 #include "octree/cloud/fit_lattice.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/crs.h"
 
 namespace alidade {

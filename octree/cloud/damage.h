@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/joined_progress.h"
+#include "base/joined_progress.h"
 
 #include <algorithm>
 #include <memory>

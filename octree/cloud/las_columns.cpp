@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "octree/cloud/append_rows.h"
-#include "octree/cloud/byte_order.h"
-#include "octree/error.h"
+#include "base/byte_order.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

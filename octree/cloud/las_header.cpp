@@ -7,9 +7,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/chunk_table.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 // Byte positions below are those of the public header block: LAS Specification 1.4 R15, table 3.
 

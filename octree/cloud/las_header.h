@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/damage.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/las_point.h"
 #include "octree/cloud/lattice.h"
 

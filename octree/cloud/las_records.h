@@ -10,7 +10,7 @@
 
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/laz/laz_layout.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "octree/cloud/point_cloud.h"
 
 namespace alidade {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "octree/cloud/fit_lattice.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include "octree/cloud/cloud_database.h"
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
 #include "octree/index_header.h"
 
 namespace alidade {

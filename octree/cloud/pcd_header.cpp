@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -7,7 +7,7 @@
 
 #include "octree/cloud/attributes.h"
 #include "octree/cloud/damage.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 
 namespace alidade {
 

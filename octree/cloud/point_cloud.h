@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/attributes.h"
 #include "octree/cloud/crs.h"
 #include "octree/cloud/lattice.h"

@@ -9,20 +9,20 @@
 #include <memory>
 #include <optional>
 
-#include "octree/bounds_meet.h"
+#include "base/bounds_meet.h"
 #include "octree/cloud/append_cloud.h"
-#include "octree/cloud/at_once.h"
+#include "base/parallel.h"
 #include "octree/cloud/cloud_database.h"
 #include "octree/cloud/cloud_files.h"
 #include "octree/cloud/cloud_source.h"
 #include "octree/cloud/crs_plausibility.h"
 #include "octree/cloud/is_las.h"
 #include "octree/cloud/join_records.h"
-#include "octree/cloud/joined_progress.h"
+#include "base/joined_progress.h"
 #include "octree/cloud/joined_warnings.h"
 #include "octree/cloud/read_in_pieces.h"
 #include "octree/cloud/spread_colors.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

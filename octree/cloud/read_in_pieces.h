@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "octree/cloud/cloud_pieces.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/cloud/spread_colors.h"
 

@@ -14,7 +14,7 @@
 #include "octree/cloud/las_records.h"
 #include "octree/cloud/laz/attribute_layers.h"
 #include "octree/cloud/laz/laz_points.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

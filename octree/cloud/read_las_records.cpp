@@ -6,10 +6,10 @@
 #include <numeric>
 #include <optional>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_records.h"
 #include "octree/cloud/laz/laszip_record.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include "octree/cloud/byte_cursor.h"
+#include "base/byte_cursor.h"
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/lzf.h"
 #include "octree/cloud/pcd_header.h"
 #include "octree/cloud/scalar_bytes.h"
 #include "octree/cloud/table_reader.h"
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 #include "octree/cloud/written_resolution.h"
 
 namespace alidade {

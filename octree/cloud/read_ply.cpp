@@ -2,12 +2,12 @@
 #include <bit>
 #include <utility>
 
-#include "octree/cloud/byte_cursor.h"
+#include "base/byte_cursor.h"
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/ply_header.h"
 #include "octree/cloud/scalar_bytes.h"
 #include "octree/cloud/table_reader.h"
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 #include "octree/cloud/written_resolution.h"
 
 namespace alidade {

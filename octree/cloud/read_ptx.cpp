@@ -7,7 +7,7 @@
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/table_reader.h"
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 #include "octree/cloud/written_resolution.h"
 
 namespace alidade {

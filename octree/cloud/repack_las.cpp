@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/las_records.h"
 #include "octree/cloud/laz/laszip_record.h"
@@ -17,9 +17,9 @@
 #include "octree/cloud/laz/laz_points.h"
 #include "octree/cloud/laz/write_chunk_table.h"
 #include "octree/cloud/laz/write_laszip_record.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "octree/cloud/write_las.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/column_roles.h"
 
 namespace alidade {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "octree/cloud/table_appender.h"
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
 
 namespace alidade {
 

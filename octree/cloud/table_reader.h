@@ -10,7 +10,7 @@
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/column_roles.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/table_survey.h"
 
 namespace alidade {

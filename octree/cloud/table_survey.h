@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/column_roles.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "octree/cloud/keep_rows.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

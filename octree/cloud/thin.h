@@ -2,7 +2,7 @@
 #pragma once
 
 #include "octree/cloud/point_cloud.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

@@ -10,12 +10,12 @@
 #include <optional>
 
 #include "octree/cloud/append_rows.h"
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_records.h"
 #include "octree/cloud/laz/laz_point_writer.h"
 #include "octree/cloud/laz/write_laszip_record.h"
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,9 +5,9 @@
 #include <array>
 #include <cassert>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_records.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

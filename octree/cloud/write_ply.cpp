@@ -11,9 +11,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/column_roles.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "octree/cloud/scalar_bytes.h"
 
 namespace alidade {

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "octree/cloud/point_cloud.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "octree/cloud/column_roles.h"
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/lattice.h"
 
 namespace alidade {

@@ -5,9 +5,9 @@
 
 #include <utility>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

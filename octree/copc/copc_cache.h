@@ -15,7 +15,7 @@
 #include "octree/cloud/copc/copc_file.h"
 #include "octree/cloud/laz/chunk_decoder.h"
 #include "octree/copc/boxed_points.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/copc/boxed_points.h"
 #include "octree/copc/copc_cache.h"
 

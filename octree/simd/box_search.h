@@ -6,7 +6,7 @@
 
 #include "octree/octree.h"
 #include "octree/query.h"
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 
 namespace alidade::simd {
 

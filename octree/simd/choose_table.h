@@ -3,7 +3,7 @@
 
 #include <hwy/highway.h>
 
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 
 // ALIDADE_CHOOSE_TABLE(instruction_set, table): returns `table` of the namespace that Highway compiled for an
 // instruction set, from a function in alidade::simd. Which of its two scalar targets Highway compiles depends

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/octree.h"
 
 namespace alidade::simd {

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 
 #include "octree/octree.h"
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 
 namespace alidade::simd {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <string_view>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "renderer/camera/camera_set.h"
 #include "renderer/camera/projection.h"
-#include "renderer/json_reader.h"
+#include "base/json.h"
 
 // How the readers of camera files are split, and what they share.
 

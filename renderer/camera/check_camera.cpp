@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/projection.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/rotation.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/camera_file.h"
 
 namespace alidade {

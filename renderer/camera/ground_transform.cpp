@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/camera/ground_transform.h"
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 // Source of both layouts: ISO/IEC 15948 (PNG), ITU-T T.81 annex B (JPEG). Numbers are big endian.
 

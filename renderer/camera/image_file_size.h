@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 
 namespace alidade {
 

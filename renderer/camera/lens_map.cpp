@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 // project() and unproject() of each lens stand together, so that one can be read as the inverse of the other.
 

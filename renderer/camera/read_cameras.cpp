@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <set>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/camera_file.h"
-#include "renderer/json_document.h"
+#include "base/json_document.h"
 #include "renderer/read_scene.h"
 #include "renderer/read_scene_parts.h"
 

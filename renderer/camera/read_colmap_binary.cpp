@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "octree/cloud/byte_cursor.h"
-#include "octree/cloud/byte_order.h"
-#include "octree/error.h"
+#include "base/byte_cursor.h"
+#include "base/byte_order.h"
+#include "base/error.h"
 #include "renderer/camera/camera_file.h"
 #include "renderer/camera/colmap_images.h"
 

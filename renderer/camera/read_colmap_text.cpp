@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/camera_file.h"
 #include "renderer/camera/colmap_images.h"
 #include "renderer/camera/text_fields.h"

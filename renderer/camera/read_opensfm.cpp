@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/camera_file.h"
 #include "renderer/camera/rotation.h"
 

@@ -9,12 +9,12 @@
 #include <numbers>
 #include <set>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/unit_direction.h"
 #include "renderer/camera/camera_file.h"
 #include "renderer/camera/image_file_size.h"
 #include "renderer/camera/rotation.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

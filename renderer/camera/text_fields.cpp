@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "octree/cloud/cloud_database.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/color/point_values.h"
-#include "renderer/json_reader.h"
+#include "base/json.h"
 
 namespace alidade {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 #include "renderer/image.h"
 #include "renderer/image_rows.h"
 

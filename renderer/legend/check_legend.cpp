@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/legend/check_legend.h"
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

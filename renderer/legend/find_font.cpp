@@ -4,7 +4,7 @@
 #include <array>
 #include <system_error>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

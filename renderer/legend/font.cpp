@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

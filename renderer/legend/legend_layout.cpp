@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/legend/check_legend.h"
 #include "renderer/legend/legend.h"
 #include "renderer/legend/round_ticks.h"

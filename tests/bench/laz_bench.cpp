@@ -12,10 +12,10 @@
 #include <memory>
 #include <string>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_point.h"
 #include "octree/cloud/laz/chunk_encoder.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/cloud/repack_las.h"
 #include "tests/bench/laz_records.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_point.h"
 
 namespace alidade::bench {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 #include "tests/bench/bench_site.h"
 #include "tests/bench/ray_bench.h"
 #include "tests/bench/timing.h"

@@ -14,7 +14,7 @@
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/read_cloud.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 

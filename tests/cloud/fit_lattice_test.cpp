@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/random.h"
 
 namespace alidade {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 
 #include <gtest/gtest.h>
 

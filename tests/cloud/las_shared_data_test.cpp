@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/write_las.h"
 #include "tests/cloud/cloud_test_support.h"
 

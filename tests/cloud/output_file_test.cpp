@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 
 #include <gtest/gtest.h>
 

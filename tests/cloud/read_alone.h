@@ -11,7 +11,7 @@
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/cloud/fit_lattice.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cmath>
 
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/read_alone.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "compare/tidy_pixels.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <set>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/legend/find_font.h"
 #include "tests/compare/drawn_pictures.h"
 

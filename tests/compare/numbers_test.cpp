@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "compare/float_ranks.h"
-#include "compare/logarithm.h"
+#include "base/logarithm.h"
 #include "compare/srgb_curve.h"
 #include "tests/support/random.h"
 

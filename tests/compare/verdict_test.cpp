@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

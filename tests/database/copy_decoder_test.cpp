@@ -10,7 +10,7 @@
 #include "database/server/cloud_values.h"
 #include "database/server/filter_condition.h"
 #include "octree/cloud/append_rows.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

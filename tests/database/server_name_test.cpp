@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

@@ -13,7 +13,7 @@
 #include "database/server/copy_rows.h"
 #include "database/server/shard_plan.h"
 #include "octree/cloud/write_ply.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

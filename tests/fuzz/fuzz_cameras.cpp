@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/camera_set.h"
 #include "renderer/camera/projection.h"

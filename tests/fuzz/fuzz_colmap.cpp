@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/camera_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -9,7 +9,7 @@
 
 #include "compare/pair_list.h"
 #include "compare/verdict.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;

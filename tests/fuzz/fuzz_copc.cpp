@@ -10,7 +10,7 @@
 
 #include "octree/cloud/cloud_reader.h"
 #include "octree/copc/copc_tree.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"
 

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "octree/cloud/cloud_reader.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));

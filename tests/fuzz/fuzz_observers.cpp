@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <span>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/observer_table.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

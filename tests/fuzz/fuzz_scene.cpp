@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/read_scene.h"
 
 // Any bytes are a scene, a camera, or an Error. The folder does not exist, so that a camera's name leads

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "octree/huge_array.h"
-#include "octree/page_release.h"
+#include "base/huge_memory.h"
+#include "base/page_release.h"
 #include "tests/support/random.h"
 
 namespace alidade {

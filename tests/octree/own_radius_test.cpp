@@ -7,7 +7,7 @@
 #include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/candidate.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/explain.h"
 #include "octree/point_spacing.h"
 #include "octree/query.h"

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/camera_set.h"
 
 // What the tests of camera files share.

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <span>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera/camera_file.h"
 #include "renderer/camera/projection.h"
 #include "tests/renderer/colmap_builder.h"

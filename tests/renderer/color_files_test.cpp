@@ -8,7 +8,7 @@
 
 #include "octree/build.h"
 #include "octree/cloud/write_las.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/index_file.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/color/color_points.h"

@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "renderer/color/classification_colors.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

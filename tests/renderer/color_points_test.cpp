@@ -7,10 +7,10 @@
 #include <cmath>
 
 #include "octree/build.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/color/classification_colors.h"
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 #include "renderer/image_display.h"
 #include "renderer/surface.h"
 #include "tests/renderer/color_clouds.h"

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/ground_transform.h"
 #include "renderer/image.h"

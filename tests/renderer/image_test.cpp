@@ -11,7 +11,7 @@
 #include <fstream>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/image_display.h"
 #include "renderer/image_metadata.h"
 #include "renderer/read_scene.h"

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/legend/find_font.h"
 #include "renderer/legend/round_ticks.h"
 

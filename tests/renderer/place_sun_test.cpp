@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/ground_place.h"
 
 namespace alidade::test {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/spacing.h"
 #include "renderer/integrator.h"
 #include "tests/renderer/tracer_scenes.h"

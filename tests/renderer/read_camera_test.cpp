@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/camera_json.h"
 #include "renderer/read_scene.h"

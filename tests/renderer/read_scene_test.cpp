@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/renderer/describe_scene.h"
 
 namespace alidade::test {

@@ -12,8 +12,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "octree/error.h"
-#include "renderer/deterministic_math.h"
+#include "base/error.h"
+#include "base/exact_math.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

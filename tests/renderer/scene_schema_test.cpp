@@ -6,7 +6,7 @@
 #include <functional>
 #include <set>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/read_scene.h"
 #include "tests/renderer/describe_scene.h"
 #include "tests/renderer/schema_validator.h"

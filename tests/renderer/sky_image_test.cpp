@@ -6,7 +6,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/integrator.h"
 #include "renderer/sky.h"
 #include "tests/renderer/tracer_scenes.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/clear_sky.h"
 
 // Published places and times of the sun, none of them computed by this project.

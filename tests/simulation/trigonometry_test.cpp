@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "simulation/trigonometry.h"
+#include "base/trigonometry.h"
 
 #include <gtest/gtest.h>
 

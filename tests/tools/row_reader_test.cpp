@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

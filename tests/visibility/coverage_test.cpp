@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "octree/distance.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/thin_points.h"

@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "octree/build.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/random.h"
 #include "visibility/map_unit.h"
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/finished_parts.h"
+#include "base/checkpoint.h"
 
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <iterator>
 
-#include "visibility/run_parts.h"
+#include "base/run_parts.h"
 
 namespace alidade::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/frequency.h"
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "octree/build.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/random.h"
 #include "visibility/fill_gaps.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/compass.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/lon_lat.h"
 

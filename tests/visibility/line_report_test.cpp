@@ -5,7 +5,7 @@
 #include <tbb/global_control.h>
 
 #include "octree/distance.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/line_report_bytes.h"

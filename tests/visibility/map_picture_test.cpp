@@ -8,7 +8,7 @@
 #include <fstream>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/legend/find_font.h"
 #include "visibility/relief.h"
 

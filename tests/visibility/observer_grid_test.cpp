@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

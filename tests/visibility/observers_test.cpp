@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

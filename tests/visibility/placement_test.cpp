@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/legend/find_font.h"
 #include "tests/support/random.h"
 #include "visibility/coverage_picture.h"

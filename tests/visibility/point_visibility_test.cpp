@@ -8,7 +8,7 @@
 #include <bit>
 #include <numeric>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/sight_line.h"
 

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade::test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/map_targets.h"
 

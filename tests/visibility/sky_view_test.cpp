@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "octree/error.h"
-#include "octree/simd/instruction_set.h"
+#include "base/error.h"
+#include "base/instruction_set.h"
 #include "tests/visibility/sampled_shapes.h"
 
 namespace alidade::test {

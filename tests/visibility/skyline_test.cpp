@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/legend/find_font.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/horizon_file.h"

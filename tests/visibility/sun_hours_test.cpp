@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/sun_position.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/beam_irradiance.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/support/octrees.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"

@@ -13,7 +13,7 @@
 #include <string>
 
 #include "octree/cloud/crs.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/gdal_handles.h"
 #include "renderer/gdal_reference.h"
 

@@ -5,7 +5,7 @@
 
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/viewshed_area.h"
 
 namespace alidade::test {

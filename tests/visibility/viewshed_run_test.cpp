@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tests/visibility/viewshed_place.h"
-#include "visibility/finished_parts.h"
+#include "base/checkpoint.h"
 
 namespace alidade::test {
 namespace {

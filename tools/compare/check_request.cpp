@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/compare/check_request.h"
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

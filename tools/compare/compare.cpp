@@ -8,7 +8,7 @@
 #include "compare/region_points.h"
 #include "octree/cloud/read_cloud.h"
 #include "octree/cloud/write_las.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/command.h"
 #include "tools/compare/check_request.h"
 #include "tools/compare/compare_module.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <array>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/cloud_description.h"
 
 namespace alidade {

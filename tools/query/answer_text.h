@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 #include "tools/query/answer_row.h"
 
 namespace alidade {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "tools/interrupt.h"
 
 namespace alidade {

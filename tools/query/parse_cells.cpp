@@ -8,7 +8,7 @@
 #include <limits>
 #include <numeric>
 
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 #include "tools/query/check_row.h"
 
 namespace alidade {

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <limits>
 
-#include "octree/error.h"
-#include "renderer/json_document.h"
+#include "base/error.h"
+#include "base/json_document.h"
 #include "tools/query/check_row.h"
 
 namespace alidade {

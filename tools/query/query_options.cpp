@@ -7,11 +7,11 @@
 #include <array>
 #include <string_view>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/cloud_options.h"
 #include "tools/parse_size.h"
 #include "tools/query/target_kind.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

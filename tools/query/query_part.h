@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "database/cloud_part.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 #include "tools/query/query_options.h"
 
 namespace alidade {

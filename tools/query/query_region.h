@@ -6,7 +6,7 @@
 #include <memory>
 #include <optional>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "tools/query/answer_row.h"
 #include "tools/query/query_options.h"
 

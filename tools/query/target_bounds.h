@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/query.h"
 
 namespace alidade {

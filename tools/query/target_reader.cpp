@@ -8,7 +8,7 @@
 #include <span>
 #include <type_traits>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

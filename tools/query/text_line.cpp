@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "octree/cloud/text_scanner.h"
-#include "octree/error.h"
+#include "base/text_scanner.h"
+#include "base/error.h"
 
 namespace alidade {
 

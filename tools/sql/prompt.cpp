@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "database/sqlite/sql_tokens.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
 #include "tools/sql/line_editor.h"

@@ -9,7 +9,7 @@
 
 #include "database/sqlite/prepare.h"
 #include "database/sqlite/token_list.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
 

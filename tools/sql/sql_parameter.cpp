@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

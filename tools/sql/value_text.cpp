@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "database/utf8_text.h"
+#include "base/utf8_text.h"
 
 namespace alidade {
 namespace {

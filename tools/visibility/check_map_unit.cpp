@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/check_map_unit.h"
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "visibility/map_unit.h"
 
 namespace alidade {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/checkpoint_options.h"
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/options.h"
-#include "visibility/finished_parts.h"
+#include "base/checkpoint.h"
 
 namespace alidade {
 

@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <string>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 #include "renderer/camera.h"
 #include "renderer/color/height_unit.h"
 #include "tools/cloud_options.h"
@@ -23,7 +23,7 @@
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/row_output.h"
 #include "tools/visibility/sky_module.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 #include "visibility/horizon_file.h"
 #include "visibility/panorama.h"
 #include "visibility/sky_view.h"

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "octree/distance.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/options.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/pair_table.h"

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/message.h"

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "tools/message.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "octree/checksum.h"
+#include "base/checksum.h"
 #include "tools/message.h"
 
 namespace alidade {

@@ -10,7 +10,7 @@
 #include "tools/progress.h"
 #include "tools/visibility/checkpoint_options.h"
 #include "tools/visibility/load_visibility_cloud.h"
-#include "visibility/finished_parts.h"
+#include "base/checkpoint.h"
 #include "visibility/observers.h"
 #include "visibility/raster.h"
 

@@ -5,14 +5,14 @@
 
 #include <array>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/legend/find_font.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/picture_command.h"
 #include "tools/visibility/find_ground.h"
 #include "tools/visibility/map_writer.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 #include "visibility/viewshed_area.h"
 
 namespace alidade {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/split_list.h"

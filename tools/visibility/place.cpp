@@ -4,7 +4,7 @@
 #include <bitset>
 #include <map>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "renderer/image.h"
 #include "tools/cloud_options.h"
 #include "tools/message.h"

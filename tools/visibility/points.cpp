@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "octree/cloud/output_file.h"
-#include "octree/error.h"
+#include "base/output_file.h"
+#include "base/error.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/message.h"
@@ -15,7 +15,7 @@
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/write_points.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 #include "visibility/point_visibility.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/message.h"
 #include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/commands.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/row_output.h"
 
-#include "octree/error.h"
+#include "base/error.h"
 #include "tools/message.h"
 #include "tools/picture_command.h"
 #include "tools/visibility/map_reference.h"

@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/checksum.h"
-#include "octree/error.h"
+#include "base/checksum.h"
+#include "base/error.h"
 #include "tools/cloud_options.h"
 #include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/observer_options.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

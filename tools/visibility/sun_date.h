@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "renderer/date_time.h"
+#include "base/date_time.h"
 
 namespace alidade {
 

@@ -7,11 +7,11 @@
 
 #include "octree/cloud/write_las.h"
 #include "octree/cloud/write_ply.h"
-#include "octree/error.h"
+#include "base/error.h"
 #include "octree/tree_walk.h"
 #include "tools/cloud_description.h"
 #include "tools/message.h"
-#include "visibility/file_ending.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

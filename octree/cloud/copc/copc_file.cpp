@@ -8,10 +8,10 @@
 #include <limits>
 #include <utility>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/chunk_table.h"
 #include "octree/cloud/laz/laszip_record.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "octree/cloud/copc/copc_hierarchy.h"
 #include "octree/cloud/copc/copc_info.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/las_records.h"
 #include "octree/cloud/laz/laz_layout.h"

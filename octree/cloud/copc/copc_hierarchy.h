@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 #include "octree/cloud/copc/copc_info.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/laz/chunk_table.h"
 #include "octree/cloud/laz/laz_layout.h"

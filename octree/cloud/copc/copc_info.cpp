@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "octree/header_fields.h"
+#include "base/bytes.h"
 
 namespace alidade {
 

@@ -10,13 +10,13 @@
 
 #include "octree/cloud/append_rows.h"
 #include "octree/cloud/fit_lattice.h"
-#include "octree/cloud/joined_progress.h"
+#include "base/joined_progress.h"
 #include "octree/cloud/las_columns.h"
 #include "octree/cloud/laz/attribute_layers.h"
 #include "octree/cloud/laz/chunk_decoder.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
 #include "octree/cloud/spread_colors.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstring>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

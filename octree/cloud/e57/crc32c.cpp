@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "octree/cloud/append_rows.h"
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/e57/e57_xml.h"
 
 namespace alidade {

@@ -8,10 +8,10 @@
 #include <bit>
 #include <cstring>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/e57/crc32c.h"
 #include "octree/cloud/scalar_bytes.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 
 namespace alidade {
 

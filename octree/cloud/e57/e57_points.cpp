@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "octree/sine_cosine.h"
+#include "base/sine_cosine.h"
 
 namespace alidade {
 namespace {

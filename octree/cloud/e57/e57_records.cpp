@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/e57/e57_xml.h"
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 namespace {

@@ -13,7 +13,7 @@
 #include "octree/cloud/e57/e57_points.h"
 #include "octree/cloud/e57/e57_roles.h"
 #include "octree/cloud/e57/e57_scaling.h"
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 namespace {

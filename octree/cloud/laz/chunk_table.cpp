@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/arithmetic_decoder.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
 #include "octree/cloud/laz/integer_compressor.h"
 #include "octree/cloud/laz/layered_chunk.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 // Source: the chunk table as laszip 2 and 3 write it. At the place of the points stands the place of the
 // table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/laz/laz_layout.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

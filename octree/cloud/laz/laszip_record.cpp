@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "octree/header_fields.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
 #include "octree/cloud/laz/item_layers.h"
 #include "octree/cloud/laz/point14_fields.h"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "octree/cloud/las_point.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

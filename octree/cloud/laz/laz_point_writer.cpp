@@ -10,7 +10,7 @@
 #include <cassert>
 #include <vector>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/chunk_encoder.h"
 #include "octree/cloud/laz/write_chunk_table.h"
 

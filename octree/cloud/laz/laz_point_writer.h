@@ -6,7 +6,7 @@
 #include <span>
 
 #include "octree/cloud/laz/laz_layout.h"
-#include "octree/cloud/output_file.h"
+#include "base/output_file.h"
 
 namespace alidade {
 

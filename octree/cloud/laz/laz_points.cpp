@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "octree/cloud/laz/unpack_chunks.h"
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

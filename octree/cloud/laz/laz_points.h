@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "octree/cloud/damage.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/laz/chunk_table.h"
 #include "octree/cloud/laz/laz_layers.h"
 #include "octree/cloud/laz/laz_layout.h"
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/layer_coders.h"
 #include "octree/cloud/laz/point14_fields.h"
 #include "octree/cloud/laz/returns_classes.h"

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/cloud/joined_progress.h"
+#include "base/joined_progress.h"
 #include "octree/cloud/laz/chunk_decoder.h"
 #include "octree/cloud/laz/corrupt_chunk.h"
 #include "octree/cloud/laz/laz_points.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octree/cloud/laz/wave_packet_models.h"
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

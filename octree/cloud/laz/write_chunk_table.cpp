@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstdint>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/arithmetic_encoder.h"
 #include "octree/cloud/laz/integer_compressor.h"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/laszip_record.h"
 
 namespace alidade {

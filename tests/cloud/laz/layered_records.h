@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_point.h"
 #include "octree/cloud/laz/laz_layout.h"
 #include "octree/cloud/laz/point14_fields.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/las_header.h"
 #include "octree/cloud/las_records.h"
 #include "octree/cloud/laz/laz_points.h"

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/cloud/byte_order.h"
+#include "base/byte_order.h"
 #include "octree/cloud/laz/integer_compressor.h"
 #include "octree/cloud/laz/laz_layout.h"
 #include "tests/cloud/cloud_test_support.h"

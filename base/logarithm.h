@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-// As in renderer/deterministic_math.h: from operations that IEEE 754 rounds exactly, so that filters and
+// As in base/exact_math.h: from operations that IEEE 754 rounds exactly, so that filters and
 // exposures are the same bits on every machine.
 
 namespace alidade {

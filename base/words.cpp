@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/utf8_text.h"
+#include "base/utf8_text.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/identity.h"
+#include "base/fingerprint.h"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <cstring>
 #include <utility>
 
-#include "octree/checksum.h"
-#include "octree/cloud/byte_order.h"
-#include "octree/error.h"
+#include "base/checksum.h"
+#include "base/byte_order.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/huge_array.h"
+#include "base/huge_memory.h"
 
 #include <sys/mman.h>
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "octree/cloud/column_roles.h"
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 
 namespace alidade {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/date_time.h"
+#include "base/date_time.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -42,7 +42,7 @@ class Error : public std::runtime_error {
   Parts parts_;
 };
 
-/// Thrown out of a long task when its Progress callback asked to stop (octree/progress.h).
+/// Thrown out of a long task when its Progress callback asked to stop (base/progress.h).
 class Cancelled : public std::runtime_error {
  public:
   Cancelled() : std::runtime_error("cancelled") {}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/finished_parts.h"
+#include "base/checkpoint.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -12,11 +12,11 @@
 #include <cstring>
 #include <utility>
 
-#include "octree/checksum.h"
-#include "octree/cloud/byte_order.h"
-#include "octree/cloud/input_file.h"
-#include "octree/cloud/output_file.h"
-#include "octree/header_fields.h"
+#include "base/checksum.h"
+#include "base/byte_order.h"
+#include "base/input_file.h"
+#include "base/output_file.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

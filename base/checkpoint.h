@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/error.h"
-#include "renderer/identity.h"
+#include "base/error.h"
+#include "base/fingerprint.h"
 
 // Long runs that can be gone on with. A run is cut into parts of a fixed order, whose answers do not depend
 // on each other. What is finished is kept in a file, so that a run that was interrupted or killed computes
@@ -25,7 +25,7 @@
 //       16   8 B                         number of parts
 //       24   8 B                         checksum of the head: of bytes 0 to `head`, this field taken as 0
 //       32   8 B                         bytes of the identity, which follows; both together are the head
-//       40        identity               renderer/identity.h
+//       40        identity               base/fingerprint.h
 //     head        records                of each 8 B number of the part, 8 B bytes of its answers, 8 B
 //     checksum
 //                                        of these, 8 B checksum of the 24 B before, answers

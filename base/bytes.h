@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "octree/cloud/byte_order.h"
-#include "octree/error.h"
+#include "base/byte_order.h"
+#include "base/error.h"
 
 namespace alidade {
 

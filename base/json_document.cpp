@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/json_document.h"
+#include "base/json_document.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <tuple>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "octree/bounds.h"
+#include "base/bounds.h"
 
 // Formulas on intervals instead of numbers: what they give for every point of a box.
 //

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "octree/cloud/input_file.h"
+#include "base/input_file.h"
 
 namespace alidade {
 

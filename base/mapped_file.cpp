@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/mapped_file.h"
+#include "base/mapped_file.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -10,7 +10,7 @@
 #include <cstring>
 #include <new>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-#include "renderer/json_document.h"
+#include "base/json_document.h"
 
 namespace alidade {
 

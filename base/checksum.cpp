@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/checksum.h"
+#include "base/checksum.h"
 
 // The library's code is compiled in, so that nobody who links Alidade has to link xxHash.
 #define XXH_INLINE_ALL

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/json_reader.h"
+#include "base/json.h"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

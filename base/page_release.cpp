@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/page_release.h"
+#include "base/page_release.h"
 
 #include <sys/mman.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/deterministic_math.h"
+#include "base/exact_math.h"
 
 #include <gtest/gtest.h>
 

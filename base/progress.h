@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/json_document.h"
+#include "base/json_document.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <functional>
 
-#include "octree/error.h"
-#include "renderer/json_reader.h"
+#include "base/error.h"
+#include "base/json.h"
 
 namespace alidade {
 namespace {

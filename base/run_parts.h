@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "visibility/finished_parts.h"
+#include "base/checkpoint.h"
 
 namespace alidade {
 

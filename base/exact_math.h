@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "octree/sine_cosine.h"
+#include "base/sine_cosine.h"
 
 // The few curves the tracer needs, from operations that IEEE 754 rounds exactly (+ - * / sqrt). The functions
 // of the C library differ in their last bits from machine to machine, and one such bit can turn a path: image

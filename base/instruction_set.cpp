@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/simd/instruction_set.h"
+#include "base/instruction_set.h"
 
 #include <hwy/targets.h>
 
@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/text_scanner.h"
+#include "base/text_scanner.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cstring>
 #include <limits>
 
-#include "octree/error.h"
+#include "base/error.h"
 
 namespace alidade {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <mutex>
 
-#include "octree/progress.h"
+#include "base/progress.h"
 
 namespace alidade {
 
