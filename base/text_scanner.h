@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "octree/cloud/column_roles.h"
+#include "cloud/column_roles.h"
 #include "base/input_file.h"
 
 namespace alidade {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <string>
 
-#include "octree/cloud/append_rows.h"
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/append_rows.h"
+#include "cloud/attribute_columns.h"
 #include "base/error.h"
 
 namespace alidade {

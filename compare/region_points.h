@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "compare/change_regions.h"
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 // From pixels back to points: what was there, and what is there now.
 

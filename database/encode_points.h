@@ -7,7 +7,7 @@
 
 #include "database/point_stream.h"
 #include "base/bounds.h"
-#include "octree/cloud/spread_colors.h"
+#include "cloud/spread_colors.h"
 
 namespace alidade {
 

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "base/utf8_text.h"
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/attribute_columns.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

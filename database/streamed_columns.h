@@ -5,7 +5,7 @@
 
 #include "database/point_stream.h"
 #include "database/stored_column.h"
-#include "octree/cloud/read_in_pieces.h"
+#include "cloud/read_in_pieces.h"
 
 namespace alidade {
 

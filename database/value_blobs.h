@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/attribute_columns.h"
 
 namespace alidade {
 

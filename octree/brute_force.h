@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/query.h"
 
 // What every query means, as plain loops in double over world coordinates: the definition, and the oracle of

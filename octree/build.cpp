@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/cloud/reorder_attributes.h"
+#include "cloud/reorder_attributes.h"
 #include "octree/tree_builder.h"
 
 namespace alidade {

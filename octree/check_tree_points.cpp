@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "octree/check_tree.h"
-#include "octree/lattice_extent.h"
+#include "cloud/lattice_extent.h"
 #include "octree/slot_spacings.h"
 #include "octree/tree_walk.h"
 

@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "octree/check_tree.h"
-#include "octree/cloud/cloud_database.h"
+#include "cloud/cloud_inputs.h"
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "octree/index_metadata.h"

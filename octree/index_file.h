@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/attribute_columns.h"
 #include "base/input_file.h"
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/index_header.h"
 #include "octree/octree.h"
 #include "base/progress.h"

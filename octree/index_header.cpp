@@ -9,7 +9,7 @@
 
 #include "base/checksum.h"
 #include "base/byte_order.h"
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "base/error.h"
 #include "base/bytes.h"
 #include "octree/point_spacing.h"

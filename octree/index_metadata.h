@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 // The section of an index file with everything that has no fixed size: coordinate reference system, files,
 // warnings, extra dimensions, LAS records. docs/index_file.md has it byte by byte.

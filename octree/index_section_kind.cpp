@@ -4,7 +4,7 @@
 #include <array>
 #include <bit>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/node.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "octree/cloud/attributes.h"
+#include "cloud/attributes.h"
 
 // What stands in the sections of an index file (docs/index_file.md).
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/cloud/cloud_files.h"
+#include "cloud/cloud_files.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "base/bounds.h"
-#include "octree/cloud/lattice.h"
+#include "cloud/lattice.h"
 #include "octree/node.h"
 #include "base/instruction_set.h"
 

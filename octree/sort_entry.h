@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include "octree/cloud/lattice.h"
+#include "cloud/lattice.h"
 #include "octree/morton.h"
 
 namespace alidade {

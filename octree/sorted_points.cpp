@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octree/sorted_points.h"
-#include "octree/lattice_extent.h"
+#include "cloud/lattice_extent.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/cloud/lattice.h"
+#include "cloud/lattice.h"
 #include "base/huge_memory.h"
 #include "octree/morton.h"
 #include "base/page_release.h"

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "renderer/gdal_handles.h"
 
 // Reference systems as GDAL has them, given back when they are no longer used.

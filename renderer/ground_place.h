@@ -4,7 +4,7 @@
 #include <glm/vec2.hpp>
 #include <optional>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 
 namespace alidade {
 

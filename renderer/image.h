@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "renderer/film.h"
 #include "renderer/scene.h"
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "base/output_file.h"
 #include "renderer/image.h"
 

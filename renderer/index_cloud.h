@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "base/progress.h"
 #include "renderer/render.h"
 

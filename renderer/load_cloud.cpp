@@ -6,9 +6,9 @@
 
 #include "octree/build.h"
 #include "base/checksum.h"
-#include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/cloud_files.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/attribute_columns.h"
+#include "cloud/cloud_files.h"
+#include "cloud/read_cloud.h"
 #include "octree/index_file.h"
 #include "octree/spacing.h"
 #include "renderer/color/choose_color.h"

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "octree/cloud/cloud_database.h"
-#include "octree/cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
+#include "cloud/cloud_files.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/index_cloud.h"
 #include "renderer/nodes_in_view.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "octree/cloud/copc/copc_file.h"
+#include "cloud/copc/copc_file.h"
 #include "renderer/render.h"
 
 // A first look at clouds that take long to load, if their files are octrees themselves (COPC).

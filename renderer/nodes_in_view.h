@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/cloud/copc/read_copc_nodes.h"
+#include "cloud/copc/read_copc_nodes.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/octree.h"
 #include "base/progress.h"
 #include "octree/ray.h"

@@ -13,7 +13,7 @@
 #include <variant>
 #include <vector>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "renderer/camera/lens.h"
 #include "renderer/color/point_color.h"
 #include "base/date_time.h"
@@ -52,7 +52,7 @@ inline constexpr int k_max_level = 255;
 
 /// The scanned part of a scene.
 struct CloudSettings {
-  std::vector<std::filesystem::path> files;  ///< and folders and patterns (octree/cloud/cloud_files.h)
+  std::vector<std::filesystem::path> files;  ///< and folders and patterns (cloud/cloud_files.h)
   bool partial = false;                      ///< ReadOptions::partial
   ColorDepth color_depth = ColorDepth::automatic;
   std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/generate.h"
 
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "simulation/courtyard.h"
 #include "simulation/courtyard_parts.h"
 

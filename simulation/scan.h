@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "base/progress.h"
 #include "simulation/scanner.h"
 #include "simulation/site.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/cloud_options.h"
 
-#include "octree/cloud/cloud_files.h"
+#include "cloud/cloud_files.h"
 
 namespace alidade {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include "octree/cloud/keep_rows.h"
-#include "octree/cloud/read_cloud.h"
-#include "octree/cloud/repack_las.h"
-#include "octree/cloud/thin.h"
-#include "octree/cloud/write_las.h"
-#include "octree/cloud/write_ply.h"
+#include "cloud/keep_rows.h"
+#include "cloud/read_cloud.h"
+#include "cloud/las/repack_las.h"
+#include "cloud/thin.h"
+#include "cloud/las/write_las.h"
+#include "cloud/ply/write_ply.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/crop_options.h"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "octree/cloud/crop.h"
+#include "cloud/select_points.h"
 #include "base/error.h"
 #include "tools/load_module.h"
 #include "tools/options.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/bounds.h"
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "base/progress.h"
 
 namespace alidade {

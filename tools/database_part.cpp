@@ -6,7 +6,7 @@
 #include "database/server/read_server_part.h"
 #include "database/server/server_name.h"
 #include "database/sqlite/read_cloud_part.h"
-#include "octree/cloud/cloud_database.h"
+#include "cloud/cloud_inputs.h"
 
 namespace alidade {
 

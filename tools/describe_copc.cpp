@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "octree/cloud/copc/copc_file.h"
+#include "cloud/copc/copc_file.h"
 #include "base/error.h"
 
 namespace alidade {

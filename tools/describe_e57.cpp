@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "octree/cloud/cloud_database.h"
+#include "cloud/cloud_inputs.h"
 
 namespace alidade {
 namespace {

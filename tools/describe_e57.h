@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/e57/e57_file.h"
+#include "cloud/e57/e57_file.h"
 #include "tools/progress.h"
 
 namespace alidade {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "octree/cloud/e57/e57_file.h"
+#include "cloud/e57/e57_file.h"
 
 namespace alidade {
 

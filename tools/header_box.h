@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "tools/cloud_options.h"

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "octree/cloud/cloud_database.h"
-#include "octree/cloud/cloud_files.h"
-#include "octree/cloud/crs_name.h"
-#include "octree/cloud/is_las.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/cloud_inputs.h"
+#include "cloud/cloud_files.h"
+#include "cloud/crs_name.h"
+#include "cloud/is_las.h"
+#include "cloud/read_cloud.h"
 #include "octree/index_file.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "tools/options.h"
 
 namespace alidade {

@@ -10,7 +10,7 @@
 #include "database/server/server_name.h"
 #include "database/server/store_on_server.h"
 #include "database/sqlite/store_cloud.h"
-#include "octree/cloud/cloud_files.h"
+#include "cloud/cloud_files.h"
 #include "tools/load_options.h"
 #include "tools/message.h"
 #include "base/words.h"

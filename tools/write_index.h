@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "octree/build.h"
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "tools/progress.h"
 
 namespace alidade {

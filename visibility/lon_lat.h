@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 
 namespace alidade {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <string>
 
-#include "octree/cloud/wkt_node.h"
+#include "cloud/wkt_node.h"
 #include "renderer/color/height_unit.h"
 
 namespace alidade {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 
 namespace alidade {
 

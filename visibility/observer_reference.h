@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "visibility/observers.h"
 
 namespace alidade {

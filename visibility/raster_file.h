@@ -10,7 +10,7 @@
 #include <variant>
 #include <vector>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "visibility/raster.h"
 
 namespace alidade {

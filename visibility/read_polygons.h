@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "octree/cloud/crop.h"
+#include "cloud/select_points.h"
 #include "visibility/observer_reference.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "base/progress.h"
 #include "base/date_time.h"
 #include "visibility/beam_irradiance.h"

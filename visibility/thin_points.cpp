@@ -6,7 +6,7 @@
 #include <string>
 #include <unordered_map>
 
-#include "octree/cloud/lattice.h"
+#include "cloud/lattice.h"
 #include "octree/distance.h"
 #include "base/error.h"
 #include "octree/tree_walk.h"

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "octree/cloud/read_in_pieces.h"
+#include "cloud/read_in_pieces.h"
 
 namespace alidade {
 

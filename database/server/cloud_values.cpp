@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "database/stored_column.h"
-#include "octree/cloud/append_rows.h"
-#include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/scalar_bytes.h"
+#include "cloud/append_rows.h"
+#include "cloud/attribute_columns.h"
+#include "cloud/scalar_bytes.h"
 #include "base/error.h"
 
 namespace alidade {

@@ -8,7 +8,7 @@
 
 #include "database/server/copy_decoder.h"
 #include "database/server/server_table.h"
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "octree/cloud/scalar_bytes.h"
+#include "cloud/scalar_bytes.h"
 #include "base/error.h"
 
 namespace alidade {

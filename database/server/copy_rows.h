@@ -9,7 +9,7 @@
 
 #include "database/encode_points.h"
 #include "database/server/server_column.h"
-#include "octree/cloud/read_in_pieces.h"
+#include "cloud/read_in_pieces.h"
 
 namespace alidade {
 

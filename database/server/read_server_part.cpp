@@ -7,7 +7,7 @@
 
 #include "database/server/filter_condition.h"
 #include "database/server/server_cloud.h"
-#include "octree/cloud/append_rows.h"
+#include "cloud/append_rows.h"
 
 namespace alidade {
 namespace {

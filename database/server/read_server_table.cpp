@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "database/server/server_cloud.h"
-#include "octree/cloud/append_rows.h"
-#include "octree/cloud/lattice_shift.h"
-#include "octree/cloud/table_survey.h"
+#include "cloud/append_rows.h"
+#include "cloud/lattice_shift.h"
+#include "cloud/point_table.h"
 
 namespace alidade {
 namespace {

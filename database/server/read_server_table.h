@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octree/cloud/cloud_database.h"
+#include "cloud/cloud_inputs.h"
 
 namespace alidade {
 

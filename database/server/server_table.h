@@ -7,7 +7,7 @@
 
 #include "database/server/cloud_row.h"
 #include "database/server/server_connection.h"
-#include "octree/cloud/attributes.h"
+#include "cloud/attributes.h"
 
 namespace alidade {
 

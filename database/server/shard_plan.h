@@ -6,7 +6,7 @@
 #include <string>
 
 #include "database/server/shard.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "base/progress.h"
 
 namespace alidade {

@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "octree/lattice_extent.h"
+#include "cloud/lattice_extent.h"
 
 namespace alidade {
 

@@ -7,8 +7,8 @@
 
 #include "database/stored_column.h"
 #include "base/bounds.h"
-#include "octree/cloud/crs.h"
-#include "octree/cloud/lattice.h"
+#include "cloud/crs.h"
+#include "cloud/lattice.h"
 
 struct sqlite3;
 

@@ -6,8 +6,8 @@
 #include <numeric>
 
 #include "database/sqlite/stored_cloud.h"
-#include "octree/cloud/append_rows.h"
-#include "octree/cloud/reorder_attributes.h"
+#include "cloud/append_rows.h"
+#include "cloud/reorder_attributes.h"
 
 namespace alidade {
 namespace {

@@ -4,8 +4,8 @@
 #include <functional>
 
 #include "database/sqlite/stored_cloud.h"
-#include "octree/cloud/append_rows.h"
-#include "octree/cloud/lattice_shift.h"
+#include "cloud/append_rows.h"
+#include "cloud/lattice_shift.h"
 
 namespace alidade {
 namespace {

@@ -22,7 +22,7 @@
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
 #include "database/streamed_columns.h"
-#include "octree/cloud/append_rows.h"
+#include "cloud/append_rows.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "base/progress.h"
 
 namespace alidade {

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "octree/cloud/append_rows.h"
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/append_rows.h"
+#include "cloud/attribute_columns.h"
 #include "base/byte_order.h"
 
 namespace alidade {

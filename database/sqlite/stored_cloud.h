@@ -9,7 +9,7 @@
 
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/connection.h"
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "octree/build.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "octree/query.h"
 
 int main(int argument_count, char** arguments) {

@@ -3,7 +3,7 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // write_las CLOUD... OUT.las: joins clouds of any format into one LAS file.
-#include "octree/cloud/write_las.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
 
 int main(int count, char** arguments) {
   using namespace alidade;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "octree/cloud/append_rows.h"
-#include "octree/cloud/cloud_reader.h"
-#include "octree/cloud/lattice_shift.h"
+#include "cloud/append_rows.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/lattice_shift.h"
 #include "octree/index_file.h"
 #include "octree/tree_walk.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "octree/cloud/lattice.h"
+#include "cloud/lattice.h"
 
 namespace alidade {
 

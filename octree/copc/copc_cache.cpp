@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/byte_order.h"
-#include "octree/cloud/laz/corrupt_chunk.h"
+#include "cloud/laz/corrupt_chunk.h"
 #include "base/error.h"
 
 namespace alidade {

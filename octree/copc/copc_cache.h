@@ -12,8 +12,8 @@
 #include <optional>
 #include <vector>
 
-#include "octree/cloud/copc/copc_file.h"
-#include "octree/cloud/laz/chunk_decoder.h"
+#include "cloud/copc/copc_file.h"
+#include "cloud/laz/chunk_codec.h"
 #include "octree/copc/boxed_points.h"
 #include "base/progress.h"
 

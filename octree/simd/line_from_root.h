@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/cloud/lattice.h"
+#include "cloud/lattice.h"
 #include "octree/octree.h"
 #include "octree/ray.h"
 

@@ -5,7 +5,7 @@
 #define HWY_TARGET_INCLUDE "octree/simd/moments.cpp"
 #include <hwy/foreach_target.h>
 
-#include "octree/cloud/lattice.h"
+#include "cloud/lattice.h"
 #include "octree/simd/box_test-inl.h"
 #include "octree/simd/choose_table.h"
 #include "octree/tree_walk.h"

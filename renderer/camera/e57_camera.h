@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "octree/cloud/e57/e57_document.h"
+#include "cloud/e57/e57_document.h"
 #include "renderer/scene.h"
 
 namespace alidade {

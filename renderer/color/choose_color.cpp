@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "octree/cloud/cloud_database.h"
+#include "cloud/cloud_inputs.h"
 #include "base/error.h"
 #include "renderer/color/point_values.h"
 #include "base/json.h"

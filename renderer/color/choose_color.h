@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/damage.h"
+#include "cloud/attribute_columns.h"
+#include "cloud/damage.h"
 #include "renderer/color/point_color.h"
 
 // Whether a cloud has what its points are to be coloured by.

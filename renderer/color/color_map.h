@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <string_view>
 
-#include "octree/cloud/attributes.h"
+#include "cloud/attributes.h"
 
 namespace alidade {
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "octree/cloud/is_las.h"
+#include "cloud/is_las.h"
 #include "renderer/color/classification_colors.h"
 #include "renderer/color/gps_date.h"
 #include "renderer/color/height_unit.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/attribute_columns.h"
 #include "octree/octree.h"
 #include "renderer/color/color_key.h"
 #include "renderer/color/point_color.h"

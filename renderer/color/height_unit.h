@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 
 namespace alidade {
 

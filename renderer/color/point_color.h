@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "octree/cloud/attributes.h"
+#include "cloud/attributes.h"
 #include "renderer/color/color_map.h"
 
 // What gives the points of a cloud their colours, as plain data.

@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "octree/cloud/scalar_bytes.h"
+#include "cloud/scalar_bytes.h"
 #include "octree/tree_walk.h"
 
 namespace alidade {

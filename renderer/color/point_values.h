@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/attribute_columns.h"
 #include "octree/octree.h"
 #include "renderer/color/point_color.h"
 

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "tests/bench/campus_layout.h"
 
 namespace alidade::bench {

@@ -13,7 +13,7 @@
 #include "database/sqlite/connection.h"
 #include "database/sqlite/prepare.h"
 #include "database/sqlite/store_cloud.h"
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "tests/bench/timing.h"
 
 namespace alidade::bench {

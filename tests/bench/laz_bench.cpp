@@ -13,13 +13,13 @@
 #include <string>
 
 #include "base/byte_order.h"
-#include "octree/cloud/las_point.h"
-#include "octree/cloud/laz/chunk_encoder.h"
+#include "cloud/las/las_point.h"
+#include "cloud/laz/chunk_encoder.h"
 #include "base/output_file.h"
-#include "octree/cloud/read_cloud.h"
-#include "octree/cloud/repack_las.h"
+#include "cloud/read_cloud.h"
+#include "cloud/las/repack_las.h"
 #include "tests/bench/laz_records.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 #include "tests/cloud/laz/sample_chunks.h"
 
 namespace alidade::bench {

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "base/byte_order.h"
-#include "octree/cloud/las_point.h"
+#include "cloud/las/las_point.h"
 
 namespace alidade::bench {
 namespace {

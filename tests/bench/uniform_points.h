@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <random>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade::bench {
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "tests/cloud/cloud_test_support.h"
 
 // Clouds with every kind of column, and the columns of some of their rows, for tests on what crops and thins.

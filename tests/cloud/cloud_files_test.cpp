@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Folders and patterns as cloud files.
-#include "octree/cloud/cloud_files.h"
+#include "cloud/cloud_files.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tests/cloud/cloud_test_support.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {

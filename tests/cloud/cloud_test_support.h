@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/cloud_reader.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/read_cloud.h"
 #include "base/error.h"
 
 namespace alidade::test {

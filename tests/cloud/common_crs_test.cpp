@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/crs_name.h"
+#include "cloud/crs_name.h"
 #include "tests/cloud/cloud_test_support.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {

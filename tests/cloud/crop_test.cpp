@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/crop.h"
+#include "cloud/select_points.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

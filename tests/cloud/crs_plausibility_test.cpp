@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/crs_plausibility.h"
+#include "cloud/crs_plausibility.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What is left of damaged files: ReadOptions::partial.
-#include "octree/cloud/damage.h"
+#include "cloud/damage.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/cloud/cloud_test_support.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {

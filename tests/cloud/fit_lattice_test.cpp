@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/fit_lattice.h"
+#include "cloud/fit_lattice.h"
 
 #include <gtest/gtest.h>
 

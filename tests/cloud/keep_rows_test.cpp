@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/keep_rows.h"
+#include "cloud/keep_rows.h"
 
 #include <gtest/gtest.h>
 

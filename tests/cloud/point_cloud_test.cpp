@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 #include <gtest/gtest.h>
 
-#include "octree/cloud/append_rows.h"
+#include "cloud/append_rows.h"
 
 namespace alidade {
 namespace {

@@ -9,8 +9,8 @@
 #include <string>
 #include <string_view>
 
-#include "octree/cloud/cloud_reader.h"
-#include "octree/cloud/fit_lattice.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/fit_lattice.h"
 #include "base/error.h"
 
 namespace alidade::test {

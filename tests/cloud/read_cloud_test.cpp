@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Telling formats apart, and joining files to one cloud.
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/cloud/cloud_test_support.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/thin.h"
+#include "cloud/thin.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-#include "octree/cloud/keep_rows.h"
+#include "cloud/keep_rows.h"
 #include "tests/cloud/chosen_points.h"
 
 namespace alidade {

@@ -9,12 +9,12 @@
 #include <thread>
 #include <vector>
 
-#include "octree/cloud/append_cloud.h"
-#include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/read_in_pieces.h"
-#include "octree/cloud/row_ids.h"
+#include "cloud/append_cloud.h"
+#include "cloud/attribute_columns.h"
+#include "cloud/read_in_pieces.h"
+#include "cloud/rows.h"
 #include "tests/cloud/cloud_test_support.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {

@@ -9,7 +9,7 @@
 #include "database/server/cloud_row.h"
 #include "database/server/cloud_values.h"
 #include "database/server/filter_condition.h"
-#include "octree/cloud/append_rows.h"
+#include "cloud/append_rows.h"
 #include "base/error.h"
 
 namespace alidade::test {

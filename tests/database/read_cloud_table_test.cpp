@@ -3,8 +3,8 @@
 #include <cstring>
 
 #include "database/sqlite/read_cloud_table.h"
-#include "octree/cloud/attribute_columns.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/attribute_columns.h"
+#include "cloud/read_cloud.h"
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {

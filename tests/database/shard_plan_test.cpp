@@ -12,7 +12,7 @@
 
 #include "database/server/copy_rows.h"
 #include "database/server/shard_plan.h"
-#include "octree/cloud/write_ply.h"
+#include "cloud/ply/write_ply.h"
 #include "base/error.h"
 
 namespace alidade::test {

@@ -9,7 +9,7 @@
 #include "database/sqlite/cloud_schema.h"
 #include "database/stored_column.h"
 #include "octree/build.h"
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "octree/index_file.h"
 #include "tests/database/sqlite_fixture.h"
 

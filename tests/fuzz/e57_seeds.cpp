@@ -2,7 +2,7 @@
 // e57_seeds FOLDER: small E57 files with every kind of field, section and image as a start for fuzz_e57.
 #include <vector>
 
-#include "tests/cloud/e57_builder.h"
+#include "tests/cloud/e57/e57_builder.h"
 #include "tests/fuzz/write_seeds.h"
 
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/cloud/cloud_reader.h"
+#include "cloud/cloud_reader.h"
 #include "octree/copc/copc_tree.h"
 #include "base/error.h"
 #include "octree/query_targets.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/e57/e57_file.h"
-#include "tests/cloud/e57_builder.h"
+#include "cloud/e57/e57_file.h"
+#include "tests/cloud/e57/e57_builder.h"
 #include "tests/fuzz/fuzz_reader.h"
 
 namespace {

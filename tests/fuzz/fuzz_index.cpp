@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "octree/cloud/cloud_reader.h"
+#include "cloud/cloud_reader.h"
 #include "octree/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "octree/cloud/cloud_reader.h"
+#include "cloud/cloud_reader.h"
 #include "base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -7,8 +7,8 @@
 #include <memory>
 #include <span>
 
-#include "octree/cloud/cloud_reader.h"
-#include "octree/cloud/fit_lattice.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/fit_lattice.h"
 #include "base/error.h"
 
 namespace alidade::test {

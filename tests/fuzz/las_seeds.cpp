@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 
 int main(int count, char** arguments) {
   if (count != 2) return 2;

@@ -15,11 +15,11 @@
 #include <utility>
 #include <vector>
 
-#include "octree/cloud/las_point.h"
-#include "octree/cloud/laz/chunk_decoder.h"
-#include "octree/cloud/laz/chunk_encoder.h"
-#include "octree/cloud/laz/corrupt_chunk.h"
-#include "octree/cloud/laz/laz_layout.h"
+#include "cloud/las/las_point.h"
+#include "cloud/laz/chunk_codec.h"
+#include "cloud/laz/chunk_encoder.h"
+#include "cloud/laz/corrupt_chunk.h"
+#include "cloud/laz/laz_layout.h"
 #include "tests/fuzz/write_seeds.h"
 
 // What the fuzz targets of both LAZ codecs share: their input, what is expected of it, and seeds.

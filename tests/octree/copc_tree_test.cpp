@@ -11,7 +11,7 @@
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"
 #include "tests/cloud/cloud_test_support.h"
-#include "tests/octree/copc_builder.h"
+#include "tests/cloud/copc/copc_builder.h"
 #include "tests/support/same_hits.h"
 
 // Answers from a COPC file in place against brute force over the cloud that is read from it.

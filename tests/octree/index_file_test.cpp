@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "octree/indexed_cloud.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/tree_walk.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 #include "tests/octree/index_test_support.h"
 #include "tests/support/point_families.h"
 #include "tests/support/ray_families.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "octree/build.h"
-#include "octree/cloud/attribute_columns.h"
+#include "cloud/attribute_columns.h"
 #include "octree/index_file.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/support/random.h"

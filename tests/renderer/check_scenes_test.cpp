@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "octree/cloud/write_ply.h"
+#include "cloud/ply/write_ply.h"
 #include "renderer/camera.h"
 #include "renderer/read_scene.h"
 #include "renderer/render.h"

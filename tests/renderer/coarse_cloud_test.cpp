@@ -7,10 +7,10 @@
 #include <bit>
 #include <set>
 
-#include "octree/cloud/cloud_reader.h"
+#include "cloud/cloud_reader.h"
 #include "renderer/camera.h"
 #include "renderer/nodes_in_view.h"
-#include "tests/octree/copc_builder.h"
+#include "tests/cloud/copc/copc_builder.h"
 
 namespace alidade {
 namespace {

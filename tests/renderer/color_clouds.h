@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "tests/support/point_families.h"
 
 namespace alidade::test {

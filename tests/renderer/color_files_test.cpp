@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "octree/build.h"
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "base/error.h"
 #include "octree/index_file.h"
 #include "renderer/color/choose_color.h"

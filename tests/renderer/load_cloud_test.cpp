@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "octree/spacing.h"
 #include "tests/renderer/tracer_scenes.h"
 

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "octree/build.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "renderer/camera.h"
 #include "renderer/camera/camera_set.h"
 #include "renderer/camera/projection.h"

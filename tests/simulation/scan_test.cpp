@@ -9,7 +9,7 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"
 #include "tests/support/random.h"

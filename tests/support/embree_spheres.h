@@ -13,7 +13,7 @@
 #include <new>
 #include <span>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/ray.h"
 
 namespace alidade::test {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade::test {
 

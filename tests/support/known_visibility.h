@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/octree.h"
 #include "simulation/site.h"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

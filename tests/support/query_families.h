@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/query.h"
 #include "tests/support/random.h"
 

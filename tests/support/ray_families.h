@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "octree/query.h"
 #include "tests/support/random.h"
 

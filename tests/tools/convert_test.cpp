@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "octree/cloud/read_cloud.h"
-#include "octree/cloud/write_las.h"
-#include "tests/cloud/las_builder.h"
+#include "cloud/read_cloud.h"
+#include "cloud/las/write_las.h"
+#include "tests/cloud/las/las_builder.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 

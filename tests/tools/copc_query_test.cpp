@@ -4,7 +4,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "tests/octree/copc_builder.h"
+#include "tests/cloud/copc/copc_builder.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

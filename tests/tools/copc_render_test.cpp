@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <fstream>
 
-#include "octree/cloud/copc/copc_file.h"
-#include "tests/octree/copc_builder.h"
+#include "cloud/copc/copc_file.h"
+#include "tests/cloud/copc/copc_builder.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -2,7 +2,7 @@
 // alidade info on E57 files: what it tells, and what it extracts.
 #include <nlohmann/json.hpp>
 
-#include "tests/cloud/e57_builder.h"
+#include "tests/cloud/e57/e57_builder.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

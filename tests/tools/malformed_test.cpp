@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

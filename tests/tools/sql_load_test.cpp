@@ -11,7 +11,7 @@
 #include "database/sql_name.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

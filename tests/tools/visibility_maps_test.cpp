@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

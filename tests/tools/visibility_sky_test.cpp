@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "tests/tools/wall_site.h"
 
 namespace alidade::test {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "visibility/raster.h"
 
 namespace alidade::test {

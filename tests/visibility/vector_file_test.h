@@ -12,7 +12,7 @@
 #include <functional>
 #include <string>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "base/error.h"
 #include "renderer/gdal_handles.h"
 #include "renderer/gdal_reference.h"

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/build.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"
 #include "visibility/viewshed.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "octree/indexed_cloud.h"
 #include "tools/query/answer_row.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <type_traits>
 
-#include "octree/cloud/cloud_database.h"
-#include "octree/cloud/read_cloud.h"
+#include "cloud/cloud_inputs.h"
+#include "cloud/read_cloud.h"
 #include "tools/database_part.h"
 #include "tools/query/query_region.h"
 #include "tools/query/target_bounds.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "octree/cloud/read_cloud.h"
+#include "cloud/read_cloud.h"
 #include "tools/query/target_bounds.h"
 #include "tools/query/target_reader.h"
 

@@ -8,7 +8,7 @@
 #include <chrono>
 
 #include "octree/check_query.h"
-#include "octree/cloud/row_ids.h"
+#include "cloud/rows.h"
 #include "octree/indexed_cloud.h"
 #include "tools/database_part.h"
 #include "tools/message.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 
 namespace alidade {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 
 // What the module knows of reference systems (tools/load_module.h).
 

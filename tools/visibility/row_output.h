@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "octree/cloud/point_cloud.h"
+#include "cloud/point_cloud.h"
 #include "tools/command.h"
 #include "visibility/row_text.h"
 

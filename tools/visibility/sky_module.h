@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/cloud/crs.h"
+#include "cloud/crs.h"
 #include "visibility/skyline.h"
 #include "visibility/sun_path.h"
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "octree/cloud/write_las.h"
-#include "octree/cloud/write_ply.h"
+#include "cloud/las/write_las.h"
+#include "cloud/ply/write_ply.h"
 #include "base/error.h"
 #include "octree/tree_walk.h"
 #include "tools/cloud_description.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/laz/chunk_table.h"
+#include "cloud/laz/chunk_table.h"
 
 #include <gtest/gtest.h>
 

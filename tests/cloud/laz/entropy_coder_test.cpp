@@ -6,10 +6,10 @@
 #include <limits>
 #include <random>
 
-#include "octree/cloud/laz/arithmetic_decoder.h"
-#include "octree/cloud/laz/arithmetic_encoder.h"
-#include "octree/cloud/laz/integer_compressor.h"
-#include "octree/cloud/laz/symbol_model_set.h"
+#include "cloud/laz/entropy_coder.h"
+#include "cloud/laz/arithmetic_encoder.h"
+#include "cloud/laz/integer_compressor.h"
+#include "cloud/laz/symbol_model_set.h"
 #include "tests/cloud/laz/laz_test_support.h"
 
 namespace alidade {

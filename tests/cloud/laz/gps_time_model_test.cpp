@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/laz/gps_time_model.h"
+#include "cloud/laz/shared_models.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/cloud/laz/laz_layout.h"
-#include "tests/cloud/las_builder.h"
+#include "cloud/laz/laz_layout.h"
+#include "tests/cloud/las/las_builder.h"
 
 namespace alidade::test {
 

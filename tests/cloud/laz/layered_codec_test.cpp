@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Chunks that other programs wrote, and what selective decoding promises.
-#include "octree/cloud/laz/layered_codec.h"
+#include "cloud/laz/layered_codec.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "octree/cloud/laz/corrupt_chunk.h"
-#include "octree/cloud/laz/layered_chunk.h"
+#include "cloud/laz/corrupt_chunk.h"
+#include "cloud/laz/layered_chunk.h"
 #include "tests/cloud/laz/layered_records.h"
 #include "tests/cloud/laz/sample_chunks.h"
 #include "tests/support/memory_taken.h"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/byte_order.h"
-#include "octree/cloud/las_point.h"
-#include "octree/cloud/laz/laz_layout.h"
-#include "octree/cloud/laz/point14_fields.h"
+#include "cloud/las/las_point.h"
+#include "cloud/laz/laz_layout.h"
+#include "cloud/laz/point14_fields.h"
 #include "tests/cloud/laz/laz_test_support.h"
 #include "tests/support/random.h"
 

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "octree/cloud/laz/layered_chunk.h"
-#include "octree/cloud/laz/layered_codec.h"
+#include "cloud/laz/layered_chunk.h"
+#include "cloud/laz/layered_codec.h"
 #include "tests/cloud/laz/layered_records.h"
 
 namespace alidade {

@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "octree/cloud/laz/arithmetic_encoder.h"
-#include "octree/cloud/laz/integer_compressor.h"
-#include "octree/cloud/laz/layered_codec.h"
-#include "octree/cloud/laz/laz_layout.h"
-#include "octree/cloud/laz/pointwise_codec.h"
-#include "tests/cloud/las_builder.h"
+#include "cloud/laz/arithmetic_encoder.h"
+#include "cloud/laz/integer_compressor.h"
+#include "cloud/laz/layered_codec.h"
+#include "cloud/laz/laz_layout.h"
+#include "cloud/laz/pointwise_codec.h"
+#include "tests/cloud/las/las_builder.h"
 #include "tests/cloud/laz/laszip_data.h"
 
 // LAZ files of every kind a writer may choose, for tests. Header, records and table are put together by hand;

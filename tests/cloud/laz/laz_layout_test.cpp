@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/laz/laz_layout.h"
+#include "cloud/laz/laz_layout.h"
 
 #include <gtest/gtest.h>
 
-#include "octree/cloud/las_point.h"
+#include "cloud/las/las_point.h"
 
 namespace alidade {
 namespace {

@@ -5,11 +5,11 @@
 
 #include <cstdlib>
 
-#include "octree/cloud/las_header.h"
-#include "octree/cloud/repack_las.h"
-#include "octree/cloud/write_las.h"
+#include "cloud/las/las_header.h"
+#include "cloud/las/repack_las.h"
+#include "cloud/las/write_las.h"
 #include "tests/cloud/chosen_points.h"
-#include "tests/cloud/las_builder.h"
+#include "tests/cloud/las/las_builder.h"
 
 namespace alidade {
 namespace {

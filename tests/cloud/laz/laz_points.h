@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "octree/cloud/laz/laz_layout.h"
+#include "cloud/laz/laz_layout.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

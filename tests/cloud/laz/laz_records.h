@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "octree/cloud/las_records.h"
-#include "octree/cloud/laz/laszip_record.h"
-#include "octree/cloud/laz/laz_points.h"
+#include "cloud/las/las_records.h"
+#include "cloud/laz/laszip_record.h"
+#include "cloud/laz/laz_points.h"
 
 namespace alidade::test {
 

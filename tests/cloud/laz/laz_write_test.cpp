@@ -3,7 +3,7 @@
 #include <tbb/global_control.h>
 
 #include "base/byte_order.h"
-#include "octree/cloud/write_las.h"
+#include "cloud/las/write_las.h"
 #include "tests/cloud/chosen_points.h"
 
 namespace alidade {

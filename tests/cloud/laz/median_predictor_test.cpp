@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/laz/median_predictor.h"
+#include "cloud/laz/median_predictor.h"
 
 #include <gtest/gtest.h>
 

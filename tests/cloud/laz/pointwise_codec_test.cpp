@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/laz/pointwise_codec.h"
+#include "cloud/laz/pointwise_codec.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "octree/cloud/las_point.h"
-#include "octree/cloud/laz/corrupt_chunk.h"
+#include "cloud/las/las_point.h"
+#include "cloud/laz/corrupt_chunk.h"
 #include "tests/cloud/laz/laz_points.h"
 #include "tests/cloud/laz/laz_test_support.h"
 

@@ -7,8 +7,8 @@
 #include <cstring>
 #include <random>
 
-#include "octree/cloud/laz/color_models.h"
-#include "octree/cloud/laz/wave_packet_models.h"
+#include "cloud/laz/color_models.h"
+#include "cloud/laz/wave_packet_models.h"
 #include "tests/cloud/laz/laz_test_support.h"
 
 namespace alidade {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "octree/cloud/laz/write_chunk_table.h"
+#include "cloud/laz/write_chunk_table.h"
 
 #include <gtest/gtest.h>
 
-#include "octree/cloud/laz/write_laszip_record.h"
+#include "cloud/laz/write_laszip_record.h"
 
 namespace alidade {
 namespace {

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/cloud_pieces.h"
+
+#include <algorithm>
+
+#include "cloud/attribute_columns.h"
+
+namespace alidade {
+namespace {
+
+std::uint64_t bytes_per_point(PointCloud& cloud, AttributeSet attributes) {
+  std::uint64_t bytes = sizeof(LatticePosition);
+  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
+    if (attributes.contains(attribute)) bytes += sizeof column[0];
+  });
+  for (const ExtraDimension& dimension : cloud.extra_dimensions)
+    bytes += static_cast<std::uint64_t>(dimension.byte_count);
+  return bytes;
+}
+
+}  // namespace
+
+std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t wanted,
+                          const CloudPieces& pieces) {
+  if (!pieces.take) return static_cast<std::size_t>(wanted);
+  const std::uint64_t bytes = bytes_per_point(cloud, cloud.attributes() | coming) + pieces.bytes_beside;
+  const std::uint64_t most = std::clamp<std::uint64_t>(pieces.most_bytes / bytes, 1, UINT32_MAX);
+  if (cloud.size() >= most) pieces.take(cloud);
+  return static_cast<std::size_t>(std::min(wanted, most - cloud.size()));
+}
+
+}  // namespace alidade

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "base/bounds.h"
+#include "cloud/cloud_pieces.h"
+#include "cloud/damage.h"
+#include "base/input_file.h"
+#include "cloud/point_cloud.h"
+#include "cloud/read_cloud.h"
+#include "base/progress.h"
+
+namespace alidade {
+
+/// What a first pass over a file without a lattice tells, so that a lattice can be chosen.
+struct CoordinateSurvey {
+  Bounds bounds;  ///< of the finite points, world coordinates
+  std::uint64_t finite_count = 0;
+  std::uint64_t dropped_count = 0;  ///< points with a NaN or infinite coordinate
+  /// How finely the file's own numbers are rounded, per axis: half an ulp of the largest float32, half of the
+  /// last written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in
+  /// binary. Per axis, because float32 northings are rounded to decimetres while heights beside them keep
+  /// micrometres.
+  glm::dvec3 resolution{0.0};
+};
+
+/// What a file says about all of its points at once.
+struct FileFacts {
+  Crs crs{};
+  std::optional<bool> gps_time_is_standard{};  ///< as PointCloud's; empty if the format cannot say
+  std::array<std::uint8_t, 16> project_id{};   ///< as PointCloud's, and so is the next one
+  std::uint16_t file_source_id = 0;
+  /// Box of all points, world coordinates: widened_header_box(). Empty if the header states none, or one that
+  /// cannot be true.
+  std::optional<Bounds> box{};
+};
+
+/// The box that a header states, made larger by what programs round it by: 8 steps of the lattice, or a
+/// hundred-thousandth of its longest side if that is more. Empty if it is no box, does not lie on the
+/// lattice, or is a single place, as boxes are that nobody filled in.
+std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice);
+
+/// One cloud file, opened and its header understood, points not read yet. One class per format, made by
+/// `open_*` below; read_cloud.cpp joins them. Not thread safe.
+class CloudReader {
+ public:
+  virtual ~CloudReader() = default;
+
+  /// Format, version, point format. point_count is final after read().
+  virtual const CloudFile& file() const = 0;
+
+  /// The files that the points come from: this one, or those an index file was made of.
+  virtual std::vector<CloudFile> sources() const { return {file()}; }
+
+  /// Attributes the file has.
+  virtual AttributeSet attributes() const = 0;
+
+  /// The file's own lattice (LAS); empty for formats of free coordinates.
+  virtual std::optional<Lattice> lattice() const = 0;
+
+  /// Known when the file is open, so that files can be compared before any is read.
+  virtual FileFacts facts() const { return {}; }
+
+  /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's
+  /// size. With Damage::read_over the most it can be: points that turn out to be lost are fewer rows.
+  virtual std::optional<std::uint64_t> point_count() const = 0;
+
+  /// How much a pass takes, in bytes, where the points lie in no file that could be measured; 0 for files.
+  virtual std::uint64_t work() const { return 0; }
+
+  /// First pass, only for readers without a lattice. `progress` is in bytes, or of what work() says.
+  virtual CoordinateSurvey survey(const Progress& progress) = 0;
+
+  /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from
+  /// it by a whole number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks
+  /// are first filled with zeros up to the cloud's size, and columns the cloud has and the file lacks get
+  /// zeros for the new rows. The caller has reserved room. Records, scanner positions and warnings are added
+  /// to `cloud` by this call; facts() and file() by the caller. Nothing else of the cloud is looked at: it
+  /// may hold the files before this one or be a piece of its own. See append_rows.h.
+  void read(PointCloud& cloud, AttributeSet wanted, const Progress& progress) {
+    read_in_pieces(cloud, wanted, {}, progress);
+  }
+
+  /// The same with a cloud that is emptied on the way: memory for a piece, some 64 MB of records of LAZ (or
+  /// its largest chunk unpacked), and of PCD that is compressed all its points.
+  virtual void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                              const Progress& progress) = 0;
+
+  /// The points that are missing from what read() gave, place by place in the order of the file; each point
+  /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
+  /// Damage::refuse.
+  virtual std::vector<LostPoints> lost() const { return {}; }
+
+  /// Gives back file handle and buffers (InputFile::rest) until the next call that needs them; called while
+  /// other files of a large set are looked at.
+  virtual void rest() {}
+};
+
+/// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
+std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage = Damage::refuse);
+inline std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path) {
+  return open_cloud(InputFile(path));
+}
+
+/// read_cloud() over files already opened, also in memory.
+PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options);
+
+/// One function per format; each throws Error if the content is not of that format. Each lives in
+/// read_<format>.cpp.
+std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage);
+inline std::unique_ptr<CloudReader> open_las(InputFile file) {
+  return open_las(std::move(file), Damage::refuse);
+}
+std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage);
+std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage);
+std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage);  ///< XYZ, CSV with header names, PTS
+std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage);
+std::unique_ptr<CloudReader> open_e57(InputFile file);
+std::unique_ptr<CloudReader> open_index_cloud(InputFile file);  ///< octree/index_file.h
+inline std::unique_ptr<CloudReader> open_ply(InputFile file) {
+  return open_ply(std::move(file), Damage::refuse);
+}
+inline std::unique_ptr<CloudReader> open_pcd(InputFile file) {
+  return open_pcd(std::move(file), Damage::refuse);
+}
+inline std::unique_ptr<CloudReader> open_text(InputFile file) {
+  return open_text(std::move(file), Damage::refuse);
+}
+inline std::unique_ptr<CloudReader> open_ptx(InputFile file) {
+  return open_ptx(std::move(file), Damage::refuse);
+}
+inline std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path) {
+  return open_las(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path) {
+  return open_ply(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_pcd(const std::filesystem::path& path) {
+  return open_pcd(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path) {
+  return open_text(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path) {
+  return open_ptx(InputFile(path));
+}
+inline std::unique_ptr<CloudReader> open_e57(const std::filesystem::path& path) {
+  return open_e57(InputFile(path));
+}
+
+}  // namespace alidade

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/copc/copc_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/byte_order.h"
+#include "cloud/laz/chunk_table.h"
+#include "cloud/laz/laszip_record.h"
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_start_size = 589;  // header, record header and the record of COPC
+
+[[noreturn]] void not_copc(const std::string& file_name, std::string expected, std::string found) {
+  throw Error({.file = file_name,
+               .problem = "is no COPC 1.0",
+               .expected = std::move(expected),
+               .found = std::move(found)});
+}
+
+LazLayout read_layout(const std::string& file_name, const LasHeader& header, const LasRecords& records) {
+  if (!records.copc_info || !header.compressed || !records.laszip) {
+    not_copc(file_name, "compressed points and a record of COPC as the first", "");
+  }
+  if (header.version_minor != 4 || header.point_format < 6 || header.point_format > 8) {
+    not_copc(file_name, "LAS 1.4 with points of format 6, 7 or 8",
+             fmt::format("LAS 1.{} with format {}", header.version_minor, header.point_format));
+  }
+  const LazLayout layout = parse_laszip_record(records.laszip->data, file_name, records.laszip->place,
+                                               header.point_format, header.point_size);
+  if (layout.compressor != LazCompressor::layered || layout.chunk_size != 0) {
+    not_copc(file_name, "layered chunks of different sizes",
+             fmt::format("compressor {} and chunks of {} points", static_cast<int>(layout.compressor),
+                         layout.chunk_size));
+  }
+  return layout;
+}
+
+std::vector<LazChunk> find_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout,
+                                  std::vector<std::string>& warnings) {
+  std::string missing;
+  if (std::optional<std::vector<LazChunk>> chunks = read_chunk_table(file, header, layout, missing)) {
+    return std::move(*chunks);
+  }
+  warnings.push_back(fmt::format("{}: {}; the chunks are found one after another", file.name(), missing));
+  WalkedChunks walked = walk_layered_chunks(file, header, layout);
+  if (walked.problem) throw Error(*walked.problem);
+  return std::move(walked.chunks);
+}
+
+}  // namespace
+
+bool is_copc(InputFile& file) {
+  const std::span<const std::byte> start = file.view_up_to(0, k_start_size);
+  return start.size() == k_start_size && las_text(start.data(), 4) == "LASF" &&
+         las_text(start.data() + k_las_header_size + 2, 16) == "copc" &&
+         load<std::uint16_t>(start.data() + k_las_header_size + 18) == 1;
+}
+
+CopcFile::CopcFile(InputFile file)
+    : file_(std::move(file)),
+      header_(read_las_header(file_, warnings_)),
+      records_(read_las_records(file_, header_, warnings_)),
+      layout_(read_layout(file_.name(), header_, records_)),
+      info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->place)),
+      hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {}
+
+void CopcFile::read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const {
+  bytes.resize(static_cast<std::size_t>(node.chunk.byte_count));
+  const std::lock_guard lock(mutex_);
+  file_.read_at(node.chunk.place, bytes);
+}
+
+Bounds CopcFile::bounds(const CopcNode& node) const {
+  Bounds bounds = copc_cube(info_, node.key);
+  const int levels_below = k_deepest_copc_level + 1 - node.key.level;
+  for (int axis = 0; axis < 3; ++axis) {
+    // A cube's faces are sums of three numbers, each rounded: a few units in the last place of the largest.
+    const double largest = std::abs(info_.centre[axis]) + 2 * info_.half_size;
+    const double rounding = 8 * std::numeric_limits<double>::epsilon() * largest * levels_below;
+    const double margin = header_.lattice.scale[axis] + rounding;
+    bounds.min[axis] -= margin;
+    bounds.max[axis] += margin;
+  }
+  return bounds;
+}
+
+}  // namespace alidade

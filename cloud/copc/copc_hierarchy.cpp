@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/copc/copc_hierarchy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "base/byte_order.h"
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::uint64_t k_entry_size = 32;
+constexpr std::int32_t k_page_entry = -1;  // the point count of an entry that points to another page
+
+struct Page {
+  std::uint64_t place, size;
+};
+
+/// What the pages say, checked on its own.
+class Entries {
+ public:
+  explicit Entries(InputFile& file) : file_(file) {}
+
+  std::map<CopcKey, LazChunk> read(const Page& root) {
+    announce(root, 0);
+    while (!pages_.empty()) {
+      const Page page = pages_.back();
+      pages_.pop_back();
+      read_page(page);
+    }
+    return std::move(nodes_);
+  }
+
+ private:
+  [[noreturn]] void fail(std::uint64_t byte, std::string problem, std::string expected,
+                         std::string found) const {
+    throw Error({.file = file_.name(),
+                 .place = fmt::format("byte {}", byte),
+                 .problem = std::move(problem),
+                 .expected = std::move(expected),
+                 .found = std::move(found)});
+  }
+
+  /// Checks a page that the bytes at `from` point to; it is read later.
+  void announce(const Page& page, std::uint64_t from) {
+    const std::string said = from == 0 ? "the COPC record" : fmt::format("byte {}", from);
+    const bool inside = page.place <= file_.size() && page.size <= file_.size() - page.place;
+    if (!inside || page.size == 0 || page.size % k_entry_size != 0) {
+      fail(page.place, fmt::format("bad page of the COPC hierarchy, which {} points to", said),
+           fmt::format("a multiple of {} bytes inside the file", k_entry_size), std::to_string(page.size));
+    }
+    if (!places_.insert(page.place).second) {
+      fail(page.place, fmt::format("a page of the COPC hierarchy is met twice, from {} again", said),
+           "one entry that points to it", "another");
+    }
+    // Pages that overlap could be many more than the file has room for.
+    bytes_ += page.size;
+    if (bytes_ > file_.size()) {
+      fail(page.place, "the pages of the COPC hierarchy take more bytes than the file has",
+           fmt::format("at most {}", file_.size()), std::to_string(bytes_));
+    }
+    pages_.push_back(page);
+  }
+
+  void read_page(const Page& page) {
+    constexpr std::uint64_t k_block_size = 2048 * k_entry_size;
+    for (std::uint64_t done = 0; done < page.size; done += block_.size()) {
+      block_.resize(static_cast<std::size_t>(std::min(k_block_size, page.size - done)));
+      file_.read_at(page.place + done, block_);
+      for (std::size_t at = 0; at < block_.size(); at += k_entry_size)
+        read_entry(block_.data() + at, page.place + done + at);
+    }
+  }
+
+  void read_entry(const std::byte* at, std::uint64_t place) {
+    const CopcKey key{load<std::int32_t>(at), load<std::int32_t>(at + 4), load<std::int32_t>(at + 8),
+                      load<std::int32_t>(at + 12)};
+    const std::uint64_t target = load<std::uint64_t>(at + 16);
+    const std::int32_t size = load<std::int32_t>(at + 24), count = load<std::int32_t>(at + 28);
+    const bool level_exists = key.level >= 0 && key.level <= k_deepest_copc_level;
+    const std::int64_t end = level_exists ? std::int64_t{1} << key.level : 0;
+    const auto on_level = [end](std::int32_t number) { return number >= 0 && number < end; };
+    if (!level_exists || !on_level(key.x) || !on_level(key.y) || !on_level(key.z)) {
+      fail(place, "bad key in the COPC hierarchy",
+           fmt::format("a level from 0 to {} and places on it", k_deepest_copc_level), key.name());
+    }
+    if (count < k_page_entry) {
+      fail(place + 28, fmt::format("bad number of points of COPC node {}", key.name()), "-1 or more",
+           std::to_string(count));
+    }
+    if (count == k_page_entry) {
+      announce({target, static_cast<std::uint64_t>(std::max(size, 0))}, place);
+      return;
+    }
+    LazChunk& chunk = nodes_[key];
+    if (count == 0) return;
+    if (chunk.point_count != 0) {
+      fail(place, fmt::format("the COPC hierarchy has two nodes {}", key.name()), "one with points",
+           fmt::format("{} and {} points", chunk.point_count, count));
+    }
+    chunk = {target, static_cast<std::uint64_t>(std::max(size, 0)), static_cast<std::uint64_t>(count)};
+  }
+
+  InputFile& file_;
+  std::vector<Page> pages_;  ///< still to be read
+  std::set<std::uint64_t> places_;
+  std::uint64_t bytes_ = 0;
+  std::vector<std::byte> block_;  ///< of a page
+  std::map<CopcKey, LazChunk> nodes_;
+};
+
+/// Hangs every node below the smallest cube around it that is a node.
+void find_children(CopcHierarchy& hierarchy) {
+  std::vector<CopcNode>& nodes = hierarchy.nodes;
+  std::vector<std::uint32_t> parents(nodes.size());
+  for (std::size_t i = 1; i < nodes.size(); ++i) {
+    CopcKey key = nodes[i].key;
+    auto parent = nodes.end();
+    // The root is a node and around everything.
+    do {
+      key = key.parent();
+      parent = std::ranges::lower_bound(nodes, key, {}, &CopcNode::key);
+    } while (parent->key != key);
+    parents[i] = static_cast<std::uint32_t>(parent - nodes.begin());
+    ++parent->child_count;
+  }
+  std::uint32_t end = 0;
+  for (CopcNode& node : nodes) {
+    node.first_child = end;
+    end += std::exchange(node.child_count, 0);
+  }
+  hierarchy.children.resize(end);
+  for (std::uint32_t i = 1; i < nodes.size(); ++i) {
+    CopcNode& parent = nodes[parents[i]];
+    hierarchy.children[parent.first_child + parent.child_count++] = i;
+  }
+}
+
+/// Gives every node the rows of its chunk.
+void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, std::vector<CopcNode>& nodes) {
+  std::vector<CopcNode*> in_file;
+  for (CopcNode& node : nodes) {
+    if (node.chunk.point_count > 0) in_file.push_back(&node);
+  }
+  std::ranges::sort(in_file, {}, [](const CopcNode* node) { return node->chunk.place; });
+  std::uint64_t row = 0;
+  for (std::size_t i = 0; i < in_file.size(); ++i) {
+    if (i >= chunks.size() || in_file[i]->chunk != chunks[i]) {
+      throw Error({.file = file_name,
+                   .place = fmt::format("byte {}", in_file[i]->chunk.place),
+                   .problem = fmt::format("the COPC node {} is no chunk of the file", in_file[i]->key.name()),
+                   .expected = i < chunks.size()
+                                   ? fmt::format("{} points in {} bytes from byte {} on",
+                                                 chunks[i].point_count, chunks[i].byte_count, chunks[i].place)
+                                   : "no more chunks",
+                   .found = fmt::format("{} points in {} bytes", in_file[i]->chunk.point_count,
+                                        in_file[i]->chunk.byte_count)});
+    }
+    in_file[i]->first_row = row;
+    row += chunks[i].point_count;
+  }
+  if (in_file.size() < chunks.size()) {
+    throw Error({.file = file_name,
+                 .place = fmt::format("byte {}", chunks[in_file.size()].place),
+                 .problem = "the COPC hierarchy leaves out a chunk of the file",
+                 .expected = fmt::format("{} nodes with points", chunks.size()),
+                 .found = std::to_string(in_file.size())});
+  }
+}
+
+}  // namespace
+
+std::string CopcKey::name() const {
+  return fmt::format("{}-{}-{}-{}", level, x, y, z);
+}
+
+Bounds copc_cube(const CopcInfo& info, const CopcKey& key) {
+  const double side = 2 * info.half_size / static_cast<double>(std::int64_t{1} << key.level);
+  const glm::dvec3 min = info.centre - info.half_size + side * glm::dvec3(key.x, key.y, key.z);
+  return {min, min + side};
+}
+
+CopcHierarchy read_copc_hierarchy(InputFile& file, const CopcInfo& info, std::span<const LazChunk> chunks) {
+  CopcHierarchy hierarchy;
+  {
+    std::map<CopcKey, LazChunk> found = Entries(file).read({info.root_page, info.root_page_size});
+    found.try_emplace(CopcKey{});
+    hierarchy.nodes.reserve(found.size());
+    for (const auto& [key, chunk] : found) hierarchy.nodes.push_back({.key = key, .chunk = chunk});
+  }
+  find_children(hierarchy);
+  find_rows(file.name(), chunks, hierarchy.nodes);
+  return hierarchy;
+}
+
+}  // namespace alidade

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/e57/e57_scaling.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <string>
+
+namespace alidade {
+namespace {
+
+using Range = std::array<double, 2>;
+
+constexpr std::array<E57Role, 3> k_channels = {E57Role::red, E57Role::green, E57Role::blue};
+
+bool is_usable(const E57Limits& limits) {
+  return limits && std::isfinite((*limits)[1] - (*limits)[0]) && (*limits)[1] > (*limits)[0];
+}
+
+ValueScaling from_range(const Range& range) {
+  return {.origin = range[0], .factor = 65535.0 / (range[1] - range[0]), .assumption = {}};
+}
+
+/// Floats that were rounded when limits were written as text do not leave them.
+bool goes_beyond(const ValueRange& values, const Range& range) {
+  const double slack = 1e-5 * (range[1] - range[0]);
+  return values.min <= values.max && (values.max > range[1] + slack || values.min < range[0] - slack);
+}
+
+/// Top of the scale that integers up to `largest` are on.
+double full_scale(double largest) {
+  if (largest <= 255.0) return 255.0;
+  if (largest < 65536.0 && std::has_single_bit(static_cast<std::uint32_t>(largest) + 1)) return largest;
+  return std::max(largest, 65535.0);
+}
+
+std::string widened_to(const Range& range) {
+  return fmt::format("it was widened to {} to {}", range[0], range[1]);
+}
+
+std::optional<Range> color_range(const E57Limits& limits, const E57Field& field) {
+  if (is_usable(limits)) return limits;
+  if (!field.range) return std::nullopt;
+  const double top = (*field.range)[1];
+  if (field.is_integer() && field.scale == 1.0 && (*field.range)[0] >= 0.0)
+    return Range{0.0, full_scale(top)};
+  const bool is_whole = (*field.range)[0] == 0.0 && (top == 1.0 || top == 255.0 || top == 65535.0);
+  return is_whole ? field.range : std::nullopt;
+}
+
+class Scalings {
+ public:
+  Scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
+           const std::vector<E57Values>& values, AttributeSet wanted, E57Oddities& oddities)
+      : scans_(scans),
+        roles_(roles),
+        values_(values),
+        wanted_(wanted),
+        oddities_(oddities),
+        scalings_(scans.size()) {}
+
+  std::vector<E57Scaling> take() {
+    for (std::size_t scan = 0; scan < scans_.size(); ++scan) {
+      if (wanted_.contains(Attribute::color) && roles_[scan].has(E57Role::red)) scale_colors(scan);
+      if (wanted_.contains(Attribute::intensity) && roles_[scan].has(E57Role::intensity))
+        scale_intensities(scan);
+    }
+    scale_free_ones();
+    return std::move(scalings_);
+  }
+
+ private:
+  const E57Field& field(std::size_t scan, E57Role role) const {
+    return scans_[scan].fields[*roles_[scan].field(role)];
+  }
+
+  void warn_of_values_beyond(const char* kind, std::size_t scan, const char* what, const Range& range,
+                             const ValueRange& values, const std::string& consequence) {
+    oddities_.add(kind,
+                  fmt::format("scan {}: {} go from {} to {}, beyond the range of {} to {} that is stated: {}",
+                              scan + 1, what, values.min, values.max, range[0], range[1], consequence));
+  }
+
+  void scale_colors(std::size_t scan) {
+    std::array<std::optional<Range>, 3> ranges;
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      ranges[channel] = color_range(scans_[scan].color_limits[channel], field(scan, k_channels[channel]));
+    const ValueRange& values = values_[scan].colors;
+    if (!ranges[0] || !ranges[1] || !ranges[2]) {
+      free_colors_.push_back(scan);
+      colors_.grow(values);
+      return;
+    }
+    // Channels on scales of their own would change the hue, so all are widened.
+    const auto beyond = std::ranges::find_if(
+        ranges, [&](const std::optional<Range>& range) { return goes_beyond(values, *range); });
+    if (beyond != ranges.end()) {
+      const Range stated = **beyond;
+      const bool is_little = stated == Range{0.0, 1.0} && values.min > -1.0 && values.max < 2.0;
+      const Range wider = {std::min(values.min, 0.0), full_scale(values.max)};
+      if (!is_little) ranges.fill(wider);
+      warn_of_values_beyond(is_little ? "colours held" : "colours widened", scan, "colours", stated, values,
+                            is_little ? "they were held at its ends" : widened_to(wider));
+    } else if ((*ranges[0])[1] > 255.0 && values.max <= 255.0 && values.max > 0.0) {
+      oddities_.add(
+          "colours of 8 bits",
+          fmt::format(
+              "scan {}: colours are stated to go up to {}, but none exceeds 255: they may be 8-bit values",
+              scan + 1, (*ranges[0])[1]));
+    }
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      scalings_[scan].colors[channel] = from_range(*ranges[channel]);
+  }
+
+  void scale_intensities(std::size_t scan) {
+    const ValueRange& values = values_[scan].intensities;
+    const E57Limits& own = scans_[scan].intensity_limits;
+    const E57Limits& limits = is_usable(own) ? own : field(scan, E57Role::intensity).range;
+    if (!is_usable(limits)) {
+      free_intensities_.push_back(scan);
+      intensities_.grow(values);
+      return;
+    }
+    Range range = *limits;
+    if (goes_beyond(values, range)) {
+      range = {std::min(values.min, range[0]), std::max(values.max, range[1])};
+      warn_of_values_beyond("intensities widened", scan, "intensities", *limits, values, widened_to(range));
+    }
+    scalings_[scan].intensities = from_range(range);
+  }
+
+  /// Scans of which nothing is known share what is seen of all of them.
+  void scale_free_ones() {
+    const ValueScaling colors = color_scaling(ScalarType::float64, colors_);
+    const ValueScaling intensities =
+        intensity_scaling(ScalarType::float64, intensities_, IntensityScale::free);
+    for (const std::size_t scan : free_colors_) scalings_[scan].colors.fill(colors);
+    for (const std::size_t scan : free_intensities_) scalings_[scan].intensities = intensities;
+    if (!free_colors_.empty() && !colors.assumption.empty())
+      oddities_.add("colours assumed", "it was assumed that " + colors.assumption);
+    if (!free_intensities_.empty() && !intensities.assumption.empty())
+      oddities_.add("intensities assumed", "it was assumed that " + intensities.assumption);
+  }
+
+  const std::vector<E57Scan>& scans_;
+  const std::vector<E57Roles>& roles_;
+  const std::vector<E57Values>& values_;
+  AttributeSet wanted_;
+  E57Oddities& oddities_;
+  std::vector<E57Scaling> scalings_;
+  std::vector<std::size_t> free_colors_, free_intensities_;
+  ValueRange colors_, intensities_;  ///< of the scans in those lists
+};
+
+}  // namespace
+
+std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
+                                     const std::vector<E57Values>& values, AttributeSet wanted,
+                                     E57Oddities& oddities) {
+  return Scalings(scans, roles, values, wanted, oddities).take();
+}
+
+}  // namespace alidade

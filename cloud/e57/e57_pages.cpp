@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/e57/e57_pages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+
+#include "base/byte_order.h"
+#include "cloud/e57/crc32c.h"
+#include "cloud/scalar_bytes.h"
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_header_bytes = 48;
+constexpr std::uint64_t k_window_pages = 32;
+
+}  // namespace
+
+E57Pages::E57Pages(InputFile file) : file_(std::move(file)) {
+  std::array<std::byte, k_header_bytes> bytes;
+  if (file_.size() < k_header_bytes)
+    fail("header", "the file ends early", "48 bytes", std::to_string(file_.size()));
+  file_.read_at(0, bytes);
+  if (std::memcmp(bytes.data(), "ASTM-E57", 8) != 0)
+    fail("header", "is no E57 file", "ASTM-E57 at the start");
+  header_.version_major = load<std::uint32_t>(bytes.data() + 8);
+  header_.version_minor = load<std::uint32_t>(bytes.data() + 12);
+  if (header_.version_major != 1) {
+    fail("header", "unknown version of E57", "1.x",
+         fmt::format("{}.{}", header_.version_major, header_.version_minor));
+  }
+  if (const auto page = load<std::uint64_t>(bytes.data() + 40); page != k_e57_page)
+    fail("header", "unusable size of pages", std::to_string(k_e57_page), std::to_string(page));
+  if (file_.size() % k_e57_page != 0) {
+    fail("header", "the file is no whole number of pages; its end is missing or something stands behind it",
+         "a multiple of 1024 bytes", std::to_string(file_.size()));
+  }
+  if (const auto length = load<std::uint64_t>(bytes.data() + 16); length != file_.size()) {
+    fail("header", "the file has another length than it says", fmt::format("{} bytes", length),
+         std::to_string(file_.size()));
+  }
+  header_.xml_length = load<std::uint64_t>(bytes.data() + 32);
+  const auto xml_offset = load<std::uint64_t>(bytes.data() + 24);
+  view(0, k_header_bytes);
+  header_.xml_place = place_of(xml_offset, "header", "the XML");
+  if (header_.xml_length == 0 || header_.xml_length > size() - header_.xml_place) {
+    fail("header", "the XML does not fit into the file",
+         fmt::format("1 to {} bytes", size() - header_.xml_place), std::to_string(header_.xml_length));
+  }
+}
+
+std::uint64_t E57Pages::place_of(std::uint64_t physical, const std::string& where,
+                                 const std::string& what) const {
+  if (physical >= file_.size()) {
+    fail(where, what + " begins behind the end of the file", fmt::format("less than {}", file_.size()),
+         std::to_string(physical));
+  }
+  if (physical % k_e57_page >= k_e57_payload)
+    fail(where, what + " begins inside a checksum", "another byte", std::to_string(physical));
+  return physical / k_e57_page * k_e57_payload + physical % k_e57_page;
+}
+
+std::span<const std::byte> E57Pages::view(std::uint64_t place, std::size_t count) {
+  if (place > size() || count > size() - place) {
+    fail(fmt::format("page {}", place / k_e57_payload), "the file ends early",
+         fmt::format("{} bytes from here", count), std::to_string(size() - std::min(place, size())));
+  }
+  if (count == 0) return {};
+  const std::uint64_t window_place = window_page_ * k_e57_payload;
+  if (place < window_place || place + count > window_place + window_.size()) {
+    const std::uint64_t first = place / k_e57_payload;
+    const std::uint64_t needed = (place + count - 1) / k_e57_payload - first + 1;
+    const std::uint64_t left = file_.size() / k_e57_page - first;
+    fill(first, std::min(std::max(needed, k_window_pages), left));
+  }
+  return std::span(window_).subspan(static_cast<std::size_t>(place - window_page_ * k_e57_payload), count);
+}
+
+void E57Pages::visit(std::uint64_t place, std::uint64_t count,
+                     const std::function<void(std::span<const std::byte>)>& take) {
+  constexpr std::uint64_t k_piece = 1 << 18;
+  for (std::uint64_t done = 0; done < count;) {
+    const std::uint64_t next = std::min(count - done, k_piece);
+    take(view(place + done, static_cast<std::size_t>(next)));
+    done += next;
+  }
+}
+
+/// Has the window begin with a page; those of `page_count` that are in it stay.
+void E57Pages::fill(std::uint64_t first_page, std::uint64_t page_count) {
+  const std::uint64_t behind = window_page_ + window_.size() / k_e57_payload;
+  const bool overlaps = first_page >= window_page_ && first_page < behind;
+  const std::uint64_t used = overlaps ? (first_page - window_page_) * k_e57_payload : window_.size();
+  window_.erase(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(used));
+  window_page_ = first_page;
+  window_.reserve(static_cast<std::size_t>(page_count * k_e57_payload));
+  const std::uint64_t kept = window_.size() / k_e57_payload;
+  const auto bytes = file_.view((first_page + kept) * k_e57_page,
+                                static_cast<std::size_t>((page_count - kept) * k_e57_page));
+  for (std::uint64_t page = kept; page < page_count; ++page) {
+    const auto whole = bytes.subspan(static_cast<std::size_t>((page - kept) * k_e57_page), k_e57_page);
+    const auto payload = whole.first(k_e57_payload);
+    const auto stored = load<std::uint32_t>(whole.data() + k_e57_payload, std::endian::big);
+    if (const std::uint32_t sum = crc32c(payload); sum != stored) {
+      fail(fmt::format("page {}", first_page + page), "the checksum is wrong: the page is damaged",
+           fmt::format("{:08x}", stored), fmt::format("{:08x}", sum));
+    }
+    window_.insert(window_.end(), payload.begin(), payload.end());
+  }
+}
+
+void E57Pages::rest() {
+  file_.rest();
+  window_ = std::vector<std::byte>();
+}
+
+void E57Pages::fail(std::string where, std::string problem, std::string expected, std::string found) const {
+  throw Error({.file = file_.name(),
+               .place = std::move(where),
+               .problem = std::move(problem),
+               .expected = std::move(expected),
+               .found = std::move(found)});
+}
+
+}  // namespace alidade

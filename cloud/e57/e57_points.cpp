@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/e57/e57_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "base/sine_cosine.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double k_largest_angle = 1 << 30;
+
+bool is_finite(const glm::dvec3& place) {
+  return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
+}
+
+/// Some writers store states as floats: 0, 1, and 2 for everything else.
+int state_of(const E57Points& points, E57Role role, std::size_t i) {
+  if (!points.has(role)) return 0;
+  const double state = points.value(role, i);
+  return std::abs(state) < 0.5 ? 0 : std::abs(state - 1.0) < 0.5 ? 1 : 2;
+}
+
+/// r, azimuth, elevation.
+glm::dvec3 from_spherical(double range, double azimuth, double elevation) {
+  if (!(std::abs(azimuth) < k_largest_angle && std::abs(elevation) < k_largest_angle))
+    return glm::dvec3(k_nan);
+  const SineCosine a = sine_cosine(azimuth), e = sine_cosine(elevation);
+  return {range * e.cosine * a.cosine, range * e.cosine * a.sine, range * e.sine};
+}
+
+/// Sums in a fixed order, so that compilers agree.
+glm::dvec3 to_file(const E57Pose& pose, const glm::dvec3& place) {
+  if (!pose.is_rotated) return place + pose.translation;
+  glm::dvec3 result;
+  for (int axis = 0; axis < 3; ++axis) {
+    result[axis] = pose.rotation[0][axis] * place.x + pose.rotation[1][axis] * place.y +
+                   pose.rotation[2][axis] * place.z + pose.translation[axis];
+  }
+  return result;
+}
+
+/// Whether offset + scale * integer stands on the lattice that fit_lattice() makes for this scale.
+bool is_decimal(double scale, double offset) {
+  const double exponent = std::nearbyint(std::log10(scale));
+  return scale <= 1.0 && std::abs(scale / std::pow(10.0, exponent) - 1.0) < 1e-9 &&
+         std::abs(offset / scale - std::nearbyint(offset / scale)) < 1e-6;
+}
+
+}  // namespace
+
+void E57PointReader::visit(E57Pages& pages, const std::string& where, AttributeSet attributes,
+                           const std::function<void(const E57Points&)>& visitor) {
+  left_out_ = {};
+  const std::vector<std::size_t> fields = roles_.fields_for(attributes);
+  std::vector<glm::dvec3> positions;
+  E57Records records(pages, scan_, where, fields);
+  records.visit([&](std::span<const std::vector<double>> columns, std::size_t count) {
+    E57Points points;
+    for (std::size_t role = 0; role < k_e57_role_count; ++role) {
+      const auto field = roles_.field(static_cast<E57Role>(role));
+      const auto place = field ? std::ranges::find(fields, *field) : fields.end();
+      if (place != fields.end())
+        points.columns[role] = columns[static_cast<std::size_t>(place - fields.begin())].data();
+    }
+    positions.resize(count);
+    for (std::size_t i = 0; i < count; ++i) positions[i] = position_of(points, i);
+    points.positions = positions;
+    visitor(points);
+  });
+}
+
+glm::dvec3 E57PointReader::position_of(const E57Points& points, std::size_t i) {
+  const int cartesian = roles_.has_cartesian() ? state_of(points, E57Role::cartesian_state, i) : 2;
+  const int spherical = roles_.has_spherical() ? state_of(points, E57Role::spherical_state, i) : 2;
+  glm::dvec3 place(k_nan);
+  if (cartesian == 0) {
+    place = {points.value(E57Role::x, i), points.value(E57Role::y, i), points.value(E57Role::z, i)};
+  } else if (spherical == 0) {
+    place = from_spherical(points.value(E57Role::range, i), points.value(E57Role::azimuth, i),
+                           points.value(E57Role::elevation, i));
+  } else {
+    ++(cartesian == 1 || spherical == 1 ? left_out_.directions : left_out_.unknown);
+    return place;
+  }
+  const glm::dvec3 world = scan_.pose ? to_file(*scan_.pose, place) : place;
+  if (!is_finite(world)) {
+    ++left_out_.not_finite;
+    return glm::dvec3(k_nan);
+  }
+  if (cartesian == 0) {
+    met_cartesian_ = true;
+    for (int axis = 0; axis < 3; ++axis) largest_[axis] = std::max(largest_[axis], std::abs(place[axis]));
+  } else {
+    met_spherical_ = true;
+    reach_ = std::max(reach_, std::abs(points.value(E57Role::range, i)));
+  }
+  return world;
+}
+
+double E57PointReader::resolution_of(E57Role role, double largest, bool may_be_exact,
+                                     double translation) const {
+  const E57Field& field = scan_.fields[*roles_.field(role)];
+  switch (field.kind) {
+    case E57FieldKind::float32: {
+      // Of nothing but zeros nothing can be told.
+      if (largest == 0.0) return 0.0;
+      const float next = std::nextafter(static_cast<float>(largest), std::numeric_limits<float>::infinity());
+      return std::isfinite(next) ? 0.5 * (static_cast<double>(next) - largest) : 0.0;
+    }
+    case E57FieldKind::integer:
+    case E57FieldKind::scaled_integer: {
+      const double step = std::abs(field.scale);
+      return (may_be_exact && is_decimal(step, field.offset + translation) ? 0.5 : 0.05) * step;
+    }
+    default:
+      return 0.0;
+  }
+}
+
+glm::dvec3 E57PointReader::resolution() const {
+  constexpr E57Role k_axes[] = {E57Role::x, E57Role::y, E57Role::z};
+  glm::dvec3 resolution(std::numeric_limits<double>::infinity());
+  if (met_cartesian_) {
+    const bool is_rotated = scan_.pose && scan_.pose->is_rotated;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double translation = scan_.pose ? scan_.pose->translation[axis] : 0.0;
+      resolution[axis] = resolution_of(k_axes[axis], largest_[axis], !is_rotated, translation);
+    }
+    if (is_rotated) resolution = glm::dvec3(std::min({resolution.x, resolution.y, resolution.z}));
+  }
+  if (met_spherical_) {
+    const double finest =
+        std::min({resolution_of(E57Role::range, reach_, false, 0.0),
+                  resolution_of(E57Role::azimuth, std::numbers::pi, false, 0.0) * reach_,
+                  resolution_of(E57Role::elevation, std::numbers::pi, false, 0.0) * reach_});
+    for (int axis = 0; axis < 3; ++axis) resolution[axis] = std::min(resolution[axis], finest);
+  }
+  return resolution;
+}
+
+}  // namespace alidade

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cloud/e57/e57_pages.h"
+#include "cloud/e57/e57_records.h"
+#include "cloud/e57/e57_roles.h"
+
+namespace alidade {
+
+/// Points of a scan that are no points of the cloud.
+struct E57LeftOut {
+  std::uint64_t directions = 0;  ///< only the direction is known (state 1)
+  std::uint64_t unknown = 0;     ///< nothing is known (state 2)
+  std::uint64_t not_finite = 0;  ///< a coordinate is no finite number, or an angle beyond 2^30
+
+  std::uint64_t total() const { return directions + unknown + not_finite; }
+};
+
+/// Points of a scan in the axes of the file, some thousand of them.
+struct E57Points {
+  std::span<const glm::dvec3> positions;                  ///< NaN for points that are left out
+  std::array<const double*, k_e57_role_count> columns{};  ///< null where the scan has no such field
+
+  bool has(E57Role role) const { return columns[static_cast<std::size_t>(role)] != nullptr; }
+  /// Requires: the scan has the field.
+  double value(E57Role role, std::size_t i) const { return columns[static_cast<std::size_t>(role)][i]; }
+  /// Whether a flag is there and set. Some writers store flags as floats; NaN is set.
+  bool is_flagged(E57Role flag, std::size_t i) const {
+    return has(flag) && !(std::abs(value(flag, i)) < 0.5);
+  }
+  bool is_left_out(std::size_t i) const { return positions[i].x != positions[i].x; }
+};
+
+/// Positions of a scan's points: Cartesian ones where they are valid, else those from spherical coordinates,
+///   x = r cos(elevation) cos(azimuth), y = r cos(elevation) sin(azimuth), z = r sin(elevation),
+/// brought to the axes of the file by the scan's pose. The same bits on every machine.
+class E57PointReader {
+ public:
+  /// Requires: the scan has coordinates of one kind or both.
+  E57PointReader(const E57Scan& scan, const E57Roles& roles) : scan_(scan), roles_(roles) {}
+
+  /// Shows all points with the fields of `attributes`. Errors: those of E57Records.
+  void visit(E57Pages& pages, const std::string& where, AttributeSet attributes,
+             const std::function<void(const E57Points&)>& visitor);
+
+  /// Of the last visit().
+  const E57LeftOut& left_out() const { return left_out_; }
+
+  /// How finely the stored numbers of the points of the last visit() tell places apart, per axis of the file:
+  /// half an ulp of the largest float32, half a step of integers, 0 for float64. Where integers do not stand
+  /// on a lattice of decimal steps around whole numbers (other scales, rotated or spherical scans) a
+  /// twentieth of a step, so that rounding hides none of them. Angles count with the largest distance.
+  glm::dvec3 resolution() const;
+
+ private:
+  glm::dvec3 position_of(const E57Points& points, std::size_t i);
+  double resolution_of(E57Role role, double largest, bool may_be_exact, double translation) const;
+
+  const E57Scan& scan_;
+  const E57Roles& roles_;
+  E57LeftOut left_out_;
+  glm::dvec3 largest_{0.0};  ///< |coordinate| as stored, of Cartesian points
+  double reach_ = 0.0;       ///< largest distance of points from spherical coordinates
+  bool met_cartesian_ = false, met_spherical_ = false;
+};
+
+}  // namespace alidade

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <pugixml.hpp>
+#include <string>
+
+#include "cloud/e57/e57_document.h"
+#include "cloud/e57/e57_pages.h"
+
+namespace alidade {
+
+/// An element of the XML of an E57 file, with what messages need. Elements that are not there are nodes
+/// without an element, of which every value is empty. Namespaces are not looked at: files with prefixes that
+/// nobody declared are common.
+class E57Node {
+ public:
+  E57Node(const E57Pages& pages, pugi::xml_node element, std::string where)
+      : pages_(&pages), element_(element), where_(std::move(where)) {}
+
+  explicit operator bool() const { return static_cast<bool>(element_); }
+  const pugi::xml_node& element() const { return element_; }
+  const std::string& where() const { return where_; }
+  std::string name() const { return element_.name(); }
+
+  /// The first child of this name.
+  E57Node child(const char* name) const { return {*pages_, element_.child(name), where_}; }
+  /// Another element, spoken of at the same place.
+  E57Node descend(pugi::xml_node element) const { return {*pages_, element, where_}; }
+
+  /// All text of the element, without blanks at its ends.
+  std::string text() const;
+  /// A number: Float, Integer or ScaledInteger, whose scale and offset are applied. Empty without element or
+  /// text. Errors: no finite number.
+  std::optional<double> number() const;
+  double number_or(double otherwise) const { return number().value_or(otherwise); }
+  /// A whole number from 0 on; 0 without element or text. Errors: something else.
+  std::uint64_t count() const;
+
+  /// Attributes; empty if they are not there. Errors: no number of that kind.
+  std::optional<std::int64_t> integer_attribute(const char* name) const;
+  std::optional<double> number_attribute(const char* name) const;
+  std::uint64_t require_count_attribute(const char* name) const;
+
+  /// Complains about this element.
+  [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const;
+
+ private:
+  const E57Pages* pages_;
+  pugi::xml_node element_;
+  std::string where_;
+};
+
+/// The pose of a scan or image, empty if it has none; oddities are added to. Errors: a rotation that is none.
+std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities);
+
+/// The scan `parent` describes. Its section is checked by itself, not against others.
+E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities);
+
+/// The image `parent` describes.
+E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& oddities);
+
+}  // namespace alidade

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/fit_lattice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_largest_step = 2147483647.0;
+constexpr int k_finest_exponent = -300;  ///< 1e-300: finer steps would meet the smallest doubles
+constexpr int k_default_exponent = -3;   ///< where the data ask for nothing
+
+/// 10^exponent, correctly rounded for the exponents that matter, so that 1e-3 is the double every file says.
+double power_of_ten(int exponent) {
+  double power = 1.0;
+  if (std::abs(exponent) > 22) return std::pow(10.0, exponent);
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10.0;
+  return exponent < 0 ? 1.0 / power : power;
+}
+
+/// Exponent of the finest scale at which `reach` is within 32 bits.
+int finest_exponent(double reach) {
+  if (reach == 0.0) return k_finest_exponent;
+  // A subnormal reach would make the step zero, which has no logarithm.
+  const double step = std::max(reach / k_largest_step, std::numeric_limits<double>::min());
+  int exponent = std::max(static_cast<int>(std::floor(std::log10(step))), k_finest_exponent);
+  while (reach / power_of_ten(exponent) > k_largest_step - 1) ++exponent;
+  return exponent;
+}
+
+}  // namespace
+
+Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
+  Bounds bounds;
+  for (const CoordinateSurvey& survey : surveys) bounds.grow(survey.bounds);
+  if (bounds.empty()) return {};
+
+  Lattice lattice;
+  std::array<int, 3> finest{}, wanted{};
+  for (int axis = 0; axis < 3; ++axis) {
+    lattice.offset[axis] = std::nearbyint(0.5 * bounds.min[axis] + 0.5 * bounds.max[axis]);
+    const double offset = lattice.offset[axis];
+    const double reach = std::max(bounds.max[axis] - offset, offset - bounds.min[axis]);
+    if (!(reach <= 1e300 && std::abs(offset) <= 1e300)) {
+      throw Error({.problem = "coordinates are too large",
+                   .expected = "at most 1e300",
+                   .found = fmt::format("{}", reach)});
+    }
+    double resolution = std::numeric_limits<double>::infinity();
+    for (const CoordinateSurvey& survey : surveys) {
+      if (survey.finite_count > 0) resolution = std::min(resolution, survey.resolution[axis]);
+    }
+    finest[axis] = finest_exponent(reach);
+    wanted[axis] = finest[axis];
+    if (resolution > 0 && std::isfinite(resolution)) {
+      // Rounding costs half a step. The tiny addition keeps log10 of an exact power from falling below it.
+      wanted[axis] =
+          std::max(wanted[axis], static_cast<int>(std::floor(std::log10(2.0 * resolution) + 1e-9)));
+    }
+    if (wanted[axis] == k_finest_exponent) wanted[axis] = k_default_exponent;
+  }
+  const int common = *std::min_element(wanted.begin(), wanted.end());
+  const bool shared = common >= *std::max_element(finest.begin(), finest.end());
+  for (int axis = 0; axis < 3; ++axis) lattice.scale[axis] = power_of_ten(shared ? common : wanted[axis]);
+  return lattice;
+}
+
+std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to) {
+  if (from.scale != to.scale) return std::nullopt;
+  glm::i64vec3 steps;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double exact = (from.offset[axis] - to.offset[axis]) / to.scale[axis];
+    const double whole = std::nearbyint(exact);
+    const double larger = std::max(std::abs(from.offset[axis]), std::abs(to.offset[axis]));
+    const double next = std::nextafter(larger, std::numeric_limits<double>::infinity());
+    const double tolerance = std::max(1e-5, 2.0 * (next - larger) / to.scale[axis]);
+    // Beyond 2^33 steps no position fits both lattices.
+    if (!(std::abs(whole) <= 8589934592.0 && std::abs(exact - whole) <= tolerance)) return std::nullopt;
+    steps[axis] = static_cast<std::int64_t>(whole);
+  }
+  return steps;
+}
+
+}  // namespace alidade

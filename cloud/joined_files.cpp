@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/joined_files.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "cloud/crs_name.h"
+
+namespace alidade {
+namespace {
+
+/// "a.las", "a.las and 1 more file", "a.las and 2 more files".
+std::string and_more(const std::string& first, std::size_t count) {
+  if (count < 2) return first;
+  return fmt::format("{} and {} more file{}", first, count - 1, count == 2 ? "" : "s");
+}
+
+/// The first of some files, and how many they are.
+struct SomeFiles {
+  std::string first;
+  std::size_t count = 0;
+
+  void add(const std::string& file) {
+    if (count++ == 0) first = file;
+  }
+  std::string text() const { return and_more(first, count); }
+};
+
+}  // namespace
+
+// It does not ask what floats of the size of the coordinates could tell apart: far from the origin that is
+// centimetres.
+void warn_of_rounding(const CloudSource& source, PointCloud& cloud) {
+  constexpr double k_matters = 1e-6;
+  if (source.has_lattice || source.point_count() == 0) return;
+  const glm::dvec3 sides = source.survey.bounds.max - source.survey.bounds.min;
+  const double longest = std::max({sides.x, sides.y, sides.z});
+  for (int axis = 0; axis < 3; ++axis) {
+    const double resolution = source.survey.resolution[axis];
+    const double rounding = 0.5 * cloud.lattice.scale[axis];
+    if (resolution == 0.0 || rounding <= std::max(resolution * (1 + 1e-9), k_matters * longest)) continue;
+    cloud.warnings.push_back(fmt::format("{}: coordinates are rounded to steps of {}", source.path().string(),
+                                         cloud.lattice.scale[axis]));
+    return;
+  }
+}
+
+void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present,
+                  std::vector<std::string>& warnings) {
+  // By what is missing, in the order of the files.
+  std::vector<std::pair<AttributeSet, SomeFiles>> gaps;
+  for (const GivenRows& rows : given) {
+    AttributeSet missing;
+    missing.bits = present.bits & ~rows.attributes.bits;
+    if (missing.bits == 0 || rows.point_count == 0) continue;
+    const auto same = std::ranges::find(gaps, missing, &std::pair<AttributeSet, SomeFiles>::first);
+    SomeFiles& files = same != gaps.end() ? same->second : gaps.emplace_back(missing, SomeFiles{}).second;
+    files.add(rows.file_name);
+  }
+  for (const auto& [missing, files] : gaps) {
+    warnings.push_back(fmt::format("{}: no {}, which is filled with zeros", files.text(),
+                                   fmt::join(attribute_names(missing), ", ")));
+  }
+}
+
+void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud) {
+  if (cloud.crs.empty()) return;
+  SomeFiles files;
+  for (const CloudSource& source : sources) {
+    if (source.facts.crs.empty() && source.point_count() > 0) files.add(source.path().string());
+  }
+  if (files.count == 0) return;
+  cloud.warnings.push_back(fmt::format(
+      "{}: no coordinate reference system is stated; it is taken to be that of the other files, {}",
+      files.text(), crs_name(cloud.crs)));
+}
+
+void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud) {
+  std::vector<std::pair<std::string, SomeFiles>> ways;
+  for (const CloudSource& source : sources) {
+    const Crs& own = source.facts.crs;
+    if (own.empty() || source.point_count() == 0) continue;
+    if (compare_crs(own, cloud.crs) != CrsAgreement::unknown) continue;
+    const std::string name = crs_name(own);
+    const auto same = std::ranges::find(ways, name, &std::pair<std::string, SomeFiles>::first);
+    SomeFiles& files = same != ways.end() ? same->second : ways.emplace_back(name, SomeFiles{}).second;
+    files.add(source.path().string());
+  }
+  for (const auto& [name, files] : ways) {
+    cloud.warnings.push_back(fmt::format(
+        "{}: another way of stating the coordinate reference system ({}) than that of the other files ({}), "
+        "which is kept",
+        files.text(), name, crs_name(cloud.crs)));
+  }
+}
+
+void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud) {
+  constexpr std::size_t k_most_places = 10;
+  const std::vector<LostPoints> lost = reader.lost();
+  const std::string file = reader.file().path.string();
+  std::uint64_t count = 0;
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    count += lost[i].count;
+    if (i >= k_most_places) continue;
+    const std::string place = lost[i].place.empty() ? "" : ":" + lost[i].place;
+    cloud.warnings.push_back(fmt::format("{}{}: {}; {} lost", file, place, lost[i].problem,
+                                         lost[i].count == 0 ? std::string("nobody knows how many points are")
+                                         : lost[i].count == 1 ? std::string("1 point is")
+                                                              : fmt::format("{} points are", lost[i].count)));
+  }
+  if (lost.size() > k_most_places) {
+    cloud.warnings.push_back(fmt::format("{}: is damaged in {} more places; {} points are lost in all", file,
+                                         lost.size() - k_most_places, count));
+  }
+  if (!files.empty()) files.front().lost_count = count;
+}
+
+void warn_of_twins(std::span<const std::filesystem::path> files, PointCloud& cloud) {
+  std::set<std::pair<dev_t, ino_t>> known;
+  SomeFiles twins;
+  for (const std::filesystem::path& file : files) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0) continue;
+    if (!known.emplace(status.st_dev, status.st_ino).second) twins.add(file.string());
+  }
+  if (twins.count == 0) return;
+  cloud.warnings.push_back(twins.text() +
+                           ": given more than once, and so the points are in the cloud as often");
+}
+
+}  // namespace alidade

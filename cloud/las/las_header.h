@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/bounds.h"
+#include "cloud/damage.h"
+#include "base/input_file.h"
+#include "cloud/las/las_point.h"
+#include "cloud/lattice.h"
+
+namespace alidade {
+
+inline constexpr std::size_t k_las_header_size = 375;                 ///< of version 1.4, the longest
+inline constexpr std::uint16_t k_las_gps_time_is_standard = 1u << 0;  ///< bits of the global encoding
+inline constexpr std::uint16_t k_las_crs_is_wkt = 1u << 4;
+
+/// The public header block of a LAS file, in the terms of version 1.4 whatever the file's version is.
+struct LasHeader {
+  std::uint16_t file_source_id = 0;
+  std::uint16_t global_encoding = 0;
+  std::array<std::uint8_t, 16> project_id{};
+  int version_minor = 4;  ///< the major version is always 1
+  std::string system_identifier;
+  std::string generating_software;
+  std::uint16_t creation_day = 0;  ///< of the year, 1 = 1 January; 0 = unknown
+  std::uint16_t creation_year = 0;
+  std::uint16_t header_size = k_las_header_size;
+  std::uint32_t points_place = 0;  ///< byte of the first point
+  std::uint32_t record_count = 0;  ///< variable length records between header and points
+  int point_format = 6;
+  bool compressed = false;        ///< LAZ: the record "laszip encoded" says how
+  std::uint16_t point_size = 30;  ///< bytes per point, with extra bytes; of LAZ, once unpacked
+  std::uint64_t point_count = 0;  ///< those that are there; of LAZ, that should be
+  std::uint64_t lost_count = 0;   ///< announced, but behind the end of the file (Damage::read_over)
+  std::array<std::uint64_t, 15> points_by_return{};  ///< not read, only written
+  Lattice lattice;
+  Bounds bounds;  ///< as stated, which many files do wrongly; empty if that is no box
+  std::uint64_t extended_records_place = 0;
+  std::uint32_t extended_record_count = 0;
+
+  const LasPointLayout& layout() const { return k_las_point_layouts[static_cast<std::size_t>(point_format)]; }
+  /// Behind the last byte of the points. Of compressed points only that they cannot end before.
+  std::uint64_t points_end() const {
+    return compressed ? points_place : points_place + point_count * point_size;
+  }
+};
+
+/// Reads and checks the header: afterwards all fields have meaningful values, and all points lie inside the
+/// file or, compressed, are not more than its bytes could hold. Oddities that do no harm are added to
+/// `warnings`. Errors: not LAS, a version after 1.4, and whatever cannot be true; a file that ends before its
+/// last point is damage.
+LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings,
+                          Damage damage = Damage::refuse);
+
+/// Counts the uncompressed points that lie inside the file; that some do not is damage.
+void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage);
+
+/// The header as 375 bytes of version 1.4. Requires a point format of 6 or more (legacy counts are then 0).
+std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& header);
+
+/// Text of a field of fixed length, up to its first NUL.
+std::string las_text(const std::byte* field, std::size_t length);
+/// Fills a field of fixed length that was zero; longer text is cut between two UTF-8 characters.
+void store_las_text(std::byte* field, std::size_t length, const std::string& text);
+
+}  // namespace alidade

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <optional>
+
+#include "base/byte_order.h"
+#include "cloud/las/las_records.h"
+#include "cloud/laz/laszip_record.h"
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_record_header_size = 54;
+constexpr const char* k_copc_user_id = "copc";
+constexpr std::uint16_t k_copc_info_id = 1;
+constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
+
+/// A record's header and where its data stand.
+struct RecordPlace {
+  std::string user_id;
+  std::uint16_t record_id;
+  std::string description;
+  std::uint64_t place;
+  std::uint64_t size;
+  bool extended;
+
+  bool is(const char* user, std::uint16_t record) const { return record_id == record && user_id == user; }
+};
+
+/// Reads the header of the record at `place`; its data must end at `end` or before.
+RecordPlace read_record_header(InputFile& file, std::uint64_t place, std::uint64_t end, bool extended) {
+  const std::size_t header_size = extended ? 60 : k_record_header_size;
+  const auto fail = [&](std::uint64_t wanted) {
+    throw Error({.file = file.name(),
+                 .place = fmt::format("byte {}", place),
+                 .problem = "a variable length record does not end in its place",
+                 .expected = fmt::format("at most {} bytes up to byte {}", end - std::min(place, end), end),
+                 .found = std::to_string(wanted)});
+  };
+  if (place > end || end - place < header_size) fail(header_size);
+  const std::byte* const at = file.view(place, header_size).data();
+  RecordPlace record{.user_id = las_text(at + 2, 16),
+                     .record_id = load<std::uint16_t>(at + 18),
+                     .description = las_text(at + (extended ? 28 : 22), 32),
+                     .place = place + header_size,
+                     .size = extended ? load<std::uint64_t>(at + 20) : load<std::uint16_t>(at + 20),
+                     .extended = extended};
+  if (record.size > end - record.place) fail(record.size);
+  return record;
+}
+
+StorageRecord read_storage_record(InputFile& file, const RecordPlace& record) {
+  StorageRecord storage{record.place, std::vector<std::byte>(static_cast<std::size_t>(record.size))};
+  file.read_at(record.place, storage.data);
+  return storage;
+}
+
+void take_laszip(StorageRecord record, const InputFile& file, std::optional<StorageRecord>& known) {
+  if (known && known->data != record.data) {
+    throw Error({.file = file.name(),
+                 .place = fmt::format("byte {}", record.place),
+                 .problem = fmt::format("the laszip record differs from the one at byte {}", known->place)});
+  }
+  if (!known) known = std::move(record);
+}
+
+std::vector<std::uint8_t> read_data(InputFile& file, const RecordPlace& record) {
+  std::vector<std::uint8_t> data(static_cast<std::size_t>(record.size));
+  file.read_at(record.place, std::as_writable_bytes(std::span(data)));
+  return data;
+}
+
+template <class T>
+std::vector<T> read_values(InputFile& file, const RecordPlace& record) {
+  std::vector<T> values(static_cast<std::size_t>(record.size / sizeof(T)));
+  file.read_at(record.place, std::as_writable_bytes(std::span(values)));
+  return values;
+}
+
+/// The text of a WKT record; empty, with `problem` set, if it is none.
+std::string read_wkt(InputFile& file, const RecordPlace& record, bool& problem) {
+  const std::vector<std::uint8_t> data = read_data(file, record);
+  std::string wkt(data.begin(), std::find(data.begin(), data.end(), 0));
+  problem = !wkt.empty() && wkt.find('[') == std::string::npos;
+  return problem ? std::string() : wkt;
+}
+
+/// What is wrong with GeoTIFF keys; empty if nothing is. Source: GeoTIFF 1.0, section 2.4: a head of four
+/// numbers, then four per key: its name, the tag its value stands in (0 = here), how many values, where (or
+/// the value itself).
+std::string geotiff_problem(const Crs& crs) {
+  const std::vector<std::uint16_t>& keys = crs.geotiff_keys;
+  if (keys.size() < 4 || keys[0] != 1) return "the directory has no head";
+  if (keys.size() / 4 - 1 < keys[3])
+    return fmt::format("{} keys are announced, {} are there", keys[3], keys.size() / 4 - 1);
+  for (std::size_t i = 1; i <= keys[3]; ++i) {
+    const std::uint16_t* const key = keys.data() + 4 * i;
+    const std::size_t end = static_cast<std::size_t>(key[2]) + key[3];
+    if (key[0] == 0) return fmt::format("key number {} has no name", i);
+    if (key[1] == 34736 && end > crs.geotiff_doubles.size())
+      return fmt::format("key {} lacks its numbers", key[0]);
+    if (key[1] == 34737 && end > crs.geotiff_ascii.size())
+      return fmt::format("key {} lacks its text", key[0]);
+  }
+  return {};
+}
+
+/// One entry of the extra-bytes record (LAS Specification 1.4 R15, table 24); byte_count 0 if its type is
+/// unknown.
+ExtraDimension read_extra_bytes_entry(const std::byte* at) {
+  const int type = load<std::uint8_t>(at + 2), options = load<std::uint8_t>(at + 3);
+  ExtraDimension dimension;
+  dimension.name = las_text(at + 4, 32);
+  dimension.description = las_text(at + 160, 32);
+  if (type == 0) {
+    dimension.type = ScalarType::bytes;
+    dimension.byte_count = options;
+  } else if (type <= 10) {
+    dimension.type = static_cast<ScalarType>(type);
+    dimension.byte_count = scalar_size(dimension.type);
+    if (options & 1) dimension.no_data = load<std::array<std::uint8_t, 8>>(at + 40);
+    dimension.has_scale = (options & 8) != 0;
+    dimension.has_offset = (options & 16) != 0;
+    if (dimension.has_scale) dimension.scale = load<double>(at + 112);
+    if (dimension.has_offset) dimension.offset = load<double>(at + 136);
+  } else if (type <= 30) {
+    // Pairs and triples, which the standard has withdrawn: carried along as bytes.
+    const int values = 1 + (type - 1) / 10;
+    dimension.type = ScalarType::bytes;
+    dimension.byte_count = values * scalar_size(static_cast<ScalarType>(1 + (type - 1) % 10));
+  } else {
+    dimension.byte_count = 0;
+  }
+  return dimension;
+}
+
+void append_undocumented(std::vector<ExtraDimension>& dimensions, int bytes) {
+  for (int part = 1; bytes > 0; ++part) {
+    ExtraDimension& dimension = dimensions.emplace_back();
+    dimension.name = part == 1 ? "undocumented" : fmt::format("undocumented {}", part);
+    dimension.type = ScalarType::bytes;
+    dimension.byte_count = std::min(bytes, k_longest_undocumented);
+    bytes -= dimension.byte_count;
+  }
+}
+
+std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
+                                                  const std::vector<std::uint8_t>& data, int extra_bytes,
+                                                  std::vector<std::string>& warnings) {
+  std::vector<ExtraDimension> dimensions;
+  const std::byte* const bytes = reinterpret_cast<const std::byte*>(data.data());
+  int described = 0;
+  for (std::size_t place = 0; place + k_extra_bytes_entry <= data.size(); place += k_extra_bytes_entry) {
+    if (dimensions.size() == k_most_extra_dimensions) {
+      warnings.push_back(fmt::format(
+          "{}: the extra-bytes record describes more than {} dimensions; the bytes of the others are kept as "
+          "undocumented bytes",
+          file_name, k_most_extra_dimensions));
+      break;
+    }
+    const ExtraDimension& dimension = dimensions.emplace_back(read_extra_bytes_entry(bytes + place));
+    described += dimension.byte_count;
+    if (dimension.byte_count == 0 || described > extra_bytes) {
+      warnings.push_back(fmt::format(
+          "{}: the extra-bytes record does not fit the {} extra bytes of a point ('{}'); they are kept as "
+          "undocumented bytes",
+          file_name, extra_bytes, dimension.name));
+      dimensions.clear();
+      described = 0;
+      break;
+    }
+  }
+  append_undocumented(dimensions, extra_bytes - described);
+  return dimensions;
+}
+
+}  // namespace
+
+LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
+                            Damage damage) {
+  LasRecords result;
+  std::vector<std::uint8_t> extra_bytes_data;
+  std::string liblas_wkt;
+  const auto take = [&](const RecordPlace& record) {
+    if (record.is("LASF_Projection", 2112)) {
+      bool problem = false;
+      std::string wkt = read_wkt(file, record, problem);
+      if (problem)
+        warnings.push_back(fmt::format("{}: the WKT record holds no WKT and is left out", file.name()));
+      if (result.crs.wkt.empty()) result.crs.wkt = std::move(wkt);
+    } else if (record.is("LASF_Projection", 34735)) {
+      result.crs.geotiff_keys = read_values<std::uint16_t>(file, record);
+    } else if (record.is("LASF_Projection", 34736)) {
+      result.crs.geotiff_doubles = read_values<double>(file, record);
+    } else if (record.is("LASF_Projection", 34737)) {
+      const std::vector<std::uint8_t> data = read_data(file, record);
+      result.crs.geotiff_ascii.assign(data.begin(), data.end());
+    } else if (record.is("LASF_Spec", 4)) {
+      extra_bytes_data = read_data(file, record);
+    } else if (record.is("LASF_Spec", 65535)) {
+      warnings.push_back(fmt::format("{}: wave packets are left out", file.name()));
+    } else if (record.is(k_laszip_user_id, k_laszip_record_id)) {
+      take_laszip(read_storage_record(file, record), file, result.laszip);
+    } else if (record.user_id == k_copc_user_id) {
+      const bool first = record.place == k_las_header_size + k_record_header_size;
+      if (first && record.record_id == k_copc_info_id) result.copc_info = read_storage_record(file, record);
+    } else {
+      // libLAS wrote WKT before the standard had a place for it. The record is handed on too.
+      bool problem = false;
+      if (record.is("liblas", 2112)) liblas_wkt = read_wkt(file, record, problem);
+      result.others.push_back({.user_id = record.user_id,
+                               .record_id = record.record_id,
+                               .description = record.description,
+                               .data = read_data(file, record),
+                               .extended = record.extended});
+    }
+  };
+
+  std::uint64_t place = header.header_size;
+  for (std::uint32_t i = 0; i < header.record_count; ++i) {
+    const RecordPlace record = read_record_header(file, place, header.points_place, false);
+    take(record);
+    place = record.place + record.size;
+  }
+  place = header.extended_records_place;
+  for (std::uint32_t i = 0; i < header.extended_record_count; ++i) {
+    std::optional<RecordPlace> record;
+    try {
+      record = read_record_header(file, place, file.size(), true);
+    } catch (const Error& error) {
+      if (damage == Damage::refuse) throw DamagedFile(error.parts());
+      warnings.push_back(fmt::format("{}; this and the records behind it are left out", error.what()));
+      break;
+    }
+    take(*record);
+    place = record->place + record->size;
+  }
+
+  if (result.crs.wkt.empty()) result.crs.wkt = std::move(liblas_wkt);
+  if (!result.crs.geotiff_keys.empty()) {
+    if (const std::string problem = geotiff_problem(result.crs); !problem.empty()) {
+      warnings.push_back(fmt::format(
+          "{}: the GeoTIFF keys are damaged ({}); they are carried along as they are", file.name(), problem));
+    }
+  }
+  const int extra_bytes = header.point_size - header.layout().size;
+  result.extra_dimensions = read_extra_dimensions(file.name(), extra_bytes_data, extra_bytes, warnings);
+  return result;
+}
+
+std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, const LasRecords& records,
+                                      Damage damage) {
+  if (!header.compressed) return std::nullopt;
+  if (!records.laszip) {
+    throw Error({.file = file.name(),
+                 .place = "byte 104",
+                 .problem = "the points are compressed, but no record says how",
+                 .expected = fmt::format("a record '{}' {}", k_laszip_user_id, k_laszip_record_id)});
+  }
+  LazLayout layout = parse_laszip_record(records.laszip->data, file.name(), records.laszip->place,
+                                         header.point_format, header.point_size);
+  if (layout.compressor != LazCompressor::none) return layout;
+  header.compressed = false;
+  keep_points_inside(file, header, damage);
+  return std::nullopt;
+}
+
+}  // namespace alidade

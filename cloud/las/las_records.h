@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cloud/las/las_header.h"
+#include "cloud/laz/laz_layout.h"
+#include "base/output_file.h"
+#include "cloud/point_cloud.h"
+
+namespace alidade {
+
+/// A record that tells how points are stored.
+struct StorageRecord {
+  std::uint64_t place = 0;  ///< of its data in the file
+  std::vector<std::byte> data;
+};
+
+/// What the variable length records of a LAS file say.
+struct LasRecords {
+  Crs crs;  ///< its WKT is that of a libLAS record, also in `others`, if there is no other
+  /// Extra dimensions in the order of their bytes; together they cover all extra bytes of a point. Bytes that
+  /// are not described, or not by the first 341 entries, are dimensions "undocumented".
+  std::vector<ExtraDimension> extra_dimensions;
+  std::vector<VariableLengthRecord> others;
+  std::optional<StorageRecord> laszip;  ///< "laszip encoded" 22204, of LAZ
+  std::optional<StorageRecord>
+      copc_info;  ///< "copc" 1, if it is the first record behind a header of 375 bytes
+};
+
+/// Reads the records before and after the points. Records that contradict themselves but do no harm are left
+/// out and said in `warnings`. Records about how the points are stored are in none of `others`, because
+/// whoever writes the points again stores them anew. Errors: a record that does not end before the points;
+/// two laszip records that differ; one behind the points that does not end before the end of the file is
+/// damage, and with Damage::read_over left out with those behind it, which is said in `warnings`. Memory: at
+/// most the size of the records in the file.
+LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
+                            Damage damage = Damage::refuse);
+
+/// How the points of a file are packed, by its laszip record; empty if they are not, whatever the header
+/// says: header.compressed follows. Errors: no such record, or one that contradicts itself or the header;
+/// points missing that are not packed, which is damage.
+std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, const LasRecords& records,
+                                      Damage damage = Damage::refuse);
+
+/// CRS as LAS records: WKT, and the GeoTIFF keys if there are any.
+std::vector<VariableLengthRecord> las_crs_records(const Crs& crs);
+
+/// The record that describes extra bytes. Requires at least one dimension. Errors: more than 341, the most
+/// that fit.
+VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dimensions,
+                                            const std::string& file_name);
+
+/// The header of a record, short or long.
+std::vector<std::byte> las_record_head(const VariableLengthRecord& record, bool extended);
+
+/// Appends a record with the short header (`data` at most 65535 bytes) or the long one.
+void write_las_record(OutputFile& file, const VariableLengthRecord& record, bool extended);
+
+inline constexpr std::size_t k_longest_las_record = 65535;  ///< data of a record that is not extended
+inline constexpr std::size_t k_extra_bytes_entry = 192;     ///< bytes that describe one extra dimension
+/// Most extra dimensions that a record can describe.
+inline constexpr std::size_t k_most_extra_dimensions = k_longest_las_record / k_extra_bytes_entry;
+
+}  // namespace alidade

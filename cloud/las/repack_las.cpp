@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/las/repack_las.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/byte_order.h"
+#include "cloud/las/las_header.h"
+#include "cloud/las/las_records.h"
+#include "cloud/laz/laszip_record.h"
+#include "cloud/laz/laz_point_writer.h"
+#include "cloud/laz/laz_points.h"
+#include "cloud/laz/write_chunk_table.h"
+#include "cloud/laz/write_laszip_record.h"
+#include "base/output_file.h"
+#include "cloud/las/write_las.h"
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_block_bytes = 1 << 20;
+constexpr std::size_t k_record_head = 54;
+constexpr std::size_t k_table_place = 8;  ///< bytes that tell it, before the first chunk
+
+// Fields of the header: LAS Specification 1.4 R15, table 3.
+constexpr std::size_t k_points_place = 96, k_record_count = 100, k_point_format = 104;
+constexpr std::size_t k_wave_packets_place = 227, k_extended_records_place = 235;
+constexpr std::byte k_laz_mark{0x80}, k_laz_marks{0xc0};
+
+/// A LAS or LAZ file with all that it says about its points.
+struct Source {
+  InputFile file;
+  std::vector<std::string> warnings;
+  LasHeader header;
+  LasRecords records;
+  std::optional<LazLayout> packing;
+
+  explicit Source(const std::filesystem::path& path)
+      : file(path),
+        header(read_las_header(file, warnings)),
+        records(read_las_records(file, header, warnings)) {
+    packing = read_packing(file, header, records);
+    if (records.copc_info) {
+      throw Error({.file = file.name(), .problem = "is COPC, whose points cannot be packed as they stand"});
+    }
+  }
+
+  /// Where the points end, packed or not.
+  std::uint64_t points_end();
+};
+
+std::uint64_t Source::points_end() {
+  if (!packing) return header.points_end();
+  const std::uint64_t extended =
+      header.extended_record_count > 0 ? header.extended_records_place : file.size();
+  if (extended < header.points_place + k_table_place) return extended;
+  std::string missing;
+  const auto chunks = packing->compressor == LazCompressor::pointwise
+                          ? std::nullopt
+                          : read_chunk_table(file, header, *packing, missing);
+  // Without a table only the extended records tell where something else begins.
+  if (!chunks) return extended;
+  const std::uint64_t table = chunks->empty() ? header.points_place + k_table_place
+                                              : chunks->back().place + chunks->back().byte_count;
+  const auto place = load<std::int64_t>(file.view(header.points_place, k_table_place).data());
+  // A writer that could not go back wrote the place of the table behind it.
+  const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (place == -1 ? 8 : 0);
+  return std::min(end, extended);
+}
+
+/// Takes the records "laszip encoded" out of header and records; returns the place behind the last record.
+std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& header) {
+  std::uint32_t count = header.record_count;
+  std::size_t place = header.header_size;
+  for (std::uint32_t i = 0; i < header.record_count; ++i) {
+    const std::size_t size = k_record_head + load<std::uint16_t>(head.data() + place + 20);
+    const bool laszip = las_text(head.data() + place + 2, 16) == k_laszip_user_id &&
+                        load<std::uint16_t>(head.data() + place + 18) == k_laszip_record_id;
+    if (!laszip) {
+      place += size;
+      continue;
+    }
+    const auto begin = head.begin() + static_cast<std::ptrdiff_t>(place);
+    head.erase(begin, begin + static_cast<std::ptrdiff_t>(size));
+    --count;
+  }
+  store(head.data() + k_record_count, count);
+  return place;
+}
+
+void put_in_laszip(std::vector<std::byte>& head, std::size_t place, const LazLayout& layout) {
+  const VariableLengthRecord record = laszip_record(layout);
+  std::vector<std::byte> bytes = las_record_head(record, false);
+  const std::span<const std::byte> data = std::as_bytes(std::span(record.data));
+  bytes.insert(bytes.end(), data.begin(), data.end());
+  head.insert(head.begin() + static_cast<std::ptrdiff_t>(place), bytes.begin(), bytes.end());
+  store(head.data() + k_record_count, load<std::uint32_t>(head.data() + k_record_count) + 1);
+}
+
+/// Everything before the points as it is to be written, but for the places behind the points.
+std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>& packing) {
+  std::vector<std::byte> head(source.header.points_place);
+  source.file.read_at(0, head);
+  const std::size_t records_end = take_out_laszip(head, source.header);
+  head[k_point_format] &= ~k_laz_marks;
+  if (packing) {
+    put_in_laszip(head, records_end, *packing);
+    head[k_point_format] |= k_laz_mark;
+  }
+  if (head.size() > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error({.file = source.file.name(),
+                 .problem = "the variable length records leave no room for one more",
+                 .expected = "less than 4 GiB",
+                 .found = fmt::format("{} bytes", head.size())});
+  }
+  store(head.data() + k_points_place, static_cast<std::uint32_t>(head.size()));
+  return head;
+}
+
+/// Takes records in their order, wherever they go.
+class RecordOutput {
+ public:
+  RecordOutput(OutputFile& file, const std::optional<LazLayout>& packing) : file_(file) {
+    if (packing) packed_.emplace(file, *packing);
+  }
+  void write(std::span<const std::byte> records) {
+    if (packed_) {
+      packed_->write(records);
+    } else {
+      file_.write(records);
+    }
+  }
+  void finish() {
+    if (packed_) packed_->finish();
+  }
+
+ private:
+  OutputFile& file_;
+  std::optional<LazPointWriter> packed_;
+};
+
+/// Brings unpacked records, which come in any order between two calls for room, into their order.
+class OrderedRecords final : public LazSink {
+ public:
+  OrderedRecords(RecordOutput& output, std::size_t record_size)
+      : output_(output), record_size_(record_size) {}
+
+  void make_room(std::uint64_t count) override {
+    flush();
+    records_.resize(static_cast<std::size_t>(count) * record_size_);
+  }
+  void take(const std::byte* records, std::size_t count, std::uint64_t first_row) override {
+    const auto place = static_cast<std::size_t>(first_row - first_row_) * record_size_;
+    std::copy_n(records, count * record_size_, records_.begin() + static_cast<std::ptrdiff_t>(place));
+  }
+  void flush() {
+    output_.write(records_);
+    first_row_ += records_.size() / record_size_;
+    records_.clear();
+  }
+
+ private:
+  RecordOutput& output_;
+  std::size_t record_size_;
+  std::vector<std::byte> records_;
+  std::uint64_t first_row_ = 0;
+};
+
+void copy_points(Source& source, RecordOutput& output, const Progress& progress) {
+  if (source.packing) {
+    OrderedRecords records(output, source.header.point_size);
+    LazPoints points(source.file, source.header, *source.packing, Damage::refuse);
+    points.read(LazLayers{}, records, progress);
+    records.flush();
+    source.warnings.insert(source.warnings.end(), points.warnings().begin(), points.warnings().end());
+    return;
+  }
+  const std::size_t size = source.header.point_size;
+  const std::uint64_t end = source.header.points_end();
+  const std::uint64_t step = std::max<std::uint64_t>(k_block_bytes / size, 1) * size;
+  for (std::uint64_t place = source.header.points_place; place < end; place += step) {
+    const auto count = static_cast<std::size_t>(std::min(step, end - place));
+    output.write(source.file.view(place, count));
+    report(progress, place + count, source.file.size());
+  }
+}
+
+void copy_bytes(Source& source, std::uint64_t place, OutputFile& file) {
+  for (; place < source.file.size(); place += k_block_bytes) {
+    const auto count = std::min<std::uint64_t>(k_block_bytes, source.file.size() - place);
+    file.write(source.file.view(place, static_cast<std::size_t>(count)));
+  }
+}
+
+/// Moves the places that lie behind the points along with what stands there.
+void move_places(std::vector<std::byte>& head, const LasHeader& header, std::uint64_t from,
+                 std::uint64_t to) {
+  const auto move = [&](std::size_t field) {
+    const auto place = load<std::uint64_t>(head.data() + field);
+    if (place >= from) store(head.data() + field, place - from + to);
+  };
+  if (header.version_minor >= 3 && header.header_size >= k_wave_packets_place + 8) move(k_wave_packets_place);
+  if (header.extended_record_count > 0) move(k_extended_records_place);
+}
+
+}  // namespace
+
+bool can_repack(const std::filesystem::path& input) {
+  try {
+    InputFile file(input);
+    const std::span<const std::byte> start = file.view_up_to(0, k_las_header_size + 6);
+    if (start.size() < 4 || las_text(start.data(), 4) != "LASF") return false;
+    // A COPC file begins with a record of its own right behind a 1.4 header.
+    return start.size() < k_las_header_size + 6 ||
+           las_text(start.data() + k_las_header_size + 2, 4) != "copc";
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+RepackedFile repack_las(const std::filesystem::path& input, const std::filesystem::path& output,
+                        const RepackOptions& options) {
+  Source source(input);
+  std::optional<LazLayout> packing;
+  if (is_laz_name(output)) {
+    packing = standard_laz_layout(source.header.point_format, source.header.point_size);
+    check_laz_extra_bytes(*packing, input.string());
+  }
+  OutputFile file(output, options.overwrite);
+  std::vector<std::byte> head = make_head(source, packing);
+  file.write(head);
+  RecordOutput records(file, packing);
+  copy_points(source, records, options.progress);
+  records.finish();
+  const std::uint64_t end = source.points_end();
+  move_places(head, source.header, end, file.size());
+  copy_bytes(source, end, file);
+  file.write_at(0, head);
+  report(options.progress, source.file.size(), source.file.size());
+  file.commit();
+  return {.point_count = source.header.point_count, .warnings = std::move(source.warnings)};
+}
+
+}  // namespace alidade

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/las/write_las.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "cloud/append_rows.h"
+#include "base/byte_order.h"
+#include "cloud/las/las_records.h"
+#include "cloud/laz/laz_point_writer.h"
+#include "cloud/laz/write_laszip_record.h"
+#include "base/output_file.h"
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_block_bytes = 1 << 18;
+
+int smallest_point_format(AttributeSet attributes) {
+  if (attributes.contains(Attribute::near_infrared)) return 8;
+  return attributes.contains(Attribute::color) ? 7 : 6;
+}
+
+std::int16_t scan_angle_steps(float degrees) {
+  const double steps = std::nearbyint(degrees / k_las_scan_angle_step);
+  if (std::isnan(steps)) return 0;
+  return static_cast<std::int16_t>(std::clamp(steps, -32768.0, 32767.0));
+}
+
+std::uint8_t return_byte(ReturnNumbers returns) {
+  return static_cast<std::uint8_t>(std::min<int>(returns.number, 15) | std::min<int>(returns.count, 15) << 4);
+}
+
+ExtraDimension normal_dimension(char axis) {
+  ExtraDimension dimension;
+  dimension.name = fmt::format("Normal{}", axis);
+  dimension.description = "surface normal";
+  dimension.type = ScalarType::float32;
+  dimension.byte_count = 4;
+  return dimension;
+}
+
+/// Puts value(i) for every i of a column's rows [first, first + count) into the records at `at`.
+template <class Column, class Value>
+void put(const Column& column, std::size_t first, std::size_t count, std::byte* at, std::size_t record_size,
+         Value value) {
+  if (column.empty()) return;
+  for (std::size_t row = first; row < first + count; ++row, at += record_size) store(at, value(column[row]));
+}
+
+constexpr auto k_as_it_is = [](const auto& value) { return value; };
+
+}  // namespace
+
+struct LasWriter::State {
+  OutputFile file;
+  LasWriteOptions options;
+  LasHeader header;
+  std::vector<VariableLengthRecord> extended_records;
+  bool has_normals = false;
+  std::vector<ExtraDimension> extra_dimensions;  ///< as described in the file; the normals stand last
+  LatticePosition low{std::numeric_limits<std::int32_t>::max()},
+      high{std::numeric_limits<std::int32_t>::min()};
+  std::vector<std::byte> block;
+  std::optional<LazPointWriter> packed_points;  ///< of LAZ
+
+  State(const std::filesystem::path& path, const LasWriteOptions& write_options)
+      : file(path, write_options.overwrite), options(write_options) {}
+
+  void encode(const PointCloud& batch, std::size_t first, std::size_t count);
+  void encode_extra_dimensions(const PointCloud& batch, std::size_t first, std::size_t count);
+  void count_points(const PointCloud& batch, std::size_t first, std::size_t count);
+};
+
+LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, AttributeSet attributes,
+                     const LasWriteOptions& options)
+    : state_(std::make_unique<State>(path, options)) {
+  attributes = attributes | like.attributes();
+  LasHeader& header = state_->header;
+  header.file_source_id = like.file_source_id;
+  if (like.gps_time_is_standard) header.global_encoding |= k_las_gps_time_is_standard;
+  if (!like.crs.wkt.empty()) header.global_encoding |= k_las_crs_is_wkt;
+  header.project_id = like.project_id;
+  header.system_identifier = "Alidade";
+  header.generating_software = "Alidade " ALIDADE_VERSION;
+  header.creation_day = options.creation_day;
+  header.creation_year = options.creation_year;
+  header.lattice = like.lattice;
+  header.point_format = smallest_point_format(attributes);
+
+  state_->has_normals = attributes.contains(Attribute::normal);
+  for (const ExtraDimension& dimension : like.extra_dimensions) {
+    state_->extra_dimensions.push_back(description_of(dimension));
+  }
+  if (state_->has_normals) {
+    for (const char axis : {'X', 'Y', 'Z'}) state_->extra_dimensions.push_back(normal_dimension(axis));
+  }
+  std::size_t point_size = static_cast<std::size_t>(header.layout().size);
+  for (const ExtraDimension& dimension : state_->extra_dimensions) {
+    point_size += static_cast<std::size_t>(dimension.byte_count);
+  }
+  if (point_size > std::numeric_limits<std::uint16_t>::max()) {
+    throw Error({.file = path.string(),
+                 .problem = "the extra dimensions are too long for LAS",
+                 .expected = "at most 65535 bytes per point",
+                 .found = std::to_string(point_size)});
+  }
+  header.point_size = static_cast<std::uint16_t>(point_size);
+
+  std::vector<VariableLengthRecord> records = las_crs_records(like.crs);
+  if (!state_->extra_dimensions.empty()) {
+    records.push_back(las_extra_bytes_record(state_->extra_dimensions, path.string()));
+  }
+  records.insert(records.end(), like.records.begin(), like.records.end());
+  std::optional<LazLayout> packing;
+  header.compressed = is_laz_name(path);
+  if (header.compressed) {
+    packing = standard_laz_layout(header.point_format, header.point_size);
+    check_laz_extra_bytes(*packing, path.string());
+    records.push_back(laszip_record(*packing));
+  }
+  OutputFile& file = state_->file;
+  file.write(encode_las_header(header));
+  for (VariableLengthRecord& record : records) {
+    if (record.extended || record.data.size() > k_longest_las_record) {
+      state_->extended_records.push_back(std::move(record));
+    } else {
+      write_las_record(file, record, false);
+      ++header.record_count;
+    }
+  }
+  if (file.size() > std::numeric_limits<std::uint32_t>::max()) {
+    throw Error({.file = path.string(),
+                 .problem = "the variable length records are too long for LAS",
+                 .expected = "less than 4 GiB",
+                 .found = fmt::format("{} bytes", file.size())});
+  }
+  header.points_place = static_cast<std::uint32_t>(file.size());
+  if (packing) state_->packed_points.emplace(file, *packing);
+}
+
+LasWriter::~LasWriter() = default;
+
+void LasWriter::State::encode(const PointCloud& batch, std::size_t first, std::size_t count) {
+  const std::size_t size = header.point_size;
+  block.assign(count * size, std::byte{0});
+  std::byte* const at = block.data();
+  put(batch.positions, first, count, at, size, k_as_it_is);
+  put(batch.intensities, first, count, at + 12, size, k_as_it_is);
+  put(batch.returns, first, count, at + 14, size, return_byte);
+  put(batch.flags, first, count, at + 15, size, k_as_it_is);
+  put(batch.classifications, first, count, at + 16, size, k_as_it_is);
+  put(batch.user_data, first, count, at + 17, size, k_as_it_is);
+  put(batch.scan_angles, first, count, at + 18, size, scan_angle_steps);
+  put(batch.point_source_ids, first, count, at + 20, size, k_as_it_is);
+  const LasPointLayout& layout = header.layout();
+  put(batch.gps_times, first, count, at + layout.gps_time, size, k_as_it_is);
+  if (layout.color >= 0) put(batch.colors, first, count, at + layout.color, size, k_as_it_is);
+  if (layout.near_infrared >= 0) {
+    put(batch.near_infrared, first, count, at + layout.near_infrared, size, k_as_it_is);
+  }
+  encode_extra_dimensions(batch, first, count);
+}
+
+void LasWriter::State::encode_extra_dimensions(const PointCloud& batch, std::size_t first,
+                                               std::size_t count) {
+  std::byte* at = block.data() + header.layout().size;
+  const std::size_t own_count = extra_dimensions.size() - (has_normals ? 3 : 0);
+  for (std::size_t i = 0; i < own_count; ++i) {
+    const ExtraDimension& dimension = extra_dimensions[i];
+    const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
+    const auto same = [&](const ExtraDimension& other) { return same_meaning(other, dimension); };
+    // Dimensions of one name are told apart by their place.
+    const auto& given = batch.extra_dimensions;
+    const auto source = i < given.size() && same(given[i]) ? given.begin() + static_cast<std::ptrdiff_t>(i)
+                                                           : std::find_if(given.begin(), given.end(), same);
+    if (source != given.end() && !source->values.empty()) {
+      assert(source->values.size() == batch.size() * bytes);
+      for (std::size_t row = 0; row < count; ++row) {
+        std::memcpy(at + row * header.point_size, source->values.data() + (first + row) * bytes, bytes);
+      }
+    }
+    at += bytes;
+  }
+  if (has_normals) put(batch.normals, first, count, at, header.point_size, k_as_it_is);
+}
+
+void LasWriter::State::count_points(const PointCloud& batch, std::size_t first, std::size_t count) {
+  header.point_count += count;
+  for (std::size_t row = first; row < first + count; ++row) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], batch.positions[row][axis]);
+      high[axis] = std::max(high[axis], batch.positions[row][axis]);
+    }
+    if (batch.returns.empty()) continue;
+    const int number = std::min<int>(batch.returns[row].number, 15);
+    if (number > 0) ++header.points_by_return[static_cast<std::size_t>(number - 1)];
+  }
+}
+
+void LasWriter::write(const PointCloud& batch) {
+  State& state = *state_;
+  assert(batch.lattice == state.header.lattice);
+  const std::size_t step = std::max<std::size_t>(k_block_bytes / state.header.point_size, 1);
+  const std::uint64_t total = state.header.point_count + batch.size();
+  for (std::size_t first = 0; first < batch.size(); first += step) {
+    const std::size_t count = std::min(step, batch.size() - first);
+    state.encode(batch, first, count);
+    state.count_points(batch, first, count);
+    if (state.packed_points) {
+      state.packed_points->write(state.block);
+    } else {
+      state.file.write(state.block);
+    }
+    report(state.options.progress, state.header.point_count, total);
+  }
+}
+
+void LasWriter::finish() {
+  State& state = *state_;
+  LasHeader& header = state.header;
+  if (state.packed_points) state.packed_points->finish();
+  if (header.point_count > 0) {
+    header.bounds.grow(to_world(header.lattice, state.low));
+    header.bounds.grow(to_world(header.lattice, state.high));
+  }
+  if (!state.extended_records.empty()) header.extended_records_place = state.file.size();
+  header.extended_record_count = static_cast<std::uint32_t>(state.extended_records.size());
+  for (const VariableLengthRecord& record : state.extended_records)
+    write_las_record(state.file, record, true);
+  state.file.write_at(0, encode_las_header(header));
+  state.file.commit();
+}
+
+bool is_laz_name(const std::filesystem::path& path) {
+  std::string ending = path.extension().string();
+  for (char& letter : ending) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return ending == ".laz";
+}
+
+void write_las(const std::filesystem::path& path, const PointCloud& cloud, const LasWriteOptions& options) {
+  LasWriter writer(path, cloud, cloud.attributes(), options);
+  writer.write(cloud);
+  writer.finish();
+}
+
+}  // namespace alidade

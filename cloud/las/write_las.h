@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "cloud/point_cloud.h"
+#include "base/progress.h"
+
+namespace alidade {
+
+struct LasWriteOptions {
+  bool overwrite = false;  ///< otherwise an existing file is an Error
+  Progress progress{};     ///< in points
+  /// Creation date for the header, given by the caller so that equal input makes equal files: day of the year
+  /// (1 = 1 January) and year; 0 = unknown.
+  std::uint16_t creation_day = 0, creation_year = 0;
+};
+
+/// Writes LAS 1.4 piece by piece in bounded memory, or LAZ where the name says so: is_laz_name(). LAZ is
+/// packed in chunks of 50000 points, in parallel; its bytes do not depend on the number of threads. The file
+/// appears under its name only in finish(): until then it is written beside it and removed again if the
+/// writer is destroyed first.
+class LasWriter {
+ public:
+  /// `like` gives everything but the points: lattice, CRS, records, encoding, and through attributes() and
+  /// its extra dimensions which columns will come (columns of size 0 may be given by `attributes`). Point
+  /// format is the smallest of 6, 7, 8 that holds them; normals become extra bytes NormalX/Y/Z (float32).
+  /// Errors: the file exists and may not be replaced; the folder cannot be written; extra dimensions that are
+  /// too long for the format.
+  LasWriter(const std::filesystem::path& path, const PointCloud& like, AttributeSet attributes,
+            const LasWriteOptions& options = {});
+  ~LasWriter();
+  LasWriter(const LasWriter&) = delete;
+  LasWriter& operator=(const LasWriter&) = delete;
+
+  /// Appends all points of `batch`, which stands on the same lattice; missing columns are written as zeros,
+  /// also extra dimensions whose name, type, scale, offset and "no value" mark are not those of one of
+  /// `like`.
+  void write(const PointCloud& batch);
+
+  /// Completes the header (counts, bounds, counts by return), writes EVLRs, moves the file to its name.
+  /// Errors: no space, or any write that failed.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Whether a file of this name is written as LAZ: it ends in .laz, in letters of any case.
+bool is_laz_name(const std::filesystem::path& path);
+
+/// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is
+/// kept.
+void write_las(const std::filesystem::path& path, const PointCloud& cloud,
+               const LasWriteOptions& options = {});
+
+}  // namespace alidade

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "cloud/laz/layered_codec.h"
+#include "cloud/laz/laz_layout.h"
+#include "cloud/laz/pointwise_codec.h"
+
+namespace alidade {
+
+/// Gets point data records as they come out of a chunk: `count` of them, the first of which is the chunk's
+/// point number `first`. Records stand one behind the other and only until the call returns.
+using TakeRecords = std::function<void(const std::byte* records, std::size_t count, std::uint64_t first)>;
+
+/// Unpacks chunks of whatever compressor, one after another. Keeps its memory between chunks. Not thread
+/// safe: one per thread.
+class ChunkDecoder {
+ public:
+  /// Of compressor 3, fields of layers that are not wanted are not unpacked and hold anything.
+  ChunkDecoder(const LazLayout& layout, const LazLayers& wanted);
+
+  /// Unpacks the chunk that begins at bytes[0] and holds `point_count` points. Answers how many bytes it
+  /// took: all of them but of pointwise chunks, which end where their last point ends. Errors: CorruptChunk.
+  /// Memory: of pointwise chunks some thousand records; of layered ones all records, but none that could not
+  /// be unpacked.
+  std::size_t decode(std::span<const std::byte> bytes, std::uint64_t point_count, const TakeRecords& take);
+
+ private:
+  std::byte* records(std::uint64_t count);
+
+  std::size_t record_size_;
+  std::optional<PointwiseDecoder> pointwise_;
+  std::optional<LayeredDecoder> layered_;
+  std::unique_ptr<std::byte[]> records_;
+  std::uint64_t record_room_ = 0;
+};
+
+}  // namespace alidade

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/laz/chunk_table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/byte_order.h"
+#include "cloud/laz/entropy_coder.h"
+#include "cloud/laz/corrupt_chunk.h"
+#include "cloud/laz/integer_compressor.h"
+#include "cloud/laz/layered_chunk.h"
+#include "base/error.h"
+
+// Source: the chunk table as laszip 2 and 3 write it. At the place of the points stands the place of the
+// table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of
+// the file hold it.
+
+namespace alidade {
+namespace {
+
+constexpr std::uint64_t k_table_place_bytes = 8;
+constexpr std::uint64_t k_table_head_bytes = 8;
+constexpr std::uint64_t k_stream_start_bytes = 4;  // what every arithmetic stream begins with
+
+[[noreturn]] void fail(const InputFile& file, std::uint64_t byte, std::string problem, std::string expected,
+                       std::string found) {
+  throw Error({.file = file.name(),
+               .place = fmt::format("byte {}", byte),
+               .problem = std::move(problem),
+               .expected = std::move(expected),
+               .found = std::move(found)});
+}
+
+std::uint64_t first_chunk(const LasHeader& header) {
+  return header.points_place + k_table_place_bytes;
+}
+
+/// Where the table stands; 0 if nobody says.
+std::uint64_t find_table(InputFile& file, const LasHeader& header) {
+  if (file.size() < first_chunk(header)) return 0;
+  std::int64_t place = load<std::int64_t>(file.view(header.points_place, k_table_place_bytes).data());
+  if (place == -1) {
+    for (const std::uint64_t end : {file.size(), header.extended_records_place}) {
+      if (end < first_chunk(header) + k_table_place_bytes || end > file.size()) continue;
+      place = load<std::int64_t>(file.view(end - k_table_place_bytes, k_table_place_bytes).data());
+      const bool inside = place >= static_cast<std::int64_t>(first_chunk(header)) &&
+                          static_cast<std::uint64_t>(place) + k_table_head_bytes <= end;
+      if (inside) return static_cast<std::uint64_t>(place);
+    }
+    return 0;
+  }
+  // A writer that was interrupted leaves a place that no table can have.
+  if (place <= static_cast<std::int64_t>(header.points_place)) return 0;
+  return static_cast<std::uint64_t>(place);
+}
+
+/// Sums of the table against what header and file allow.
+class TableCheck {
+ public:
+  TableCheck(const InputFile& file, const LasHeader& header, const LazLayout& layout, std::uint64_t table)
+      : file_(file),
+        table_(table),
+        smallest_(smallest_chunk(layout)),
+        next_(first_chunk(header)),
+        points_left_(header.point_count),
+        layout_(layout) {}
+
+  LazChunk next(std::uint32_t byte_count, std::uint32_t point_count, std::size_t number) {
+    const LazChunk chunk{
+        next_, byte_count,
+        layout_.chunk_size != 0 ? std::min<std::uint64_t>(layout_.chunk_size, points_left_) : point_count};
+    if (chunk.byte_count < smallest_ || chunk.byte_count > table_ - next_) {
+      fail(file_, table_, fmt::format("bad size of chunk {} in the chunk table", number),
+           fmt::format("{} to {} bytes", smallest_, table_ - next_), std::to_string(byte_count));
+    }
+    const std::uint64_t most = std::min(points_left_, most_laz_points(chunk.byte_count));
+    if (chunk.point_count == 0 || chunk.point_count > most) {
+      fail(file_, table_, fmt::format("bad number of points of chunk {} in the chunk table", number),
+           fmt::format("1 to {}", most), std::to_string(chunk.point_count));
+    }
+    next_ += chunk.byte_count;
+    points_left_ -= chunk.point_count;
+    return chunk;
+  }
+
+  void finish() const {
+    if (points_left_ != 0) {
+      fail(file_, table_, "the chunk table lists fewer points than the header counts", "all of them",
+           fmt::format("{} missing", points_left_));
+    }
+    if (next_ != table_) {
+      fail(file_, table_, "the chunks do not end where their table begins", fmt::format("byte {}", table_),
+           fmt::format("byte {}", next_));
+    }
+  }
+
+ private:
+  const InputFile& file_;
+  std::uint64_t table_;
+  std::uint64_t smallest_;
+  std::uint64_t next_;
+  std::uint64_t points_left_;
+  const LazLayout& layout_;
+};
+
+}  // namespace
+
+std::uint64_t smallest_chunk(const LazLayout& layout) {
+  if (layout.compressor == LazCompressor::layered) return LayeredChunkHead(layout).size();
+  return layout.record_size() + k_stream_start_bytes;
+}
+
+std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const LasHeader& header,
+                                                      const LazLayout& layout, std::string& missing) {
+  const std::uint64_t table = find_table(file, header);
+  if (table == 0) {
+    if (header.point_count == 0) return std::vector<LazChunk>{};
+    missing = "the file does not say where its chunk table stands";
+    return std::nullopt;
+  }
+  if (table < first_chunk(header)) {
+    fail(file, header.points_place, "bad place of the chunk table",
+         fmt::format("byte {} or later", first_chunk(header)), std::to_string(table));
+  }
+  if (table > file.size() || file.size() - table < k_table_head_bytes) {
+    missing = fmt::format("the file ends before its chunk table at byte {}", table);
+    return std::nullopt;
+  }
+  const std::byte* const head = file.view(table, k_table_head_bytes).data();
+  const std::uint32_t version = load<std::uint32_t>(head), count = load<std::uint32_t>(head + 4);
+  if (version != 0) fail(file, table, "unknown version of the chunk table", "0", std::to_string(version));
+  const std::uint64_t room = (table - first_chunk(header)) / smallest_chunk(layout);
+  if (count > std::min(room, header.point_count)) {
+    fail(file, table + 4, "bad number of chunks",
+         fmt::format("at most {}", std::min(room, header.point_count)), std::to_string(count));
+  }
+  if (layout.chunk_size != 0) {
+    const std::uint64_t needed =
+        header.point_count / layout.chunk_size + (header.point_count % layout.chunk_size != 0 ? 1 : 0);
+    if (count != needed) {
+      fail(file, table + 4, "bad number of chunks",
+           fmt::format("{} for {} points in chunks of {}", needed, header.point_count, layout.chunk_size),
+           std::to_string(count));
+    }
+  }
+
+  TableCheck check(file, header, layout, table);
+  std::vector<LazChunk> chunks;
+  if (count > 0) {
+    // Two numbers of 32 bits take less than twelve bytes, each in their worst case.
+    constexpr std::uint64_t k_most_bytes = 24;
+    const std::uint64_t place = table + k_table_head_bytes;
+    const auto bytes = file.view_up_to(place, count * k_most_bytes + 16);
+    if (bytes.size() < k_stream_start_bytes) {
+      missing = "the file ends inside its chunk table";
+      return std::nullopt;
+    }
+    ArithmeticDecoder decoder(bytes);
+    IntegerCompressor numbers(32, 2);
+    std::int32_t points = 0, byte_count = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (layout.chunk_size == 0) points = numbers.decode(decoder, points, 0);
+      byte_count = numbers.decode(decoder, byte_count, 1);
+      if (decoder.failed()) {
+        missing = "the chunk table is cut off or damaged";
+        return std::nullopt;
+      }
+      chunks.push_back(
+          check.next(static_cast<std::uint32_t>(byte_count), static_cast<std::uint32_t>(points), i));
+    }
+  }
+  check.finish();
+  return chunks;
+}
+
+WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout) {
+  LayeredChunkHead head(layout);
+  WalkedChunks walked;
+  std::uint64_t place = first_chunk(header), points_left = header.point_count;
+  try {
+    while (points_left > 0) {
+      const std::size_t number = walked.chunks.size();
+      try {
+        head.read(file.view(place, head.size()));
+      } catch (const CorruptChunk& problem) {
+        fail(file, place, fmt::format("chunk {}: {}", number, problem.what()), "", "");
+      }
+      const LazChunk chunk{place, head.chunk_size(), head.point_count()};
+      if (chunk.byte_count > file.size() - place) {
+        fail(file, place, fmt::format("chunk {} does not end before the file", number),
+             fmt::format("at most {} bytes", file.size() - place), std::to_string(chunk.byte_count));
+      }
+      const std::uint64_t most = std::min(points_left, most_laz_points(chunk.byte_count));
+      if (chunk.point_count > most) {
+        fail(file, place + layout.record_size(), fmt::format("bad number of points of chunk {}", number),
+             fmt::format("1 to {}", most), std::to_string(chunk.point_count));
+      }
+      points_left -= chunk.point_count;
+      place += chunk.byte_count;
+      walked.chunks.push_back(chunk);
+    }
+  } catch (const Error& error) {
+    walked.problem = error;
+  }
+  return walked;
+}
+
+}  // namespace alidade

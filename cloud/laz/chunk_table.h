@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/input_file.h"
+#include "cloud/las/las_header.h"
+#include "cloud/laz/laz_layout.h"
+#include "base/error.h"
+
+namespace alidade {
+
+/// One chunk of a LAZ file.
+struct LazChunk {
+  std::uint64_t place = 0;  ///< first byte in the file
+  std::uint64_t byte_count = 0;
+  std::uint64_t point_count = 0;
+
+  bool operator==(const LazChunk&) const = default;
+};
+
+/// Most points that so many bytes can stand for: whatever the points are, each costs one symbol of 64 or more
+/// and three of 33 (two of compressor 3), none of which is ever more probable than 1 - (symbols - 1) / 2^15.
+/// That is above 0.007 bit, or fewer than 1200 points per byte; counts beyond 2048 per byte are not believed.
+constexpr std::uint64_t most_laz_points(std::uint64_t byte_count) {
+  constexpr std::uint64_t k_most_per_byte = 2048;
+  return byte_count > UINT64_MAX / k_most_per_byte ? UINT64_MAX : byte_count * k_most_per_byte;
+}
+
+/// Fewest bytes a chunk can have.
+std::uint64_t smallest_chunk(const LazLayout& layout);
+
+/// The chunks as the table of the file lists them, in the order of the file. Their sizes fill the space
+/// between the start of the points and the table, their counts make the header's. Empty, with the reason in
+/// `missing` (one clause), if the file has no table or it is cut off; a file whose table says what cannot be
+/// true is an Error. Requires compressor 2 or 3. Memory: in proportion to the table's part of the file.
+std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const LasHeader& header,
+                                                      const LazLayout& layout, std::string& missing);
+
+/// The chunks of a layered file as they themselves tell their sizes: what is left without a table.
+struct WalkedChunks {
+  std::vector<LazChunk> chunks;
+  std::optional<Error> problem;  ///< why there are not as many points as the header counts
+};
+
+/// Goes from chunk to chunk until all points of the header are there or a chunk cannot be true. Cost: reads
+/// only the head of every chunk.
+WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout);
+
+}  // namespace alidade

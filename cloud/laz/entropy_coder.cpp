@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/laz/symbol_model.h"
+
+#include <algorithm>
+#include <bit>
+
+namespace alidade {
+namespace {
+
+/// Bits of the table where find() starts, so that its loop seldom runs more than once.
+std::uint32_t start_bits(std::uint32_t symbols) {
+  return std::min(8u, static_cast<std::uint32_t>(std::bit_width(symbols - 1)) + 1);
+}
+
+}  // namespace
+
+SymbolModel::SymbolModel(int symbols)
+    : shift_(k_precision - start_bits(static_cast<std::uint32_t>(symbols))),
+      last_symbol_(static_cast<std::uint32_t>(symbols) - 1) {
+  assert(symbols >= 2 && symbols <= 2048);
+  const std::size_t count = static_cast<std::size_t>(symbols);
+  const std::size_t starts = std::size_t{1} << (k_precision - shift_);
+  memory_ = std::make_unique<std::uint16_t[]>(count + 1 + starts + count);
+  cumulative_ = memory_.get();
+  first_symbols_ = cumulative_ + count + 1;
+  counts_ = first_symbols_ + starts;
+  cumulative_[count] = UINT16_MAX;
+  reset();
+}
+
+void SymbolModel::reset() {
+  const std::uint32_t symbols = last_symbol_ + 1;
+  std::fill_n(counts_, symbols, std::uint16_t{1});
+  sum_ = 0;
+  cycle_ = symbols;
+  adapt();
+  cycle_ = left_ = (symbols + 6) >> 1;
+}
+
+void SymbolModel::adapt() {
+  const std::uint32_t symbols = last_symbol_ + 1;
+  sum_ += cycle_;
+  if (sum_ > 1u << k_precision) {
+    sum_ = 0;
+    for (std::uint32_t s = 0; s < symbols; ++s) {
+      counts_[s] = static_cast<std::uint16_t>((counts_[s] + 1) >> 1);
+      sum_ += counts_[s];
+    }
+  }
+  const std::uint32_t scale = (1u << 31) / sum_;
+  std::uint32_t below = 0;
+  std::uint32_t slot = 0;
+  for (std::uint32_t s = 0; s < symbols; ++s) {
+    const std::uint32_t cumulative = (scale * below) >> (31 - k_precision);
+    cumulative_[s] = static_cast<std::uint16_t>(cumulative);
+    below += counts_[s];
+    // Slots that begin before this symbol does start with the one below.
+    for (; slot << shift_ < cumulative; ++slot) first_symbols_[slot] = static_cast<std::uint16_t>(s - 1);
+  }
+  for (; slot << shift_ < 1u << k_precision; ++slot)
+    first_symbols_[slot] = static_cast<std::uint16_t>(last_symbol_);
+  cycle_ = std::min((5 * cycle_) >> 2, (symbols + 6) * 8);
+  left_ = cycle_;
+}
+
+}  // namespace alidade

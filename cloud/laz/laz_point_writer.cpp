@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/laz/laz_point_writer.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <vector>
+
+#include "base/byte_order.h"
+#include "cloud/laz/chunk_encoder.h"
+#include "cloud/laz/write_chunk_table.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_most_bytes = 64 << 20;
+
+}  // namespace
+
+struct LazPointWriter::State {
+  OutputFile& file;
+  LazLayout layout;
+  std::size_t record_size = layout.record_size();
+  std::size_t chunk_bytes = record_size * layout.chunk_size;  ///< of records, not packed
+  std::uint64_t first_place = file.size();
+  std::size_t batch_bytes;       ///< of a whole number of chunks
+  std::vector<std::byte> batch;  ///< records that wait to be packed
+  std::vector<LazChunk> chunks;
+  tbb::enumerable_thread_specific<ChunkEncoder> encoders{[this] { return ChunkEncoder(layout); }};
+
+  State(OutputFile& output, const LazLayout& laz) : file(output), layout(laz) {
+    const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+    batch_bytes = chunk_bytes * std::max<std::size_t>(std::min(2 * threads, k_most_bytes / chunk_bytes), 1);
+    // At once, or growing would take up to three times as much; pages that no record reaches are not touched.
+    batch.reserve(std::min(batch_bytes, k_most_bytes));
+  }
+
+  void write_batch();
+};
+
+void LazPointWriter::State::write_batch() {
+  const std::size_t count = (batch.size() + chunk_bytes - 1) / chunk_bytes;
+  std::vector<std::vector<std::byte>> packed(count);
+  const std::span<const std::byte> records(batch);
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const std::size_t begin = i * chunk_bytes;
+          packed[i] =
+              encoders.local().encode(records.subspan(begin, std::min(chunk_bytes, records.size() - begin)));
+        }
+      },
+      tbb::simple_partitioner());
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t bytes = std::min(chunk_bytes, batch.size() - i * chunk_bytes);
+    chunks.push_back(
+        {.place = file.size(), .byte_count = packed[i].size(), .point_count = bytes / record_size});
+    file.write(packed[i]);
+  }
+  batch.clear();
+}
+
+LazPointWriter::LazPointWriter(OutputFile& file, const LazLayout& layout)
+    : state_(std::make_unique<State>(file, layout)) {
+  assert(layout.chunk_size > 0);
+  // The place of the table, which is known at the end.
+  file.write(std::array<std::byte, 8>{});
+}
+
+LazPointWriter::~LazPointWriter() = default;
+
+void LazPointWriter::write(std::span<const std::byte> records) {
+  State& state = *state_;
+  assert(records.size() % state.record_size == 0);
+  while (!records.empty()) {
+    const std::size_t count = std::min(records.size(), state.batch_bytes - state.batch.size());
+    state.batch.insert(state.batch.end(), records.begin(),
+                       records.begin() + static_cast<std::ptrdiff_t>(count));
+    records = records.subspan(count);
+    if (state.batch.size() == state.batch_bytes) state.write_batch();
+  }
+}
+
+void LazPointWriter::finish() {
+  State& state = *state_;
+  state.write_batch();
+  std::array<std::byte, 8> table_place;
+  store(table_place.data(), state.file.size());
+  state.file.write(encode_chunk_table(state.chunks, state.layout));
+  state.file.write_at(state.first_place, table_place);
+}
+
+}  // namespace alidade

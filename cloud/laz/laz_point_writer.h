@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include "cloud/laz/laz_layout.h"
+#include "base/output_file.h"
+
+namespace alidade {
+
+/// Writes the points of a LAZ file: the place of the chunk table, the chunks, which are packed in parallel,
+/// and the table. The bytes do not depend on the number of threads, nor on the pieces that records come in.
+///
+/// Memory: the records of two chunks per thread and what they are packed into, but no more than 64 MB of
+/// records beside the first chunk.
+class LazPointWriter {
+ public:
+  /// Points begin at the end of what is written to `file` so far. Requires the layout of the file's laszip
+  /// record, as standard_laz_layout() makes it: chunks of one size. `file` must outlive this object.
+  LazPointWriter(OutputFile& file, const LazLayout& layout);
+  ~LazPointWriter();
+  LazPointWriter(const LazPointWriter&) = delete;
+  LazPointWriter& operator=(const LazPointWriter&) = delete;
+
+  /// Appends a whole number of point data records. Errors: as OutputFile.
+  void write(std::span<const std::byte> records);
+
+  /// Packs what is left, and writes the table and its place. Call once, last.
+  void finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace alidade

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: MIT
+#include "cloud/pcd/pcd_file.h"
+
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "base/text_scanner.h"
+#include "base/error.h"
+
+namespace alidade {
+
+namespace {
+
+using Words = std::vector<std::string_view>;
+
+/// Most bytes per point that are believed; keeps products of sizes within 64 bits.
+constexpr std::uint64_t k_largest_point = 1 << 20;
+
+std::optional<ScalarType> scalar_type(char letter, std::uint64_t size) {
+  switch (letter) {
+    case 'I':
+      if (size == 1) return ScalarType::int8;
+      if (size == 2) return ScalarType::int16;
+      if (size == 4) return ScalarType::int32;
+      if (size == 8) return ScalarType::int64;
+      break;
+    case 'U':
+      if (size == 1) return ScalarType::uint8;
+      if (size == 2) return ScalarType::uint16;
+      if (size == 4) return ScalarType::uint32;
+      if (size == 8) return ScalarType::uint64;
+      break;
+    case 'F':
+      if (size == 4) return ScalarType::float32;
+      if (size == 8) return ScalarType::float64;
+      break;
+    default:
+      break;
+  }
+  return std::nullopt;
+}
+
+/// The header's lines as they were found, before they are brought together.
+struct Lines {
+  std::vector<std::string> fields;
+  std::vector<std::uint64_t> sizes, counts;
+  std::vector<char> types;
+  std::optional<std::uint64_t> width, height, points;
+};
+
+std::uint64_t require_count(const TextScanner& scanner, std::string_view word) {
+  if (const auto count = parse_count(word)) return *count;
+  scanner.fail("not a whole number", "a whole number", quote(word));
+}
+
+/// The values after the keyword, of which there are as many as fields.
+std::vector<std::uint64_t> require_counts(const TextScanner& scanner, const Words& words,
+                                          const Lines& lines) {
+  if (words.size() - 1 != lines.fields.size())
+    scanner.fail("a value for each field is needed", std::to_string(lines.fields.size()) + " values",
+                 std::to_string(words.size() - 1));
+  std::vector<std::uint64_t> counts;
+  for (std::size_t i = 1; i < words.size(); ++i) counts.push_back(require_count(scanner, words[i]));
+  return counts;
+}
+
+PcdFormat require_format(const TextScanner& scanner, const Words& words) {
+  if (words.size() == 2 && words[1] == "ascii") return PcdFormat::ascii;
+  if (words.size() == 2 && words[1] == "binary") return PcdFormat::binary;
+  if (words.size() == 2 && words[1] == "binary_compressed") return PcdFormat::binary_compressed;
+  scanner.fail("unknown kind of data", "ascii, binary or binary_compressed",
+               words.size() > 1 ? quote(words[1]) : "nothing");
+}
+
+void take_line(const TextScanner& scanner, const Words& words, Lines& lines, PcdHeader& header) {
+  const std::string_view keyword = words[0];
+  const auto single = [&] {
+    if (words.size() != 2) scanner.fail("the line cannot be read", "one value after " + std::string(keyword));
+    return require_count(scanner, words[1]);
+  };
+  if (keyword == "VERSION") {
+    header.version = words.size() > 1 ? words[1] : "";
+  } else if (keyword == "FIELDS" || keyword == "COLUMNS") {
+    require_few_columns(scanner, words.size() - 1);
+    lines.fields.assign(words.begin() + 1, words.end());
+  } else if (keyword == "SIZE") {
+    lines.sizes = require_counts(scanner, words, lines);
+  } else if (keyword == "COUNT") {
+    lines.counts = require_counts(scanner, words, lines);
+  } else if (keyword == "TYPE") {
+    if (words.size() - 1 != lines.fields.size())
+      scanner.fail("a type for each field is needed", std::to_string(lines.fields.size()) + " types",
+                   std::to_string(words.size() - 1));
+    lines.types.clear();
+    for (std::size_t i = 1; i < words.size(); ++i)
+      lines.types.push_back(words[i].size() == 1 ? words[i][0] : '?');
+  } else if (keyword == "WIDTH") {
+    lines.width = single();
+  } else if (keyword == "HEIGHT") {
+    lines.height = single();
+  } else if (keyword == "POINTS") {
+    lines.points = single();
+  } else if (keyword == "VIEWPOINT") {
+    for (std::size_t i = 1; i < words.size(); ++i) {
+      if (!parse_number(words[i])) scanner.fail("not a number", "a number", quote(words[i]));
+    }
+  } else {
+    scanner.fail("unknown line in the header",
+                 "VERSION, FIELDS, SIZE, TYPE, COUNT, WIDTH, HEIGHT, VIEWPOINT, POINTS or DATA",
+                 quote(keyword));
+  }
+}
+
+void take_fields(const TextScanner& scanner, const Lines& lines, PcdHeader& header) {
+  if (lines.fields.empty()) scanner.fail("the header has no fields", "a line FIELDS before DATA");
+  if (lines.sizes.size() != lines.fields.size())
+    scanner.fail("the header has no sizes", "a line SIZE after FIELDS");
+  if (lines.types.size() != lines.fields.size())
+    scanner.fail("the header has no types", "a line TYPE after FIELDS");
+  std::uint64_t point_size = 0;
+  for (std::size_t i = 0; i < lines.fields.size(); ++i) {
+    const auto type = scalar_type(lines.types[i], lines.sizes[i]);
+    if (!type)
+      scanner.fail("unknown type of the field " + quote(lines.fields[i]),
+                   "I or U of 1, 2, 4, 8 bytes, F of 4 or 8",
+                   quote(std::string_view(&lines.types[i], 1)) + " of " + std::to_string(lines.sizes[i]));
+    const std::uint64_t count = i < lines.counts.size() ? lines.counts[i] : 1;
+    if (count > k_largest_point)
+      scanner.fail("a field is too wide", "at most a mebibyte", std::to_string(count));
+    header.fields.push_back({lines.fields[i], *type, count});
+    point_size += header.fields.back().size();
+    if (point_size > k_largest_point) scanner.fail("the points are too wide", "at most a mebibyte each");
+  }
+}
+
+void take_point_count(const TextScanner& scanner, const Lines& lines, PcdHeader& header) {
+  if (!lines.width && !lines.points) scanner.fail("the header has no number of points", "WIDTH or POINTS");
+  const std::uint64_t width = lines.width ? *lines.width : *lines.points;
+  const std::uint64_t height = lines.width && lines.height ? *lines.height : 1;
+  if (height != 0 && width > std::numeric_limits<std::uint64_t>::max() / height)
+    scanner.fail("WIDTH times HEIGHT is beyond 64 bits");
+  header.point_count = width * height;
+  if (lines.points && *lines.points != header.point_count)
+    scanner.fail("POINTS is not WIDTH times HEIGHT", std::to_string(header.point_count),
+                 std::to_string(*lines.points));
+}
+
+void check_room(const InputFile& input, const PcdHeader& header, Damage damage) {
+  if (header.format == PcdFormat::binary_compressed) return;  // told by the sizes that stand before the data
+  const bool ascii = header.format == PcdFormat::ascii;
+  // In text, a value takes two bytes with the blank after it; the very last one may lack that.
+  const std::uint64_t left = input.size() - header.data_place;
+  const std::uint64_t room = ascii ? (left + 1) / 2 : left;
+  const std::uint64_t size = ascii ? header.value_count() : header.point_size();
+  if (header.point_count == 0 || (size > 0 && header.point_count <= room / size)) return;
+  if (size > 0 && damage == Damage::read_over) return;
+  throw DamagedFile(
+      {.file = input.name(),
+       .place = "byte " + std::to_string(header.data_place),
+       .problem = "the file is too short for its points",
+       .expected = std::to_string(header.point_count) + " points",
+       .found = size > 0 ? "room for " + std::to_string(room / size) : "points without values"});
+}
+
+}  // namespace
+
+std::uint64_t PcdHeader::point_size() const {
+  std::uint64_t size = 0;
+  for (const PcdField& field : fields) size += field.size();
+  return size;
+}
+
+std::uint64_t PcdHeader::value_count() const {
+  std::uint64_t count = 0;
+  for (const PcdField& field : fields) count += field.count;
+  return count;
+}
+
+PcdHeader read_pcd_header(InputFile& input, Damage damage) {
+  TextScanner scanner(input);
+  PcdHeader header;
+  Lines lines;
+  Words words;
+  while (true) {
+    const auto line = scanner.next_line();
+    if (!line) scanner.fail("the header does not end", "a line DATA", "the end of the file");
+    split_words(*line, words);
+    if (words.empty() || words[0].starts_with('#')) continue;
+    if (words[0] == "DATA") break;
+    take_line(scanner, words, lines, header);
+  }
+  header.format = require_format(scanner, words);
+  take_fields(scanner, lines, header);
+  take_point_count(scanner, lines, header);
+  header.data_place = scanner.place();
+  header.line_count = scanner.line_number();
+  check_room(input, header, damage);
+  return header;
+}
+
+}  // namespace alidade

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cloud/attributes.h"
+#include "cloud/damage.h"
+#include "base/input_file.h"
+
+namespace alidade {
+
+enum class PcdFormat { ascii, binary, binary_compressed };
+
+struct PcdField {
+  std::string name;
+  ScalarType type = ScalarType::float32;
+  std::uint64_t count = 1;  ///< values per point
+
+  std::uint64_t size() const { return count * static_cast<std::uint64_t>(scalar_size(type)); }
+};
+
+/// What stands before the points of a PCD file, version 0.5 to 0.7.
+struct PcdHeader {
+  std::string version;
+  std::vector<PcdField> fields;
+  std::uint64_t point_count = 0;
+  PcdFormat format = PcdFormat::ascii;
+  std::uint64_t data_place = 0;  ///< first byte after the header
+  std::uint64_t line_count = 0;  ///< lines of the header
+
+  /// Bytes of a point in a binary file.
+  std::uint64_t point_size() const;
+  /// Values of a point.
+  std::uint64_t value_count() const;
+};
+
+/// Reads and checks the header. Errors: anything that is not a PCD header, points without values; more points
+/// than the file has room for are damage. VIEWPOINT is checked and otherwise left alone: it says where the
+/// sensor stood; points stay in the file's frame.
+PcdHeader read_pcd_header(InputFile& input, Damage damage = Damage::refuse);
+
+}  // namespace alidade

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <utility>
+
+#include "base/byte_cursor.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/pcd/lzf.h"
+#include "cloud/pcd/pcd_file.h"
+#include "cloud/scalar_bytes.h"
+#include "cloud/table_reader.h"
+#include "base/text_scanner.h"
+#include "cloud/written_resolution.h"
+
+namespace alidade {
+
+namespace {
+
+constexpr std::uint64_t k_rows_per_report = 1 << 16;
+
+/// Whether a field holds 0xAARRGGBB in its four bytes, whatever their type is called.
+bool is_packed_color(const PcdField& field) {
+  return (field.name == "rgb" || field.name == "rgba") && field.count == 1 && scalar_size(field.type) == 4;
+}
+
+/// A packed colour as text. Declared as float it is usually the float that has these bits, but some programs
+/// write the number that the bits are: no real colour is a float from 1 to 2^24.
+std::uint64_t packed_color_from(const Cell& cell, ScalarType type) {
+  constexpr double k_float_colors_end = 16777216.0;
+  if (type == ScalarType::float32 && !(cell.number >= 1.0 && cell.number < k_float_colors_end)) {
+    const bool fits = std::abs(cell.number) <= 3.4028234663852886e38;
+    return fits ? std::bit_cast<std::uint32_t>(static_cast<float>(cell.number)) : 0;
+  }
+  if (!std::isfinite(cell.number)) return 0;
+  return static_cast<std::uint64_t>(std::clamp(cell.number, -2147483648.0, 4294967295.0) + 4294967296.0) &
+         0xffffffff;
+}
+
+class PcdReader final : public TableReader {
+ public:
+  PcdReader(InputFile input, PcdHeader header, Damage damage)
+      : TableReader(std::move(input), "PCD", damage), header_(std::move(header)) {
+    description_.version = header_.version;
+    std::vector<TableColumn> columns;
+    std::string skipped;
+    bool has_color = false;
+    for (const PcdField& field : header_.fields) {
+      TableColumn column{field.name, field.type, ColumnRole::extra};
+      if (field.name == "_" || field.count != 1) column.role = ColumnRole::ignored;
+      if (field.name != "_" && field.count != 1) skipped += (skipped.empty() ? "" : ", ") + quote(field.name);
+      if (is_packed_color(field) && !has_color) {
+        column.role = ColumnRole::packed_color;
+        has_color = true;
+      }
+      columns.push_back(std::move(column));
+    }
+    assign_roles(columns, NameRules::point_format);
+    set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
+    if (!skipped.empty()) warn("fields with several values per point were left out: " + skipped);
+  }
+
+ protected:
+  std::optional<std::uint64_t> announced_rows() const override { return header_.point_count; }
+  void visit_rows(const RowVisitor& visit, const Progress& progress) override {
+    switch (header_.format) {
+      case PcdFormat::ascii:
+        return visit_text(visit, progress);
+      case PcdFormat::binary:
+        return visit_binary(visit, progress);
+      case PcdFormat::binary_compressed:
+        return visit_compressed(visit, progress);
+    }
+  }
+
+  glm::dvec3 resolution(const Bounds& bounds) const override {
+    return header_.format == PcdFormat::ascii ? written_.resolution() : TableReader::resolution(bounds);
+  }
+
+ private:
+  Cell read_cell(const std::byte* place, std::size_t column) const {
+    const ScalarType type = columns()[column].type;
+    if (columns()[column].role == ColumnRole::packed_color)
+      return {0.0, load<std::uint32_t>(place, std::endian::little)};
+    return cell_from(place, type, std::endian::little);
+  }
+
+  void visit_binary(const RowVisitor& visit, const Progress& progress) {
+    ByteCursor cursor(input_, header_.data_place);
+    const std::size_t point_size = static_cast<std::size_t>(header_.point_size());
+    std::vector<Cell> row(header_.fields.size());
+    for (std::uint64_t point = 0; point < header_.point_count; ++point) {
+      if (point % k_rows_per_report == 0) report(progress, cursor.place(), input_.size());
+      const std::byte* place = cursor.take(point_size);
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(place, i);
+        place += header_.fields[i].size();
+      }
+      visit(row);
+    }
+  }
+
+  /// Two sizes, then LZF; decoded, all values of the first field come first, then all of the second, and so
+  /// on.
+  void visit_compressed(const RowVisitor& visit, const Progress& progress) {
+    const std::vector<std::byte> data = decompress();
+    const std::size_t count = data.empty() ? 0 : static_cast<std::size_t>(header_.point_count);
+    std::vector<const std::byte*> places;
+    const std::byte* start = data.data();
+    for (const PcdField& field : header_.fields) {
+      places.push_back(start);
+      start += static_cast<std::size_t>(field.size()) * count;
+    }
+    std::vector<Cell> row(header_.fields.size());
+    for (std::size_t point = 0; point < count; ++point) {
+      if (point % k_rows_per_report == 0) report(progress, input_.size() / count * point, input_.size());
+      for (std::size_t i = 0; i < row.size(); ++i) {
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(places[i], i);
+        places[i] += header_.fields[i].size();
+      }
+      visit(row);
+    }
+  }
+
+  std::vector<std::byte> decompress() {
+    if (header_.point_count == 0) return {};
+    ByteCursor cursor(input_, header_.data_place);
+    const std::byte* const sizes = cursor.take(8);
+    const std::uint32_t packed = load<std::uint32_t>(sizes, std::endian::little);
+    const std::uint32_t unpacked = load<std::uint32_t>(sizes + 4, std::endian::little);
+    const std::string place = "byte " + std::to_string(header_.data_place);
+    if (packed > input_.size() - cursor.place())
+      fail(place, "the file is too short for its compressed points", std::to_string(packed) + " bytes",
+           std::to_string(input_.size() - cursor.place()));
+    const std::uint64_t point_size = header_.point_size();
+    if (point_size == 0 || unpacked % point_size != 0 || unpacked / point_size != header_.point_count)
+      fail(place, "the size of the uncompressed points is not that of the header's points",
+           std::to_string(header_.point_count) + " points of " + std::to_string(point_size) + " bytes",
+           std::to_string(unpacked) + " bytes");
+    if (unpacked / k_lzf_largest_ratio > packed)
+      fail(place, "so few compressed bytes cannot hold the points",
+           "at least " + std::to_string(unpacked / k_lzf_largest_ratio), std::to_string(packed));
+    std::vector<std::byte> data(unpacked);
+    if (!decode_lzf({cursor.take(packed), packed}, data))
+      fail("byte " + std::to_string(header_.data_place + 8), "the compressed points are damaged");
+    input_.rest();  // gives back the compressed bytes
+    return data;
+  }
+
+  void visit_text(const RowVisitor& visit, const Progress& progress) {
+    TextScanner scanner(input_, header_.data_place, header_.line_count);
+    written_ = WrittenResolution(columns());
+    std::vector<Cell> row(header_.fields.size());
+    for (std::uint64_t point = 0; point < header_.point_count; ++point) {
+      if (point % k_rows_per_report == 0) report(progress, scanner.place(), input_.size());
+      if (!scanner.next_words(words_))
+        scanner.fail("the file ends early", std::to_string(header_.point_count) + " points",
+                     std::to_string(point));
+      parse_row(scanner, row);
+      visit(row);
+    }
+  }
+
+  void parse_row(const TextScanner& scanner, std::vector<Cell>& row) {
+    if (words_.size() != header_.value_count())
+      scanner.fail("a point has another number of values than the header says",
+                   std::to_string(header_.value_count()), std::to_string(words_.size()));
+    std::size_t word = 0;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const TableColumn& column = columns()[i];
+      if (column.role == ColumnRole::packed_color) {
+        const Cell cell = require_cell(scanner, words_[word], ScalarType::float64);
+        row[i] = {0.0, packed_color_from(cell, column.type)};
+      } else if (column.role != ColumnRole::ignored) {
+        row[i] = require_cell(scanner, words_[word], column.type);
+        written_.add(i, words_[word]);
+      }
+      word += static_cast<std::size_t>(header_.fields[i].count);
+    }
+  }
+
+  PcdHeader header_;
+  WrittenResolution written_;
+  std::vector<std::string_view> words_;
+};
+
+}  // namespace
+
+std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage) {
+  PcdHeader header = read_pcd_header(file, damage);
+  return std::make_unique<PcdReader>(std::move(file), std::move(header), damage);
+}
+
+}  // namespace alidade

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include <bit>
+#include <utility>
+
+#include "base/byte_cursor.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/ply/ply_header.h"
+#include "cloud/scalar_bytes.h"
+#include "cloud/table_reader.h"
+#include "base/text_scanner.h"
+#include "cloud/written_resolution.h"
+
+namespace alidade {
+
+namespace {
+
+constexpr std::uint64_t k_rows_per_report = 1 << 16;
+
+class PlyReader final : public TableReader {
+ public:
+  PlyReader(InputFile input, PlyHeader header, Damage damage)
+      : TableReader(std::move(input), "PLY", damage), header_(std::move(header)) {
+    description_.version = ply_version(header_.format);
+    std::vector<TableColumn> columns;
+    for (const PlyProperty& property : vertex().properties) {
+      columns.push_back(
+          {property.name, property.type, property.is_list ? ColumnRole::ignored : ColumnRole::extra});
+    }
+    assign_roles(columns, NameRules::point_format);
+    set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
+  }
+
+ protected:
+  std::optional<std::uint64_t> announced_rows() const override { return vertex().count; }
+  void visit_rows(const RowVisitor& visit, const Progress& progress) override {
+    if (header_.format == PlyFormat::ascii) {
+      visit_text(visit, progress);
+    } else {
+      visit_binary(visit, progress);
+    }
+  }
+
+  glm::dvec3 resolution(const Bounds& bounds) const override {
+    return header_.format == PlyFormat::ascii ? written_.resolution() : TableReader::resolution(bounds);
+  }
+
+ private:
+  const PlyElement& vertex() const { return header_.elements[header_.vertex]; }
+
+  void visit_binary(const RowVisitor& visit, const Progress& progress) {
+    const std::endian order =
+        header_.format == PlyFormat::binary_big_endian ? std::endian::big : std::endian::little;
+    ByteCursor cursor(input_, header_.data_place);
+    for (std::size_t i = 0; i < header_.vertex; ++i) skip_binary(header_.elements[i], cursor, order);
+
+    const std::vector<PlyProperty>& properties = vertex().properties;
+    std::vector<Cell> row(properties.size());
+    for (std::uint64_t point = 0; point < vertex().count; ++point) {
+      if (point % k_rows_per_report == 0) report(progress, cursor.place(), input_.size());
+      for (std::size_t i = 0; i < properties.size(); ++i) {
+        if (properties[i].is_list) {
+          skip_list(properties[i], cursor, order);
+        } else {
+          const std::size_t size = static_cast<std::size_t>(scalar_size(properties[i].type));
+          row[i] = cell_from(cursor.take(size), properties[i].type, order);
+        }
+      }
+      visit(row);
+    }
+  }
+
+  void skip_binary(const PlyElement& element, ByteCursor& cursor, std::endian order) const {
+    const std::uint64_t size = element.smallest_size();
+    if (size == 0 || element.count == 0) return;
+    const std::uint64_t place = cursor.place();
+    if (element.count > (input_.size() - place) / size) {
+      fail("byte " + std::to_string(place), "the file is too short for its element " + quote(element.name),
+           std::to_string(element.count) + " of at least " + std::to_string(size) + " bytes",
+           std::to_string(input_.size() - place) + " bytes");
+    }
+    if (!element.has_lists()) {
+      cursor.skip(element.count * size);
+      return;
+    }
+    for (std::uint64_t instance = 0; instance < element.count; ++instance) {
+      for (const PlyProperty& property : element.properties) {
+        if (property.is_list) {
+          skip_list(property, cursor, order);
+        } else {
+          cursor.skip(static_cast<std::uint64_t>(scalar_size(property.type)));
+        }
+      }
+    }
+  }
+
+  void skip_list(const PlyProperty& property, ByteCursor& cursor, std::endian order) const {
+    const std::uint64_t place = cursor.place();
+    const Cell count = cell_from(cursor.take(static_cast<std::size_t>(scalar_size(property.count_type))),
+                                 property.count_type, order);
+    const std::uint64_t size = static_cast<std::uint64_t>(scalar_size(property.type));
+    const std::uint64_t left = input_.size() - cursor.place();
+    if (!(count.number >= 0.0 && count.number <= static_cast<double>(left / size))) {
+      fail("byte " + std::to_string(place), "a list of " + quote(property.name) + " has an impossible length",
+           "0 to " + std::to_string(left / size),
+           std::to_string(static_cast<std::int64_t>(std::clamp(count.number, -9e18, 9e18))));
+    }
+    cursor.skip(static_cast<std::uint64_t>(count.number) * size);
+  }
+
+  void visit_text(const RowVisitor& visit, const Progress& progress) {
+    TextScanner scanner(input_, header_.data_place, header_.line_count);
+    std::vector<Cell> row(vertex().properties.size());
+    written_ = WrittenResolution(columns());
+    for (std::size_t i = 0; i < header_.vertex; ++i) {
+      const PlyElement& element = header_.elements[i];
+      if (element.properties.empty()) continue;
+      for (std::uint64_t instance = 0; instance < element.count; ++instance) next_words(scanner, element);
+    }
+    for (std::uint64_t point = 0; point < vertex().count; ++point) {
+      if (point % k_rows_per_report == 0) report(progress, scanner.place(), input_.size());
+      next_words(scanner, vertex());
+      parse_row(scanner, row);
+      visit(row);
+    }
+  }
+
+  /// Fills words_ from the next line that is not empty.
+  void next_words(TextScanner& scanner, const PlyElement& element) {
+    if (!scanner.next_words(words_))
+      scanner.fail("the file ends early", "more lines of the element " + quote(element.name));
+  }
+
+  void parse_row(const TextScanner& scanner, std::vector<Cell>& row) {
+    const std::vector<PlyProperty>& properties = vertex().properties;
+    std::size_t word = 0;
+    for (std::size_t i = 0; i < properties.size(); ++i) {
+      if (word >= words_.size())
+        scanner.fail("too few values", "a value for " + quote(properties[i].name),
+                     std::to_string(words_.size()) + " values");
+      const std::string_view text = words_[word++];
+      if (properties[i].is_list) {
+        const auto count = parse_count(text);
+        if (!count || *count > words_.size() - word)
+          scanner.fail("a list has an impossible length", "0 to " + std::to_string(words_.size() - word),
+                       quote(text));
+        word += static_cast<std::size_t>(*count);
+        continue;
+      }
+      row[i] = require_cell(scanner, text, properties[i].type);
+      written_.add(i, text);
+    }
+    if (word < words_.size())
+      scanner.fail("too many values", std::to_string(word), std::to_string(words_.size()));
+  }
+
+  PlyHeader header_;
+  WrittenResolution written_;
+  std::vector<std::string_view> words_;
+};
+
+}  // namespace
+
+std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage) {
+  PlyHeader header = read_ply_header(file, damage);
+  return std::make_unique<PlyReader>(std::move(file), std::move(header), damage);
+}
+
+}  // namespace alidade

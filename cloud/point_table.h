@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/bounds.h"
+#include "cloud/column_roles.h"
+
+namespace alidade {
+
+/// Smallest and largest of the values seen; NaN is none. Inverted when there was none.
+struct ValueRange {
+  double min = std::numeric_limits<double>::infinity();
+  double max = -std::numeric_limits<double>::infinity();
+
+  void grow(double value) {
+    min = value < min ? value : min;
+    max = value > max ? value : max;
+  }
+  /// Takes in what another one saw, maybe nothing.
+  void grow(const ValueRange& other) {
+    min = other.min < min ? other.min : min;
+    max = other.max > max ? other.max : max;
+  }
+};
+
+/// How a file's values become 0 .. 65535: (value - origin) * factor, rounded, held at the ends; NaN becomes
+/// 0.
+struct ValueScaling {
+  double origin = 0.0;
+  double factor = 1.0;
+  std::string assumption;  ///< what was assumed about the values, as a clause; empty where there was no doubt
+
+  std::uint16_t apply(double value) const {
+    const double scaled = (value - origin) * factor + 0.5;
+    return scaled >= 65535.0 ? 65535 : scaled > 0.0 ? static_cast<std::uint16_t>(scaled) : 0;
+  }
+};
+
+/// Colour channels: 8-bit integers times 257. Other types by the largest value of the whole file: floats up
+/// to 1 times 65535, values up to 255 times 257, larger ones as they are.
+ValueScaling color_scaling(ScalarType type, const ValueRange& range);
+
+/// What a format says about its intensities.
+enum class IntensityScale {
+  free,           ///< nothing
+  unit,           ///< 0 to 1 (PTX)
+  signed_12_bit,  ///< -2048 to 2047, though many programs write 0 to 255 (PTS and its relatives)
+};
+
+/// Intensities: unsigned 8-bit integers times 257, unsigned 16-bit ones as they are. Other types by the range
+/// of the whole file: floats within 0 .. 1 times 65535; within 0 .. 255 times 257; within 0 .. 65535 as they
+/// are; within -2048 .. 2047 (the scale of PTS files, IntensityScale::signed_12_bit only) linearly from that
+/// interval; anything else linearly from the smallest to the largest value.
+ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, IntensityScale scale);
+
+/// How finely coordinates of a type are rounded whose largest one is `largest`: CoordinateSurvey::resolution.
+double type_resolution(ScalarType type, double largest);
+
+/// Columns of x, y and z. A file without z is flat: its z is 0. Requires x and y.
+class PositionColumns {
+ public:
+  explicit PositionColumns(std::span<const TableColumn> columns);
+  glm::dvec3 position(std::span<const Cell> row) const {
+    return {row[x_].number, row[y_].number, flat_ ? 0.0 : row[z_].number};
+  }
+
+ private:
+  std::size_t x_, y_, z_;
+  bool flat_;
+};
+
+/// The first pass over the rows of a point table: where the points are and how large the values that need
+/// scaling.
+class TableSurvey {
+ public:
+  explicit TableSurvey(std::span<const TableColumn> columns);
+
+  /// Takes one row; false if a coordinate is not finite and the point is to be left out.
+  bool add(std::span<const Cell> row);
+
+  const Bounds& bounds() const { return bounds_; }
+  std::uint64_t finite_count() const { return finite_count_; }
+  std::uint64_t dropped_count() const { return dropped_count_; }
+  const ValueRange& colors() const { return colors_; }
+  const ValueRange& near_infrared() const { return near_infrared_; }
+  const ValueRange& intensities() const { return intensities_; }
+
+ private:
+  struct Watched {
+    std::size_t column;
+    ValueRange TableSurvey::*range;
+  };
+  PositionColumns positions_;
+  std::vector<Watched> watched_;
+  Bounds bounds_;
+  std::uint64_t finite_count_ = 0, dropped_count_ = 0;
+  ValueRange colors_, near_infrared_, intensities_;
+};
+
+}  // namespace alidade

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <span>
+
+#include "base/bounds.h"
+#include "cloud/point_cloud.h"
+#include "base/progress.h"
+
+namespace alidade {
+
+/// How many bits of a LAS colour field are in use. Many files hold 0..255 in 16-bit fields against the
+/// standard.
+enum class ColorDepth { automatic, bits_8, bits_16 };
+
+struct ReadOptions {
+  /// Attributes to keep; others are skipped and take no memory. Positions are always read.
+  AttributeSet attributes = AttributeSet::all();
+  /// One depth for all LAS files. `automatic`: 8 bits if no channel of any coloured LAS point exceeds 255
+  /// (and some channel is not 0), else 16. What was assumed stands in PointCloud::warnings when it is 8, and
+  /// when it is 16 for files that on their own would be 8.
+  ColorDepth color_depth = ColorDepth::automatic;
+  /// Whether to read what is whole of damaged files. What is lost then stands in PointCloud::warnings, file
+  /// by file and place by place, and in CloudFile::lost_count; otherwise damage is an Error.
+  bool partial = false;
+  /// Where points are needed, world coordinates, faces included; sides may be infinite. LAS and index files
+  /// whose own word for where their points are (FileFacts::box) does not meet it are left unread: the cloud
+  /// then holds at least all points within, provided that such headers are right, in rows that RowIds
+  /// (cloud/rows.h) numbers as if all had been read. Points of files that are read are not cut off.
+  /// Skipped files have no say in ColorDepth::automatic and none in the attributes. Ignored with `partial`.
+  std::optional<Bounds> region{};
+  Progress progress{};  ///< in bytes of input
+};
+
+/// Reads one or more cloud files into one cloud. The format is told by content, never by the file's name:
+/// LAS 1.0-1.4 (point formats 0-10), LAZ and COPC of these, PLY, PCD, E57, PTX, PTS, CSV with header names,
+/// XYZ, and index files (octree/index_file.h), whose points come back in the rows they had.
+///
+/// A name may also be a folder or a pattern (cloud/cloud_files.h). Several files are joined in the
+/// order given; an attribute that only some files have is filled with zeros for the others (said in
+/// `warnings`). LAS files must share one lattice up to a whole number of steps, otherwise the odd file is an
+/// Error; so is one that states another coordinate reference system. A file that states none beside others
+/// that do is warned of. Files without a lattice of their own get one fine enough that rounding stays below
+/// what the file's own number type can express (or, for double coordinates, the finest power of ten that 32
+/// bits hold). A warning says where rounding costs more than the digits written or the number type had, and
+/// more than a millionth of the file's longest side; double coordinates are rounded without one.
+///
+/// Errors: Error naming file, place, expectation and finding. Memory: the columns of the result plus a
+/// constant, and for several files those of 4 million points or an eighth of all, whichever is more; counts
+/// in a file are checked against its size before memory is taken. Cost: one pass for LAS and LAZ, two passes
+/// for the other formats; several files, and the chunks of LAZ, are read at once by the threads of the task
+/// arena (oneTBB), and the result is the same for any number of them.
+PointCloud read_cloud(std::span<const std::filesystem::path> files, const ReadOptions& options = {});
+
+/// The same for a single file.
+PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
+
+/// Box of all points of the files, world coordinates, as far as LAS and index files state it
+/// (FileFacts::box); empty if none does. Names as read_cloud() takes them. Errors: those of opening files.
+Bounds stated_box(std::span<const std::filesystem::path> files);
+
+}  // namespace alidade

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cloud/cloud_reader.h"
+#include "cloud/column_roles.h"
+#include "base/input_file.h"
+#include "cloud/point_table.h"
+
+namespace alidade {
+
+/// What PLY, PCD and the text formats share: a file is a table of points with free coordinates, its columns
+/// have names or an agreed order. A format tells its columns and walks over the rows; survey and read are
+/// done here.
+class TableReader : public CloudReader {
+ public:
+  const CloudFile& file() const override { return description_; }
+  AttributeSet attributes() const override { return attributes_of(columns_); }
+  std::optional<Lattice> lattice() const override { return std::nullopt; }
+  std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
+  CoordinateSurvey survey(const Progress& progress) override;
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override;
+  std::vector<LostPoints> lost() const override { return lost_; }
+  void rest() override { input_.rest(); }
+
+ protected:
+  /// Takes one row, a cell for each column.
+  using RowVisitor = std::function<void(std::span<const Cell>)>;
+
+  TableReader(InputFile input, std::string format, Damage damage);
+
+  /// Sets the columns, whose roles have been assigned; `place` is where the file tells them. Errors: two
+  /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
+  void set_columns(std::vector<TableColumn> columns, const std::string& place);
+
+  /// Shows every row to `visit`, in order. A point without a place has NaN coordinates. An Error means that
+  /// this and the following rows cannot be had.
+  virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
+
+  /// How many rows the header says there are, if it does.
+  virtual std::optional<std::uint64_t> announced_rows() const { return std::nullopt; }
+
+  /// The resolution of the coordinates after a pass; by default from the types of the columns and the largest
+  /// coordinates.
+  virtual glm::dvec3 resolution(const Bounds& bounds) const;
+
+  /// Says why points were left out, as a clause.
+  virtual std::string reason_to_drop() const { return "without finite coordinates"; }
+
+  /// What the format says about intensities.
+  virtual IntensityScale intensity_scale() const { return IntensityScale::free; }
+
+  /// Adds a sentence about this file, for the cloud's warnings.
+  void warn(const std::string& clause);
+  [[noreturn]] void fail(std::string place, std::string problem, std::string expected = {},
+                         std::string found = {}) const;
+
+  const std::vector<TableColumn>& columns() const { return columns_; }
+  /// With Damage::read_over, counts are not compared with the room in the file: it ends where it ends.
+  Damage damage() const { return damage_; }
+  InputFile input_;
+  CloudFile description_;
+
+ private:
+  ScalarType type_of(ColumnRole role) const;
+  void visit_whole_rows(const RowVisitor& visit, const Progress& progress);
+
+  std::vector<TableColumn> columns_;
+  std::vector<std::string> warnings_;
+  Damage damage_;
+  std::vector<LostPoints> lost_;         ///< in the last pass
+  std::unique_ptr<TableSurvey> survey_;  ///< after the first pass
+};
+
+}  // namespace alidade

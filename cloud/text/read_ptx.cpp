@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "cloud/cloud_reader.h"
+#include "cloud/table_reader.h"
+#include "base/text_scanner.h"
+#include "cloud/written_resolution.h"
+
+namespace alidade {
+
+namespace {
+
+constexpr std::uint64_t k_lines_per_report = 1 << 15;
+
+/// Rows of the matrix that takes a point of the scan, as a row vector (x, y, z, 1), to the world.
+/// More than any file holds; keeps products within 64 bits.
+constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;
+
+using Transform = std::array<std::array<double, 4>, 4>;
+
+struct ScanHeader {
+  std::uint64_t point_count = 0;  ///< columns times rows, without returns too
+  Transform transform{};
+  bool was_transposed = false;
+};
+
+/// PTX: for each scan ten lines of header (columns, rows, scanner position, its three axes, the 4 x 4
+/// transform, whose last row is the translation), then a line "x y z [intensity [red green blue]]" for each
+/// cell of the scan's grid, "0 0 0" where nothing came back. Position and axes repeat what the transform says
+/// and are only checked to be numbers.
+class PtxReader final : public TableReader {
+ public:
+  PtxReader(InputFile input, Damage damage) : TableReader(std::move(input), "PTX", damage) {
+    TextScanner scanner(input_);
+    while (scanner.next_words(words_)) {
+      const ScanHeader header = read_scan_header(scanner);
+      if (header.point_count == 0) continue;
+      if (!scanner.next_words(words_)) fail_early(scanner);
+      value_count_ = require_value_count(scanner);
+      break;
+    }
+    std::vector<TableColumn> columns{{"x", ScalarType::float64, ColumnRole::x},
+                                     {"y", ScalarType::float64, ColumnRole::y},
+                                     {"z", ScalarType::float64, ColumnRole::z}};
+    if (value_count_ >= 4) columns.push_back({"intensity", ScalarType::float64, ColumnRole::intensity});
+    if (value_count_ >= 7) {
+      columns.push_back({"red", ScalarType::float64, ColumnRole::red});
+      columns.push_back({"green", ScalarType::float64, ColumnRole::green});
+      columns.push_back({"blue", ScalarType::float64, ColumnRole::blue});
+    }
+    set_columns(std::move(columns), "line 1");
+  }
+
+ protected:
+  void visit_rows(const RowVisitor& visit, const Progress& progress) override {
+    TextScanner scanner(input_);
+    written_ = WrittenResolution(columns());
+    row_.assign(columns().size(), {});
+    scale_ = std::numeric_limits<double>::infinity();
+    while (scanner.next_words(words_)) {
+      const ScanHeader header = read_scan_header(scanner);
+      if (header.was_transposed && !warned_) {
+        warn("the transform is written by columns instead of by rows; it was transposed");
+        warned_ = true;
+      }
+      const auto& axis = header.transform[0];
+      scale_ = std::min(scale_, std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]));
+      for (std::uint64_t point = 0; point < header.point_count; ++point) {
+        if (point % k_lines_per_report == 0) report(progress, scanner.place(), input_.size());
+        if (!scanner.next_words(words_)) fail_early(scanner);
+        parse_row(scanner, header.transform);
+        visit(row_);
+      }
+    }
+  }
+
+  glm::dvec3 resolution(const Bounds&) const override {
+    return written_.resolution() * (std::isfinite(scale_) && scale_ > 0.0 ? scale_ : 1.0);
+  }
+  IntensityScale intensity_scale() const override { return IntensityScale::unit; }
+  std::string reason_to_drop() const override { return "without a return"; }
+
+ private:
+  [[noreturn]] static void fail_early(const TextScanner& scanner) {
+    scanner.fail("the file ends early", "more lines of the scan", "the end of the file");
+  }
+
+  /// The numbers of the line in words_.
+  template <std::size_t count>
+  std::array<double, count> require_numbers(const TextScanner& scanner, const char* what) const {
+    if (words_.size() != count)
+      scanner.fail(std::string("not the line of a PTX header where ") + what + " should stand",
+                   std::to_string(count) + " numbers", std::to_string(words_.size()) + " words");
+    std::array<double, count> numbers;
+    for (std::size_t i = 0; i < count; ++i) {
+      numbers[i] = require_cell(scanner, words_[i], ScalarType::float64).number;
+      if (!std::isfinite(numbers[i]))
+        scanner.fail("not a finite number", "a finite number", quote(words_[i]));
+    }
+    return numbers;
+  }
+
+  std::uint64_t require_grid_size(const TextScanner& scanner, const char* what) const {
+    const auto count = words_.size() == 1 ? parse_count(words_[0]) : std::nullopt;
+    if (!count)
+      scanner.fail(std::string("not the number of ") + what + " of a scan", "one whole number",
+                   words_.size() == 1 ? quote(words_[0]) : std::to_string(words_.size()) + " words");
+    return *count;
+  }
+
+  /// Reads the ten lines; the first of them is in words_ already.
+  ScanHeader read_scan_header(TextScanner& scanner) {
+    const auto next = [&] {
+      if (!scanner.next_words(words_)) fail_early(scanner);
+    };
+    const std::uint64_t width = require_grid_size(scanner, "columns");
+    next();
+    const std::uint64_t height = require_grid_size(scanner, "rows");
+    // The shortest line is "0 0 0" and its end, which the last line may lack.
+    const std::uint64_t room = (input_.size() - scanner.place() + 1) / 6;
+    if (height > 0 && width > (damage() == Damage::refuse ? room : k_most_points) / height)
+      scanner.fail("the file is too short for the points of the scan", "at most " + std::to_string(room),
+                   std::to_string(width) + " times " + std::to_string(height));
+    for (const char* what : {"the scanner's position", "its x axis", "its y axis", "its z axis"}) {
+      next();
+      require_numbers<3>(scanner, what);
+    }
+    ScanHeader header{.point_count = width * height};
+    for (auto& line : header.transform) {
+      next();
+      line = require_numbers<4>(scanner, "the transform");
+    }
+    check_transform(scanner, header);
+    return header;
+  }
+
+  /// The last column of the matrix must be 0 0 0 1; where the last row is that instead, the matrix is turned
+  /// round.
+  static void check_transform(const TextScanner& scanner, ScanHeader& header) {
+    Transform& m = header.transform;
+    if (m[0][3] == 0.0 && m[1][3] == 0.0 && m[2][3] == 0.0 && m[3][3] == 1.0) return;
+    if (m[3] != std::array<double, 4>{0.0, 0.0, 0.0, 1.0})
+      scanner.fail("the transform is not that of a rigid body", "0 0 0 1 as the last column");
+    for (std::size_t row = 0; row < 4; ++row) {
+      for (std::size_t column = 0; column < row; ++column) std::swap(m[row][column], m[column][row]);
+    }
+    header.was_transposed = true;
+  }
+
+  std::size_t require_value_count(const TextScanner& scanner) const {
+    const std::size_t count = words_.size();
+    if (count == 3 || count == 4 || count == 7) return count;
+    scanner.fail("not a point of a scan", "x y z, x y z intensity or x y z intensity red green blue",
+                 std::to_string(count) + " words");
+  }
+
+  /// Scans of one file may differ in whether they have colours: missing values are 0, others than the first
+  /// scan's are left out.
+  void parse_row(const TextScanner& scanner, const Transform& m) {
+    const std::size_t count = std::min(require_value_count(scanner), row_.size());
+    std::fill(row_.begin(), row_.end(), Cell{});
+    for (std::size_t i = 0; i < count; ++i) row_[i] = require_cell(scanner, words_[i], ScalarType::float64);
+    const double x = row_[0].number, y = row_[1].number, z = row_[2].number;
+    const bool has_return = x != 0.0 || y != 0.0 || z != 0.0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      row_[axis].number = has_return ? x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis]
+                                     : std::numeric_limits<double>::quiet_NaN();
+      if (has_return) written_.add(axis, words_[axis]);
+    }
+  }
+
+  std::size_t value_count_ = 3;
+  WrittenResolution written_;
+  double scale_ = 1.0;  ///< smallest length that a transform gives to a unit of its scan
+  bool warned_ = false;
+  std::vector<std::string_view> words_;
+  std::vector<Cell> row_;
+};
+
+}  // namespace
+
+std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage) {
+  return std::make_unique<PtxReader>(std::move(file), damage);
+}
+
+}  // namespace alidade
