@@ -123,7 +123,7 @@ std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage);
 std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage);  ///< XYZ, CSV with header names, PTS
 std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage);
 std::unique_ptr<CloudReader> open_e57(InputFile file);
-std::unique_ptr<CloudReader> open_index_cloud(InputFile file);  ///< octree/index_file.h
+std::unique_ptr<CloudReader> open_index_cloud(InputFile file);  ///< octree/index_file/index_file.h
 inline std::unique_ptr<CloudReader> open_ply(InputFile file) {
   return open_ply(std::move(file), Damage::refuse);
 }

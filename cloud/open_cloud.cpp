@@ -7,7 +7,7 @@
 #include "cloud/cloud_inputs.h"
 #include "base/text_scanner.h"
 #include "base/error.h"
-#include "octree/index_header.h"
+#include "octree/index_file/index_header.h"
 
 namespace alidade {
 namespace {

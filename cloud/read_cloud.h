@@ -36,7 +36,7 @@ struct ReadOptions {
 
 /// Reads one or more cloud files into one cloud. The format is told by content, never by the file's name:
 /// LAS 1.0-1.4 (point formats 0-10), LAZ and COPC of these, PLY, PCD, E57, PTX, PTS, CSV with header names,
-/// XYZ, and index files (octree/index_file.h), whose points come back in the rows they had.
+/// XYZ, and index files (octree/index_file/index_file.h), whose points come back in the rows they had.
 ///
 /// A name may also be a folder or a pattern (cloud/cloud_files.h). Several files are joined in the
 /// order given; an attribute that only some files have is filled with zeros for the others (said in

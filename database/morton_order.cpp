@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "database/morton_order.h"
 
-#include "octree/sorted_points.h"
+#include "octree/building/sorted_points.h"
 
 namespace alidade {
 namespace {

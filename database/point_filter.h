@@ -6,8 +6,8 @@
 
 #include "base/bounds.h"
 #include "base/interval.h"
-#include "octree/plane.h"
-#include "octree/ray.h"
+#include "octree/targets.h"
+#include "base/ray.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 #include "octree/octree.h"
 #include "octree/simd/box_search.h"
 #include "octree/simd/point_search.h"
-#include "octree/simd/ray_search.h"
+#include "octree/simd/search.h"
 #include "octree/simd/traversal.h"
 #include "octree/with_tree_target.h"
 

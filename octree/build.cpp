@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cloud/reorder_attributes.h"
-#include "octree/tree_builder.h"
+#include "octree/building/tree_builder.h"
 
 namespace alidade {
 namespace {

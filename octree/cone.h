@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octree/ray.h"
+#include "base/ray.h"
 
 namespace alidade {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "octree/plane.h"
+#include "octree/targets.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "base/error.h"
-#include "octree/unit_direction.h"
+#include "base/unit_direction.h"
 
 namespace alidade {
 

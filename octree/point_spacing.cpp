@@ -11,7 +11,7 @@
 
 #include "octree/answer_target.h"
 #include "base/huge_memory.h"
-#include "octree/parallel_leaves.h"
+#include "octree/parallel_loops.h"
 #include "octree/slot_spacings.h"
 
 namespace alidade {

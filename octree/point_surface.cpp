@@ -11,7 +11,7 @@
 #include "base/huge_memory.h"
 #include "octree/local_plane.h"
 #include "octree/packed_normal.h"
-#include "octree/parallel_leaves.h"
+#include "octree/parallel_loops.h"
 #include "octree/query.h"
 #include "octree/sheet_edge.h"
 #include "octree/simd/moments.h"

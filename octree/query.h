@@ -13,8 +13,8 @@
 #include "octree/cone.h"
 #include "octree/hit.h"
 #include "octree/path.h"
-#include "octree/plane.h"
-#include "octree/ray.h"
+#include "octree/targets.h"
+#include "base/ray.h"
 
 // Queries on raw points. Targets (ray, cone, path, half-spaces, box, point) and conditions are chosen per
 // query; nothing of them is built into the index. All conditions hold together (conjunction).

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "base/bounds.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -9,7 +9,7 @@
 #include "cloud/attribute_columns.h"
 #include "cloud/cloud_files.h"
 #include "cloud/read_cloud.h"
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 #include "octree/spacing.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/color/color_points.h"

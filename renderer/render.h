@@ -12,7 +12,7 @@
 #include "cloud/point_cloud.h"
 #include "octree/octree.h"
 #include "base/progress.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 #include "renderer/color/color_key.h"
 #include "renderer/film.h"
 #include "renderer/scene.h"

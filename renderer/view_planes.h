@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octree/plane.h"
+#include "octree/targets.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/ray.h"
+#include "base/ray.h"
 #include "simulation/scanner.h"
 #include "base/trigonometry.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 
 namespace alidade {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 
 // The exact surfaces an analytic site is made of. All lengths in metres, z up, in the site's own frame (near
 // zero). Everything is double; every intersection is a closed form, except the rolling ground's, which is

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 #include "simulation/finish.h"
 #include "simulation/shape_tree.h"
 #include "simulation/shapes.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "octree/indexed_cloud.h"
+#include "octree/index_file/indexed_cloud.h"
 
 namespace alidade {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 
 namespace alidade {
 

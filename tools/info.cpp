@@ -10,7 +10,7 @@
 #include "cloud/crs_name.h"
 #include "cloud/is_las.h"
 #include "cloud/read_cloud.h"
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/describe_copc.h"

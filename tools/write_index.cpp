@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "tools/message.h"

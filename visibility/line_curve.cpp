@@ -5,7 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "octree/unit_direction.h"
+#include "base/unit_direction.h"
 #include "base/exact_math.h"
 
 namespace alidade {

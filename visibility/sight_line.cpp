@@ -15,7 +15,7 @@
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
-#include "octree/unit_direction.h"
+#include "base/unit_direction.h"
 #include "visibility/chord_lines.h"
 #include "visibility/crossing.h"
 

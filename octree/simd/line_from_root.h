@@ -6,7 +6,7 @@
 
 #include "cloud/lattice.h"
 #include "octree/octree.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 
 namespace alidade::simd {
 

@@ -5,7 +5,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
-#include "octree/ray.h"
+#include "base/ray.h"
 #include "renderer/camera/lens_map.h"
 #include "renderer/scene.h"
 

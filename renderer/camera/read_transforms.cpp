@@ -10,7 +10,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "octree/unit_direction.h"
+#include "base/unit_direction.h"
 #include "renderer/camera/camera_file.h"
 #include "renderer/camera/image_file_size.h"
 #include "renderer/camera/rotation.h"

@@ -5,7 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "octree/unit_direction.h"
+#include "base/unit_direction.h"
 #include "base/exact_math.h"
 
 namespace alidade {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "octree/hit.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 
 // The rays a renderer asks, without a renderer.
 

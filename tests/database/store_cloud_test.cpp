@@ -10,7 +10,7 @@
 #include "database/stored_column.h"
 #include "octree/build.h"
 #include "cloud/las/write_las.h"
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "cloud/cloud_reader.h"
-#include "octree/copc/copc_tree.h"
+#include "octree/copc_tree.h"
 #include "base/error.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"

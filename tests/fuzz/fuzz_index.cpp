@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cloud/cloud_reader.h"
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "tests/support/seal_index.h"

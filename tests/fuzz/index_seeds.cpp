@@ -5,7 +5,7 @@
 #include <string>
 
 #include "octree/build.h"
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 

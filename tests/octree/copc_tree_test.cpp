@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/copc/copc_tree.h"
+#include "octree/copc_tree.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>

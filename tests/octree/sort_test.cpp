@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "octree/sorted_points.h"
+#include "octree/building/sorted_points.h"
 #include "tests/support/point_families.h"
 
 namespace alidade {

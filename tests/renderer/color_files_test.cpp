@@ -9,7 +9,7 @@
 #include "octree/build.h"
 #include "cloud/las/write_las.h"
 #include "base/error.h"
-#include "octree/index_file.h"
+#include "octree/index_file/index_file.h"
 #include "renderer/color/choose_color.h"
 #include "renderer/color/color_points.h"
 #include "tests/renderer/color_clouds.h"

@@ -14,7 +14,7 @@
 #include <span>
 
 #include "cloud/point_cloud.h"
-#include "octree/ray.h"
+#include "base/ray.h"
 
 namespace alidade::test {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cloud/las/write_las.h"
-#include "octree/indexed_cloud.h"
+#include "octree/index_file/indexed_cloud.h"
 #include "tools/query/answer_row.h"
 
 namespace alidade {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/copc/copc_tree.h"
+#include "octree/copc_tree.h"
 #include "tools/query/tree_asker.h"
 
 namespace alidade {

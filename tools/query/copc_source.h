@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "octree/copc/copc_cache.h"
+#include "octree/copc_cache.h"
 #include "tools/query/query_options.h"
 
 namespace alidade {

@@ -9,7 +9,7 @@
 
 #include "octree/check_query.h"
 #include "cloud/rows.h"
-#include "octree/indexed_cloud.h"
+#include "octree/index_file/indexed_cloud.h"
 #include "tools/database_part.h"
 #include "tools/message.h"
 #include "tools/progress.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "octree/indexed_cloud.h"
+#include "octree/index_file/indexed_cloud.h"
 #include "tools/progress.h"
 #include "tools/visibility/occluder_options.h"
 #include "visibility/occluders.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "octree/indexed_cloud.h"
+#include "octree/index_file/indexed_cloud.h"
 #include "tools/progress.h"
 
 namespace alidade {

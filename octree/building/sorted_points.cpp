@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: MIT
+#include "octree/building/sorted_points.h"
+#include "cloud/lattice_extent.h"
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <utility>
+
+#include "octree/for_each_in_order.h"
+#include "octree/building/sort_buckets.h"
+
+// Points are sorted in two steps. Chunks of the input, each small enough for the cache, are brought into the
+// order of some thousand key ranges (buckets) of about equal size. Then each bucket is collected from all
+// chunks, sorted in the cache and written to its final place. Both steps are independent work for any number
+// of threads, every point is moved through memory only twice, and the input can be given back while the
+// second step reads it. Rows that stand in order stay in order throughout, so equal keys end up in the order
+// of their ids.
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_points_per_task = std::size_t{1} << 16;
+constexpr std::size_t k_max_chunk_size = std::size_t{1} << 18;
+constexpr std::size_t k_min_chunk_size = std::size_t{1} << 12;
+constexpr std::size_t k_bucket_size = std::size_t{1} << 15;
+// Buckets are collected from all chunks at once, so each chunk has a block or two that are used up in part.
+constexpr std::size_t k_release_block = std::size_t{1} << 16;
+
+std::uint32_t steps_from(std::int32_t base, std::int32_t value) {
+  return static_cast<std::uint32_t>(value) - static_cast<std::uint32_t>(base);
+}
+
+template <class Entry>
+class Sorter {
+  using Key = typename Entry::Key;
+
+ public:
+  /// `given` is the vector behind `positions` if it is to be used up, otherwise null.
+  Sorter(const KeySpace& space, const std::vector<LatticePosition>& positions,
+         std::vector<LatticePosition>* given)
+      : space_(space),
+        positions_(positions),
+        given_(given),
+        chunk_size_(std::clamp(std::bit_ceil(positions.size() / 64 + 1), k_min_chunk_size, k_max_chunk_size)),
+        chunk_count_((positions.size() + chunk_size_ - 1) / chunk_size_),
+        buckets_(sample_keys()) {
+    if (!in_place()) chunks_ = HugeArray<Entry>(positions.size());
+    chunk_release_ = PageRelease(chunk_bytes(0), positions.size() * sizeof(Entry), k_release_block);
+    if (given && !in_place())
+      position_release_ =
+          PageRelease(given->data(), given->size() * sizeof(LatticePosition), k_release_block);
+    run_begin_.resize(chunk_count_ * (buckets_.count() + 1));
+  }
+
+  SortedPoints<Entry> run() {
+    for_each_in_order(chunk_count_, [&](std::size_t chunk) { partition_chunk(chunk); });
+    std::vector<std::size_t> bucket_begin(buckets_.count() + 1);
+    for (std::size_t chunk = 0; chunk < chunk_count_; ++chunk) {
+      for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket)
+        bucket_begin[bucket + 1] += run_size(chunk, bucket);
+    }
+    for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket)
+      bucket_begin[bucket + 1] += bucket_begin[bucket];
+    SortedPoints<Entry> sorted(positions_.size());
+    for_each_in_order(buckets_.count(), [&](std::size_t bucket) {
+      sort_bucket(bucket, sorted.data() + bucket_begin[bucket],
+                  bucket_begin[bucket + 1] - bucket_begin[bucket]);
+    });
+    if (given_) std::vector<LatticePosition>().swap(*given_);
+    return sorted;
+  }
+
+ private:
+  struct Scratch {
+    HugeArray<Entry> entries;
+    std::vector<std::uint16_t> buckets;
+
+    Entry* room_for(std::size_t count) {
+      if (entries.size() < count) entries = HugeArray<Entry>(count);
+      return entries.data();
+    }
+  };
+
+  /// Narrow entries take the place of the positions they are made of.
+  bool in_place() const { return given_ && sizeof(Entry) == sizeof(LatticePosition); }
+
+  /// Memory of the partitioned chunks; only bytes are copied in and out, as it may be that of the positions.
+  std::byte* chunk_bytes(std::size_t first_entry) {
+    std::byte* const bytes = in_place() ? reinterpret_cast<std::byte*>(given_->data())
+                                        : reinterpret_cast<std::byte*>(chunks_.data());
+    return bytes + first_entry * sizeof(Entry);
+  }
+
+  std::uint32_t* run_begins(std::size_t chunk) { return run_begin_.data() + chunk * (buckets_.count() + 1); }
+  std::uint32_t run_size(std::size_t chunk, std::size_t bucket) {
+    return run_begins(chunk)[bucket + 1] - run_begins(chunk)[bucket];
+  }
+
+  Entry entry_of(std::size_t row) const {
+    Steps steps;
+    for (int axis = 0; axis < 3; ++axis) steps[axis] = steps_from(space_.base[axis], positions_[row][axis]);
+    return Entry::make(steps, static_cast<std::uint32_t>(row));
+  }
+
+  std::vector<Key> sample_keys() const {
+    const std::size_t count = positions_.size();
+    const std::size_t sample_count =
+        std::clamp<std::size_t>(count / k_bucket_size, 1, KeyBuckets<Key>::k_max_count) *
+        KeyBuckets<Key>::k_samples_per_bucket;
+    std::vector<Key> samples;
+    if (count <= sample_count) return samples;
+    for (std::size_t i = 0; i < sample_count; ++i)
+      samples.push_back(entry_of(count / sample_count * i).key());
+    return samples;
+  }
+
+  void partition_chunk(std::size_t chunk) {
+    const std::size_t first_row = chunk * chunk_size_;
+    const std::size_t count = std::min(chunk_size_, positions_.size() - first_row);
+    Scratch& scratch = scratch_.local();
+    Entry* const entries = scratch.room_for(count);
+    std::uint32_t* const begins = run_begins(chunk);
+
+    constexpr std::size_t k_width = 8;
+    scratch.buckets.resize(count + k_width);
+    for (std::size_t i = 0; i < count; i += k_width) {
+      std::array<Key, k_width> keys{};
+      const std::size_t width = std::min(k_width, count - i);
+      for (std::size_t k = 0; k < width; ++k) {
+        entries[i + k] = entry_of(first_row + i + k);
+        keys[k] = entries[i + k].key();
+      }
+      buckets_.find(keys, scratch.buckets.data() + i);
+      for (std::size_t k = 0; k < width; ++k) ++begins[scratch.buckets[i + k] + 1];
+    }
+    if (given_ && !in_place())
+      position_release_.use_up(first_row * sizeof(LatticePosition), count * sizeof(LatticePosition));
+
+    for (std::size_t bucket = 0; bucket < buckets_.count(); ++bucket) begins[bucket + 1] += begins[bucket];
+    std::vector<std::uint32_t> next(begins, begins + buckets_.count());
+    for (std::size_t i = 0; i < count; ++i)
+      std::memcpy(chunk_bytes(first_row + next[scratch.buckets[i]]++), entries + i, sizeof(Entry));
+  }
+
+  void sort_bucket(std::size_t bucket, Entry* target, std::size_t count) {
+    if (count == 0) return;
+    // A bucket that no scratch should grow to has one key (KeyBuckets), or almost never few; then it is
+    // sorted where it stands.
+    const bool is_large = count > 8 * std::max(k_bucket_size, positions_.size() / buckets_.count());
+    Entry* const collected = is_large ? target : scratch_.local().room_for(count);
+    std::size_t filled = 0;
+    for (std::size_t chunk = 0; chunk < chunk_count_; ++chunk) {
+      const std::size_t first = chunk * chunk_size_ + run_begins(chunk)[bucket],
+                        run = run_size(chunk, bucket);
+      if (run == 0) continue;
+      std::memcpy(collected + filled, chunk_bytes(first), run * sizeof(Entry));
+      filled += run;
+      chunk_release_.use_up(first * sizeof(Entry), run * sizeof(Entry));
+    }
+    const auto less = [](const Entry& a, const Entry& b) {
+      const Key key_a = a.key(), key_b = b.key();
+      return key_a != key_b ? key_a < key_b : a.id < b.id;
+    };
+    if (!is_large) {
+      sort_by_key(collected, target, count);
+    } else if (!std::is_sorted(target, target + count, less)) {
+      std::sort(target, target + count, less);
+    }
+  }
+
+  const KeySpace space_;
+  const std::vector<LatticePosition>& positions_;
+  std::vector<LatticePosition>* const given_;
+  PageRelease position_release_;  ///< where the chunks do not lie in their memory
+  PageRelease chunk_release_;
+  const std::size_t chunk_size_;
+  const std::size_t chunk_count_;
+  const KeyBuckets<Key> buckets_;
+  HugeArray<Entry> chunks_;
+  /// Where each bucket's run starts in each chunk, from the chunk's begin; one more ends the last.
+  std::vector<std::uint32_t> run_begin_;
+  tbb::enumerable_thread_specific<Scratch> scratch_;
+};
+
+LatticeExtent extent_of(const std::vector<LatticePosition>& positions) {
+  return tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, positions.size(), k_points_per_task), LatticeExtent{},
+      [&](const tbb::blocked_range<std::size_t>& range, LatticeExtent part) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) part.grow(positions[i]);
+        return part;
+      },
+      [](LatticeExtent a, const LatticeExtent& b) {
+        a.grow(b.low);
+        a.grow(b.high);
+        return a;
+      });
+}
+
+}  // namespace
+
+KeySpace key_space(const std::vector<LatticePosition>& positions) {
+  if (positions.empty()) return {};
+  const LatticeExtent extent = extent_of(positions);
+  std::uint32_t largest = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    largest = std::max(largest, steps_from(extent.low[axis], extent.high[axis]));
+  return {extent.low, static_cast<int>(std::bit_width(largest))};
+}
+
+KeySpace aligned_key_space(const std::vector<LatticePosition>& positions) {
+  if (positions.empty()) return {};
+  const LatticeExtent extent = extent_of(positions);
+  constexpr std::int32_t k_lowest = -2147483647 - 1;
+  std::uint32_t differing = 0;
+  for (int axis = 0; axis < 3; ++axis)
+    differing |= steps_from(k_lowest, extent.low[axis]) ^ steps_from(k_lowest, extent.high[axis]);
+  KeySpace space{LatticePosition(k_lowest), static_cast<int>(std::bit_width(differing))};
+  const std::uint32_t kept = space.extent_bits == 32 ? 0 : ~std::uint32_t{0} << space.extent_bits;
+  // Bits above are the same for all, and so decide nothing.
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint32_t common = steps_from(k_lowest, extent.low[axis]) & kept;
+    space.base[axis] = static_cast<std::int32_t>(common + static_cast<std::uint32_t>(k_lowest));
+  }
+  return space;
+}
+
+template <class Entry>
+SortedPoints<Entry> sort_points(const KeySpace& space, const std::vector<LatticePosition>& positions) {
+  return Sorter<Entry>(space, positions, nullptr).run();
+}
+
+template <class Entry>
+SortedPoints<Entry> sort_points(const KeySpace& space, std::vector<LatticePosition>&& positions) {
+  return Sorter<Entry>(space, positions, &positions).run();
+}
+
+template SortedPoints<NarrowEntry> sort_points(const KeySpace&, const std::vector<LatticePosition>&);
+template SortedPoints<WideEntry> sort_points(const KeySpace&, const std::vector<LatticePosition>&);
+template SortedPoints<NarrowEntry> sort_points(const KeySpace&, std::vector<LatticePosition>&&);
+template SortedPoints<WideEntry> sort_points(const KeySpace&, std::vector<LatticePosition>&&);
+
+}  // namespace alidade

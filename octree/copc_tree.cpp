@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+#include "octree/copc_cache.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "base/byte_order.h"
+#include "cloud/laz/corrupt_chunk.h"
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+std::string text(const glm::dvec3& place) {
+  return fmt::format("({}, {}, {})", place.x, place.y, place.z);
+}
+
+}  // namespace
+
+struct CopcCache::Slot {
+  std::mutex decoding;  ///< held by the thread that decodes the node
+  // The rest belongs to mutex_.
+  std::shared_ptr<const BoxedPoints> points;
+  std::list<std::uint32_t>::iterator place_in_kept;
+  bool was_met = false;
+};
+
+CopcCache::CopcCache(const CopcFile& file, const Options& options)
+    : file_(file),
+      options_(options),
+      slots_(std::make_unique<Slot[]>(file.hierarchy().nodes.size())),
+      workshops_([this] {
+        LazLayers wanted = LazLayers::positions();
+        wanted.classification = options_.classes.has_value();
+        return Workshop{ChunkDecoder(file_.layout(), wanted), {}};
+      }) {}
+
+CopcCache::~CopcCache() = default;
+
+std::shared_ptr<const BoxedPoints> CopcCache::points(std::uint32_t node) const {
+  if (auto points = find(node)) return points;
+  const std::lock_guard decoding(slots_[node].decoding);
+  if (auto points = find(node)) return points;
+  auto points = decode(node);
+  keep(node, points);
+  return points;
+}
+
+CopcReads CopcCache::reads() const {
+  const std::lock_guard lock(mutex_);
+  return reads_;
+}
+
+std::shared_ptr<const BoxedPoints> CopcCache::find(std::uint32_t node) const {
+  const std::lock_guard lock(mutex_);
+  const Slot& slot = slots_[node];
+  if (slot.points) kept_.splice(kept_.begin(), kept_, slot.place_in_kept);
+  return slot.points;
+}
+
+void CopcCache::keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> points) const {
+  const std::uint64_t decoded = file_.hierarchy().nodes[node].chunk.point_count;
+  const std::lock_guard lock(mutex_);
+  Slot& slot = slots_[node];
+  if (decoded > 0) {
+    ++reads_.chunks_decoded;
+    reads_.points_decoded += decoded;
+    if (!slot.was_met) ++reads_.chunks_met;
+    slot.was_met = true;
+    report(options_.progress, reads_.points_decoded, file_.header().point_count);
+  }
+  kept_bytes_ += points->byte_count();
+  kept_.push_front(node);
+  slot.place_in_kept = kept_.begin();
+  slot.points = std::move(points);
+  while (kept_bytes_ > options_.byte_count && kept_.size() > 1) {
+    Slot& oldest = slots_[kept_.back()];
+    kept_bytes_ -= oldest.points->byte_count();
+    oldest.points.reset();
+    kept_.pop_back();
+  }
+}
+
+std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const {
+  const CopcNode& node = file_.hierarchy().nodes[number];
+  std::vector<LatticePosition> positions;
+  std::vector<std::uint32_t> rows;
+  if (node.chunk.point_count == 0)
+    return std::make_shared<BoxedPoints>(std::move(positions), std::move(rows));
+  const Bounds bounds = file_.bounds(node);
+  const Lattice& lattice = file_.header().lattice;
+  const std::size_t point_size = file_.header().point_size;
+  constexpr std::size_t k_classification_place = 16;  // of formats 6 to 8
+  const auto fail = [&](std::optional<std::uint64_t> row, std::string problem, std::string expected,
+                        std::string found) {
+    const std::string chunk = fmt::format("COPC node {}", node.key.name());
+    throw Error({.file = file_.name(),
+                 .place = row ? fmt::format("{}, point {}", chunk, node.first_row + *row) : chunk,
+                 .problem = std::move(problem),
+                 .expected = std::move(expected),
+                 .found = std::move(found)});
+  };
+  Workshop& workshop = workshops_.local();
+  file_.read_chunk(node, workshop.bytes);
+  try {
+    workshop.decoder.decode(workshop.bytes, node.chunk.point_count,
+                            [&](const std::byte* records, std::size_t count, std::uint64_t first) {
+                              positions.reserve(count);
+                              rows.reserve(count);
+                              for (std::size_t i = 0; i < count; ++i, records += point_size) {
+                                const LatticePosition position = load<LatticePosition>(records);
+                                const glm::dvec3 world = to_world(lattice, position);
+                                if (!bounds.contains(world)) {
+                                  fail(first + i, "the point lies outside the cube of its node",
+                                       "a place from " + text(bounds.min) + " to " + text(bounds.max),
+                                       text(world));
+                                }
+                                const auto point_class = load<std::uint8_t>(records + k_classification_place);
+                                if (options_.classes && !options_.classes->test(point_class)) continue;
+                                positions.push_back(position);
+                                rows.push_back(static_cast<std::uint32_t>(first + i));
+                              }
+                            });
+  } catch (const CorruptChunk& problem) {
+    fail(problem.point, fmt::format("the compressed points are damaged: {}", problem.what()), "", "");
+  }
+  return std::make_shared<BoxedPoints>(std::move(positions), std::move(rows));
+}
+
+}  // namespace alidade

@@ -1,0 +1,251 @@
+// SPDX-License-Identifier: MIT
+#include "octree/index_file/index_file.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
+
+#include <cstring>
+#include <mutex>
+
+#include "octree/index_file/check_tree.h"
+#include "cloud/cloud_inputs.h"
+#include "base/error.h"
+#include "base/huge_memory.h"
+#include "octree/index_file/index_metadata.h"
+#include "octree/index_file/index_sections.h"
+
+namespace alidade {
+namespace {
+
+AttributeColumns columns_in(const IndexSections& sections, const PointCloud& description) {
+  AttributeColumns columns;
+  for_each_column(columns, columns, [&](Attribute attribute, auto& column, auto&) {
+    using Value = std::remove_cvref_t<decltype(column.front())>;
+    column = sections.values<Value>(column_section(attribute));
+  });
+  std::uint64_t bytes_per_point = 0;
+  for (const ExtraDimension& dimension : description.extra_dimensions)
+    bytes_per_point += static_cast<std::uint64_t>(dimension.byte_count);
+  auto rest = sections.values<std::uint8_t>(IndexSection::extra_dimensions);
+  const std::size_t points = sections.header().tree.point_count;
+  if (rest.size() != bytes_per_point * points) {
+    throw Error({.file = sections.name(),
+                 .problem = "bad size of " + name(IndexSection::extra_dimensions),
+                 .expected = fmt::format("{} bytes for each of {} points", bytes_per_point, points),
+                 .found = fmt::format("{} bytes", rest.size())});
+  }
+  for (const ExtraDimension& dimension : description.extra_dimensions) {
+    const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count) * points;
+    columns.extra_dimensions.push_back({dimension, rest.first(bytes)});
+    rest = rest.subspan(bytes);
+  }
+  return columns;
+}
+
+/// The data of the records must fill their section.
+void check_record_bytes(const IndexSections& sections, const IndexMetadata& metadata) {
+  std::uint64_t left = sections.bytes(IndexSection::record_data).size();
+  for (const std::uint64_t bytes : metadata.record_bytes) {
+    if (bytes > left) {
+      throw Error({.file = sections.name(),
+                   .problem = "the data of the records do not fit into their section",
+                   .expected = fmt::format("at most {} bytes", left),
+                   .found = std::to_string(bytes)});
+    }
+    left -= bytes;
+  }
+  if (left > 0) {
+    throw Error({.file = sections.name(),
+                 .problem = "the section of record data is longer than the data of the records",
+                 .found = fmt::format("{} bytes more", left)});
+  }
+}
+
+TreeView tree_in(const IndexSections& sections) {
+  TreeView tree = sections.header().tree;
+  tree.coordinates = sections.values<std::uint16_t>(IndexSection::coordinates).data();
+  if (sections.header().find(IndexSection::ids))
+    tree.ids = sections.values<std::uint32_t>(IndexSection::ids).data();
+  if (sections.header().find(IndexSection::positions))
+    tree.positions = sections.values<LatticePosition>(IndexSection::positions).data();
+  if (sections.header().find(IndexSection::spacings)) {
+    tree.spacings = sections.values<std::uint16_t>(IndexSection::spacings).data();
+    tree.slot_spacings = sections.values<std::uint16_t>(IndexSection::slot_spacings).data();
+  }
+  if (sections.header().find(IndexSection::surfaces)) {
+    tree.surfaces = sections.values<std::uint32_t>(IndexSection::surfaces).data();
+    tree.sheet_edges = sections.values<std::uint8_t>(IndexSection::sheet_edges).data();
+  }
+  return tree;
+}
+
+[[noreturn]] void fail(const IndexSections& sections, const TreeFault& fault) {
+  using Array = TreeFault::Array;
+  switch (fault.array) {
+    case Array::nodes:
+      sections.fail(IndexSection::nodes, fault.index * sizeof(Node),
+                    fmt::format("node {}: {}", fault.index, fault.problem));
+    case Array::ids:
+      sections.fail(IndexSection::ids, fault.index * sizeof(std::uint32_t), fault.problem);
+    case Array::coordinates:
+      sections.fail(IndexSection::coordinates, fault.index * 3 * sizeof(std::uint16_t), fault.problem);
+    case Array::spacings:
+      sections.fail(IndexSection::spacings, fault.index * sizeof(std::uint16_t), fault.problem);
+    case Array::slot_spacings:
+      sections.fail(IndexSection::slot_spacings, fault.index * sizeof(std::uint16_t), fault.problem);
+    case Array::positions:
+      break;
+  }
+  sections.fail(IndexSection::positions, fault.index * sizeof(LatticePosition), fault.problem);
+}
+
+void check_ids(const IndexSections& sections, const TreeView& tree, const Progress& progress) {
+  sections.check(IndexSection::ids, progress, [&](std::uint64_t begin, std::uint64_t end) {
+    const auto place = [](std::uint64_t byte) {
+      return static_cast<std::uint32_t>(byte / sizeof(std::uint32_t));
+    };
+    if (const auto fault = find_bad_id(tree, place(begin), place(end))) fail(sections, *fault);
+  });
+}
+
+void check_links(const IndexSections& sections, const TreeView& tree) {
+  if (const auto fault = find_broken_link(tree)) fail(sections, *fault);
+}
+
+/// Progress of work on one section after others.
+Progress part_of(const Progress& progress, std::uint64_t before, std::uint64_t total) {
+  if (!progress) return {};
+  return [&progress, before, total](std::uint64_t done, std::uint64_t) {
+    return progress(before + done, total);
+  };
+}
+
+/// Copies the nodes out of the map and checks them and the ids. `tree` gets the copy.
+HugeArray<Node> check_tree(const IndexSections& sections, TreeView& tree, const Progress& progress) {
+  const std::span<const std::byte> stored = sections.bytes(IndexSection::nodes);
+  const std::uint64_t nodes = stored.size();
+  const std::uint64_t total = nodes + sections.bytes(IndexSection::ids).size();
+  HugeArray<Node> copy(tree.node_count);
+  tree.nodes = copy.data();
+  // The checksums first, since they name damage best; the links, which one thread goes along, beside the ids.
+  sections.check(
+      IndexSection::nodes, part_of(progress, 0, total), [&](std::uint64_t begin, std::uint64_t end) {
+        std::memcpy(reinterpret_cast<std::byte*>(copy.data()) + begin, stored.data() + begin, end - begin);
+      });
+  tbb::parallel_invoke([&] { check_links(sections, tree); },
+                       [&] { check_ids(sections, tree, part_of(progress, nodes, total)); });
+  return copy;
+}
+
+}  // namespace
+
+struct IndexFile::State {
+  explicit State(const InputFile& file) : sections(file) {
+    sections.check(IndexSection::metadata);
+    metadata = read_index_metadata(sections.bytes(IndexSection::metadata),
+                                   sections.header().find(IndexSection::metadata)->place, sections.name());
+    check_record_bytes(sections, metadata);
+    PointCloud& cloud = metadata.cloud;
+    cloud.lattice = sections.header().tree.lattice;
+    cloud.gps_time_is_standard = sections.header().gps_time_is_standard;
+    cloud.project_id = sections.header().project_id;
+    cloud.file_source_id = sections.header().file_source_id;
+    columns = columns_in(sections, cloud);
+    tree = tree_in(sections);
+  }
+
+  IndexSections sections;
+  IndexMetadata metadata;
+  AttributeColumns columns;
+  /// Nodes are where a query begins and waits most: out of the map, on huge pages, they make it a tenth to a
+  /// fifth faster; and what was checked cannot change any more.
+  HugeArray<Node> nodes;
+  TreeView tree;  ///< without nodes until they are checked
+  std::mutex checking;
+  bool tree_is_checked = false;
+};
+
+IndexFile::IndexFile(const InputFile& file) : state_(std::make_shared<State>(file)) {}
+
+const std::string& IndexFile::name() const {
+  return state_->sections.name();
+}
+
+const IndexHeader& IndexFile::header() const {
+  return state_->sections.header();
+}
+
+const PointCloud& IndexFile::description() const {
+  return state_->metadata.cloud;
+}
+
+const AttributeColumns& IndexFile::columns() const {
+  return state_->columns;
+}
+
+std::shared_ptr<const void> IndexFile::storage() const {
+  return state_;
+}
+
+AttributeSet IndexFile::attributes() const {
+  AttributeSet set;
+  for (std::uint32_t bit = 1; bit <= static_cast<std::uint32_t>(Attribute::extra_dimensions); bit <<= 1) {
+    const auto attribute = static_cast<Attribute>(bit);
+    if (header().find(column_section(attribute))) set = set | attribute;
+  }
+  return set;
+}
+
+std::vector<VariableLengthRecord> IndexFile::records() const {
+  state_->sections.check(IndexSection::record_data);
+  std::vector<VariableLengthRecord> records = state_->metadata.cloud.records;
+  auto rest = state_->sections.values<std::uint8_t>(IndexSection::record_data);
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const auto bytes = static_cast<std::size_t>(state_->metadata.record_bytes[i]);
+    records[i].data.assign(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(bytes));
+    rest = rest.subspan(bytes);
+  }
+  return records;
+}
+
+const TreeView& IndexFile::tree(const Progress& progress) const {
+  const std::scoped_lock lock(state_->checking);
+  if (state_->tree_is_checked) return state_->tree;
+  // Isolated: a thread that waits in here must not take up a task that waits for the lock it holds.
+  tbb::this_task_arena::isolate(
+      [&] { state_->nodes = check_tree(state_->sections, state_->tree, progress); });
+  state_->tree_is_checked = true;
+  return state_->tree;
+}
+
+void IndexFile::verify(const Progress& progress) const {
+  const IndexSections& sections = state_->sections;
+  for (const SectionEntry& section : header().sections)
+    sections.check(section.kind, part_of(progress, section.place, header().file_bytes));
+  sections.check_gaps();
+  if (const auto fault = find_misplaced_point(tree())) fail(sections, *fault);
+  if (tree().spacings) {
+    if (const auto fault = find_bad_slot_spacing(tree())) fail(sections, *fault);
+  }
+  report(progress, header().file_bytes, header().file_bytes);
+}
+
+IndexFile open_index(const std::filesystem::path& path) {
+  return IndexFile(InputFile(path));
+}
+
+void verify_index(const std::filesystem::path& path, const Progress& progress) {
+  open_index(path).verify(progress);
+}
+
+bool is_index_file(const std::filesystem::path& path) {
+  try {
+    InputFile file = cloud_input(path);
+    return is_index_file(file.view_up_to(0, 8));
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace alidade

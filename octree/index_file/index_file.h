@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "cloud/attribute_columns.h"
+#include "base/input_file.h"
+#include "cloud/point_cloud.h"
+#include "octree/index_file/index_header.h"
+#include "octree/octree.h"
+#include "base/progress.h"
+
+// Index files (.alidade): the octree over a cloud with all attributes of its points and all that the cloud's
+// files said about themselves, so that one file takes the place of the LAS and is asked without building
+// anything. Flat little-endian arrays; docs/index_file.md has them byte by byte.
+//
+//   save_index("site.alidade", build(cloud), cloud);
+//   const IndexFile index = open_index("site.alidade");
+//   if (std::optional<Hit> hit = closest(index.octree(), ray, {.radius = 0.05}))
+//     use(index.columns().colors[hit->point_id]);
+//
+// A damaged file is an Error, never a crash, however it is used. Who pays for that, and when:
+// - open_index() checks all counts, sizes and places, the first page, and the metadata with their checksums:
+// it
+//   opens a file of any number of points in under 10 ms.
+// - octree() reads nodes and ids once (about 5 bytes per point), in parallel, before the first query:
+//   checksums, links and ids. Queries then end and stay inside the arrays. About a quarter of a second of
+//   processor time for 10^8 points in memory, shared by the cores; otherwise as fast as the disk delivers.
+//   The nodes (about 1 byte per point) are copied; all else is asked in the map.
+// - coordinates and attribute columns may hold any values without harm to a program; only verify_index()
+//   reads them all. Without it, a damaged coordinate is a wrong answer.
+
+namespace alidade {
+
+struct SaveIndexOptions {
+  bool overwrite = false;  ///< replace an existing file
+  Progress progress{};     ///< in bytes written
+};
+
+/// Writes an index file; it appears whole or not at all. `cloud` is the one the octree was built over, with
+/// or without its positions: its attribute columns, coordinate reference system, records, files and warnings
+/// are stored too. Memory: next to nothing beside octree and cloud; arrays go out as they stand. Errors: a
+/// column whose length is not that of the octree; a cloud on another lattice; those of OutputFile.
+void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
+                const SaveIndexOptions& options = {});
+
+/// An open index file. Copies share the map; safe to use from many threads.
+class IndexFile {
+ public:
+  /// Errors: as open_index().
+  explicit IndexFile(const InputFile& file);
+
+  const std::string& name() const;
+  /// Number of points, bounds, lattice, and where every section stands.
+  const IndexHeader& header() const;
+  /// What the cloud's files said: coordinate reference system, files, warnings, extra dimensions without
+  /// values, GPS time; records without their data. It has no points.
+  const PointCloud& description() const;
+  /// The attribute columns in the map; row = point id. Valid as long as a copy of this object or an octree of
+  /// it.
+  const AttributeColumns& columns() const;
+  AttributeSet attributes() const;
+  /// The records with their data. Cost: that of copying them. Errors: their checksum is wrong.
+  std::vector<VariableLengthRecord> records() const;
+
+  /// The tree in the map. The first call checks nodes and ids, see above; later ones are free. `progress` is
+  /// in bytes checked. Errors: a wrong checksum or link; they name section and byte.
+  const TreeView& tree(const Progress& progress = {}) const;
+  /// The same as an octree, which keeps the map alive.
+  Octree octree(const Progress& progress = {}) const {
+    return Octree(tree(progress), storage(), usable(InstructionSet::best));
+  }
+  /// What keeps the map alive.
+  std::shared_ptr<const void> storage() const;
+
+  /// Reads everything: all checksums, that the tree is one and holds each point once inside its boxes, and
+  /// that nothing stands between the sections. `progress` is in bytes. Cost: as fast as the disk delivers, 12
+  /// B of memory per node and 1/4 B per point. Errors: the first damage, with section and byte.
+  void verify(const Progress& progress = {}) const;
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+/// Opens an index file. Cost: under 10 ms at any number of points, since only header and metadata are looked
+/// at. Errors: missing or unreadable; not an index file; of another byte order or version; truncated; a
+/// count, size or place that does not fit the file; damaged header or metadata. They name the byte.
+IndexFile open_index(const std::filesystem::path& path);
+
+/// open_index() and IndexFile::verify().
+void verify_index(const std::filesystem::path& path, const Progress& progress = {});
+
+/// Whether a file claims to be an index file, by its first bytes. False for a file that cannot be read.
+bool is_index_file(const std::filesystem::path& path);
+
+}  // namespace alidade

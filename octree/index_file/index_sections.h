@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+
+#include "base/input_file.h"
+#include "octree/index_file/index_header.h"
+#include "base/mapped_file.h"
+#include "base/progress.h"
+
+namespace alidade {
+
+/// The sections of an index file in the map, and the checking of their sums. Each block of a section has a
+/// checksum in the last section, and the header has one of each section's run of these.
+class IndexSections {
+ public:
+  /// Errors: as read_index_header().
+  explicit IndexSections(const InputFile& file)
+      : map_(file), header_(read_index_header(map_.bytes(), map_.name())) {}
+
+  const std::string& name() const { return map_.name(); }
+  const IndexHeader& header() const { return header_; }
+  const std::shared_ptr<const void>& storage() const { return map_.storage(); }
+
+  /// Empty if there is no such section.
+  std::span<const std::byte> bytes(IndexSection kind) const;
+  /// The same as values; they are aligned because sections are.
+  template <class T>
+  std::span<const T> values(IndexSection kind) const {
+    const std::span<const std::byte> all = bytes(kind);
+    return {reinterpret_cast<const T*>(all.data()), all.size() / sizeof(T)};
+  }
+
+  /// What else to do with a block of a section while it is at hand: the bytes [begin, end) of the section.
+  using LookAtBlock = std::function<void(std::uint64_t begin, std::uint64_t end)>;
+
+  /// Compares a section with its checksums, in parallel. Nothing is done for one that is not there.
+  /// `progress` is in bytes. Errors: name section and byte of the first bad block; those that `look` throws.
+  void check(IndexSection kind, const Progress& progress = {}, const LookAtBlock& look = {}) const;
+
+  /// Errors: something stands between the sections.
+  void check_gaps() const;
+
+  /// The Error for something wrong at a byte of a section.
+  [[noreturn]] void fail(IndexSection kind, std::uint64_t byte, const std::string& problem) const;
+
+ private:
+  const SectionEntry& entry(IndexSection kind) const { return *header_.find(kind); }
+  std::span<const std::uint64_t> stored_checksums(IndexSection kind) const;
+
+  MappedFile map_;
+  IndexHeader header_;
+};
+
+}  // namespace alidade

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#include "octree/index_file/indexed_cloud.h"
+
+#include <utility>
+#include <vector>
+
+#include "cloud/cloud_files.h"
+
+namespace alidade {
+
+IndexedCloud load_indexed_cloud(std::span<const std::filesystem::path> names,
+                                const IndexCloudOptions& options) {
+  const std::vector<std::filesystem::path> files = expand_cloud_files(names);
+  IndexedCloud loaded;
+  if (files.size() == 1 && is_index_file(files[0])) {
+    loaded.index = open_index(files[0]);
+    loaded.octree = loaded.index->octree(options.read.progress);
+    loaded.cloud = loaded.index->description();
+    return loaded;
+  }
+  // Reading counts the work; what follows is asked whether to go on, at the place where reading ended.
+  std::uint64_t done = 0, total = 0;
+  ReadOptions read = options.read;
+  read.progress = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
+    done = bytes;
+    total = all_bytes;
+    return !options.read.progress || options.read.progress(bytes, all_bytes);
+  };
+  loaded.cloud = read_cloud(files, read);
+  BuildOptions build_options = options.build;
+  if (!build_options.progress) {
+    build_options.progress = [&](std::uint64_t, std::uint64_t) { return read.progress(done, total); };
+  }
+  loaded.octree = build(std::move(loaded.cloud), build_options);
+  return loaded;
+}
+
+}  // namespace alidade

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "base/checksum.h"
+#include "base/output_file.h"
+#include "base/error.h"
+#include "octree/index_file/index_file.h"
+#include "octree/index_file/index_metadata.h"
+
+namespace alidade {
+namespace {
+
+/// Writes section after section, and in the end the page that tells where they are.
+class IndexWriter {
+ public:
+  IndexWriter(const std::filesystem::path& path, bool overwrite, const Progress& progress,
+              std::uint64_t total)
+      : file_(path, overwrite), progress_(progress), total_(total) {
+    file_.write(std::array<std::byte, k_index_page>{});
+  }
+
+  void begin(IndexSection kind) {
+    pad();
+    entry_ = {kind, element_bytes(kind), file_.size(), 0, 0};
+    first_checksum_ = checksums_.size();
+    block_.clear();
+  }
+  /// Appends bytes to the section. Whole blocks go out as they stand.
+  void add(std::span<const std::byte> bytes) {
+    entry_.bytes += bytes.size();
+    while (!bytes.empty()) {
+      const std::size_t count = std::min(bytes.size(), k_checksum_block - block_.size());
+      if (count == k_checksum_block) {
+        put(bytes.first(count));
+      } else {
+        block_.insert(block_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(count));
+        if (block_.size() == k_checksum_block) flush();
+      }
+      bytes = bytes.subspan(count);
+    }
+  }
+  void end() {
+    if (!block_.empty()) flush();
+    const auto run = std::span(checksums_).subspan(first_checksum_);
+    entry_.checksum = checksum(std::as_bytes(run));
+    header_.sections.push_back(entry_);
+  }
+
+  template <class T>
+  void write(IndexSection kind, std::span<const T> values) {
+    begin(kind);
+    add(std::as_bytes(values));
+    end();
+  }
+
+  void commit(IndexHeader header) {
+    write_checksums();
+    header.sections = std::move(header_.sections);
+    header.file_bytes = file_.size();
+    file_.write_at(0, encode_index_header(header));
+    file_.commit();
+  }
+
+ private:
+  void pad() {
+    static constexpr std::array<std::byte, k_index_page> k_zeros{};
+    file_.write(
+        std::span(k_zeros).first(static_cast<std::size_t>(align_to_page(file_.size()) - file_.size())));
+  }
+  void flush() {
+    put(block_);
+    block_.clear();
+  }
+  void put(std::span<const std::byte> block) {
+    checksums_.push_back(checksum(block));
+    file_.write(block);
+    report(progress_, std::min(file_.size(), total_), total_);
+  }
+  void write_checksums() {
+    pad();
+    const auto bytes = std::as_bytes(std::span(checksums_));
+    header_.sections.push_back({IndexSection::checksums, element_bytes(IndexSection::checksums), file_.size(),
+                                bytes.size(), checksum(bytes)});
+    file_.write(bytes);
+  }
+
+  OutputFile file_;
+  const Progress& progress_;
+  std::uint64_t total_;
+  IndexHeader header_;
+  SectionEntry entry_;
+  std::vector<std::byte> block_;
+  std::vector<std::uint64_t> checksums_;
+  std::size_t first_checksum_ = 0;
+};
+
+void check_column(std::size_t size, std::size_t points, std::size_t bytes_per_point,
+                  const std::string& column) {
+  if (size == 0 || size == points * bytes_per_point) return;
+  throw Error({.problem = "a column does not fit the octree: " + column,
+               .expected = fmt::format("{} values", points),
+               .found = std::to_string(size / std::max<std::size_t>(bytes_per_point, 1))});
+}
+
+void check_cloud(const Octree& octree, const PointCloud& cloud) {
+  if (octree.size() > 0 && cloud.lattice != octree.lattice())
+    throw Error({.problem = "octree and cloud stand on different lattices"});
+  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
+    check_column(column.size(), octree.size(), 1, attribute_names(attribute).front());
+  });
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) {
+    const auto bytes = static_cast<std::size_t>(dimension.byte_count);
+    if (dimension.values.size() != octree.size() * bytes) {
+      throw Error({.problem = "a column does not fit the octree: " + dimension.name,
+                   .expected = fmt::format("{} bytes", octree.size() * bytes),
+                   .found = std::to_string(dimension.values.size())});
+    }
+  }
+}
+
+std::uint64_t bytes_to_write(const Octree& octree, const PointCloud& cloud) {
+  std::uint64_t bytes = octree.memory();
+  for_each_column(cloud, cloud, [&](Attribute, const auto& column, const auto&) {
+    bytes += column.size() * sizeof(column.front());
+  });
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) bytes += dimension.values.size();
+  for (const VariableLengthRecord& record : cloud.records) bytes += record.data.size();
+  return bytes;
+}
+
+void write_tree(IndexWriter& writer, const TreeView& tree) {
+  const std::size_t points = tree.point_count;
+  writer.write(IndexSection::nodes, std::span(tree.nodes, tree.node_count));
+  writer.begin(IndexSection::coordinates);
+  writer.add(std::as_bytes(std::span(tree.coordinates, 3 * points)));
+  // Written as zeros, whatever stands in memory there.
+  constexpr std::array<std::uint16_t, k_coordinate_padding> k_padding{};
+  writer.add(std::as_bytes(std::span(k_padding)));
+  writer.end();
+  if (tree.ids) writer.write(IndexSection::ids, std::span(tree.ids, points));
+  if (tree.positions) writer.write(IndexSection::positions, std::span(tree.positions, tree.exact_count()));
+  if (tree.spacings) {
+    writer.write(IndexSection::spacings, std::span(tree.spacings, points + k_coordinate_padding));
+    writer.write(IndexSection::slot_spacings,
+                 std::span(tree.slot_spacings, std::size_t{k_node_width} * tree.node_count));
+  }
+  if (tree.surfaces) {
+    writer.write(IndexSection::surfaces, std::span(tree.surfaces, points));
+    writer.write(IndexSection::sheet_edges, std::span(tree.sheet_edges, points));
+  }
+}
+
+void write_cloud(IndexWriter& writer, const PointCloud& cloud) {
+  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
+    if (!column.empty()) writer.write(column_section(attribute), std::span(column));
+  });
+  if (!cloud.extra_dimensions.empty()) {
+    writer.begin(IndexSection::extra_dimensions);
+    for (const ExtraDimension& dimension : cloud.extra_dimensions)
+      writer.add(std::as_bytes(std::span(dimension.values)));
+    writer.end();
+  }
+  writer.write(IndexSection::metadata, std::span<const std::byte>(encode_index_metadata(cloud)));
+  writer.begin(IndexSection::record_data);
+  for (const VariableLengthRecord& record : cloud.records) writer.add(std::as_bytes(std::span(record.data)));
+  writer.end();
+}
+
+}  // namespace
+
+void save_index(const std::filesystem::path& path, const Octree& octree, const PointCloud& cloud,
+                const SaveIndexOptions& options) {
+  check_cloud(octree, cloud);
+  IndexWriter writer(path, options.overwrite, options.progress, bytes_to_write(octree, cloud));
+  write_tree(writer, octree.view());
+  write_cloud(writer, cloud);
+  IndexHeader header;
+  header.tree = octree.view();
+  header.gps_time_is_standard = cloud.gps_time_is_standard;
+  header.project_id = cloud.project_id;
+  header.file_source_id = cloud.file_source_id;
+  // An empty octree was never on any lattice but its cloud's.
+  header.tree.lattice = cloud.lattice;
+  writer.commit(std::move(header));
+}
+
+}  // namespace alidade

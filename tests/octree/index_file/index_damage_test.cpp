@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "octree/index_file/index_file.h"
+#include "tests/octree/index_file/damaged_index.h"
+
+namespace alidade {
+namespace {
+
+using test::error_of;
+using test::put;
+using test::seal_header;
+using test::SectionRow;
+
+using test::Bytes;
+using test::is_refused;
+using test::is_refused_when_opened;
+using test::is_refused_when_verified;
+using test::section;
+using test::sound_file;
+
+TEST(IndexDamage, a_sound_file_is_not_refused) {
+  Bytes file = sound_file();
+  EXPECT_FALSE(is_refused(file));
+  EXPECT_FALSE(is_refused_when_verified(file));
+  // And sealing it again changes nothing, so that tests with seals test what they say.
+  test::seal(file);
+  EXPECT_EQ(file, sound_file());
+}
+
+TEST(IndexDamage, a_file_cut_off_anywhere_is_an_error_when_opened) {
+  const Bytes& file = sound_file();
+  std::vector<std::size_t> lengths = {0, 1, 7, 8, 9, 255, 256, 4095, 4096, 4097, file.size() - 1};
+  for (const SectionRow& row : test::section_rows(file)) {
+    for (const std::uint64_t place : {row.place, row.place + row.bytes}) {
+      for (const int step : {-1, 0, 1}) lengths.push_back(static_cast<std::size_t>(place) + step);
+    }
+  }
+  test::Random random;
+  for (int i = 0; i < 300; ++i) lengths.push_back(random.below(file.size()));
+  for (const std::size_t length : lengths) {
+    if (length >= file.size()) continue;
+    EXPECT_TRUE(
+        is_refused_when_opened(Bytes(file.begin(), file.begin() + static_cast<std::ptrdiff_t>(length))))
+        << length;
+  }
+}
+
+TEST(IndexDamage, bytes_behind_the_end_are_an_error_when_opened) {
+  Bytes file = sound_file();
+  file.push_back(std::byte{0});
+  EXPECT_NE(error_of([&] { test::index_in_memory(file); }).find("too long"), std::string::npos);
+}
+
+TEST(IndexDamage, a_flipped_bit_in_any_byte_of_the_header_is_an_error_when_opened) {
+  Bytes file = sound_file();
+  for (std::size_t place = 0; place < 4096; ++place) {
+    const std::byte mask{static_cast<unsigned char>(1u << place % 8)};
+    file[place] ^= mask;
+    EXPECT_TRUE(is_refused_when_opened(file)) << place;
+    file[place] ^= mask;
+  }
+}
+
+TEST(IndexDamage, a_flipped_bit_anywhere_is_found_by_verifying_and_does_no_harm_without) {
+  Bytes file = sound_file();
+  test::Random random;
+  for (int i = 0; i < 1500; ++i) {
+    const std::size_t place = random.below(file.size());
+    const std::byte mask{static_cast<unsigned char>(1u << random.below(8))};
+    file[place] ^= mask;
+    EXPECT_TRUE(is_refused_when_verified(file)) << place;
+    is_refused(file);
+    file[place] ^= mask;
+  }
+}
+
+TEST(IndexDamage, a_flipped_bit_in_nodes_or_ids_is_an_error_before_the_first_query) {
+  Bytes file = sound_file();
+  test::Random random;
+  for (const IndexSection kind : {IndexSection::nodes, IndexSection::ids}) {
+    const SectionRow row = section(file, kind);
+    for (int i = 0; i < 100; ++i) {
+      const std::size_t place = row.place + random.below(row.bytes);
+      file[place] ^= std::byte{4};
+      const IndexFile index = test::index_in_memory(file);
+      const std::string message = error_of([&] { index.octree(); });
+      EXPECT_NE(message.find("section " + name(kind) + " is damaged"), std::string::npos) << message;
+      EXPECT_NE(message.find("memory:byte " + std::to_string(row.place)), std::string::npos) << message;
+      file[place] ^= std::byte{4};
+    }
+  }
+}
+
+TEST(IndexDamage, a_flipped_bit_in_the_metadata_is_an_error_when_opened) {
+  Bytes file = sound_file();
+  const SectionRow row = section(file, IndexSection::metadata);
+  for (std::uint64_t place = row.place; place < row.place + row.bytes; ++place) {
+    file[place] ^= std::byte{1};
+    EXPECT_TRUE(is_refused_when_opened(file)) << place;
+    file[place] ^= std::byte{1};
+  }
+}
+
+TEST(IndexDamage, another_byte_order_a_future_version_and_another_file_are_told_apart) {
+  Bytes file = sound_file();
+  put<std::uint32_t>(file, 8, 0x04030201);
+  EXPECT_NE(error_of([&] { test::index_in_memory(file); }).find("other byte order"), std::string::npos);
+  file = sound_file();
+  put<std::uint32_t>(file, 12, 2);
+  const std::string message = error_of([&] { test::index_in_memory(file); });
+  EXPECT_NE(message.find("a version that this program does not know"), std::string::npos) << message;
+  EXPECT_NE(message.find("expected version 1, found version 2"), std::string::npos) << message;
+  file = sound_file();
+  file[3] = std::byte{'x'};
+  EXPECT_NE(error_of([&] { test::index_in_memory(file); }).find("is not an index file"), std::string::npos);
+}
+
+TEST(IndexDamage, counts_larger_than_the_file_are_errors_when_opened) {
+  for (const std::size_t place : {40, 48}) {
+    for (const std::uint64_t count : {std::uint64_t{100000}, std::uint64_t{0xfffffffe},
+                                      std::uint64_t{1} << 58, std::numeric_limits<std::uint64_t>::max()}) {
+      Bytes file = sound_file();
+      put(file, place, count);
+      seal_header(file);
+      EXPECT_TRUE(is_refused_when_opened(file)) << place << " " << count;
+    }
+  }
+}
+
+TEST(IndexDamage, overlapping_sections_and_gaps_between_them_are_errors_when_opened) {
+  const Bytes& sound = sound_file();
+  const std::vector<SectionRow> rows = test::section_rows(sound);
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    for (const std::uint64_t place : {rows[i - 1].place, rows[i].place - 4096, rows[i].place - 1,
+                                      rows[i].place + 1, rows[i].place + 4096}) {
+      Bytes file = sound;
+      put(file, rows[i].row + 8, place);
+      seal_header(file);
+      EXPECT_TRUE(is_refused_when_opened(file)) << i << " " << place;
+    }
+    Bytes swapped = sound;
+    put(swapped, rows[i].row, rows[i - 1].kind);
+    put(swapped, rows[i - 1].row, rows[i].kind);
+    seal_header(swapped);
+    EXPECT_TRUE(is_refused_when_opened(swapped)) << i;
+  }
+}
+
+TEST(IndexDamage, something_between_the_sections_is_found_by_verifying) {
+  Bytes file = sound_file();
+  const SectionRow row = section(file, IndexSection::coordinates);
+  file[row.place - 1] = std::byte{1};
+  EXPECT_NE(error_of([&] { test::index_in_memory(file).verify(); }).find("before section coordinates"),
+            std::string::npos);
+}
+
+TEST(IndexDamage, files_on_disk_are_named_with_the_damaged_byte) {
+  const auto path = test::test_folder() / "site.alidade";
+  Bytes file = sound_file();
+  file[64] ^= std::byte{1};
+  test::write_bytes(path, file);
+  EXPECT_NE(error_of([&] { open_index(path); }).find(path.string() + ":byte 32: the header is damaged"),
+            std::string::npos);
+  test::write_bytes(path, {});
+  EXPECT_NE(error_of([&] { open_index(path); }).find("is not an index file"), std::string::npos);
+  EXPECT_NE(error_of([&] { open_index(path.parent_path()); }).find("a regular file"), std::string::npos);
+  EXPECT_NE(error_of([&] { open_index(path.parent_path() / "absent"); }).find("cannot be opened"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace alidade

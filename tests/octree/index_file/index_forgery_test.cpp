@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: MIT
+// Index files that were tampered with and given right checksums: what stands behind the checksums must hold
+// by itself.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "octree/index_file/index_file.h"
+#include "octree/node.h"
+#include "tests/octree/index_file/damaged_index.h"
+
+namespace alidade {
+namespace {
+
+using test::Bytes;
+using test::error_of;
+using test::get;
+using test::is_refused;
+using test::is_refused_when_opened;
+using test::put;
+using test::seal;
+using test::seal_header;
+using test::section;
+using test::SectionRow;
+using test::sound_file;
+
+/// Values that break sums, products and comparisons.
+std::vector<std::uint64_t> hostile_numbers(const Bytes& file) {
+  std::vector<std::uint64_t> numbers = {0,  1,  7,    8,    31,   32,          33,
+                                        43, 44, 4095, 4096, 8192, file.size(), file.size() + 1};
+  for (const int power : {15, 16, 31, 32, 52, 59, 60, 61, 62, 63, 64}) {
+    const std::uint64_t number = power == 64 ? 0 : std::uint64_t{1} << power;
+    for (const int step : {-4096, -64, -1, 0, 1, 64})
+      numbers.push_back(number + static_cast<std::uint64_t>(step));
+  }
+  return numbers;
+}
+
+TEST(IndexForgery, no_number_in_the_header_does_harm) {
+  const Bytes& sound = sound_file();
+  const std::size_t table_end = 256 + 32 * test::section_rows(sound).size();
+  int refused = 0;
+  for (std::size_t place = 16; place < table_end; place += 4) {
+    for (const std::uint64_t number : hostile_numbers(sound)) {
+      for (const bool wide : {false, true}) {
+        if (wide ? place % 8 != 0 : number > 0xffffffffu) continue;
+        Bytes file = sound;
+        if (wide) {
+          put(file, place, number);
+        } else {
+          put(file, place, static_cast<std::uint32_t>(number));
+        }
+        seal_header(file);
+        refused += is_refused(file);
+      }
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+/// Byte of a node's field in the file.
+std::size_t in_node(const Bytes& file, std::size_t node, std::size_t field) {
+  return section(file, IndexSection::nodes).place + node * sizeof(Node) + field;
+}
+constexpr std::size_t k_kind = 48, k_first_child = 56, k_first_point = 60;
+
+/// What octree() says of a file whose node was changed by `change` and whose checksums are right.
+template <class Change>
+std::string problem_after(const Change& change) {
+  Bytes file = sound_file();
+  change(file);
+  seal(file);
+  const IndexFile index = test::index_in_memory(file);
+  return error_of([&] { index.octree(); });
+}
+
+TEST(IndexForgery, broken_links_are_errors) {
+  const auto expect = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find("section nodes is damaged"), std::string::npos) << message;
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
+  for (const std::uint32_t child : {0u, static_cast<std::uint32_t>(nodes), 0xffffffffu, 0xfffffff8u}) {
+    expect(problem_after([&](Bytes& file) { put(file, in_node(file, 0, k_first_child), child); }),
+           "its child should be a node behind it");
+  }
+  // Node 1 is a child of the root; the root's first child moved on takes a node away from somebody else.
+  expect(problem_after([](Bytes& file) { put<std::uint32_t>(file, in_node(file, 0, k_first_child), 2); }),
+         "node");
+  expect(problem_after(
+             [](Bytes& file) { put<std::uint32_t>(file, in_node(file, 0, k_first_point), 0xffffff00u); }),
+         "its leaves should end at place");
+  for (const int kind : {33, 36, 127}) {
+    expect(problem_after([&](Bytes& file) {
+             for (std::size_t slot = 0; slot < 8; ++slot)
+               put(file, in_node(file, 0, k_kind + slot), std::uint8_t(kind));
+           }),
+           "a leaf has more than 32 points");
+  }
+  expect(problem_after([](Bytes& file) {
+           for (std::size_t slot = 0; slot < 8; ++slot) {
+             const std::size_t place = in_node(file, 0, k_kind + slot);
+             if (get<std::uint8_t>(file, place) >= 128) put(file, place, std::uint8_t{128 + 8});
+           }
+         }),
+         "levels below");
+  expect(problem_after([](Bytes& file) {
+           put<std::uint32_t>(file, 60, 1);  // level count
+         }),
+         "it should have no child on level 1");
+}
+
+TEST(IndexForgery, points_that_do_not_stand_one_after_another_are_an_error) {
+  const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
+  const std::string message = problem_after([&](Bytes& file) {
+    const std::size_t place = in_node(file, nodes - 1, k_first_point);
+    put(file, place, get<std::uint32_t>(file, place) - 1);
+  });
+  EXPECT_NE(message.find("its points should begin at place"), std::string::npos) << message;
+}
+
+TEST(IndexForgery, a_leaf_too_high_for_its_coordinates_needs_exact_positions) {
+  const std::string message = problem_after([](Bytes& file) {
+    for (std::size_t node = 0;; ++node) {
+      const auto exact = get<std::uint32_t>(file, 132);
+      if (get<std::uint32_t>(file, in_node(file, node, k_first_point)) < exact) continue;
+      put<std::uint32_t>(file, in_node(file, node, k_first_point), 0);
+      return;
+    }
+  });
+  EXPECT_NE(message.find("too high to go without exact positions"), std::string::npos) << message;
+}
+
+TEST(IndexForgery, an_id_beyond_the_points_is_an_error) {
+  const std::uint64_t points = get<std::uint64_t>(sound_file(), 40);
+  for (const std::uint64_t place : {std::uint64_t{0}, points / 2, points - 1}) {
+    const std::string message = problem_after([&](Bytes& file) {
+      put(file, section(file, IndexSection::ids).place + 4 * place, static_cast<std::uint32_t>(points));
+    });
+    EXPECT_NE(message.find("section ids is damaged: the id should be below 1508 but is 1508"),
+              std::string::npos)
+        << message;
+    EXPECT_NE(
+        message.find("byte " + std::to_string(section(sound_file(), IndexSection::ids).place + 4 * place)),
+        std::string::npos)
+        << message;
+  }
+}
+
+TEST(IndexForgery, no_nodes_do_harm) {
+  test::Random random;
+  int refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    Bytes file = sound_file();
+    const SectionRow row = section(file, IndexSection::nodes);
+    for (std::uint64_t changes = 1 + random.below(4); changes > 0; --changes) {
+      const std::uint64_t node = random.below(row.bytes / sizeof(Node));
+      switch (random.below(4)) {
+        case 0:
+          put(file, in_node(file, node, k_kind + random.below(8)), static_cast<std::uint8_t>(random.bits()));
+          break;
+        case 1:
+          put(file, in_node(file, node, k_first_child),
+              static_cast<std::uint32_t>(random.below(row.bytes / 32)));
+          break;
+        case 2:
+          put(file, in_node(file, node, k_first_point), static_cast<std::uint32_t>(random.below(2000)));
+          break;
+        default:
+          put(file, in_node(file, node, random.below(48)), static_cast<std::uint8_t>(random.bits()));
+      }
+    }
+    seal(file);
+    refused += is_refused(file);
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(IndexForgery, no_metadata_do_harm) {
+  test::Random random;
+  int refused = 0;
+  const SectionRow row = section(sound_file(), IndexSection::metadata);
+  for (std::uint64_t place = row.place; place < row.place + row.bytes; ++place) {
+    for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{1} << 20, std::uint64_t{1} << 62,
+                                       std::numeric_limits<std::uint64_t>::max(), random.bits()}) {
+      Bytes file = sound_file();
+      if (place + 8 <= row.place + row.bytes) put(file, place, number);
+      seal(file);
+      refused += is_refused_when_opened(file);
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+TEST(IndexForgery, no_coordinates_do_harm) {
+  test::Random random;
+  for (int i = 0; i < 200; ++i) {
+    Bytes file = sound_file();
+    const SectionRow row = section(file, IndexSection::coordinates);
+    for (std::uint64_t place = row.place; place + 8 <= row.place + row.bytes; place += 8)
+      if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, place, random.bits());
+    seal(file);
+    EXPECT_FALSE(is_refused(file));
+  }
+}
+
+TEST(IndexForgery, no_spacings_do_harm) {
+  test::Random random;
+  for (int i = 0; i < 200; ++i) {
+    Bytes file = sound_file();
+    for (const IndexSection kind : {IndexSection::spacings, IndexSection::slot_spacings}) {
+      const SectionRow row = section(file, kind);
+      for (std::uint64_t place = row.place; place + 8 <= row.place + row.bytes; place += 8)
+        if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, place, random.bits());
+    }
+    seal(file);
+    EXPECT_FALSE(is_refused(file));
+  }
+}
+
+TEST(IndexForgery, spacings_of_which_header_and_sections_disagree_are_errors) {
+  Bytes file = sound_file();
+  put<std::uint32_t>(file, 204, 0);
+  seal(file);
+  EXPECT_TRUE(test::is_refused_when_opened(file));
+  put<std::uint32_t>(file, 204, 65);
+  seal(file);
+  EXPECT_TRUE(test::is_refused_when_opened(file));
+}
+
+TEST(IndexForgery, no_surfaces_do_harm) {
+  test::Random random;
+  for (int i = 0; i < 50; ++i) {
+    Bytes file = sound_file();
+    const SectionRow row = section(file, IndexSection::surfaces);
+    for (std::uint64_t place = row.place; place + 8 <= row.place + row.bytes; place += 8)
+      put(file, place, random.bits());
+    const SectionRow edges = section(file, IndexSection::sheet_edges);
+    for (std::uint64_t place = edges.place; place < edges.place + edges.bytes; ++place)
+      put(file, place, static_cast<std::uint8_t>(random.bits()));
+    seal(file);
+    EXPECT_FALSE(is_refused(file));
+  }
+}
+
+TEST(IndexForgery, surfaces_of_which_header_and_sections_disagree_are_errors) {
+  for (const double unit : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    Bytes file = sound_file();
+    put(file, 208, unit);
+    seal(file);
+    EXPECT_TRUE(test::is_refused_when_opened(file)) << unit;
+  }
+}
+
+TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
+  const auto expect = [](const std::string& part, const auto& change) {
+    Bytes file = sound_file();
+    change(file);
+    seal(file);
+    EXPECT_FALSE(is_refused(file)) << part;
+    const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect("occurs twice", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::ids).place;
+    put(file, place, get<std::uint32_t>(file, place + 4));
+  });
+  expect("outside the box", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::coordinates).place;
+    put<std::uint16_t>(file, place, static_cast<std::uint16_t>(get<std::uint16_t>(file, place) + 30000));
+  });
+  expect("section positions is damaged", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::positions).place;
+    put<std::int32_t>(file, place, get<std::int32_t>(file, place) ^ 0x40000000);
+  });
+  expect("the greatest spacing below slot", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::slot_spacings).place;
+    put<std::uint16_t>(file, place, static_cast<std::uint16_t>(get<std::uint16_t>(file, place) + 1));
+  });
+  expect("the greatest spacing below slot", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::spacings).place;
+    put<std::uint16_t>(file, place + 100, 0x7f80);
+  });
+  expect("negative or no number", [](Bytes& file) {
+    const std::uint64_t place = section(file, IndexSection::spacings).place;
+    put<std::uint16_t>(file, place + 100, 0xbf80);
+  });
+  expect("bounds are not those of the points",
+         [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });
+  expect("levels", [](Bytes& file) { put<std::uint32_t>(file, 60, get<std::uint32_t>(file, 60) + 1); });
+}
+
+TEST(IndexForgery, different_spacings_at_one_place_are_found_by_verifying) {
+  const PointCloud cloud =
+      test::make_cloud(std::vector<glm::dvec3>(300, glm::dvec3(1, 2, 3)), {glm::dvec3(0.001), glm::dvec3(0)});
+  const auto path = test::test_folder() / "one_place.alidade";
+  save_index(path, with_spacings(build(cloud), 2), cloud);
+  Bytes file = test::read_bytes(path);
+  const std::uint64_t place = section(file, IndexSection::spacings).place;
+  put<std::uint16_t>(file, place + 10, 0x3f80);
+  seal(file);
+  const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+  EXPECT_NE(message.find("one place have different spacings"), std::string::npos) << message;
+}
+
+TEST(IndexForgery, lower_ids_behind_higher_ones_at_one_place_are_found_by_verifying) {
+  const PointCloud cloud =
+      test::make_cloud(std::vector<glm::dvec3>(300, glm::dvec3(1, 2, 3)), {glm::dvec3(0.001), glm::dvec3(0)});
+  const auto path = test::test_folder() / "one_place.alidade";
+  save_index(path, build(cloud), cloud);
+  Bytes file = test::read_bytes(path);
+  EXPECT_NO_THROW(test::index_in_memory(file).verify());
+  const std::size_t ids = section(file, IndexSection::ids).place;
+  // Within a leaf any order will do.
+  put<std::uint32_t>(file, ids, 1);
+  put<std::uint32_t>(file, ids + 4, 0);
+  seal(file);
+  EXPECT_NO_THROW(test::index_in_memory(file).verify());
+  put<std::uint32_t>(file, ids, 299);
+  put<std::uint32_t>(file, ids + 4 * 299, 1);
+  seal(file);
+  const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
+  EXPECT_NE(message.find("should have lower ids than slot"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace alidade
