@@ -18,7 +18,7 @@
 
 #include "base/error.h"
 #include "renderer/camera/ground_transform.h"
-#include "renderer/gdal_handles.h"
+#include "geo/gdal_handles.h"
 #include "renderer/image_display.h"
 #include "renderer/image_metadata.h"
 

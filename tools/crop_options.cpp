@@ -8,7 +8,7 @@
 #include "tools/load_module.h"
 #include "tools/options.h"
 #include "tools/split_list.h"
-#include "visibility/observer_reference.h"
+#include "geo/observer_reference.h"
 
 namespace alidade {
 namespace {

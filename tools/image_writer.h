@@ -6,7 +6,7 @@
 
 #include "renderer/image.h"
 #include "renderer/legend/legend.h"
-#include "renderer/place_sun.h"
+#include "geo/place_sun.h"
 #include "renderer/sky_image.h"
 
 // What the program has the module do for it (load_module.h): writing pictures and legends, reading the
@@ -32,7 +32,7 @@ LegendWriter load_legend_writer();
 using SkyImageReader = void (*)(const std::filesystem::path& file, SkyPixels& pixels);
 SkyImageReader load_sky_image_reader();
 
-/// place_sun() and describe() of renderer/place_sun.h.
+/// place_sun() and describe() of geo/place_sun.h.
 using SunPlacer = void (*)(const SunByTime& by_time, const std::optional<SceneMap>& map, PlacedSun& placed,
                            std::string& description);
 SunPlacer load_sun_placer();

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "renderer/clear_sky.h"
+#include "geo/clear_sky.h"
 
 namespace alidade {
 namespace {

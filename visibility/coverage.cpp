@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 #include "base/run_parts.h"
 
 namespace alidade {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "visibility/earth.h"
+#include "geo/earth.h"
 #include "visibility/sight_line.h"
 
 // Sight over the round Earth. A map is flat, so that what lies at the distance d stands too high in it, by

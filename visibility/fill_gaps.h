@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 
 #include "octree/octree.h"
 #include "base/progress.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 // The ground below a cloud, as heights on a grid.
 //

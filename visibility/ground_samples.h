@@ -8,7 +8,7 @@
 
 #include "octree/octree.h"
 #include "base/progress.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 // The first steps of make_ground() (visibility/ground.h): what each cell knows of the ground by itself.
 

@@ -13,7 +13,7 @@
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
-#include "visibility/compass.h"
+#include "geo/compass.h"
 #include "visibility/crossing.h"
 
 namespace alidade {

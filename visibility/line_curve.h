@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "visibility/earth.h"
+#include "geo/earth.h"
 #include "visibility/occluders.h"
 #include "visibility/sight_line.h"
 

@@ -11,7 +11,7 @@
 #include "renderer/legend/canvas.h"
 #include "renderer/legend/font.h"
 #include "visibility/ground.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 // A map as a picture to look at: values as colours over the shaded relief of the ground, north up, with the
 // observers, a scale bar and a legend.

@@ -14,7 +14,7 @@
 #include "octree/tree_walk.h"
 #include "base/exact_math.h"
 #include "visibility/golden_turn.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 #include "base/run_parts.h"
 #include "visibility/sight_line.h"
 

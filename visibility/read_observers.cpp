@@ -11,7 +11,7 @@
 #include "base/words.h"
 #include "visibility/observer_fields.h"
 #include "visibility/observer_table.h"
-#include "visibility/vector_file.h"
+#include "geo/vector_file.h"
 
 namespace alidade {
 namespace {

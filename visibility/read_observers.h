@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "visibility/observer_reference.h"
+#include "geo/observer_reference.h"
 #include "visibility/observers.h"
 
 namespace alidade {

@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "base/error.h"
-#include "visibility/cloud_transformation.h"
-#include "visibility/vector_file.h"
+#include "geo/cloud_transformation.h"
+#include "geo/vector_file.h"
 
 namespace alidade {
 namespace {

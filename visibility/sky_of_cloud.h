@@ -8,7 +8,7 @@
 #include "base/progress.h"
 #include "base/checkpoint.h"
 #include "visibility/ground.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 #include "visibility/sky_view.h"
 #include "visibility/sun_hours.h"
 

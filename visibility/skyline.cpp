@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "visibility/compass.h"
+#include "geo/compass.h"
 
 namespace alidade {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "visibility/compass.h"
+#include "geo/compass.h"
 
 namespace alidade {
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "renderer/ground_place.h"
-#include "renderer/sun_position.h"
+#include "geo/ground_place.h"
+#include "geo/sun.h"
 
 namespace alidade {
 namespace {

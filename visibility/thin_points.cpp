@@ -10,7 +10,7 @@
 #include "octree/distance.h"
 #include "base/error.h"
 #include "octree/tree_walk.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 namespace alidade {
 namespace {

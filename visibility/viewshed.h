@@ -10,7 +10,7 @@
 #include "base/checkpoint.h"
 #include "visibility/ground.h"
 #include "visibility/observers.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 // What observers see of the ground, or of things so high above it, as a map. Lines of sight go through the
 // points themselves: below crowns, bridges and balconies.

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 namespace alidade {
 

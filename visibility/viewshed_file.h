@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "visibility/map_picture.h"
-#include "visibility/raster_file.h"
+#include "geo/raster_file.h"
 #include "visibility/viewshed.h"
 
 // Viewsheds as they are written: numbers for programs, a picture for people.

@@ -10,7 +10,7 @@
 #include "cloud/is_las.h"
 #include "renderer/color/classification_colors.h"
 #include "renderer/color/gps_date.h"
-#include "renderer/color/height_unit.h"
+#include "geo/height_unit.h"
 #include "renderer/color/point_values.h"
 #include "renderer/color/stretch.h"
 

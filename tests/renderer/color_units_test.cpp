@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "renderer/color/gps_date.h"
-#include "renderer/color/height_unit.h"
+#include "geo/height_unit.h"
 
 namespace alidade {
 namespace {

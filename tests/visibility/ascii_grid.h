@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cloud/point_cloud.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 namespace alidade::test {
 

@@ -12,7 +12,7 @@
 #include "octree/build.h"
 #include "base/error.h"
 #include "tests/support/random.h"
-#include "visibility/map_unit.h"
+#include "geo/map_unit.h"
 
 namespace alidade::test {
 namespace {

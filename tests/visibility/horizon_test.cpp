@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/compass.h"
+#include "geo/compass.h"
 
 namespace alidade::test {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/lon_lat.h"
+#include "geo/lon_lat.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/raster_file.h"
+#include "geo/raster_file.h"
 
 #include <gdal.h>
 #include <gtest/gtest.h>

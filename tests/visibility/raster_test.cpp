@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 #include <gtest/gtest.h>
 

@@ -8,10 +8,10 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "renderer/sun_position.h"
+#include "geo/sun.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/beam_irradiance.h"
-#include "visibility/compass.h"
+#include "geo/compass.h"
 #include "visibility/sun_path.h"
 
 namespace alidade::test {

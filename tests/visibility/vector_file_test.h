@@ -14,8 +14,8 @@
 
 #include "cloud/crs.h"
 #include "base/error.h"
-#include "renderer/gdal_handles.h"
-#include "renderer/gdal_reference.h"
+#include "geo/gdal_handles.h"
+#include "geo/gdal_reference.h"
 
 namespace alidade::test {
 

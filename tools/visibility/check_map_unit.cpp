@@ -2,7 +2,7 @@
 #include "tools/visibility/check_map_unit.h"
 
 #include "base/error.h"
-#include "visibility/map_unit.h"
+#include "geo/map_unit.h"
 
 namespace alidade {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "tools/visibility/map_reference.h"
-#include "visibility/map_unit.h"
+#include "geo/map_unit.h"
 
 namespace alidade {
 namespace {

@@ -15,7 +15,7 @@ struct CloudUnit {
 };
 
 /// Asks GDAL, which knows systems by their codes, and where it does not know one, the system's own words
-/// (visibility/map_unit.h). Requires: not degrees. Errors: those of load_module_function().
+/// (geo/map_unit.h). Requires: not degrees. Errors: those of load_module_function().
 CloudUnit cloud_unit(const Crs& crs);
 
 }  // namespace alidade

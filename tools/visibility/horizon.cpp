@@ -10,7 +10,7 @@
 #include "base/output_file.h"
 #include "base/error.h"
 #include "renderer/camera.h"
-#include "renderer/color/height_unit.h"
+#include "geo/height_unit.h"
 #include "tools/cloud_options.h"
 #include "tools/image_writer.h"
 #include "tools/message.h"

@@ -14,7 +14,7 @@
 #include "tools/options.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/pair_table.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 namespace alidade {
 namespace {

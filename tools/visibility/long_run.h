@@ -12,7 +12,7 @@
 #include "tools/visibility/load_visibility_cloud.h"
 #include "base/checkpoint.h"
 #include "visibility/observers.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 namespace alidade {
 

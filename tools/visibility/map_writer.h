@@ -2,13 +2,13 @@
 #pragma once
 
 #include "visibility/map_picture.h"
-#include "visibility/raster_file.h"
+#include "geo/raster_file.h"
 
 // What the commands of visibility have the module do for them (tools/load_module.h).
 
 namespace alidade {
 
-/// write_raster() of visibility/raster_file.h. Errors, here and below: those of load_module_function().
+/// write_raster() of geo/raster_file.h. Errors, here and below: those of load_module_function().
 using RasterWriter = void (*)(const std::filesystem::path& file, const RasterContents& contents,
                               bool overwrite);
 RasterWriter load_raster_writer();

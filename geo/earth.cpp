@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/lon_lat.h"
+#include "geo/lon_lat.h"
 
 #include <cmath>
 
-#include "renderer/gdal_reference.h"
+#include "geo/gdal_reference.h"
 
 namespace alidade {
 namespace {

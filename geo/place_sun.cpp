@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/place_sun.h"
+#include "geo/place_sun.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "base/error.h"
-#include "renderer/clear_sky.h"
-#include "renderer/ground_place.h"
-#include "renderer/sun_position.h"
+#include "geo/clear_sky.h"
+#include "geo/ground_place.h"
+#include "geo/sun.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/color/height_unit.h"
+#include "geo/height_unit.h"
 
 #include <cctype>
 #include <optional>

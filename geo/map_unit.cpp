@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/map_unit.h"
+#include "geo/map_unit.h"
 
 #include <cassert>
 #include <string>
 
 #include "cloud/wkt_node.h"
-#include "renderer/color/height_unit.h"
+#include "geo/height_unit.h"
 
 namespace alidade {
 namespace {

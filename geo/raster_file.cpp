@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/raster_file.h"
+#include "geo/raster_file.h"
 
 #include <cpl_string.h>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 
 #include "base/output_file.h"
 #include "base/error.h"
-#include "renderer/gdal_handles.h"
+#include "geo/gdal_handles.h"
 #include "renderer/image_geotiff.h"
 
 namespace alidade {

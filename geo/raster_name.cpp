@@ -3,7 +3,7 @@
 
 #include "base/error.h"
 #include "base/words.h"
-#include "visibility/raster_file.h"
+#include "geo/raster_file.h"
 
 // Apart from the writing, so that who only checks the name does not load GDAL.
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "cloud/crs.h"
-#include "renderer/gdal_handles.h"
+#include "geo/gdal_handles.h"
 
 // Reference systems as GDAL has them, given back when they are no longer used.
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/observer_reference.h"
+#include "geo/observer_reference.h"
 
-#include "visibility/cloud_transformation.h"
+#include "geo/cloud_transformation.h"
 
 namespace alidade {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/clear_sky.h"
+#include "geo/clear_sky.h"
 
 #include <algorithm>
 #include <cmath>

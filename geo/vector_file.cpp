@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/vector_file.h"
+#include "geo/vector_file.h"
 
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "base/error.h"
-#include "renderer/gdal_handles.h"
+#include "geo/gdal_handles.h"
 
 namespace alidade {
 namespace {

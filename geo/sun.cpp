@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/sun_position.h"
+#include "geo/sun.h"
 
 #include <libnova/earth.h>
 #include <libnova/nutation.h>

@@ -4,8 +4,8 @@
 #include <glm/vec2.hpp>
 #include <string>
 
-#include "renderer/gdal_reference.h"
-#include "visibility/observer_reference.h"
+#include "geo/gdal_reference.h"
+#include "geo/observer_reference.h"
 
 namespace alidade {
 

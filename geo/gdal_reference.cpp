@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/gdal_reference.h"
+#include "geo/gdal_reference.h"
 
 #include <string>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/place_sun.h"
+#include "geo/place_sun.h"
 
 #include <cpl_conv.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "renderer/ground_place.h"
+#include "geo/ground_place.h"
 
 namespace alidade::test {
 namespace {

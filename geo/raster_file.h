@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cloud/crs.h"
-#include "visibility/raster.h"
+#include "geo/raster.h"
 
 namespace alidade {
 

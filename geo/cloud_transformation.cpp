@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/cloud_transformation.h"
+#include "geo/cloud_transformation.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/sun_position.h"
+#include "geo/sun.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "renderer/clear_sky.h"
+#include "geo/clear_sky.h"
 
 // Published places and times of the sun, none of them computed by this project.
 

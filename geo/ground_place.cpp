@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/ground_place.h"
+#include "geo/ground_place.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "renderer/gdal_reference.h"
+#include "geo/gdal_reference.h"
 
 namespace alidade {
 namespace {
