@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "compare/robust_line.h"
-#include "compare/srgb_curve.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {

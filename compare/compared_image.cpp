@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "compare/srgb_curve.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {

@@ -13,7 +13,7 @@
 #include "compare/color_match.h"
 #include "compare/compared_image.h"
 #include "compare/difference_map.h"
-#include "compare/encoded_picture.h"
+#include "image/encoded_picture.h"
 #include "compare/error_metrics.h"
 #include "compare/flip.h"
 #include "compare/histogram.h"

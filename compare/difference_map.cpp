@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "compare/row_sums.h"
-#include "compare/srgb_curve.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {

@@ -7,9 +7,9 @@
 
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
-#include "renderer/color/point_color.h"
-#include "renderer/legend/canvas.h"
-#include "renderer/legend/font.h"
+#include "image/point_color.h"
+#include "image/canvas.h"
+#include "image/font.h"
 
 // Maps of where two pictures differ, to look at.
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "compare/compared_image.h"
-#include "compare/encoded_picture.h"
+#include "image/encoded_picture.h"
 
 namespace alidade {
 

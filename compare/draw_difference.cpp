@@ -9,10 +9,10 @@
 #include <utility>
 
 #include "compare/difference_map.h"
-#include "renderer/color/color_map.h"
-#include "renderer/legend/canvas_png.h"
-#include "renderer/legend/find_font.h"
-#include "renderer/legend/round_ticks.h"
+#include "image/color_map.h"
+#include "image/canvas_png.h"
+#include "image/find_font.h"
+#include "image/round_ticks.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "base/logarithm.h"
 #include "compare/row_sums.h"
-#include "compare/srgb_curve.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {

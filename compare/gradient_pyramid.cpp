@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-#include "compare/srgb_curve.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {

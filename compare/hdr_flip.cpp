@@ -8,7 +8,7 @@
 #include "compare/float_ranks.h"
 #include "base/logarithm.h"
 #include "compare/pair_pixels.h"
-#include "renderer/image_display.h"
+#include "image/image_display.h"
 
 namespace alidade {
 namespace {

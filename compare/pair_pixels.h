@@ -5,7 +5,7 @@
 
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
-#include "compare/srgb_curve.h"
+#include "image/srgb.h"
 
 namespace alidade {
 

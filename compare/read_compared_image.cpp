@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Without fmt, for the reason that renderer/read_sky_image.cpp gives.
+// Without fmt, for the reason that image/read_picture.cpp gives.
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 #include "compare/compared_image.h"
 #include "compare/orientation.h"
-#include "renderer/image_trouble.h"
+#include "image/image_trouble.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "renderer/image_geotiff.h"
+#include "geo/geotiff.h"
 
 namespace alidade {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "renderer/image_geotiff.h"
+#include "geo/geotiff.h"
 
 namespace alidade {
 

@@ -11,7 +11,7 @@
 #include "base/output_file.h"
 #include "base/error.h"
 #include "geo/gdal_handles.h"
-#include "renderer/image_geotiff.h"
+#include "geo/geotiff.h"
 
 namespace alidade {
 namespace {

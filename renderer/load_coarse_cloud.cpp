@@ -5,7 +5,7 @@
 
 #include "cloud/cloud_inputs.h"
 #include "cloud/cloud_files.h"
-#include "renderer/color/choose_color.h"
+#include "image/choose_color.h"
 #include "renderer/index_cloud.h"
 #include "renderer/nodes_in_view.h"
 #include "renderer/point_radius.h"

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "renderer/film.h"
+#include "image/film.h"
 #include "renderer/integrator.h"
 #include "renderer/tile_grid.h"
 

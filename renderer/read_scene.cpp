@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "octree/point_spacing.h"
-#include "renderer/image.h"
+#include "image/image_file.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {

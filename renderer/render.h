@@ -13,8 +13,8 @@
 #include "octree/octree.h"
 #include "base/progress.h"
 #include "base/ray.h"
-#include "renderer/color/color_key.h"
-#include "renderer/film.h"
+#include "image/color_key.h"
+#include "image/film.h"
 #include "renderer/scene.h"
 
 namespace alidade {
@@ -43,7 +43,7 @@ struct LoadedCloud {
 /// than 2^21 lattice steps on an axis.
 /// A single index file is used where it lies: octree and rgb colours in its map, nothing is built, and the
 /// picture has the same bytes. It keeps the colour depth it was made with. Other colours take 6 bytes per
-/// point (renderer/color/color_points.h).
+/// point (image/color_points.h).
 /// `measuring` is in points whose spacing was measured, if radii adapt to it and no index file has them.
 LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {},
                        const Progress& measuring = {});

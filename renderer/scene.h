@@ -15,7 +15,7 @@
 
 #include "cloud/read_cloud.h"
 #include "renderer/camera/lens.h"
-#include "renderer/color/point_color.h"
+#include "image/point_color.h"
 #include "base/date_time.h"
 #include "renderer/material.h"
 

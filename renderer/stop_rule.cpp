@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "renderer/image_display.h"
+#include "image/image_display.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "renderer/camera/projection.h"
-#include "renderer/film.h"
+#include "image/film.h"
 #include "renderer/integrator.h"
 #include "renderer/tile_grid.h"
 

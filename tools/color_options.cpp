@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "renderer/legend/check_legend.h"
+#include "image/check_legend.h"
 #include "tools/options.h"
 
 namespace alidade {

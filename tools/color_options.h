@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/color/point_color.h"
+#include "image/point_color.h"
 
 namespace alidade {
 

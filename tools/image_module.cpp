@@ -2,7 +2,7 @@
 #include "compare/batch.h"
 #include "compare/report.h"
 #include "geo/place_sun.h"
-#include "renderer/read_sky_image.h"
+#include "image/read_picture.h"
 #include "tools/image_writer.h"
 #include "visibility/coverage_picture.h"
 #include "geo/lon_lat.h"

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "renderer/image.h"
-#include "renderer/legend/legend.h"
+#include "image/image_file.h"
+#include "image/legend.h"
 #include "geo/place_sun.h"
 #include "renderer/sky_image.h"
 
@@ -14,21 +14,21 @@
 
 namespace alidade {
 
-/// write_image() of renderer/image.h.
+/// write_image() of image/image_file.h.
 using ImageWriter = void (*)(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                              bool overwrite);
 
 /// Errors, here and below: those of load_module_function().
 ImageWriter load_image_writer();
 
-/// write_legend() of renderer/legend/legend.h.
+/// write_legend() of image/legend.h.
 using LegendWriter = void (*)(const ColorKey& key, const std::filesystem::path& file,
                               const std::optional<glm::ivec2>& size, bool overwrite);
 
 /// The same for legends.
 LegendWriter load_legend_writer();
 
-/// read_sky_image() of renderer/read_sky_image.h, into `pixels`.
+/// read_sky_image() of image/read_picture.h, into `pixels`.
 using SkyImageReader = void (*)(const std::filesystem::path& file, SkyPixels& pixels);
 SkyImageReader load_sky_image_reader();
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "renderer/color/choose_color.h"
+#include "image/choose_color.h"
 #include "renderer/index_cloud.h"
 #include "renderer/point_radius.h"
 #include "renderer/view_planes.h"

@@ -5,7 +5,7 @@
 
 #include "base/instruction_set.h"
 #include "renderer/camera/ground_transform.h"
-#include "renderer/image.h"
+#include "image/image_file.h"
 #include "tools/command.h"
 #include "tools/first_look.h"
 #include "tools/image_writer.h"

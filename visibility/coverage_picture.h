@@ -3,8 +3,8 @@
 
 #include <filesystem>
 
-#include "renderer/legend/canvas.h"
-#include "renderer/legend/font.h"
+#include "image/canvas.h"
+#include "image/font.h"
 #include "visibility/placement.h"
 
 namespace alidade {

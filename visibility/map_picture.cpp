@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "renderer/legend/canvas_png.h"
-#include "renderer/legend/find_font.h"
-#include "renderer/legend/round_ticks.h"
+#include "image/canvas_png.h"
+#include "image/find_font.h"
+#include "image/round_ticks.h"
 #include "visibility/relief.h"
 
 namespace alidade {

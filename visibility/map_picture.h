@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "renderer/color/color_map.h"
-#include "renderer/color/point_color.h"
-#include "renderer/legend/canvas.h"
-#include "renderer/legend/font.h"
+#include "image/color_map.h"
+#include "image/point_color.h"
+#include "image/canvas.h"
+#include "image/font.h"
 #include "visibility/ground.h"
 #include "geo/raster.h"
 

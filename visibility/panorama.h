@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/progress.h"
-#include "renderer/film.h"
+#include "image/film.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {

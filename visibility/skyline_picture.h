@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <span>
 
-#include "renderer/legend/canvas.h"
-#include "renderer/legend/font.h"
+#include "image/canvas.h"
+#include "image/font.h"
 #include "visibility/skyline.h"
 
 namespace alidade {
@@ -17,7 +17,7 @@ Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> h
                     const SkylineTexts& texts, const Font& font);
 
 /// Writes it as PNG, with the font of find_font(). The file appears whole or not at all. Errors: as
-/// write_png() (renderer/legend/canvas_png.h); no font.
+/// write_png() (image/canvas_png.h); no font.
 void write_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                    const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite);
 

@@ -5,7 +5,7 @@
 
 #include "compare/float_ranks.h"
 #include "base/logarithm.h"
-#include "compare/srgb_curve.h"
+#include "image/srgb.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "compare/encoded_picture.h"
+#include "image/encoded_picture.h"
 #include "compare/histogram.h"
 
 namespace alidade::test {

@@ -10,8 +10,8 @@
 #include "cloud/las/write_las.h"
 #include "base/error.h"
 #include "octree/index_file/index_file.h"
-#include "renderer/color/choose_color.h"
-#include "renderer/color/color_points.h"
+#include "image/choose_color.h"
+#include "image/color_points.h"
 #include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/color/color_points.h"
+#include "image/color_points.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 
 #include "octree/build.h"
 #include "base/error.h"
-#include "renderer/color/choose_color.h"
-#include "renderer/color/classification_colors.h"
+#include "image/choose_color.h"
+#include "image/classification_colors.h"
 #include "base/exact_math.h"
-#include "renderer/image_display.h"
+#include "image/image_display.h"
 #include "renderer/surface.h"
 #include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"

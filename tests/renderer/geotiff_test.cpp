@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "renderer/camera.h"
 #include "renderer/camera/ground_transform.h"
-#include "renderer/image.h"
-#include "renderer/image_geotiff.h"
+#include "image/image_file.h"
+#include "geo/geotiff.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/image.h"
+#include "image/image_file.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@
 #include <limits>
 
 #include "base/error.h"
-#include "renderer/image_display.h"
-#include "renderer/image_metadata.h"
+#include "image/image_display.h"
+#include "renderer/picture_metadata.h"
 #include "renderer/read_scene.h"
 #include "tests/renderer/describe_scene.h"
 #include "tests/support/random.h"

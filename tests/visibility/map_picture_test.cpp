@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "renderer/legend/find_font.h"
+#include "image/find_font.h"
 #include "visibility/relief.h"
 
 namespace alidade::test {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "renderer/legend/find_font.h"
+#include "image/find_font.h"
 #include "tests/support/random.h"
 #include "visibility/coverage_picture.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "renderer/legend/find_font.h"
+#include "image/find_font.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/horizon_file.h"
 #include "visibility/panorama.h"

@@ -6,7 +6,7 @@
 #include <array>
 
 #include "base/error.h"
-#include "renderer/legend/find_font.h"
+#include "image/find_font.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/picture_command.h"

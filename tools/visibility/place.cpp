@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/error.h"
-#include "renderer/image.h"
+#include "image/image_file.h"
 #include "tools/cloud_options.h"
 #include "tools/message.h"
 #include "tools/options.h"

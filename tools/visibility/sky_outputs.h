@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/color/color_map.h"
+#include "image/color_map.h"
 #include "tools/options.h"
 #include "tools/visibility/checkpoint_options.h"
 #include "tools/visibility/load_visibility_cloud.h"

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+#include "image/encoded_picture.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+[[noreturn]] void fail(const std::string& reason) {
+  throw Error({.problem = "a picture of the report cannot be encoded: " + reason});
+}
+
+}  // namespace
+
+PicturePacking packing_for(PicturePacking wanted, std::size_t pixels) {
+  constexpr std::size_t k_most_lossless = 2'000'000;
+  if (wanted != PicturePacking::automatic) return wanted;
+  return pixels <= k_most_lossless ? PicturePacking::png : PicturePacking::jpeg;
+}
+
+std::string data_url(const BytePicture& picture, PicturePacking packing) {
+  const std::size_t pixels = picture.bytes.size() / 3;
+  const bool is_png = packing_for(packing, pixels) == PicturePacking::png;
+  const std::string format = is_png ? "png" : "jpeg";
+  OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeUInt8);
+  spec.attribute("oiio:ColorSpace", "sRGB");
+  if (is_png) {
+    // The last percents of size cost most of the time.
+    spec.attribute("png:compressionLevel", pixels > 1'000'000 ? 3 : 9);
+  } else {
+    spec.attribute("Compression", "jpeg:92");
+    spec.attribute("jpeg:subsampling", "4:4:4");
+  }
+  OIIO::Filesystem::IOVecOutput encoded;
+  const auto image = OIIO::ImageOutput::create(format);
+  if (!image) fail(OIIO::geterror());
+  if (!image->set_ioproxy(&encoded)) fail(format + " cannot be encoded in memory");
+  if (!image->open("report." + format, spec) || !image->write_image(OIIO::TypeUInt8, picture.bytes.data()) ||
+      !image->close())
+    fail(image->geterror());
+  return fmt::format("data:image/{};base64,", format) + base64(encoded.buffer());
+}
+
+BytePicture shrunk(const BytePicture& picture, int longest_side) {
+  const int step = std::max(1, (std::max(picture.width, picture.height) + longest_side - 1) / longest_side);
+  BytePicture small{
+      .width = (picture.width + step - 1) / step, .height = (picture.height + step - 1) / step, .bytes = {}};
+  small.bytes.reserve(static_cast<std::size_t>(small.width) * static_cast<std::size_t>(small.height) * 3);
+  for (int y = 0; y < picture.height; y += step) {
+    for (int x = 0; x < picture.width; x += step) {
+      const int right = std::min(x + step, picture.width), bottom = std::min(y + step, picture.height);
+      const int count = (right - x) * (bottom - y);
+      for (int c = 0; c < 3; ++c) {
+        int sum = count / 2;
+        for (int row = y; row < bottom; ++row)
+          for (int column = x; column < right; ++column)
+            sum += picture.bytes[(static_cast<std::size_t>(row) * static_cast<std::size_t>(picture.width) +
+                                  static_cast<std::size_t>(column)) *
+                                     3 +
+                                 static_cast<std::size_t>(c)];
+        small.bytes.push_back(static_cast<std::uint8_t>(sum / count));
+      }
+    }
+  }
+  return small;
+}
+
+std::string base64(std::span<const unsigned char> bytes) {
+  constexpr std::string_view k_letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t three = std::uint32_t{bytes[i]} << 16;
+    if (left > 1) three |= std::uint32_t{bytes[i + 1]} << 8;
+    if (left > 2) three |= bytes[i + 2];
+    for (std::size_t letter = 0; letter < 4; ++letter)
+      text += letter <= left ? k_letters[three >> (18 - 6 * letter) & 63] : '=';
+  }
+  return text;
+}
+
+}  // namespace alidade

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+#include "image/film.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace alidade {
+
+std::vector<Layer> all_layers() {
+  std::vector<Layer> layers;
+  for (const NamedLayer& known : k_layers) layers.push_back(known.layer);
+  return layers;
+}
+
+Film::Film(int film_width, int film_height) : Film(film_width, film_height, all_layers()) {}
+
+Film::Film(int film_width, int film_height, std::span<const Layer> layers)
+    : width(film_width), height(film_height) {
+  constexpr float k_infinity = std::numeric_limits<float>::infinity();
+  const auto asked = [&](Layer layer) { return std::ranges::find(layers, layer) != layers.end(); };
+  if (asked(Layer::color)) {
+    color.assign(count(), Rgb(0.0f));
+    alpha.assign(count(), 0.0f);
+  }
+  if (asked(Layer::variance)) variance.assign(count(), Rgb(0.0f));
+  if (asked(Layer::depth)) depth.assign(count(), k_infinity);
+  if (asked(Layer::distance)) distance.assign(count(), k_infinity);
+  if (asked(Layer::normal)) normal.assign(count(), glm::vec3(0.0f));
+  if (asked(Layer::position)) position.assign(count(), glm::dvec3(0.0));
+  if (asked(Layer::albedo)) albedo.assign(count(), Rgb(0.0f));
+  if (asked(Layer::id)) id.assign(count(), 0);
+}
+
+bool Film::holds(Layer layer) const {
+  switch (layer) {
+    case Layer::color:
+      return !color.empty();
+    case Layer::depth:
+      return !depth.empty();
+    case Layer::distance:
+      return !distance.empty();
+    case Layer::normal:
+      return !normal.empty();
+    case Layer::position:
+      return !position.empty();
+    case Layer::albedo:
+      return !albedo.empty();
+    case Layer::id:
+      return !id.empty();
+    case Layer::variance:
+      return !variance.empty();
+  }
+  return false;
+}
+
+bool Film::holds_any() const {
+  return std::ranges::any_of(k_layers, [this](const NamedLayer& known) { return holds(known.layer); });
+}
+
+}  // namespace alidade

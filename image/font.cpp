@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: MIT
+#include "image/font.h"
+
+#include <ft2build.h>
+#include FT_FREETYPE_H
+
+#include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <vector>
+
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+constexpr char32_t k_replacement = 0xFFFD;
+
+/// The letters of UTF-8; the replacement character for every byte that is none.
+std::vector<char32_t> letters_of(std::string_view text) {
+  std::vector<char32_t> letters;
+  for (std::size_t i = 0; i < text.size();) {
+    const auto byte = [&](std::size_t k) { return static_cast<std::uint8_t>(text[k]); };
+    const std::uint8_t first = byte(i);
+    const std::size_t length = first < 0x80       ? 1
+                               : first >> 5 == 6  ? 2
+                               : first >> 4 == 14 ? 3
+                               : first >> 3 == 30 ? 4
+                                                  : 0;
+    char32_t letter = length == 1 ? first : first & (0x7Fu >> length);
+    bool whole = length > 0 && i + length <= text.size();
+    for (std::size_t k = 1; whole && k < length; ++k) {
+      whole = byte(i + k) >> 6 == 2;
+      letter = letter << 6 | (byte(i + k) & 0x3Fu);
+    }
+    letters.push_back(whole ? letter : k_replacement);
+    i += whole ? length : 1;
+  }
+  return letters;
+}
+
+}  // namespace
+
+struct Font::Face {
+  FT_Library library = nullptr;
+  FT_Face face = nullptr;
+
+  ~Face() {
+    if (face != nullptr) FT_Done_Face(face);
+    if (library != nullptr) FT_Done_FreeType(library);
+  }
+
+  /// Calls visit(glyph, place where it begins) for every letter, and returns the place behind the last.
+  template <class Visit>
+  int for_each_glyph(std::string_view text, int size, const Visit& visit) const {
+    assert(size >= 1);
+    FT_Set_Pixel_Sizes(face, 0, static_cast<FT_UInt>(size));
+    constexpr int k_unit_bits = 6;
+    int place = 0;
+    for (const char32_t letter : letters_of(text)) {
+      // The light hints keep stems crisp from top to bottom and do not move letters sideways.
+      if (FT_Load_Char(face, letter, FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) != 0) continue;
+      visit(*face->glyph, place);
+      place += static_cast<int>(face->glyph->advance.x >> k_unit_bits);
+    }
+    return place;
+  }
+};
+
+Font::Font(const std::filesystem::path& file) : face_(std::make_unique<Face>()) {
+  const bool opened = FT_Init_FreeType(&face_->library) == 0 &&
+                      FT_New_Face(face_->library, file.c_str(), 0, &face_->face) == 0 &&
+                      FT_IS_SCALABLE(face_->face);
+  if (!opened) throw Error({.file = file.string(), .problem = "cannot be read as a font"});
+}
+
+Font::~Font() = default;
+Font::Font(Font&&) noexcept = default;
+Font& Font::operator=(Font&&) noexcept = default;
+
+TextExtent Font::measure(std::string_view text, int size) const {
+  TextExtent extent;
+  extent.width = face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int) {
+    extent.ascent = std::max(extent.ascent, glyph.bitmap_top);
+    extent.descent = std::max(extent.descent, static_cast<int>(glyph.bitmap.rows) - glyph.bitmap_top);
+  });
+  return extent;
+}
+
+void Font::draw(Canvas& canvas, int x, int baseline, std::string_view text, int size,
+                const Rgb8& color) const {
+  face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int place) {
+    const int left = x + place + glyph.bitmap_left, top = baseline - glyph.bitmap_top;
+    for (int row = 0; row < static_cast<int>(glyph.bitmap.rows); ++row) {
+      const unsigned char* const covers = glyph.bitmap.buffer + row * glyph.bitmap.pitch;
+      for (int column = 0; column < static_cast<int>(glyph.bitmap.width); ++column)
+        canvas.blend(left + column, top + row, color, covers[column]);
+    }
+  });
+}
+
+}  // namespace alidade

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string_view>
+
+#include "image/canvas.h"
+
+namespace alidade {
+
+/// What a line of text takes, in pixels from the place on the baseline where it begins.
+struct TextExtent {
+  int width = 0;    ///< to the place where the next letter would stand
+  int ascent = 0;   ///< of the highest letter, up
+  int descent = 0;  ///< of the lowest letter, down
+};
+
+/// A font, through FreeType. Texts are UTF-8, one line, without kerning; what is no UTF-8 or not in the font
+/// shows as the font's mark for that. The same pixels for the same font, size and version of FreeType. Not
+/// for several threads at a time.
+class Font {
+ public:
+  /// Errors: not a font that FreeType reads.
+  explicit Font(const std::filesystem::path& file);
+  ~Font();
+  Font(Font&&) noexcept;
+  Font& operator=(Font&&) noexcept;
+
+  /// `size`: pixels of the em square, which is about the distance of lines; at least 1.
+  TextExtent measure(std::string_view text, int size) const;
+  /// The first letter stands at x on the row `baseline`, the last above it.
+  void draw(Canvas& canvas, int x, int baseline, std::string_view text, int size, const Rgb8& color) const;
+
+ private:
+  struct Face;
+  std::unique_ptr<Face> face_;
+};
+
+}  // namespace alidade

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <glm/vec2.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/color_key.h"
+#include "image/canvas.h"
+#include "image/font.h"
+
+// What the colours of a picture mean, as a small picture for reports: a colour bar with round ticks, or a
+// list of swatches with names, numbers of points and shares. Black on white.
+
+namespace alidade {
+
+struct LegendTick {
+  double value = 0.0;
+  int y = 0;  ///< the row of the bar with this value's colour
+};
+
+struct LegendSwatch {
+  PixelBox box;
+  Color16 color{0};
+};
+
+/// A line of text; see font.h.
+struct LegendText {
+  std::string text;
+  int x = 0, baseline = 0;
+  int size = 0;  ///< of the font, pixels
+  bool is_note = false;
+};
+
+/// Where everything stands, in pixels.
+struct LegendLayout {
+  int width = 0, height = 0;
+  int font_size = 0;
+  PixelBox bar;  ///< empty without a scale; high values on top
+  std::vector<LegendTick> ticks;
+  std::vector<LegendSwatch> swatches;  ///< those of the key, then "no value" if there are such points
+  std::vector<LegendText> texts;       ///< title, labels, notes
+};
+
+/// Font size of a legend whose size is not given, pixels.
+inline constexpr int k_legend_font_size = 20;
+
+/// Lays out the legend: as large as its texts need at k_legend_font_size, or into `size` pixels with the
+/// largest font for which all fits; a bar then takes what height is left. Errors: those of check_legend();
+/// the size is too small for a font of 8 pixels.
+LegendLayout lay_out_legend(const ColorKey& key, const Font& font,
+                            const std::optional<glm::ivec2>& size = {});
+
+/// The legend as a picture.
+Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& font);
+
+/// Writes the legend as PNG, with the font of find_font(). The file appears whole or not at all. The same
+/// bytes for the same key, size, font and version of FreeType. Errors: those of lay_out_legend(); a name that
+/// does not end in .png; an existing file without `overwrite`; a full disk and other write failures.
+void write_legend(const ColorKey& key, const std::filesystem::path& file,
+                  const std::optional<glm::ivec2>& size, bool overwrite);
+
+}  // namespace alidade

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include <algorithm>
+
+#include "base/error.h"
+#include "image/image_file.h"
+
+// Apart from the writing, so that who only asks for the format does not load OpenImageIO.
+
+namespace alidade {
+
+std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return c >= 'A' && c <= 'Z' ? char(c + 32) : c; });
+  if (extension == ".exr") return ImageFormat::exr;
+  if (extension == ".png") return ImageFormat::png;
+  if (extension == ".jpg" || extension == ".jpeg") return ImageFormat::jpeg;
+  if (extension == ".tif" || extension == ".tiff") return ImageFormat::geotiff;
+  return std::nullopt;
+}
+
+void check_image_name(const std::filesystem::path& file) {
+  if (image_format(file)) return;
+  const std::string extension = file.extension().string();
+  throw Error({.file = file.string(),
+               .problem = "unknown kind of image",
+               .expected = "a name that ends in .exr, .png, .jpg, .jpeg or .tif",
+               .found = extension.empty() ? "no extension" : extension});
+}
+
+}  // namespace alidade

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "cloud/attributes.h"
+#include "image/color_map.h"
+
+// What gives the points of a cloud their colours, as plain data.
+
+namespace alidade {
+
+/// Which of a point's values becomes its colour.
+enum class PointColor {
+  automatic,          ///< rgb if the cloud has it, else intensity, else height
+  rgb,                ///< the colours in the file
+  intensity,          ///< 0 .. 65535
+  height,             ///< world z
+  classification,     ///< one colour per ASPRS class
+  normal,             ///< the way the surface faces: 0.5 + 0.5 n, n the shading normal towards the viewer
+  gps_time,           ///< seconds
+  return_number,      ///< which echo of its pulse the point is
+  number_of_returns,  ///< how many echoes its pulse had
+  attribute,          ///< any other numeric column, by its name
+};
+
+/// A word for a PointColor in scene files and on command lines; any other word names an attribute.
+struct NamedPointColor {
+  std::string_view name;
+  PointColor color;
+};
+
+inline constexpr std::array<NamedPointColor, 9> k_point_colors = {
+    {{"automatic", PointColor::automatic},
+     {"rgb", PointColor::rgb},
+     {"intensity", PointColor::intensity},
+     {"height", PointColor::height},
+     {"classification", PointColor::classification},
+     {"normal", PointColor::normal},
+     {"gps_time", PointColor::gps_time},
+     {"return_number", PointColor::return_number},
+     {"number_of_returns", PointColor::number_of_returns}}};
+
+/// From low to high, both included.
+struct ValueRange {
+  double low = 0.0, high = 0.0;
+  bool operator==(const ValueRange&) const = default;
+};
+
+/// A class that is shown otherwise than usual.
+struct ClassColor {
+  std::uint8_t number = 0;
+  Color16 color{0};    ///< display-referred
+  std::string name{};  ///< empty: the usual one
+};
+
+/// What gives the points their colours, and by which colours numbers are shown.
+struct PointColoring {
+  PointColor by = PointColor::automatic;
+  std::string attribute{};            ///< its name; only for PointColor::attribute
+  std::optional<ColorMap> map{};      ///< empty: grey for intensity, terrain for height, else viridis
+  std::optional<ValueRange> range{};  ///< values of the first and last colour; empty: by percentiles
+  ValueRange percentiles{1.0, 99.0};  ///< 0 .. 100; numbers of returns are always shown whole
+  std::vector<ClassColor> classes{};  ///< each class at most once
+};
+
+/// Largest magnitude a value can have to be shown; what is beyond counts as no value, as NaN does.
+inline constexpr double k_largest_value = 1e300;
+
+/// What a word of k_point_colors, or else the name of an attribute, asks for. The rest as by default.
+PointColoring coloring_by(std::string_view word);
+
+/// The word that asks for it.
+std::string color_word(const PointColoring& coloring);
+
+/// "#rrggbb", hexadecimal, display-referred; empty for anything else.
+std::optional<Color16> parse_hex_color(std::string_view text);
+
+}  // namespace alidade

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "image/point_values.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "cloud/scalar_bytes.h"
+#include "octree/tree_walk.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_block_rows = 2048;
+constexpr double k_none = std::numeric_limits<double>::quiet_NaN();
+
+double value_or_none(double value) {
+  return std::fabs(value) <= k_largest_value ? value : k_none;
+}
+
+/// value_at(row) for every row.
+template <class ValueAt>
+PointValues of_rows(std::uint64_t count, const ValueAt& value_at) {
+  return {.count = count, .for_each_block = [count, value_at](const VisitBlock& visit) {
+            tbb::parallel_for(
+                tbb::blocked_range<std::uint64_t>(0, count, k_block_rows),
+                [&](const tbb::blocked_range<std::uint64_t>& rows) {
+                  std::array<double, k_block_rows> values;
+                  for (std::uint64_t begin = rows.begin(); begin < rows.end(); begin += k_block_rows) {
+                    const std::size_t size = std::min<std::uint64_t>(k_block_rows, rows.end() - begin);
+                    for (std::size_t i = 0; i < size; ++i) values[i] = value_or_none(value_at(begin + i));
+                    visit({.values = {values.data(), size}, .first_id = begin, .ids = {}});
+                  }
+                });
+          }};
+}
+
+template <class Value>
+PointValues of_column(std::span<const Value> column) {
+  return of_rows(column.size(), [column](std::uint64_t row) { return static_cast<double>(column[row]); });
+}
+
+double number_or_none(std::uint8_t number) {
+  return number == 0 ? k_none : number;
+}
+
+/// The mark for "no value" as a number. LAS keeps it as the widest type of its kind.
+double no_data_value(const ExtraDimension& dimension) {
+  if (!dimension.no_data) return k_none;
+  const auto* const bytes = reinterpret_cast<const std::byte*>(dimension.no_data->data());
+  switch (dimension.type) {
+    case ScalarType::float32:
+    case ScalarType::float64:
+      return load<double>(bytes);
+    case ScalarType::int8:
+    case ScalarType::int16:
+    case ScalarType::int32:
+    case ScalarType::int64:
+      return static_cast<double>(load<std::int64_t>(bytes));
+    default:
+      return static_cast<double>(load<std::uint64_t>(bytes));
+  }
+}
+
+PointValues of_extra(const ExtraColumn& column) {
+  const ExtraDimension& dimension = column.description;
+  const auto width = static_cast<std::size_t>(dimension.byte_count);
+  return of_rows(column.values.size() / width, [=, none = no_data_value(dimension), type = dimension.type,
+                                                scale = dimension.scale, offset = dimension.offset,
+                                                bytes = std::as_bytes(column.values)](std::uint64_t row) {
+    const double stored = cell_from(bytes.data() + row * width, type, std::endian::little).number;
+    return stored == none ? k_none : offset + scale * stored;
+  });
+}
+
+PointValues of_attribute(const std::string& name, const AttributeColumns& columns) {
+  if (name == "near_infrared") return of_column(columns.near_infrared);
+  if (name == "flags") return of_column(columns.flags);
+  if (name == "scan_angle") return of_column(columns.scan_angles);
+  if (name == "user_data") return of_column(columns.user_data);
+  if (name == "point_source_id") return of_column(columns.point_source_ids);
+  const ExtraColumn* const extra = find_numbers(columns, name);
+  assert(extra != nullptr);
+  return of_extra(*extra);
+}
+
+/// Calls visit(leaf) for every leaf, on many threads at a time.
+template <class Visit>
+void for_each_leaf_in_parallel(const TreeView& tree, const Visit& visit) {
+  constexpr std::size_t k_enough_subtrees = 256;
+  if (tree.node_count == 0) return;
+  const auto look_into = [&](const Frame& frame, std::vector<Frame>& below) {
+    for (int slot = 0; slot < k_node_width; ++slot) {
+      const std::uint8_t kind = tree.nodes[frame.node].kind[slot];
+      if (is_inner(kind)) below.push_back(child_frame(tree, frame, slot));
+      if (is_leaf(kind)) visit(child_leaf(tree, frame, slot));
+    }
+  };
+  std::vector<Frame> subtrees{root_frame(tree)};
+  while (!subtrees.empty() && subtrees.size() < k_enough_subtrees) {
+    std::vector<Frame> below;
+    for (const Frame& frame : subtrees) look_into(frame, below);
+    subtrees.swap(below);
+  }
+  tbb::parallel_for(std::size_t{0}, subtrees.size(), [&](std::size_t i) {
+    std::vector<Frame> stack{subtrees[i]};
+    while (!stack.empty()) {
+      const Frame frame = stack.back();
+      stack.pop_back();
+      look_into(frame, stack);
+    }
+  });
+}
+
+}  // namespace
+
+bool has_numbers(const ExtraColumn& column) {
+  return scalar_size(column.description.type) > 0;
+}
+
+const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_view name) {
+  const auto found = std::ranges::find_if(columns.extra_dimensions, [&](const ExtraColumn& column) {
+    return column.description.name == name && has_numbers(column);
+  });
+  return found == columns.extra_dimensions.end() ? nullptr : &*found;
+}
+
+PointValues heights(const TreeView& tree) {
+  return {.count = tree.point_count, .for_each_block = [&tree](const VisitBlock& visit) {
+            for_each_leaf_in_parallel(tree, [&](const Leaf& leaf) {
+              std::array<double, 256> values;
+              for (std::uint32_t i = 0; i < leaf.count; ++i)
+                values[i] = value_or_none(to_world(tree.lattice, position_of(tree, leaf, i)).z);
+              ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.place, .ids = {}};
+              if (tree.ids != nullptr) block.ids = {tree.ids + leaf.place, leaf.count};
+              visit(block);
+            });
+          }};
+}
+
+PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns, const TreeView& tree) {
+  const std::span<const ReturnNumbers> returns = columns.returns;
+  switch (coloring.by) {
+    case PointColor::intensity:
+      return of_column(columns.intensities);
+    case PointColor::classification:
+      return of_column(columns.classifications);
+    case PointColor::gps_time:
+      return of_column(columns.gps_times);
+    case PointColor::return_number:
+      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].number); });
+    case PointColor::number_of_returns:
+      return of_rows(returns.size(), [=](std::uint64_t row) { return number_or_none(returns[row].count); });
+    case PointColor::attribute:
+      return of_attribute(coloring.attribute, columns);
+    default:
+      assert(coloring.by == PointColor::height);
+      return heights(tree);
+  }
+}
+
+}  // namespace alidade

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "cloud/attribute_columns.h"
+#include "octree/octree.h"
+#include "image/point_color.h"
+
+// One number per point, wherever it lies: in a column of a cloud, in an index file's map, or in the tree.
+
+namespace alidade {
+
+/// Values of some points.
+struct ValueBlock {
+  std::span<const double> values;
+  std::uint64_t first_id = 0;          ///< point ids count up from here ...
+  std::span<const std::uint32_t> ids;  ///< ... unless they are listed here
+
+  std::uint64_t id(std::size_t i) const { return ids.empty() ? first_id + i : ids[i]; }
+};
+
+/// Called from many threads at a time.
+using VisitBlock = std::function<void(const ValueBlock& block)>;
+
+/// The numbers of all points of a cloud. A value that is not finite, beyond k_largest_value, or marked by the
+/// file as none is NaN.
+struct PointValues {
+  std::uint64_t count = 0;
+  /// Visits every point once, in blocks of some thousands at most, in any order.
+  std::function<void(const VisitBlock& visit)> for_each_block;
+};
+
+/// World z of every point. The tree must outlive it.
+PointValues heights(const TreeView& tree);
+
+/// Whether the values of an extra dimension are numbers, not bytes without meaning.
+bool has_numbers(const ExtraColumn& column);
+
+/// The extra dimension of that name that has numbers; null if there is none.
+const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_view name);
+
+/// The values that this coloring shows; columns and tree must outlive it. Requires that it shows numbers and
+/// that the cloud has them (image/choose_color.h). A number of returns of 0, which stands for none
+/// given, is NaN.
+PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns, const TreeView& tree);
+
+}  // namespace alidade

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and whoever links the
+// library and uses fmt would get OpenImageIO along with them.
+#include "image/read_picture.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/exact_math.h"
+#include "image/image_trouble.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::uint64_t k_most_pixels_per_byte = 4096;
+constexpr float k_infinite_light = 65504.0f, k_most_light = 1e9f;
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& problem,
+                       const std::string& expected = {}, const std::string& found = {}) {
+  throw Error({.file = file.string(), .problem = problem, .expected = expected, .found = found});
+}
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::filesystem::path& file) {
+  if (spec.deep || spec.depth > 1)
+    fail(file, "not a flat picture", "one with a single value per channel and pixel");
+  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "a picture without pixels");
+  const std::string found = size_text(spec.width, spec.height);
+  const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
+  if (count > k_most_sky_pixels) {
+    fail(file, "too large for a sky",
+         "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192", found);
+  }
+  if (count / k_most_pixels_per_byte > file_size) {
+    fail(file, "a picture that cannot hold its pixels",
+         "more than " + std::to_string(file_size) + " bytes for them", found);
+  }
+  const bool is_whole = spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
+                        spec.height == spec.full_height;
+  if (!is_whole) {
+    fail(file, "a cut-out of a picture",
+         "all of its " + size_text(spec.full_width, spec.full_height) + " pixels", found);
+  }
+}
+
+/// Which channels to read.
+struct Channels {
+  int begin = 0, count = 1;
+};
+
+Channels color_channels(const OIIO::ImageSpec& spec) {
+  if (spec.nchannels < 3) return {0, 1};
+  const std::vector<std::string>& names = spec.channelnames;
+  for (int i = 0; i + 2 < static_cast<int>(names.size()); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (names[at] == "R" && names[at + 1] == "G" && names[at + 2] == "B") return {i, 3};
+  }
+  return {0, 3};
+}
+
+/// Linear values of the display values 0, 1/65535, ... 1.
+std::vector<float> linear_values() {
+  std::vector<float> values(65536);
+  for (std::size_t code = 0; code < values.size(); ++code)
+    values[code] = static_cast<float>(linear_from_srgb(static_cast<double>(code) / 65535.0));
+  return values;
+}
+
+/// Makes light of a value; counts those that are none.
+float light_of(float value, std::uint64_t& mended) {
+  if (value >= 0.0f && value <= k_most_light) return value;
+  ++mended;
+  if (!(value > 0.0f)) return 0.0f;
+  return std::isinf(value) ? k_infinite_light : k_most_light;
+}
+
+}  // namespace
+
+SkyPixels read_sky_image(const std::filesystem::path& file) {
+  const std::uint64_t file_size = picture_file_size(file);
+  // Alpha is not looked at, so it must not be multiplied in either.
+  OIIO::ImageSpec hints;
+  hints.attribute("oiio:UnassociatedAlpha", 1);
+  const auto input = OIIO::ImageInput::open(file.string(), &hints);
+  if (!input) fail(file, "not a picture that can be read: " + image_trouble(OIIO::geterror()));
+  const OIIO::ImageSpec spec = input->spec();
+  check(spec, file_size, file);
+
+  SkyPixels pixels{.width = spec.width, .height = spec.height};
+  pixels.values.resize(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height));
+  const Channels channels = color_channels(spec);
+  const bool is_read = input->read_image(0, 0, channels.begin, channels.begin + channels.count,
+                                         OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb));
+  // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
+  if (!is_read || input->has_error())
+    fail(file, "a picture with pixels missing: " + image_trouble(input->geterror()));
+  if (channels.count == 1)
+    for (Rgb& value : pixels.values) value = Rgb(value.r);
+
+  if (!spec.channelformat(channels.begin).is_floating_point()) {
+    const std::vector<float> linear = linear_values();
+    for (Rgb& value : pixels.values)
+      for (int i = 0; i < 3; ++i)
+        value[i] = linear[static_cast<std::size_t>(std::lround(std::clamp(value[i], 0.0f, 1.0f) * 65535.0f))];
+    return pixels;
+  }
+  std::uint64_t mended = 0;
+  for (Rgb& value : pixels.values)
+    for (int i = 0; i < 3; ++i) value[i] = light_of(value[i], mended);
+  if (mended > 0) {
+    pixels.warning = file.string() + ": " + std::to_string(channels.count == 1 ? mended / 3 : mended) +
+                     " values are no light (negative, not finite or above 1e9): negative and NaN taken as 0, "
+                     "infinite as 65504";
+  }
+  return pixels;
+}
+
+}  // namespace alidade

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#include "image/image_display.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/exact_math.h"
+
+namespace alidade {
+namespace {
+
+// Entry k: the linear value half-way (in the encoded sense) between the codes k and k + 1.
+std::array<double, 255> code_thresholds() {
+  std::array<double, 255> thresholds{};
+  for (int k = 0; k < 255; ++k) thresholds[static_cast<std::size_t>(k)] = linear_from_srgb((k + 0.5) / 255.0);
+  return thresholds;
+}
+
+}  // namespace
+
+double exposure_scale(double stops) {
+  const double whole = std::floor(stops);
+  double fraction = stops - whole;
+  double scale = 1.0;
+  // The binary digits of the fraction choose among sqrt(2), sqrt(sqrt(2)), ...; sqrt is exactly rounded
+  // everywhere.
+  for (double factor = std::sqrt(2.0); fraction > 0.0 && factor > 1.0; factor = std::sqrt(factor)) {
+    fraction *= 2.0;
+    if (fraction >= 1.0) {
+      fraction -= 1.0;
+      scale *= factor;
+    }
+  }
+  return std::ldexp(scale, static_cast<int>(whole));
+}
+
+std::uint8_t srgb_code(double linear) {
+  static const std::array<double, 255> thresholds = code_thresholds();
+  if (!(linear > 0.0)) return 0;
+  return static_cast<std::uint8_t>(std::ranges::upper_bound(thresholds, linear) - thresholds.begin());
+}
+
+}  // namespace alidade

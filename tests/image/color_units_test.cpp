@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "image/gps_date.h"
+#include "geo/height_unit.h"
+
+namespace alidade {
+namespace {
+
+TEST(GpsDateTest, adjusted_time_counts_from_a_billion_seconds_after_the_beginning_of_1980s_gps) {
+  EXPECT_EQ(gps_date(-1'000'000'000), "1980-01-06 00:00:00");
+  EXPECT_EQ(gps_date(0), "2011-09-14 01:46:40");
+  EXPECT_EQ(gps_date(-1'000'000'001), "1980-01-05 23:59:59");
+  EXPECT_EQ(gps_date(172'799 - 100'000'000), "2008-07-15 15:59:59");
+  EXPECT_EQ(gps_date(1'000'000'000'000), std::nullopt);
+  EXPECT_EQ(gps_date(INT64_MIN), std::nullopt);
+  EXPECT_EQ(gps_date(INT64_MAX), std::nullopt);
+}
+
+TEST(GpsDateTest, weeks_begin_on_sunday) {
+  EXPECT_EQ(gps_weekday(0), "Sunday 00:00:00");
+  EXPECT_EQ(gps_weekday(604799), "Saturday 23:59:59");
+  EXPECT_EQ(gps_weekday(86400 + 3661), "Monday 01:01:01");
+  EXPECT_EQ(gps_weekday(-1), std::nullopt);
+  EXPECT_EQ(gps_weekday(604800), std::nullopt);
+}
+
+TEST(HeightUnitTest, the_vertical_system_counts_else_the_horizontal_one) {
+  const auto of_wkt = [](const std::string& wkt) {
+    Crs crs;
+    crs.wkt = wkt;
+    return height_unit(crs);
+  };
+  EXPECT_EQ(height_unit(Crs()), "m");
+  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["metre",1]])"), "m");
+  EXPECT_EQ(of_wkt(R"(PROJCS["x",GEOGCS["y",UNIT["degree",0.0174]],UNIT["US survey foot",0.3048]])"), "ft");
+  EXPECT_EQ(of_wkt(R"(COMPD_CS["a",PROJCS["x",UNIT["US survey foot",0.3]],VERT_CS["h",UNIT["metre",1]]])"),
+            "m");
+  EXPECT_EQ(
+      of_wkt(R"(COMPOUNDCRS["a",PROJCRS["x",LENGTHUNIT["metre",1]],VERTCRS["h",LENGTHUNIT["foot",0.3]]])"),
+      "ft");
+  EXPECT_EQ(of_wkt(R"(GEOGCS["y",UNIT["degree",0.0174]])"), "m");
+  EXPECT_EQ(of_wkt(R"(LOCAL_CS["y",UNIT["furlong",201.168]])"), "");
+  EXPECT_EQ(of_wkt("UNIT[\"met"), "");
+  Crs keys;
+  keys.geotiff_keys = {1, 1, 0, 1, 3076, 0, 1, 9003};
+  EXPECT_EQ(height_unit(keys), "ft");
+  keys.geotiff_keys = {1, 1, 0, 2, 3076, 0, 1, 9003, 4099, 0, 1, 9001};
+  EXPECT_EQ(height_unit(keys), "m");
+  keys.geotiff_keys = {1, 1, 0, 1, 3072, 0, 1, 2229};
+  EXPECT_EQ(height_unit(keys), "");
+}
+
+}  // namespace
+}  // namespace alidade
