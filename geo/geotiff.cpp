@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "renderer/camera/ground_transform.h"
+#include "camera/ground_transform.h"
 #include "geo/gdal_handles.h"
 #include "image/image_display.h"
 #include "renderer/picture_metadata.h"

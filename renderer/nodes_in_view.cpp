@@ -9,7 +9,7 @@
 #include <queue>
 #include <variant>
 
-#include "renderer/camera/projection.h"
+#include "camera/projection.h"
 
 namespace alidade {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/checksum.h"
-#include "renderer/camera/camera_json.h"
+#include "camera/camera_json.h"
 #include "renderer/quick_modes.h"
 #include "renderer/scene_text.h"
 

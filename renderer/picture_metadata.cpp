@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "renderer/camera/camera_json.h"
+#include "camera/camera_json.h"
 
 namespace alidade {
 namespace {

@@ -6,9 +6,9 @@
 #include <glm/matrix.hpp>
 
 #include "base/error.h"
-#include "renderer/camera.h"
-#include "renderer/camera/projection.h"
-#include "renderer/camera/rotation.h"
+#include "camera/camera.h"
+#include "camera/projection.h"
+#include "camera/rotation.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {

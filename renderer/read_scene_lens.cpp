@@ -2,7 +2,7 @@
 #include <numbers>
 #include <utility>
 
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {

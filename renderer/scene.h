@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "cloud/read_cloud.h"
-#include "renderer/camera/lens.h"
+#include "camera/lens.h"
 #include "image/point_color.h"
 #include "base/date_time.h"
 #include "renderer/material.h"
@@ -140,7 +140,7 @@ struct CameraPose {
 };
 
 /// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film place
-/// (x, y), which is pixel place (cx + fx x, cy + fy y); see renderer/camera/lens.h.
+/// (x, y), which is pixel place (cx + fx x, cy + fy y); see camera/lens.h.
 struct Camera {
   int width = 600, height = 400;
   double fx = 0.0, fy = 0.0;  ///< focal lengths in pixels; orthographic: pixels per metre; equirectangular:

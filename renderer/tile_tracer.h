@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "renderer/camera/projection.h"
+#include "camera/projection.h"
 #include "image/film.h"
 #include "renderer/integrator.h"
 #include "renderer/tile_grid.h"

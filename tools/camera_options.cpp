@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "renderer/camera.h"
-#include "renderer/camera/projection.h"
+#include "camera/camera.h"
+#include "camera/projection.h"
 #include "renderer/read_scene.h"
 
 namespace alidade {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "renderer/camera/camera_set.h"
+#include "camera/camera_set.h"
 #include "renderer/render.h"
 #include "tools/options.h"
 

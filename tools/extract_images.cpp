@@ -10,8 +10,8 @@
 
 #include "base/output_file.h"
 #include "base/error.h"
-#include "renderer/camera/camera_json.h"
-#include "renderer/camera/e57_camera.h"
+#include "camera/camera_json.h"
+#include "camera/e57_camera.h"
 
 namespace alidade {
 namespace {

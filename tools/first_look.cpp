@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "renderer/load_coarse_cloud.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"

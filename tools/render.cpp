@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/instruction_set.h"
-#include "renderer/camera/ground_transform.h"
+#include "camera/ground_transform.h"
 #include "image/image_file.h"
 #include "tools/command.h"
 #include "tools/first_look.h"

@@ -5,8 +5,8 @@
 #include <array>
 #include <vector>
 
-#include "renderer/camera.h"
-#include "renderer/camera/projection.h"
+#include "camera/camera.h"
+#include "camera/projection.h"
 
 namespace alidade {
 

@@ -15,7 +15,7 @@
 #include <string_view>
 
 #include "octree/tree_walk.h"
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "renderer/read_scene.h"
 #include "renderer/render.h"
 #include "renderer/surface.h"

@@ -11,8 +11,8 @@
 #include "compare/color_match.h"
 #include "compare/image_mask.h"
 #include "compare/resize_image.h"
-#include "renderer/camera.h"
-#include "renderer/camera/rotation.h"
+#include "camera/camera.h"
+#include "camera/rotation.h"
 #include "renderer/render.h"
 
 namespace alidade::test {

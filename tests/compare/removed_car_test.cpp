@@ -11,7 +11,7 @@
 #include "compare/region_points.h"
 #include "cloud/read_cloud.h"
 #include "cloud/las/write_las.h"
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "renderer/render.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tests/fuzz/write_seeds.h"
-#include "tests/renderer/colmap_builder.h"
+#include "tests/camera/colmap_builder.h"
 
 namespace {
 

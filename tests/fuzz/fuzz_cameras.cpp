@@ -6,9 +6,9 @@
 #include <string>
 
 #include "base/error.h"
-#include "renderer/camera.h"
-#include "renderer/camera/camera_set.h"
-#include "renderer/camera/projection.h"
+#include "camera/camera.h"
+#include "camera/camera_set.h"
+#include "camera/projection.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "base/error.h"
-#include "renderer/camera/camera_file.h"
+#include "camera/formats/camera_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;

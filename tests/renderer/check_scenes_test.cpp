@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "cloud/ply/write_ply.h"
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "renderer/read_scene.h"
 #include "renderer/render.h"
 

@@ -8,8 +8,8 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "renderer/camera.h"
-#include "renderer/camera/ground_transform.h"
+#include "camera/camera.h"
+#include "camera/ground_transform.h"
 #include "image/image_file.h"
 #include "geo/geotiff.h"
 

@@ -13,10 +13,10 @@
 
 #include "octree/build.h"
 #include "cloud/read_cloud.h"
-#include "renderer/camera.h"
-#include "renderer/camera/camera_set.h"
-#include "renderer/camera/projection.h"
-#include "renderer/camera/rotation.h"
+#include "camera/camera.h"
+#include "camera/camera_set.h"
+#include "camera/projection.h"
+#include "camera/rotation.h"
 #include "renderer/render.h"
 #include "tests/support/point_families.h"
 

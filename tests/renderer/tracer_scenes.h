@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "octree/build.h"
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "renderer/render.h"
 #include "tests/support/point_families.h"
 

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/distance.h"
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

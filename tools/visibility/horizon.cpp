@@ -9,7 +9,7 @@
 
 #include "base/output_file.h"
 #include "base/error.h"
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "geo/height_unit.h"
 #include "tools/cloud_options.h"
 #include "tools/image_writer.h"

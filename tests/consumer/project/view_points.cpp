@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cstdio>
 
-#include "renderer/camera.h"
+#include "camera/camera.h"
 #include "renderer/render.h"
 
 int main() {

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "camera/camera.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
+
+#include "camera/projection.h"
+#include "base/exact_math.h"
+
+namespace alidade {
+namespace {
+
+double tangent_of_degrees(double degrees) {
+  const SineCosine angle = sine_cosine_of_degrees(degrees);
+  return angle.sine / angle.cosine;
+}
+
+bool finite(const glm::dvec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Length 1; scaled first so that neither tiny nor huge vectors lose themselves. Zero stays zero.
+glm::dvec3 unit(const glm::dvec3& v) {
+  const double largest = std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  return largest > 0.0 ? glm::normalize(v / largest) : v;
+}
+
+/// The corners of a box seen from a camera that looks at it from somewhere: offsets from the box's centre
+/// along the camera's axes.
+struct Corners {
+  std::array<double, 8> right{}, down{}, ahead{};
+};
+
+/// The smallest distance behind the box's centre from which all corners lie within slopes of +-tangent on one
+/// film axis.
+double distance_to_fit(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
+                       double tangent) {
+  double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
+  for (int i = 0; i < 8; ++i) {
+    highest = std::max(highest, across[i] - tangent * ahead[i]);
+    lowest = std::min(lowest, across[i] + tangent * ahead[i]);
+  }
+  return (highest - lowest) / (2.0 * tangent);
+}
+
+/// How far aside the camera must stand at this distance for equal margins on both sides of one film axis.
+double place_to_center(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
+                       double distance) {
+  double low = *std::min_element(across.begin(), across.end()),
+         high = *std::max_element(across.begin(), across.end());
+  for (int step = 0; step < 60; ++step) {
+    const double middle = 0.5 * (low + high);
+    double left = std::numeric_limits<double>::infinity(), right = -left;
+    for (int i = 0; i < 8; ++i) {
+      const double slope = (across[i] - middle) / (ahead[i] + distance);
+      left = std::min(left, slope);
+      right = std::max(right, slope);
+    }
+    (left + right > 0.0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+Ray camera_ray(const Camera& camera, const glm::dvec2& film_position) {
+  if (const std::optional<Ray> ray = Projection(camera).ray(film_position)) return *ray;
+  throw Error({.problem = "the camera's lens has no view through this place of the film"});
+}
+
+std::optional<glm::dvec2> project_to_film(const Camera& camera, const glm::dvec3& world) {
+  return Projection(camera).project(world);
+}
+
+CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
+  if (!finite(eye) || !finite(target) || !finite(up))
+    throw Error({.problem = "look_at has a number that is not finite"});
+  const glm::dvec3 view = target - eye;
+  if (view == glm::dvec3(0.0)) throw Error({.problem = "look_at: eye and target are the same place"});
+  if (up == glm::dvec3(0.0)) throw Error({.problem = "look_at: up is zero"});
+  const glm::dvec3 forward = unit(view);
+  const glm::dvec3 right = glm::cross(forward, unit(up));
+  // Less than this, and rounding decides where right is.
+  if (glm::dot(right, right) < 1e-20) throw Error({.problem = "look_at: up is parallel to the view"});
+  CameraPose pose{.position = eye, .right = unit(right), .forward = forward};
+  pose.down = unit(glm::cross(pose.forward, pose.right));
+  return pose;
+}
+
+Camera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose) {
+  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  if (!(vertical_fov > 0.0 && vertical_fov < 180.0)) {
+    throw Error({.problem = "vertical field of view is out of range",
+                 .expected = "degrees between 0 and 180",
+                 .found = std::to_string(vertical_fov)});
+  }
+  const double focal_length = 0.5 * height / tangent_of_degrees(0.5 * vertical_fov);
+  return {width, height, focal_length, focal_length, 0.5 * width, 0.5 * height, pose, PinholeLens{}};
+}
+
+Camera resized(const Camera& camera, int width, int height) {
+  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  Camera result = camera;
+  const double across = static_cast<double>(width) / camera.width;
+  const double scale = static_cast<double>(height) / camera.height;
+  result.width = width;
+  result.height = height;
+  // A panorama keeps its whole sphere; all others keep square pixels square.
+  result.fx *= std::holds_alternative<EquirectangularLens>(camera.lens) ? across : scale;
+  result.fy *= scale;
+  result.cx *= across;
+  result.cy *= scale;
+  return result;
+}
+
+Camera overview_camera(const Bounds& bounds, int width, int height) {
+  constexpr double k_vertical_fov = 40.0, k_azimuth = 45.0, k_descent = 30.0, k_margin = 0.04;
+  const glm::dvec3 center = bounds.empty() ? glm::dvec3(0.0) : bounds.center();
+  glm::dvec3 half = 0.5 * bounds.size();
+  // A lone point needs room around it: a little, but more than rounding at its coordinates.
+  const double magnitude = std::max({std::fabs(center.x), std::fabs(center.y), std::fabs(center.z)});
+  half += glm::dvec3(glm::length(half) > 0.0 ? 1e-3 * glm::length(half) : std::max(0.02, 1e-9 * magnitude));
+
+  const SineCosine azimuth = sine_cosine_of_degrees(k_azimuth), descent = sine_cosine_of_degrees(k_descent);
+  const glm::dvec3 forward(azimuth.sine * descent.cosine, azimuth.cosine * descent.cosine, -descent.sine);
+  CameraPose pose = look_at(glm::dvec3(0.0), forward);
+  Camera camera = pinhole_from_fov(width, height, k_vertical_fov, pose);
+
+  Corners corners;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 offset((corner & 1) ? half.x : -half.x, (corner & 2) ? half.y : -half.y,
+                            (corner & 4) ? half.z : -half.z);
+    corners.right[corner] = glm::dot(offset, pose.right);
+    corners.down[corner] = glm::dot(offset, pose.down);
+    corners.ahead[corner] = glm::dot(offset, pose.forward);
+  }
+  const double distance =
+      std::max(distance_to_fit(corners.right, corners.ahead, (1.0 - k_margin) * camera.cx / camera.fx),
+               distance_to_fit(corners.down, corners.ahead, (1.0 - k_margin) * camera.cy / camera.fy));
+  camera.pose.position = center + place_to_center(corners.right, corners.ahead, distance) * pose.right +
+                         place_to_center(corners.down, corners.ahead, distance) * pose.down -
+                         distance * pose.forward;
+  return camera;
+}
+
+Camera panorama_camera(const glm::dvec3& place, int width, int height) {
+  if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
+  return {.width = width,
+          .height = height,
+          .fx = width / (2.0 * std::numbers::pi),
+          .fy = height / std::numbers::pi,
+          .cx = 0.5 * width,
+          .cy = 0.5 * height,
+          .pose = {.position = place},
+          .lens = EquirectangularLens{}};
+}
+
+Camera orthophoto_camera(const Bounds& bounds, double resolution) {
+  if (!(resolution > 0.0) || !std::isfinite(resolution)) {
+    throw Error({.problem = "resolution is out of range",
+                 .expected = "metres above 0",
+                 .found = std::to_string(resolution)});
+  }
+  if (bounds.empty()) throw Error({.problem = "there is nothing to look at from above"});
+  const double left = std::floor(bounds.min.x / resolution), right = std::ceil(bounds.max.x / resolution);
+  const double bottom = std::floor(bounds.min.y / resolution), top = std::ceil(bounds.max.y / resolution);
+  const double width = std::max(right - left, 1.0), height = std::max(top - bottom, 1.0);
+  if (!(width <= k_max_image_side && height <= k_max_image_side && width * height <= k_max_pixels)) {
+    throw Error({.problem = "the picture is too large",
+                 .expected =
+                     "at most 65536 pixels each way and 2^28 in all: a coarser resolution or a smaller "
+                     "extent",
+                 .found = fmt::format("{:.0f} x {:.0f}", width, height)});
+  }
+  Camera camera{.width = static_cast<int>(width),
+                .height = static_cast<int>(height),
+                .fx = 1.0 / resolution,
+                .fy = 1.0 / resolution,
+                .pose = {},
+                .lens = OrthographicLens{}};
+  // The camera's place is the image's upper left corner, so that its coordinates are those of the file.
+  camera.pose = {.position = {left * resolution, (bottom + height) * resolution, bounds.max.z + resolution},
+                 .right = {1.0, 0.0, 0.0},
+                 .down = {0.0, -1.0, 0.0},
+                 .forward = {0.0, 0.0, -1.0}};
+  return camera;
+}
+
+}  // namespace alidade

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/matrix.hpp>
+
+#include "base/error.h"
+#include "camera/formats/camera_file.h"
+#include "camera/rotation.h"
+#include "camera/formats/text_fields.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::array<std::string_view, 9> k_columns{"time", "x", "y", "z", "qw", "qx", "qy", "qz", "name"};
+constexpr std::size_t k_name = 8;
+constexpr std::size_t k_not_there = std::size_t(-1);
+
+/// What the remarks above the table must say: nothing about axes is guessed.
+struct Conventions {
+  std::optional<AxisConvention> axes;
+  std::optional<bool> camera_to_world;
+};
+
+bool has_word(std::string_view line, std::string_view word) {
+  for (FieldWalk fields(line); !fields.at_end();) {
+    std::string_view each = fields.word("word");
+    while (each.starts_with('#') || each.starts_with(':')) each.remove_prefix(1);
+    if (each == word) return true;
+  }
+  return false;
+}
+
+void read_remark(std::string_view line, Conventions& conventions) {
+  if (has_word(line, "opencv")) conventions.axes = AxisConvention::opencv;
+  if (has_word(line, "opengl")) conventions.axes = AxisConvention::opengl;
+  if (has_word(line, "camera_to_world")) conventions.camera_to_world = true;
+  if (has_word(line, "world_to_camera")) conventions.camera_to_world = false;
+}
+
+using Columns = std::array<std::size_t, k_columns.size()>;
+
+Columns read_header(std::string_view line) {
+  Columns columns;
+  columns.fill(k_not_there);
+  std::size_t place = 0;
+  for (FieldWalk fields(line); !fields.at_end(); ++place) {
+    const std::string_view word = fields.word("column");
+    const auto known = std::ranges::find(k_columns, word);
+    if (known == k_columns.end()) continue;  // further columns are the user's
+    std::size_t& column = columns[static_cast<std::size_t>(known - k_columns.begin())];
+    if (column != k_not_there)
+      throw Error(
+          {.problem = fmt::format("column '{}' stands twice", word), .expected = "every column once"});
+    column = place;
+  }
+  for (std::size_t i = 0; i < k_name; ++i) {
+    if (columns[i] == k_not_there) {
+      throw Error({.problem = fmt::format("no column '{}'", k_columns[i]),
+                   .expected = "a header with time,x,y,z,qw,qx,qy,qz (and name, if wanted) in any order"});
+    }
+  }
+  return columns;
+}
+
+std::vector<std::string_view> cells(std::string_view line) {
+  std::vector<std::string_view> all;
+  for (FieldWalk fields(line); !fields.at_end();) all.push_back(fields.word("cell"));
+  return all;
+}
+
+NamedCamera read_row(std::string_view line, const Columns& columns, const Conventions& conventions,
+                     const Camera& lens) {
+  const std::vector<std::string_view> row = cells(line);
+  const auto cell = [&](std::size_t column) {
+    if (columns[column] < row.size()) return row[columns[column]];
+    throw Error({.problem = fmt::format("row without '{}'", k_columns[column]),
+                 .expected = "as many values as the header has columns",
+                 .found = fmt::format("{}", row.size())});
+  };
+  std::array<double, 8> numbers{};
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    numbers[i] = number_of(cell(i), std::string(k_columns[i]).c_str());
+  const auto rotation = rotation_from_quaternion({numbers[4], numbers[5], numbers[6], numbers[7]});
+  if (!rotation) throw Error({.problem = "quaternion is none", .expected = "one that is not zero"});
+  const glm::dvec3 place(numbers[1], numbers[2], numbers[3]);
+  if (!(std::fabs(place.x) <= 1e12 && std::fabs(place.y) <= 1e12 && std::fabs(place.z) <= 1e12))
+    throw Error({.problem = "place is out of range", .expected = "coordinates within +-1e12"});
+
+  NamedCamera named{std::string(columns[k_name] == k_not_there ? cell(0) : cell(k_name)), lens};
+  CameraPose& pose = named.camera.pose;
+  if (*conventions.camera_to_world) {
+    pose = {.position = place, .right = (*rotation)[0], .down = (*rotation)[1], .forward = (*rotation)[2]};
+  } else {
+    pose = pose_from_world_to_camera(*rotation, place);
+  }
+  if (conventions.axes == AxisConvention::opengl) {
+    pose.down = -pose.down;
+    pose.forward = -pose.forward;
+  }
+  return named;
+}
+
+}  // namespace
+
+CameraSet read_trajectory(std::string_view text, const std::string& name, const std::optional<Camera>& lens) {
+  CameraSet set;
+  Conventions conventions;
+  std::optional<Columns> columns;
+  LineWalk lines(text);
+  try {
+    for (std::string_view line; lines.next(line);) {
+      if (lines.number() == 1 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+      const std::size_t first = line.find_first_not_of(" \t");
+      if (first == std::string_view::npos) continue;
+      if (line[first] == '#') {
+        read_remark(line, conventions);
+      } else if (!columns) {
+        columns = read_header(line);
+        if (!conventions.axes || !conventions.camera_to_world) {
+          throw Error({.problem = "nothing says how the quaternions are meant",
+                       .expected = "a line above the header such as '# opencv camera_to_world' (or opengl, "
+                                   "world_to_camera)"});
+        }
+        if (!lens) {
+          throw Error({.problem = "a trajectory has no lens",
+                       .expected = "--lens CAMERA.json, or a scene with a camera"});
+        }
+      } else {
+        set.cameras.push_back(read_row(line, *columns, conventions, *lens));
+      }
+    }
+  } catch (const Error& error) {
+    Error::Parts parts = error.parts();
+    parts.file = name;
+    parts.place = fmt::format("line {}", lines.number());
+    throw Error(parts);
+  }
+  return set;
+}
+
+}  // namespace alidade

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "base/error.h"
+#include "base/unit_direction.h"
+#include "camera/formats/camera_file.h"
+#include "camera/formats/image_file_size.h"
+#include "camera/rotation.h"
+#include "base/exact_math.h"
+
+namespace alidade {
+namespace {
+
+constexpr NumberRange k_coordinate{-1e12, 1e12};
+constexpr NumberRange k_pixels{-1e9, 1e9};
+constexpr NumberRange k_coefficient{-1e6, 1e6};
+constexpr NumberRange k_angle{0.0, std::numbers::pi, true, true};
+
+using Members = std::map<std::string, JsonNode>;
+
+/// Looks keys up in a frame first, then at the top.
+class FrameFields {
+ public:
+  FrameFields(const JsonNode& frame, const Members& top, std::set<std::string>& conflicts)
+      : frame_(frame), top_(top), conflicts_(conflicts) {}
+
+  std::optional<JsonNode> find(const std::string& key) const {
+    const std::optional<JsonNode> own = frame_.find(key);
+    const auto common = top_.find(key);
+    if (!own) return common == top_.end() ? std::nullopt : std::optional(common->second);
+    if (common != top_.end() && differs(*own, common->second)) conflicts_.insert(key);
+    return own;
+  }
+  double number(const std::string& key, double otherwise) const {
+    const auto node = find(key);
+    return node ? node->number(k_coefficient) : otherwise;
+  }
+
+ private:
+  static bool differs(const JsonNode& a, const JsonNode& b) {
+    if (a.is_number() && b.is_number()) return a.number() != b.number();
+    const auto *text = std::get_if<std::string>(&a.value().data),
+               *other = std::get_if<std::string>(&b.value().data);
+    return text != nullptr && other != nullptr && *text != *other;
+  }
+
+  const JsonNode& frame_;
+  const Members& top_;
+  std::set<std::string>& conflicts_;
+};
+
+double focal_length_of_angle(double extent, double angle) {
+  const SineCosine half = sine_cosine(0.5 * angle);
+  return 0.5 * extent * half.cosine / half.sine;
+}
+
+/// One axis: fov in degrees before focal length before angle in radians.
+std::optional<double> focal_length(const FrameFields& fields, char axis, double extent) {
+  if (const auto fov = fields.find(fmt::format("{}_fov", axis)))
+    return focal_length_of_angle(extent, fov->number({0.0, 180.0, true, true}) * std::numbers::pi / 180.0);
+  if (const auto length = fields.find(fmt::format("fl_{}", axis))) return length->number({0.0, 1e12, true});
+  if (const auto angle = fields.find(fmt::format("camera_angle_{}", axis)))
+    return focal_length_of_angle(extent, angle->number(k_angle));
+  return std::nullopt;
+}
+
+/// Counts that some programs write as 800.0.
+std::uint64_t pixels(const JsonNode& node) {
+  return node.whole_number(1, k_max_image_side);
+}
+
+struct Coefficients {
+  double k1, k2, k3, k4, p1, p2;
+};
+
+Coefficients coefficients(const FrameFields& fields) {
+  if (const auto list = fields.find("distortion_params")) {
+    const std::vector<JsonNode> all = list->elements(6, 6);
+    double k[6];
+    for (std::size_t i = 0; i < 6; ++i) k[i] = all[i].number(k_coefficient);
+    return {k[0], k[1], k[2], k[3], k[4], k[5]};
+  }
+  return {fields.number("k1", 0.0), fields.number("k2", 0.0), fields.number("k3", 0.0),
+          fields.number("k4", 0.0), fields.number("p1", 0.0), fields.number("p2", 0.0)};
+}
+
+Lens lens_of(const FrameFields& fields, std::vector<std::string>& warnings) {
+  constexpr std::array<std::string_view, 8> models{"PINHOLE",         "SIMPLE_PINHOLE", "SIMPLE_RADIAL",
+                                                   "RADIAL",          "OPENCV",         "OPENCV_FISHEYE",
+                                                   "EQUIRECTANGULAR", "perspective"};
+  const Coefficients k = coefficients(fields);
+  const auto model = fields.find("camera_model");
+  const std::size_t choice = model ? model->choice(models) : models.size() - 1;
+  const auto is_fisheye = fields.find("is_fisheye");
+  if (choice == 5 || (is_fisheye && is_fisheye->boolean()))
+    return FisheyeLens{{.radial = {k.k1, k.k2, k.k3, k.k4}}};
+  if (choice == 6) return EquirectangularLens{};
+  Distortion distortion{.radial = {k.k1, k.k2, k.k3, k.k4}, .p1 = k.p1, .p2 = k.p2};
+  if (!model && (k.k3 != 0.0 || k.k4 != 0.0)) {
+    // Without nerfstudio's "camera_model" these are instant-ngp's slots for fisheyes.
+    distortion.radial[2] = distortion.radial[3] = 0.0;
+    warnings.emplace_back(
+        "k3 and k4 are left out: without \"camera_model\" or \"is_fisheye\" they mean nothing");
+  }
+  return BrownLens{distortion};
+}
+
+void set_intrinsics(const FrameFields& fields, const JsonNode& frame, const std::filesystem::path& image,
+                    Camera& camera) {
+  const auto width = fields.find("w"), height = fields.find("h");
+  if (width && height) {
+    at_node(frame, [&] { set_size(camera, pixels(*width), pixels(*height)); });
+  } else {
+    at_node(frame, [&] {
+      const ImageFileSize size = image_file_size(image);
+      set_size(camera, size.width, size.height);
+    });
+  }
+  const double w = camera.width, h = camera.height;
+  const auto center_x = fields.find("cx"), center_y = fields.find("cy");
+  camera.cx = center_x ? center_x->number(k_pixels) : 0.5 * w;
+  camera.cy = center_y ? center_y->number(k_pixels) : 0.5 * h;
+  if (std::holds_alternative<EquirectangularLens>(camera.lens)) {
+    camera.fx = w / (2.0 * std::numbers::pi);
+    camera.fy = h / std::numbers::pi;
+    return;
+  }
+  const auto across = focal_length(fields, 'x', w);
+  if (!across) {
+    frame.fail("no focal length", R"("fl_x", "camera_angle_x" or "x_fov", here or at the top)",
+               "none of them");
+  }
+  camera.fx = *across;
+  camera.fy = focal_length(fields, 'y', h).value_or(camera.fx);
+}
+
+/// An affine map as rows of four numbers; 3 rows, or 4 of which the last is not looked at.
+struct Affine {
+  glm::dmat3 linear{1.0};
+  glm::dvec3 shift{0.0};
+};
+
+Affine read_affine(const JsonNode& node) {
+  const std::vector<JsonNode> rows = node.elements(3, 4);
+  Affine affine;
+  for (int row = 0; row < 3; ++row) {
+    const std::vector<JsonNode> numbers = rows[static_cast<std::size_t>(row)].elements(4, 4);
+    for (int column = 0; column < 3; ++column)
+      affine.linear[column][row] = numbers[static_cast<std::size_t>(column)].number(k_coordinate);
+    affine.shift[row] = numbers[3].number(k_coordinate);
+  }
+  return affine;
+}
+
+/// Takes a uniform scale out of a rotation. Errors: what is left is no rotation.
+double take_scale(const JsonNode& node, glm::dmat3& linear) {
+  const double scale = length_of(linear[0]);
+  if (scale > 0.0) linear /= scale;
+  if (!(error_of_rotation(linear) <= k_file_rotation_tolerance) || glm::determinant(linear) < 0.0) {
+    node.fail("not a rotation", "three columns of one length at right angles, right-handed",
+              "other numbers in the first three columns");
+  }
+  linear = orthonormal(linear);
+  return scale;
+}
+
+/// From the world of the file to the one before its conversion.
+struct WorldChange {
+  glm::dmat3 rotation{1.0};
+  glm::dvec3 shift{0.0};
+  double scale = 1.0;
+};
+
+CameraPose before(const WorldChange& change, const CameraPose& pose) {
+  const glm::dmat3 back = glm::transpose(change.rotation);
+  return {.position = back * (pose.position / change.scale - change.shift),
+          .right = back * pose.right,
+          .down = back * pose.down,
+          .forward = back * pose.forward};
+}
+
+std::optional<WorldChange> world_change(const JsonNode& top) {
+  const auto transform = top.find("applied_transform"), scale = top.find("applied_scale");
+  if (!transform && !scale) return std::nullopt;
+  WorldChange change;
+  if (transform) {
+    Affine affine = read_affine(*transform);
+    change.rotation = affine.linear;
+    change.shift = affine.shift;
+    const double length = take_scale(*transform, change.rotation);
+    if (std::fabs(length - 1.0) > k_file_rotation_tolerance)
+      transform->fail("applied_transform is not rigid", "a rotation and a shift", "a scale");
+  }
+  if (scale) change.scale = scale->number({1e-9, 1e9});
+  return change;
+}
+
+}  // namespace
+
+CameraSet read_transforms(const JsonNode& top, const std::filesystem::path& file, bool original_world) {
+  CameraSet set;
+  std::set<std::string> conflicts;
+  std::size_t scaled = 0;
+  const std::optional<WorldChange> change = world_change(top);
+  Members common;
+  for (auto& [key, value] : top.members()) common.emplace(key, value);
+  for (const JsonNode& frame : top.find("frames")->elements(0, std::size_t(-1))) {
+    const auto path = frame.find("file_path"), matrix = frame.find("transform_matrix");
+    if (!path) frame.fail("missing key \"file_path\"", "the key", "a frame without it");
+    if (!matrix) frame.fail("missing key \"transform_matrix\"", "the key", "a frame without it");
+    NamedCamera named{path->text(), {}};
+    std::ranges::replace(named.name, '\\', '/');
+    const FrameFields fields(frame, common, conflicts);
+    std::vector<std::string> warnings;
+    named.camera.lens = lens_of(fields, warnings);
+    if (set.warnings.empty()) set.warnings = warnings;
+    set_intrinsics(fields, frame, file.parent_path() / named.name, named.camera);
+
+    Affine affine = read_affine(*matrix);
+    const double scale = take_scale(*matrix, affine.linear);
+    if (std::fabs(scale - 1.0) > k_file_rotation_tolerance) ++scaled;
+    named.camera.pose = {.position = affine.shift,
+                         .right = affine.linear[0],
+                         .down = -affine.linear[1],
+                         .forward = -affine.linear[2]};
+    if (original_world && change) named.camera.pose = before(*change, named.camera.pose);
+    at_node(frame, [&] { check_camera_numbers(named.camera); });
+    set.cameras.push_back(std::move(named));
+  }
+  for (const std::string& key : conflicts)
+    set.warnings.push_back(
+        fmt::format("\"{}\" stands at the top and in frames, and differs: the frame's is used", key));
+  if (scaled > 0) set.warnings.push_back(fmt::format("{} poses have a scale, which is left out", scaled));
+  if (change && !original_world)
+    set.warnings.emplace_back(
+        "cameras stand in a world that was turned and scaled by applied_transform and applied_scale");
+  return set;
+}
+
+}  // namespace alidade

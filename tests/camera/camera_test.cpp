@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: MIT
+#include "camera/camera.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "tests/support/random.h"
+
+namespace alidade {
+namespace {
+
+TEST(Camera, film_position_survives_the_way_to_the_world_and_back) {
+  test::Random random;
+  for (int i = 0; i < 2000; ++i) {
+    Camera camera = pinhole_from_fov(600, 400, random.between(10.0, 120.0),
+                                     look_at(random.in_cube(), random.in_cube() * 10.0, random.direction()));
+    camera.fx *= random.between(0.5, 2.0);
+    camera.cx += random.between(-100.0, 100.0);
+    const glm::dvec2 film(random.between(0.0, 600.0), random.between(0.0, 400.0));
+    const Ray ray = camera_ray(camera, film);
+    ASSERT_NEAR(glm::length(ray.direction), 1.0, 1e-15);
+    ASSERT_EQ(ray.t_min, 0.0);
+    const auto back = project_to_film(camera, ray.position(random.between(1.0, 50.0)));
+    ASSERT_TRUE(back);
+    ASSERT_NEAR(back->x, film.x, 1e-9);
+    ASSERT_NEAR(back->y, film.y, 1e-9);
+  }
+}
+
+TEST(Camera, nothing_is_projected_from_behind) {
+  const Camera camera = pinhole_from_fov(10, 10, 90.0, look_at({0, 0, 0}, {0, 1, 0}));
+  EXPECT_FALSE(project_to_film(camera, {0.0, -1.0, 0.0}));
+  EXPECT_FALSE(project_to_film(camera, {1.0, 0.0, 0.0}));
+}
+
+TEST(Camera, look_at_is_a_rotation_with_up_towards_the_top) {
+  const CameraPose pose = look_at({1, 2, 3}, {4, 6, 3});
+  EXPECT_NEAR(glm::length(pose.forward - glm::dvec3(0.6, 0.8, 0.0)), 0.0, 1e-15);
+  EXPECT_NEAR(glm::length(pose.right - glm::dvec3(0.8, -0.6, 0.0)), 0.0, 1e-15);
+  EXPECT_NEAR(glm::length(pose.down - glm::dvec3(0.0, 0.0, -1.0)), 0.0, 1e-15);
+}
+
+TEST(Camera, field_of_view_reaches_the_middle_of_the_top_edge) {
+  const Camera camera = pinhole_from_fov(600, 400, 50.0, look_at({0, 0, 0}, {0, 1, 0}));
+  const Ray ray = camera_ray(camera, {300.0, 0.0});
+  EXPECT_NEAR(std::atan2(ray.direction.z, ray.direction.y), 25.0 * std::numbers::pi / 180.0, 1e-14);
+  EXPECT_NEAR(camera_ray(camera, {300.0, 200.0}).direction.y, 1.0, 1e-15);
+}
+
+TEST(Camera, impossible_views_are_errors) {
+  EXPECT_THROW(look_at({1, 2, 3}, {1, 2, 3}), Error);
+  EXPECT_THROW(look_at({0, 0, 0}, {0, 0, 5}), Error);
+  EXPECT_THROW(look_at({0, 0, 0}, {0, 1, 0}, {0, 0, 0}), Error);
+  EXPECT_THROW(look_at({0, NAN, 0}, {0, 1, 0}), Error);
+  const CameraPose pose = look_at({0, 0, 0}, {0, 1, 0});
+  EXPECT_THROW(pinhole_from_fov(10, 10, 0.0, pose), Error);
+  EXPECT_THROW(pinhole_from_fov(10, 10, 180.0, pose), Error);
+  EXPECT_THROW(pinhole_from_fov(10, 10, NAN, pose), Error);
+  EXPECT_THROW(pinhole_from_fov(0, 10, 50.0, pose), Error);
+}
+
+TEST(Camera, resizing_keeps_the_vertical_field_of_view) {
+  Camera camera = pinhole_from_fov(600, 400, 50.0, look_at({0, 0, 0}, {0, 1, 0}));
+  camera.cy = 100.0;
+  const Camera large = resized(camera, 2400, 800);
+  EXPECT_EQ(large.width, 2400);
+  for (const double y : {0.0, 100.0, 400.0}) {
+    EXPECT_NEAR(glm::length(camera_ray(camera, {300.0, y}).direction -
+                            camera_ray(large, {1200.0, 2.0 * y}).direction),
+                0.0, 1e-14);
+  }
+}
+
+/// Largest distance of the box's corners from the image's centre, in half image sizes: 1 touches the edge.
+double reach(const Camera& camera, const Bounds& bounds) {
+  double result = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto film = project_to_film(
+        camera, {(corner & 1) ? bounds.max.x : bounds.min.x, (corner & 2) ? bounds.max.y : bounds.min.y,
+                 (corner & 4) ? bounds.max.z : bounds.min.z});
+    if (!film) return INFINITY;
+    result = std::max({result, std::abs(film->x / camera.width * 2.0 - 1.0),
+                       std::abs(film->y / camera.height * 2.0 - 1.0)});
+  }
+  return result;
+}
+
+TEST(Camera, overview_shows_the_whole_box_and_fills_the_image) {
+  const glm::dvec3 utm(690000.0, 5325000.0, 500.0);
+  const Bounds boxes[] = {{utm, utm + glm::dvec3(100, 80, 20)},            // a site
+                          {utm, utm + glm::dvec3(100, 80, 0)},             // flat
+                          {utm, utm + glm::dvec3(0, 0, 50)},               // a pole
+                          {utm, utm + glm::dvec3(2000, 1, 1)},             // a corridor
+                          {{-122.5, 44.0, 100.0}, {-122.4, 44.1, 100.2}},  // degrees
+                          {glm::dvec3(-1e-3), glm::dvec3(1e-3)}};
+  for (const Bounds& box : boxes) {
+    for (const auto& [width, height] : {std::pair(600, 400), std::pair(400, 600), std::pair(1, 1)}) {
+      const Camera camera = overview_camera(box, width, height);
+      EXPECT_LE(reach(camera, box), 0.97);
+      EXPECT_GE(reach(camera, box), 0.9);
+      EXPECT_GT(camera.pose.position.z, box.max.z);
+      EXPECT_GT(camera.pose.forward.x, 0.1);
+      EXPECT_GT(camera.pose.forward.y, 0.1);
+    }
+  }
+}
+
+TEST(Camera, overview_leaves_equal_margins) {
+  const Bounds box{{0, 0, 0}, {100, 70, 30}};
+  for (const auto& [width, height] : {std::pair(600, 400), std::pair(400, 600)}) {
+    const Camera camera = overview_camera(box, width, height);
+    Bounds film;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto place = project_to_film(
+          camera, {(corner & 1) ? 100.0 : 0.0, (corner & 2) ? 70.0 : 0.0, (corner & 4) ? 30.0 : 0.0});
+      ASSERT_TRUE(place);
+      film.grow(glm::dvec3(*place, 0.0));
+    }
+    EXPECT_NEAR(film.min.x, width - film.max.x, 1.0);
+    EXPECT_NEAR(film.min.y, height - film.max.y, 1.0);
+  }
+}
+
+TEST(Camera, overview_of_a_single_place_and_of_nothing_is_a_usable_camera) {
+  const glm::dvec3 place(690000.0, 5325000.0, 500.0);
+  for (const Bounds& box : {Bounds{place, place}, Bounds{}, Bounds{glm::dvec3(3e9), glm::dvec3(3e9)}}) {
+    const Camera camera = overview_camera(box, 600, 400);
+    const auto film = project_to_film(camera, box.empty() ? glm::dvec3(0.0) : box.min);
+    ASSERT_TRUE(film);
+    EXPECT_NEAR(film->x, 300.0, 1.0);
+    EXPECT_NEAR(film->y, 200.0, 40.0);
+  }
+}
+
+}  // namespace
+}  // namespace alidade
