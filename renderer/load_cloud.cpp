@@ -14,7 +14,7 @@
 #include "image/choose_color.h"
 #include "image/color_points.h"
 #include "renderer/index_cloud.h"
-#include "renderer/point_radius.h"
+#include "renderer/load_cloud.h"
 #include "renderer/render.h"
 
 namespace alidade {

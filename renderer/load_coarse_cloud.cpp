@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/load_coarse_cloud.h"
+#include "renderer/cloud_in_view.h"
 
 #include <algorithm>
 
@@ -8,7 +8,7 @@
 #include "image/choose_color.h"
 #include "renderer/index_cloud.h"
 #include "renderer/nodes_in_view.h"
-#include "renderer/point_radius.h"
+#include "renderer/load_cloud.h"
 
 namespace alidade {
 

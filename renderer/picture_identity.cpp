@@ -8,7 +8,7 @@
 
 #include "base/checksum.h"
 #include "camera/camera_json.h"
-#include "renderer/quick_modes.h"
+#include "renderer/render_modes.h"
 #include "renderer/scene_text.h"
 
 namespace alidade {

@@ -7,8 +7,8 @@
 
 #include "renderer/checkpoint.h"
 #include "renderer/picture_renderer.h"
-#include "renderer/point_radius.h"
-#include "renderer/quick_modes.h"
+#include "renderer/load_cloud.h"
+#include "renderer/render_modes.h"
 
 namespace alidade {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/trace_samples.h"
 
-#include "renderer/quick_modes.h"
+#include "renderer/render_modes.h"
 
 namespace alidade {
 

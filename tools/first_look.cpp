@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "camera/camera.h"
-#include "renderer/load_coarse_cloud.h"
+#include "renderer/cloud_in_view.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
 #include "tools/progress.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "renderer/quick_modes.h"
+#include "renderer/render_modes.h"
 #include "tools/image_writer.h"
 #include "tools/message.h"
 

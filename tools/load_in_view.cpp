@@ -7,7 +7,7 @@
 
 #include "image/choose_color.h"
 #include "renderer/index_cloud.h"
-#include "renderer/point_radius.h"
+#include "renderer/load_cloud.h"
 #include "renderer/view_planes.h"
 #include "tools/database_part.h"
 #include "tools/message.h"

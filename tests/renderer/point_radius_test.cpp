@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/point_radius.h"
+#include "renderer/load_cloud.h"
 
 #include <gtest/gtest.h>
 

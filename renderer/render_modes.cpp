@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/quick_modes.h"
+#include "renderer/render_modes.h"
 
 #include <cmath>
 #include <limits>
