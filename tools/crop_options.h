@@ -27,7 +27,7 @@ void add_crop_options(CLI::App& command, CropOptions& options);
 void check_crop(const CropOptions& options);
 
 /// Crops a cloud, which may lack the files outside the box (ReadOptions::region). Errors: as read_polygons()
-/// of visibility/read_polygons.h and load_module_function(); no point is left of a cloud that had some.
+/// of geo/read_polygons.h and load_module_function(); no point is left of a cloud that had some.
 void crop(PointCloud& cloud, const CropOptions& options, const Progress& progress);
 
 }  // namespace alidade

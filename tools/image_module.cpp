@@ -4,14 +4,14 @@
 #include "geo/place_sun.h"
 #include "image/read_picture.h"
 #include "tools/image_writer.h"
-#include "visibility/coverage_picture.h"
+#include "visibility/points/coverage_picture.h"
 #include "geo/lon_lat.h"
-#include "visibility/map_picture.h"
+#include "visibility/raster/map_picture.h"
 #include "geo/raster_file.h"
 #include "visibility/read_observers.h"
-#include "visibility/read_polygons.h"
-#include "visibility/skyline_picture.h"
-#include "visibility/sun_path.h"
+#include "geo/read_polygons.h"
+#include "visibility/horizon/skyline_picture.h"
+#include "visibility/sky/sun_path.h"
 
 // The module that load_module_function() loads.
 

@@ -13,7 +13,7 @@
 
 #include "octree/build.h"
 #include "tests/support/known_visibility.h"
-#include "visibility/point_visibility.h"
+#include "visibility/points/point_visibility.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/coverage.h"
+#include "visibility/points/coverage.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/thin_points.h"
+#include "visibility/points/thin_points.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/curved_sight.h"
+#include "visibility/raster/curved_sight.h"
 
 #include <gtest/gtest.h>
 

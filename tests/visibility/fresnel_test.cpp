@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/fresnel.h"
+#include "visibility/lines/fresnel.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/frequency.h"
+#include "visibility/lines/frequency.h"
 
 namespace alidade::test {
 namespace {

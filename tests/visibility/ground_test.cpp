@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/ground.h"
+#include "visibility/raster/ground.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "octree/build.h"
 #include "base/error.h"
 #include "tests/support/random.h"
-#include "visibility/fill_gaps.h"
+#include "visibility/raster/fill_gaps.h"
 
 namespace alidade::test {
 namespace {

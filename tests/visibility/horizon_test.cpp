@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/horizon.h"
+#include "visibility/horizon/horizon.h"
 
 #include <gtest/gtest.h>
 

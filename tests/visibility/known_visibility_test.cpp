@@ -5,7 +5,7 @@
 #include "octree/build.h"
 #include "octree/point_spacing.h"
 #include "tests/support/known_visibility.h"
-#include "visibility/point_visibility.h"
+#include "visibility/points/point_visibility.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/line_files.h"
+#include "visibility/lines/line_files.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

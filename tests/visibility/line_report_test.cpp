@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/line_report.h"
+#include "visibility/lines/line_report.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/line_report_bytes.h"
+#include "visibility/lines/line_report_bytes.h"
 
 namespace alidade::test {
 namespace {

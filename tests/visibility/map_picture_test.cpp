@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/map_picture.h"
+#include "visibility/raster/map_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "image/find_font.h"
-#include "visibility/relief.h"
+#include "visibility/raster/relief.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/pair_table.h"
+#include "visibility/lines/pair_table.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/placement.h"
+#include "visibility/points/placement.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "image/find_font.h"
 #include "tests/support/random.h"
-#include "visibility/coverage_picture.h"
+#include "visibility/points/coverage_picture.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/point_visibility.h"
+#include "visibility/points/point_visibility.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tests/visibility/vector_file_test.h"
+#include "tests/geo/vector_file_test.h"
 
 namespace alidade::test {
 namespace {

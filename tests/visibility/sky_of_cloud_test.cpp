@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky_of_cloud.h"
+#include "visibility/sky/sky_of_cloud.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/map_targets.h"
+#include "visibility/raster/map_places.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sky_view.h"
+#include "visibility/sky/sky_view.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

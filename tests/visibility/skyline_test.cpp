@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/skyline.h"
+#include "visibility/horizon/skyline.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include "base/error.h"
 #include "image/find_font.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/horizon_file.h"
-#include "visibility/panorama.h"
-#include "visibility/skyline_picture.h"
+#include "visibility/horizon/horizon_file.h"
+#include "visibility/horizon/panorama.h"
+#include "visibility/horizon/skyline_picture.h"
 
 namespace alidade::test {
 namespace {

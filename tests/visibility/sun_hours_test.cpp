@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/sun_hours.h"
+#include "visibility/sky/sun_hours.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include "base/error.h"
 #include "geo/sun.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/beam_irradiance.h"
+#include "visibility/sky/beam_irradiance.h"
 #include "geo/compass.h"
-#include "visibility/sun_path.h"
+#include "visibility/sky/sun_path.h"
 
 namespace alidade::test {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/viewshed_file.h"
+#include "visibility/raster/viewshed_file.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
 #include "base/error.h"
-#include "visibility/viewshed_area.h"
+#include "visibility/raster/viewshed_area.h"
 
 namespace alidade::test {
 namespace {

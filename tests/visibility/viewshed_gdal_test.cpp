@@ -9,7 +9,7 @@
 
 #include "octree/build.h"
 #include "tests/visibility/ascii_grid.h"
-#include "visibility/viewshed.h"
+#include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "octree/build.h"
 #include "tests/support/random.h"
-#include "visibility/viewshed.h"
+#include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/viewshed.h"
+#include "visibility/raster/viewshed.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tests/visibility/viewshed_place.h"
-#include "visibility/map_targets.h"
+#include "visibility/raster/map_places.h"
 
 namespace alidade::test {
 namespace {

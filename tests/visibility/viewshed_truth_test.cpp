@@ -9,7 +9,7 @@
 #include "cloud/read_cloud.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"
-#include "visibility/viewshed.h"
+#include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
 namespace {

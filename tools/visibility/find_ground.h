@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tools/visibility/load_visibility_cloud.h"
-#include "visibility/ground.h"
+#include "visibility/raster/ground.h"
 
 namespace alidade {
 

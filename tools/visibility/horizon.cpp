@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/horizon.h"
+#include "visibility/horizon/horizon.h"
 
 #include <fmt/format.h>
 
@@ -24,9 +24,9 @@
 #include "tools/visibility/row_output.h"
 #include "tools/visibility/sky_module.h"
 #include "base/words.h"
-#include "visibility/horizon_file.h"
-#include "visibility/panorama.h"
-#include "visibility/sky_view.h"
+#include "visibility/horizon/horizon_file.h"
+#include "visibility/horizon/panorama.h"
+#include "visibility/sky/sky_view.h"
 
 namespace alidade {
 namespace {

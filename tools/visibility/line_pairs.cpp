@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "tools/options.h"
 #include "tools/visibility/observer_options.h"
-#include "visibility/pair_table.h"
+#include "visibility/lines/pair_table.h"
 #include "geo/raster.h"
 
 namespace alidade {

@@ -8,7 +8,7 @@
 
 #include "tools/progress.h"
 #include "tools/visibility/load_visibility_cloud.h"
-#include "visibility/line_report.h"
+#include "visibility/lines/line_report.h"
 #include "visibility/observers.h"
 
 namespace alidade {

@@ -15,8 +15,8 @@
 #include "tools/visibility/map_reference.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
-#include "visibility/frequency.h"
-#include "visibility/line_files.h"
+#include "visibility/lines/frequency.h"
+#include "visibility/lines/line_files.h"
 
 namespace alidade {
 namespace {

@@ -13,7 +13,7 @@
 #include "tools/visibility/find_ground.h"
 #include "tools/visibility/map_writer.h"
 #include "base/words.h"
-#include "visibility/viewshed_area.h"
+#include "visibility/raster/viewshed_area.h"
 
 namespace alidade {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "tools/command.h"
 #include "tools/visibility/load_visibility_cloud.h"
-#include "visibility/ground.h"
+#include "visibility/raster/ground.h"
 #include "geo/raster.h"
 
 // What all maps of the ground share, be they of what is seen, of the sky or of the sun.

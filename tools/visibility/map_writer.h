@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "visibility/map_picture.h"
+#include "visibility/raster/map_picture.h"
 #include "geo/raster_file.h"
 
 // What the commands of visibility have the module do for them (tools/load_module.h).
@@ -13,7 +13,7 @@ using RasterWriter = void (*)(const std::filesystem::path& file, const RasterCon
                               bool overwrite);
 RasterWriter load_raster_writer();
 
-/// write_map_picture() of visibility/map_picture.h.
+/// write_map_picture() of visibility/raster/map_picture.h.
 using MapDrawer = void (*)(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
                            bool overwrite);
 MapDrawer load_map_drawer();

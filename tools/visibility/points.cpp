@@ -16,7 +16,7 @@
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/write_points.h"
 #include "base/words.h"
-#include "visibility/point_visibility.h"
+#include "visibility/points/point_visibility.h"
 
 namespace alidade {
 namespace {

@@ -11,7 +11,7 @@
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_writer.h"
 #include "tools/visibility/raster_options.h"
-#include "visibility/viewshed_area.h"
+#include "visibility/raster/viewshed_area.h"
 
 namespace alidade {
 namespace {

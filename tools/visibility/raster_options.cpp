@@ -4,7 +4,7 @@
 #include <string>
 
 #include "tools/cloud_options.h"
-#include "visibility/map_targets.h"
+#include "visibility/raster/map_places.h"
 
 namespace alidade {
 namespace {

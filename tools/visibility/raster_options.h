@@ -12,8 +12,8 @@
 #include "tools/visibility/map_options.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/occluder_options.h"
-#include "visibility/viewshed.h"
-#include "visibility/viewshed_file.h"
+#include "visibility/raster/viewshed.h"
+#include "visibility/raster/viewshed_file.h"
 
 namespace alidade {
 

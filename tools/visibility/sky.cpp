@@ -4,7 +4,7 @@
 #include "tools/message.h"
 #include "tools/visibility/commands.h"
 #include "tools/visibility/sky_outputs.h"
-#include "visibility/sky_of_cloud.h"
+#include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade {
 namespace {

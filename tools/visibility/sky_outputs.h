@@ -15,8 +15,8 @@
 #include "tools/visibility/map_options.h"
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/write_points.h"
-#include "visibility/ground.h"
-#include "visibility/sky_view.h"
+#include "visibility/raster/ground.h"
+#include "visibility/sky/sky_view.h"
 
 // What `visibility sky` and `visibility sun` share: numbers for every point, or for every cell of the ground.
 

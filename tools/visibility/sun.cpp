@@ -9,7 +9,7 @@
 #include "tools/visibility/sky_module.h"
 #include "tools/visibility/sky_outputs.h"
 #include "tools/visibility/sun_date.h"
-#include "visibility/sky_of_cloud.h"
+#include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade {
 namespace {

@@ -2,7 +2,7 @@
 #include <cstdio>
 
 #include "octree/build.h"
-#include "visibility/point_visibility.h"
+#include "visibility/points/point_visibility.h"
 
 int main() {
   // A square of ground with a roof above its eastern half.

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/horizon/horizon.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "base/error.h"
+#include "octree/point_spacing.h"
+#include "octree/point_surface.h"
+#include "octree/query.h"
+#include "geo/compass.h"
+#include "visibility/crossing.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_turn = 360.0, k_quarter = 90.0;
+
+/// Elevations by their number: elevation(i) = i * resolution.
+struct ElevationSteps {
+  int per_quarter = 1;
+
+  double elevation(int step) const { return k_quarter * step / per_quarter; }
+};
+
+[[noreturn]] void refuse(const char* what, const std::string& expected, double found) {
+  throw Error({.problem = fmt::format("{} is out of range", what),
+               .expected = expected,
+               .found = fmt::format("{}", found)});
+}
+
+/// How many steps of this size fill a range of degrees.
+int whole_steps(const char* what, double range, double step, double least, double most) {
+  constexpr double k_slack = 1e-6;
+  const double steps = range / step;
+  if (!(step >= least && step <= most) || std::fabs(steps - std::round(steps)) > k_slack * steps) {
+    refuse(what, fmt::format("degrees from {} to {} of which {} are a whole number", least, most, range),
+           step);
+  }
+  return static_cast<int>(std::round(steps));
+}
+
+/// How far each point reaches that can block lines from an eye at all.
+class Reaches {
+ public:
+  Reaches(const Occluders& occluders, const SightEnd& eye) : occluders_(occluders), eye_(eye) {
+    if (!occluders.options().radius) spacings_ = spacings_in_order(occluders.octree().view());
+  }
+
+  /// A little more than the radius of the point's disc or sphere; empty if it blocks no line.
+  std::optional<double> of(const Candidate& point) const {
+    constexpr double k_more = 1.0 + 1e-6, k_less = 1.0 - 1e-6;
+    const OccluderOptions& options = occluders_.options();
+    if (options.counts && !options.counts(point.point_id)) return {};
+    const double radius =
+        options.radius ? *options.radius : candidate_radius(occluders_, spacings_[point.point_id]);
+    const PointSurface surface =
+        occluders_.has_surfaces() ? surface_of(occluders_.octree().view(), point.point_id) : PointSurface{};
+    if (!surface.exists) {
+      const double sphere = sphere_of(occluders_, radius);
+      if (options.shape == OccluderShape::disc || is_within(eye_, point.position, k_less * sphere)) return {};
+      return k_more * sphere;
+    }
+    const glm::dvec3 center = point.position - surface.height * surface.normal;
+    if (is_own(eye_, point.position, radius, center, surface.normal)) return {};
+    return k_more * radius;
+  }
+
+ private:
+  const Occluders& occluders_;
+  const SightEnd& eye_;
+  std::vector<double> spacings_;  ///< by point id; empty if all have one radius
+};
+
+/// The highest blocked line of one azimuth.
+class AzimuthSearch {
+ public:
+  AzimuthSearch(const Occluders& occluders, const Reaches& reaches, const SightEnd& eye,
+                const ElevationSteps& steps, double azimuth, double max_distance)
+      : occluders_(occluders),
+        reaches_(reaches),
+        eye_(eye),
+        steps_(steps),
+        azimuth_(azimuth),
+        max_distance_(max_distance) {}
+
+  /// Number of the highest blocked elevation in [low, high].
+  std::optional<int> highest(int low, int high) const {
+    if (high - low < k_lines_at_once) return highest_line(low, high);
+    // Wider cones would let hardly any sky pass.
+    const bool is_narrow = steps_.elevation(high) - steps_.elevation(low) <= k_widest_cone;
+    if (is_narrow && is_free(low, high)) return {};
+    const int middle = low + (high - low) / 2;
+    const std::optional<int> upper = highest(middle + 1, high);
+    return upper ? upper : highest(low, middle);
+  }
+
+  SightLine line(int step) const {
+    return sight_ray(eye_, compass_direction(azimuth_, steps_.elevation(step)), max_distance_);
+  }
+
+ private:
+  static constexpr int k_lines_at_once = 16;
+  static constexpr double k_widest_cone = 23.0;  // degrees
+
+  /// Whether no point is near enough to any line at these elevations to block it. A disc or sphere that
+  /// blocks a line holds a place of it, so its point lies within its radius of a place in the cone around the
+  /// lines.
+  bool is_free(int low, int high) const {
+    constexpr double k_slack = 1e-6;
+    const double bottom = steps_.elevation(low), top = steps_.elevation(high);
+    const SineCosine half = sine_cosine_of_degrees(0.5 * (top - bottom) + k_slack);
+    const double slope = half.sine / half.cosine, radius = occluders_.largest_radius() + k_slack;
+    Cone cone;
+    cone.axis = make_ray(eye_.position, compass_direction(azimuth_, 0.5 * (bottom + top)), -radius,
+                         max_distance_ + radius);
+    // Over the slant of the cone's mantle.
+    cone.radius = radius / half.cosine;
+    cone.slope = slope;
+    ConeQuery query;
+    query.filter = [&](const Candidate& point) {
+      const std::optional<double> reach = reaches_.of(point);
+      if (!reach) return false;
+      // Of what lies behind, the eye is nearest.
+      if (point.t < 0.0) return glm::distance(point.position, eye_.position) <= *reach + k_slack;
+      return point.distance <= (*reach + k_slack) / half.cosine + slope * point.t;
+    };
+    return !occluded(occluders_.octree(), cone, query);
+  }
+
+  std::optional<int> highest_line(int low, int high) const {
+    std::array<SightLine, k_lines_at_once> lines;
+    std::array<std::uint8_t, k_lines_at_once> answers{};
+    const auto count = static_cast<std::size_t>(high - low + 1);
+    for (std::size_t i = 0; i < count; ++i) lines[i] = line(low + static_cast<int>(i));
+    blocked(occluders_, std::span(lines).first(count), std::span(answers).first(count));
+    for (int step = high; step >= low; --step)
+      if (answers[static_cast<std::size_t>(step - low)] != 0) return step;
+    return {};
+  }
+
+  const Occluders& occluders_;
+  const Reaches& reaches_;
+  const SightEnd& eye_;
+  const ElevationSteps& steps_;
+  double azimuth_, max_distance_;
+};
+
+}  // namespace
+
+std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
+                                      const HorizonOptions& options, const Progress& progress) {
+  const int per_turn = whole_steps("the step between azimuths", k_turn, options.step, 0.001, 120.0);
+  const ElevationSteps steps{
+      whole_steps("the resolution of elevations", k_quarter, options.resolution, 0.0001, 10.0)};
+  const auto in_quarter = [](double elevation) { return elevation >= -k_quarter && elevation <= k_quarter; };
+  if (!in_quarter(options.elevation_min)) refuse("the lowest elevation", "-90 to 90", options.elevation_min);
+  if (!in_quarter(options.elevation_max)) refuse("the highest elevation", "-90 to 90", options.elevation_max);
+  if (!(options.max_distance >= 0.0)) refuse("the largest distance", "0 or more", options.max_distance);
+  const double from = options.azimuth_min;
+  double width = options.azimuth_max - from;
+  if (width <= 0.0) width += k_turn;
+  if (!(std::fabs(from) <= 2.0 * k_turn && width > 0.0))
+    refuse("the range of azimuths", "limits from -720 to 720", from);
+
+  // Limits on a multiple of a step count as on it.
+  constexpr double k_slack = 1e-9;
+  const auto step_below = [&](double degrees, double range, int count) {
+    return static_cast<int>(std::floor(degrees / range * count + k_slack));
+  };
+  const int low = -step_below(-options.elevation_min, k_quarter, steps.per_quarter);
+  const int high = step_below(options.elevation_max, k_quarter, steps.per_quarter);
+  const int first = -step_below(-from, k_turn, per_turn);
+  const int last = step_below(from + width, k_turn, per_turn);
+  const int count = std::min(last - first + 1, per_turn);
+
+  std::vector<HorizonDirection> directions(static_cast<std::size_t>(std::max(count, 0)));
+  const Reaches reaches(occluders, eye);
+  constexpr std::size_t k_azimuths_at_once = 64;
+  for (std::size_t begin = 0; begin < directions.size(); begin += k_azimuths_at_once) {
+    report(progress, begin, directions.size());
+    tbb::parallel_for(begin, std::min(begin + k_azimuths_at_once, directions.size()), [&](std::size_t i) {
+      HorizonDirection& direction = directions[i];
+      const int number = first + static_cast<int>(i);
+      direction.azimuth = k_turn * ((number % per_turn + per_turn) % per_turn) / per_turn;
+      const AzimuthSearch search(occluders, reaches, eye, steps, direction.azimuth, options.max_distance);
+      const std::optional<int> step = high >= low ? search.highest(low, high) : std::nullopt;
+      if (!step) return;
+      direction.elevation = steps.elevation(*step);
+      direction.blocker = first_blocker(occluders, search.line(*step));
+    });
+  }
+  report(progress, directions.size(), directions.size());
+  return directions;
+}
+
+SkyShares sky_above(std::span<const HorizonDirection> horizon) {
+  double cosine_weighted = 0.0, solid_angle = 0.0;
+  for (const HorizonDirection& direction : horizon) {
+    const SineCosine height = sine_cosine_of_degrees(std::max(direction.elevation.value_or(0.0), 0.0));
+    cosine_weighted += height.cosine * height.cosine;
+    solid_angle += 1.0 - height.sine;
+  }
+  const auto count = static_cast<double>(horizon.size());
+  return {cosine_weighted / count, solid_angle / count};
+}
+
+}  // namespace alidade

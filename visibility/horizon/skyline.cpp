@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/horizon/skyline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "geo/compass.h"
+
+namespace alidade {
+
+DepthStrip strip_around(std::span<const HorizonDirection> horizon, double azimuth_min, double azimuth_max) {
+  constexpr double k_room_above = 3.0, k_room_below = 8.0, k_round = 5.0, k_least_extent = 20.0;
+  constexpr double k_pixels_per_degree = 4.0, k_rows_per_degree = 8.0;
+  constexpr int k_least_width = 720, k_least_height = 320, k_most_height = 560;
+  double low = 0.0, high = 0.0;
+  for (const HorizonDirection& direction : horizon) {
+    if (!direction.elevation) continue;
+    low = std::min(low, *direction.elevation);
+    high = std::max(high, *direction.elevation);
+  }
+  low = k_round * std::floor((low - k_room_below) / k_round);
+  high = k_round * std::ceil((high + k_room_above) / k_round);
+  low = std::max(std::min(low, high - k_least_extent), -90.0);
+  high = std::min(high, 90.0);
+  const auto pixels = [](double degrees, double per_degree) {
+    return static_cast<int>(std::lround(degrees * per_degree));
+  };
+  DepthStrip strip;
+  strip.azimuth_min = azimuth_min;
+  strip.azimuth_max = azimuth_max;
+  strip.elevation_min = low;
+  strip.elevation_max = high;
+  strip.width = std::max(pixels(azimuth_max - azimuth_min, k_pixels_per_degree), k_least_width);
+  strip.height = std::clamp(pixels(high - low, k_rows_per_degree), k_least_height, k_most_height);
+  return strip;
+}
+
+void fill_strip(const Occluders& occluders, const SightEnd& eye, double max_distance, DepthStrip& strip,
+                const Progress& progress) {
+  const auto columns = static_cast<std::size_t>(strip.width), rows = static_cast<std::size_t>(strip.height);
+  strip.distances.assign(columns * rows, std::numeric_limits<float>::infinity());
+  constexpr std::size_t k_rows_at_once = 32;
+  std::vector<SightLine> lines;
+  std::vector<std::optional<Blocker>> blockers;
+  for (std::size_t begin = 0; begin < rows; begin += k_rows_at_once) {
+    report(progress, begin * columns, strip.distances.size());
+    lines.clear();
+    for (std::size_t y = begin; y < std::min(begin + k_rows_at_once, rows); ++y) {
+      const double elevation = strip.elevation_max - (static_cast<double>(y) + 0.5) / strip.height *
+                                                         (strip.elevation_max - strip.elevation_min);
+      for (int x = 0; x < strip.width; ++x) {
+        const double azimuth =
+            strip.azimuth_min + (x + 0.5) / strip.width * (strip.azimuth_max - strip.azimuth_min);
+        lines.push_back(sight_ray(eye, compass_direction(azimuth, elevation), max_distance));
+      }
+    }
+    blockers.assign(lines.size(), {});
+    first_blockers(occluders, lines, blockers);
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (blockers[i]) strip.distances[begin * columns + i] = static_cast<float>(blockers[i]->distance);
+  }
+  report(progress, strip.distances.size(), strip.distances.size());
+}
+
+}  // namespace alidade

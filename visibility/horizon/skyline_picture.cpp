@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/horizon/skyline_picture.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "image/color_map.h"
+#include "image/canvas_png.h"
+#include "image/find_font.h"
+#include "image/round_ticks.h"
+
+namespace alidade {
+namespace {
+
+constexpr Rgb8 k_paper{255, 255, 255}, k_ink{30, 30, 30}, k_faint_ink{95, 95, 95}, k_sky{232, 241, 250},
+    k_horizon{205, 30, 45};
+constexpr int k_font_size = 17, k_title_size = 20, k_note_size = 15, k_tick = 6, k_gap = 8;
+
+/// Distances from the nearest to the farthest colour.
+struct DistanceScale {
+  double near = 1.0, far = 10.0;
+
+  double place(double distance) const { return std::log(distance / near) / std::log(far / near); }
+  Rgb8 color(double distance) const {
+    const glm::dvec3 display = map_color(ColorMap::viridis, place(distance));
+    const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(255.0 * value)); };
+    return {byte(display.x), byte(display.y), byte(display.z)};
+  }
+};
+
+DistanceScale scale_of(const DepthStrip& strip) {
+  std::vector<float> seen;
+  for (const float distance : strip.distances)
+    if (std::isfinite(distance) && distance > 0.0f) seen.push_back(distance);
+  if (seen.empty()) return {};
+  std::ranges::sort(seen);
+  // A leaf before the eye shall not take half of the colours.
+  const auto at = [&](double share) {
+    return static_cast<double>(seen[static_cast<std::size_t>(share * static_cast<double>(seen.size() - 1))]);
+  };
+  DistanceScale scale{at(0.01), at(0.999)};
+  constexpr double k_least_ratio = 1.5;
+  scale.far = std::max(scale.far, k_least_ratio * scale.near);
+  return scale;
+}
+
+/// 1, 2 and 5 times powers of ten between the ends of the scale.
+std::vector<double> distance_ticks(const DistanceScale& scale) {
+  std::vector<double> ticks;
+  for (int power = static_cast<int>(std::floor(std::log10(scale.near))); std::pow(10.0, power) <= scale.far;
+       ++power) {
+    for (const double digit : {1.0, 2.0, 5.0}) {
+      const double value = digit * std::pow(10.0, power);
+      if (value >= scale.near && value <= scale.far) ticks.push_back(value);
+    }
+  }
+  return ticks;
+}
+
+/// Where the plot lies on the canvas.
+struct Frame {
+  PixelBox plot, bar;
+
+  double column(const DepthStrip& strip, double azimuth) const {
+    return plot.left + (azimuth - strip.azimuth_min) / (strip.azimuth_max - strip.azimuth_min) * plot.width();
+  }
+  double row(const DepthStrip& strip, double elevation) const {
+    return plot.top +
+           (strip.elevation_max - elevation) / (strip.elevation_max - strip.elevation_min) * plot.height();
+  }
+};
+
+/// Texts with a place that is not their left end.
+class Writer {
+ public:
+  Writer(Canvas& canvas, const Font& font) : canvas_(canvas), font_(font) {}
+
+  int width(const std::string& text, int size) const { return font_.measure(text, size).width; }
+  void left(int x, int baseline, const std::string& text, int size, const Rgb8& color) {
+    font_.draw(canvas_, x, baseline, text, size, color);
+  }
+  void center(int x, int baseline, const std::string& text, int size, const Rgb8& color) {
+    left(x - width(text, size) / 2, baseline, text, size, color);
+  }
+  void right(int x, int baseline, const std::string& text, int size, const Rgb8& color) {
+    left(x - width(text, size), baseline, text, size, color);
+  }
+
+ private:
+  Canvas& canvas_;
+  const Font& font_;
+};
+
+void draw_view(const DepthStrip& strip, const DistanceScale& scale, const PixelBox& plot, Canvas& canvas) {
+  canvas.fill(plot, k_sky);
+  for (int y = 0; y < strip.height; ++y) {
+    for (int x = 0; x < strip.width; ++x) {
+      const float distance = strip.distances[static_cast<std::size_t>(y) * strip.width + x];
+      if (std::isfinite(distance)) {
+        canvas.fill({plot.left + x, plot.top + y, plot.left + x + 1, plot.top + y + 1},
+                    scale.color(std::max(static_cast<double>(distance), scale.near)));
+      }
+    }
+  }
+}
+
+/// Row of the horizon in the middle of a column; empty where there is none.
+std::optional<double> horizon_row(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
+                                  const Frame& frame, int x) {
+  const double azimuth =
+      strip.azimuth_min + (x + 0.5) / strip.width * (strip.azimuth_max - strip.azimuth_min);
+  const auto away = [&](const HorizonDirection& direction) {
+    return std::fabs(std::remainder(direction.azimuth - azimuth, 360.0));
+  };
+  const auto nearest = std::ranges::min_element(horizon, {}, away);
+  if (nearest == horizon.end() || !nearest->elevation) return {};
+  return frame.row(strip, *nearest->elevation);
+}
+
+/// The part of a column between two rows; the pixels at its ends by the share of them that it covers.
+void draw_span(Canvas& canvas, const PixelBox& plot, int x, double top, double bottom, const Rgb8& color) {
+  for (int y = std::max(static_cast<int>(std::floor(top)), plot.top);
+       y < std::min(static_cast<int>(std::ceil(bottom)), plot.bottom); ++y) {
+    const double cover = std::min(bottom, y + 1.0) - std::max(top, static_cast<double>(y));
+    canvas.blend(x, y, color, static_cast<int>(std::lround(255.0 * std::clamp(cover, 0.0, 1.0))));
+  }
+}
+
+void draw_line(const DepthStrip& strip, std::span<const HorizonDirection> horizon, const Frame& frame,
+               Canvas& canvas) {
+  constexpr double k_half_width = 1.0;
+  std::optional<double> before;
+  for (int x = 0; x < strip.width; ++x) {
+    const std::optional<double> row = horizon_row(strip, horizon, frame, x);
+    if (row) {
+      const double other = before.value_or(*row);
+      draw_span(canvas, frame.plot, frame.plot.left + x, std::min(*row, other) - k_half_width,
+                std::max(*row, other) + k_half_width, k_horizon);
+    }
+    before = row;
+  }
+}
+
+/// The narrowest of the steps people like on a compass that gives at most `most` ticks.
+double compass_step(double range, int most) {
+  for (const double step : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0})
+    if (range / step <= most) return step;
+  return 90.0;
+}
+
+std::string compass_name(double azimuth) {
+  static constexpr const char* k_names[] = {"N", "NE", "E", "SE", "S", "SW", "W", "NW"};
+  const double eighth = azimuth / 45.0;
+  if (std::fabs(eighth - std::round(eighth)) > 1e-9) return {};
+  const int number = static_cast<int>(std::lround(eighth)) % 8;
+  return k_names[number < 0 ? number + 8 : number];
+}
+
+void draw_axes(const DepthStrip& strip, const Frame& frame, Canvas& canvas, Writer& writer) {
+  const PixelBox& plot = frame.plot;
+  canvas.frame({plot.left - 1, plot.top - 1, plot.right + 1, plot.bottom + 1}, k_faint_ink);
+  const int labels = plot.bottom + k_tick + k_gap + k_font_size;
+  constexpr double k_slack = 1e-9;
+  constexpr int k_most_azimuths = 12, k_most_elevations = 9;
+  const double step = compass_step(strip.azimuth_max - strip.azimuth_min, k_most_azimuths);
+  for (double i = std::ceil(strip.azimuth_min / step - k_slack); i * step <= strip.azimuth_max + k_slack;
+       ++i) {
+    const int x = static_cast<int>(std::lround(frame.column(strip, i * step)));
+    canvas.fill({x, plot.bottom + 1, x + 1, plot.bottom + 1 + k_tick}, k_faint_ink);
+    const double degrees = i * step + 0.0;
+    const double shown = degrees < 0.0 ? degrees + 360.0 : degrees > 360.0 ? degrees - 360.0 : degrees;
+    writer.center(x, labels, fmt::format("{:g}°", shown), k_font_size, k_ink);
+  }
+  for (double i = std::ceil(strip.azimuth_min / 45.0 - k_slack); i * 45.0 <= strip.azimuth_max + k_slack; ++i)
+    writer.center(static_cast<int>(std::lround(frame.column(strip, i * 45.0))), labels + k_font_size + 4,
+                  compass_name(i * 45.0), k_font_size, k_faint_ink);
+  for (const RoundTick& tick : round_ticks({strip.elevation_min, strip.elevation_max}, k_most_elevations)) {
+    const int y = static_cast<int>(std::lround(frame.row(strip, tick.value)));
+    canvas.fill({plot.left - 1 - k_tick, y, plot.left - 1, y + 1}, k_faint_ink);
+    writer.right(plot.left - 1 - k_tick - 4, y + k_font_size / 3, tick.label + "°", k_font_size, k_ink);
+  }
+  // Dashes at eye level.
+  const int level = static_cast<int>(std::lround(frame.row(strip, 0.0)));
+  constexpr int k_dash = 8, k_dash_cover = 150;
+  for (int x = plot.left; x < plot.right; ++x)
+    if ((x - plot.left) / k_dash % 2 == 0 && level > plot.top && level < plot.bottom)
+      canvas.blend(x, level, k_paper, k_dash_cover);
+}
+
+void draw_bar(const DistanceScale& scale, const Frame& frame, const std::string& unit, Canvas& canvas,
+              Writer& writer) {
+  const PixelBox& bar = frame.bar;
+  const double ratio = scale.far / scale.near;
+  for (int y = bar.top; y < bar.bottom; ++y) {
+    const double place = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
+    canvas.fill({bar.left, y, bar.right, y + 1}, scale.color(scale.near * std::pow(ratio, place)));
+  }
+  canvas.frame({bar.left - 1, bar.top - 1, bar.right + 1, bar.bottom + 1}, k_faint_ink);
+  for (const double tick : distance_ticks(scale)) {
+    const int y = bar.bottom - 1 - static_cast<int>(std::lround(scale.place(tick) * (bar.height() - 1)));
+    canvas.fill({bar.right + 1, y, bar.right + 1 + k_tick, y + 1}, k_faint_ink);
+    writer.left(bar.right + 1 + k_tick + 4, y + k_font_size / 3,
+                fmt::format("{:g}{}{}", tick, unit.empty() ? "" : " ", unit), k_font_size, k_ink);
+  }
+  writer.left(bar.left, bar.top - k_gap - 2, "distance", k_font_size, k_ink);
+}
+
+}  // namespace
+
+Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
+                    const SkylineTexts& texts, const Font& font) {
+  constexpr int k_left = 70, k_top = 64, k_bottom = 116, k_bar_gap = 34, k_bar_width = 22, k_right = 110;
+  const int width = k_left + strip.width + k_bar_gap + k_bar_width + k_right;
+  Canvas canvas(width, k_top + strip.height + k_bottom, k_paper);
+  Writer writer(canvas, font);
+  const Frame frame{{k_left, k_top, k_left + strip.width, k_top + strip.height},
+                    {k_left + strip.width + k_bar_gap, k_top, k_left + strip.width + k_bar_gap + k_bar_width,
+                     k_top + strip.height}};
+  const DistanceScale scale = scale_of(strip);
+  draw_view(strip, scale, frame.plot, canvas);
+  draw_line(strip, horizon, frame, canvas);
+  draw_axes(strip, frame, canvas, writer);
+  draw_bar(scale, frame, texts.unit, canvas, writer);
+  writer.left(k_left, 30, texts.title, k_title_size, k_ink);
+  writer.left(k_left, k_top - k_gap - 2, "elevation", k_note_size, k_faint_ink);
+  const int below = k_top + strip.height;
+  writer.left(k_left, below + k_bottom - 22, texts.note, k_note_size, k_faint_ink);
+  const std::string along = "azimuth, clockwise from grid north";
+  writer.right(frame.plot.right, below + k_bottom - 22, along, k_note_size, k_faint_ink);
+  return canvas;
+}
+
+void write_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
+                   const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite) {
+  const Font font(find_font());
+  write_png(draw_skyline(strip, horizon, texts, font), file, overwrite);
+}
+
+}  // namespace alidade

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/lines/fresnel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "visibility/golden_turn.h"
+
+namespace alidade {
+namespace {
+
+constexpr int k_tubes = k_most_obstructions, k_rim_tubes = 64;
+
+/// The tubes that fill the zone, from the inside out, then those that only the verdict asks for.
+std::vector<CurveLine> tubes_of(const LineCurve& curve) {
+  std::vector<CurveLine> tubes;
+  for (int i = 0; i < k_tubes; ++i)
+    tubes.push_back({&curve, {std::sqrt((i + 0.5) / k_tubes), golden_turns(i)}});
+  for (int i = 0; i < k_rim_tubes; ++i)
+    tubes.push_back({&curve, {k_clear_share, static_cast<double>(i) / k_rim_tubes}});
+  tubes.push_back({&curve});
+  return tubes;
+}
+
+/// Share of an ellipsoid's volume before the cross-section at this share of its length.
+double volume_before(double share) {
+  return share * share * (3.0 - 2.0 * share);
+}
+
+/// Where a tube is cut off, metres along the chord.
+struct Stretch {
+  double begin, end;
+};
+
+/// The largest number of stretches that one of `width` metres meets, and where the last of them begins.
+std::pair<int, double> most_at_once(const std::vector<Stretch>& stretches, double width) {
+  std::vector<std::pair<double, int>> changes;
+  for (const Stretch& stretch : stretches) {
+    // Where both happen at one place, the one that begins comes first.
+    changes.push_back({stretch.begin, -1});
+    changes.push_back({stretch.end + width, 1});
+  }
+  std::ranges::sort(changes);
+  int open = 0;
+  std::pair<int, double> most{0, 0.0};
+  for (const auto& [t, change] : changes) {
+    open -= change;
+    if (open > most.first) most = {open, t};
+  }
+  return most;
+}
+
+std::vector<Obstruction> by_share(const std::map<std::uint64_t, int>& tubes_by_point) {
+  std::vector<Obstruction> obstructions;
+  for (const auto& [point_id, tubes] : tubes_by_point)
+    obstructions.push_back({point_id, static_cast<double>(tubes) / k_tubes});
+  std::ranges::stable_sort(obstructions, std::greater(), &Obstruction::share);
+  return obstructions;
+}
+
+void measure_tubes(const Occluders& occluders, const LineCurve& curve, FresnelClearance& clearance) {
+  const std::vector<CurveLine> tubes = tubes_of(curve);
+  const std::vector<std::optional<CurveCrossings>> answers = crossings(occluders, tubes);
+  std::vector<Stretch> stretches;
+  std::map<std::uint64_t, int> tubes_by_point;
+  int inner = 0, inner_obstructed = 0;
+  double cut_off = 0.0;
+  for (std::size_t i = 0; i < tubes.size(); ++i) {
+    const bool is_inner = tubes[i].place.share <= k_clear_share;
+    if (is_inner && answers[i]) clearance.is_clear = false;
+    if (i >= k_tubes) continue;
+    inner += is_inner ? 1 : 0;
+    if (!answers[i]) continue;
+    inner_obstructed += is_inner ? 1 : 0;
+    const Stretch stretch{answers[i]->first.distance, answers[i]->last_t};
+    stretches.push_back(stretch);
+    cut_off += volume_before(stretch.end / curve.length()) - volume_before(stretch.begin / curve.length());
+    ++tubes_by_point[answers[i]->first.point_id];
+  }
+  const auto [most, most_t] = most_at_once(stretches, 2.0 * clearance.radius);
+  clearance.obstructed = static_cast<double>(stretches.size()) / k_tubes;
+  clearance.worst = static_cast<double>(most) / k_tubes;
+  clearance.worst_t = most_t;
+  clearance.cut_off = cut_off / k_tubes;
+  clearance.inner = static_cast<double>(inner_obstructed) / inner;
+  clearance.obstructions = by_share(tubes_by_point);
+}
+
+void measure_points(const Occluders& occluders, const LineCurve& curve, FresnelClearance& clearance) {
+  const std::vector<LinePoint> points = points_in_zone(occluders, curve);
+  clearance.points = points.size();
+  for (const LinePoint& point : points) {
+    // On the rim of a zone that has no width there, a point is as far as can be.
+    const double radius = curve.zone_radius(point.t), share = radius > 0.0 ? point.distance / radius : 1.0;
+    const bool is_nearer = !clearance.nearest || share < clearance.nearest_share ||
+                           (share == clearance.nearest_share && point.point_id < clearance.nearest->point_id);
+    if (!is_nearer) continue;
+    clearance.nearest = point;
+    clearance.nearest_share = share;
+  }
+  if (clearance.nearest && clearance.nearest_share <= k_clear_share) clearance.is_clear = false;
+}
+
+}  // namespace
+
+double fresnel_radius(double wavelength, double length) {
+  return 0.5 * std::sqrt(wavelength * length);
+}
+
+FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
+                                   const LineOptions& options, double wavelength) {
+  if (!(wavelength > 0.0 && std::isfinite(wavelength))) {
+    throw Error(
+        {.problem = "bad wavelength", .expected = "a number above 0", .found = std::to_string(wavelength)});
+  }
+  if (occluders.options().transparency != 1) {
+    throw Error({.problem = "crossings do not count in a Fresnel zone",
+                 .expected = "a transparency of 1",
+                 .found = std::to_string(occluders.options().transparency)});
+  }
+  const double radius = fresnel_radius(wavelength, sight_line(from, to).length);
+  const LineCurve curve(from, to, options, radius);
+  FresnelClearance clearance{.radius = radius};
+  if (!(curve.begin() < curve.end())) return clearance;
+  measure_tubes(occluders, curve, clearance);
+  measure_points(occluders, curve, clearance);
+  return clearance;
+}
+
+}  // namespace alidade

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/lines/line_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "base/unit_direction.h"
+#include "base/exact_math.h"
+
+namespace alidade {
+namespace {
+
+constexpr int k_pieces = 24;
+
+/// A straight part of a line.
+struct Piece {
+  SightLine line;
+  double t_begin = 0.0, t_end = 0.0;
+  double lead = 0.0;  ///< metres by which the sight line starts before the piece
+};
+
+/// A sight line is not blocked by spheres that hold its start. So that two pieces do not leave out those
+/// around their joint, the second starts before it by the width of the widest.
+Piece inner_piece(const LineCurve& curve, const TubePlace& place, double t_begin, double t_end,
+                  double widest_sphere) {
+  const glm::dvec3 begin = curve.position(t_begin, place), end = curve.position(t_end, place);
+  Piece piece{sight_line({begin}, {end}), t_begin, t_end};
+  if (t_begin > curve.begin()) {
+    piece.lead = std::min(widest_sphere, piece.line.length);
+    piece.line.from.position = begin - piece.lead * piece.line.direction;
+    piece.line.length += piece.lead;
+  }
+  // What the nearer end of the whole line lies on does not block; the place of `to` serves for nothing else.
+  piece.line.to = t_begin + t_end < curve.length() ? curve.from() : curve.to();
+  return piece;
+}
+
+void add_pieces(const CurveLine& line, double widest_sphere, std::vector<Piece>& pieces) {
+  const LineCurve& curve = *line.curve;
+  const std::vector<double> joints = curve.joints(line.place);
+  if (joints.size() == 2) {
+    SightEnd from = curve.from(), to = curve.to();
+    from.position = curve.position(joints[0]);
+    to.position = curve.position(joints[1]);
+    pieces.push_back({sight_line(from, to), joints[0], joints[1]});
+    return;
+  }
+  for (std::size_t i = 0; i + 1 < joints.size(); ++i)
+    pieces.push_back(inner_piece(curve, line.place, joints[i], joints[i + 1], widest_sphere));
+}
+
+double place_of(const Piece& piece, const Blocker& blocker) {
+  const double share = (blocker.distance - piece.lead) / (piece.line.length - piece.lead);
+  return std::clamp(piece.t_begin + share * (piece.t_end - piece.t_begin), piece.t_begin, piece.t_end);
+}
+
+}  // namespace
+
+LineCurve::LineCurve(const SightEnd& from, const SightEnd& to, const LineOptions& options,
+                     double middle_radius)
+    : from_(from), to_(to), earth_radius_(options.earth_radius), middle_radius_(middle_radius) {
+  const SightLine line = sight_line(from, to);
+  length_ = line.length;
+  along_ = line.direction;
+  begin_ = std::min(options.end_margin, length_);
+  end_ = length_ - begin_;
+  if (begin_ > 0.0) {
+    from_ = {from_.position};
+    to_ = {to_.position};
+  }
+  const glm::dvec3 level = glm::cross(along_, glm::dvec3(0.0, 0.0, 1.0));
+  across_ = level == glm::dvec3(0.0) ? glm::dvec3(1.0, 0.0, 0.0) : unit_direction(level);
+  up_ = glm::cross(across_, along_);
+}
+
+double LineCurve::zone_radius(double t) const {
+  return length_ > 0.0 ? 2.0 * middle_radius_ * std::sqrt(std::max(t * (length_ - t), 0.0)) / length_ : 0.0;
+}
+
+glm::dvec3 LineCurve::position(double t, const TubePlace& place) const {
+  glm::dvec3 position = t == length_ ? to_.position : from_.position + t * along_;
+  if (std::isfinite(earth_radius_)) position.z -= t * (length_ - t) / (2.0 * earth_radius_);
+  if (place.share == 0.0) return position;
+  const SineCosine around = sine_cosine_of_turns(place.turns);
+  return position + place.share * zone_radius(t) * (around.cosine * across_ + around.sine * up_);
+}
+
+std::vector<double> LineCurve::joints(const TubePlace& place) const {
+  if (!(begin_ < end_)) return {};
+  std::vector<double> joints{begin_};
+  if (std::isfinite(earth_radius_) || place.share > 0.0) {
+    // Equal steps of the angle that an ellipse is drawn by: dense where it bends.
+    for (int i = 1; i < k_pieces; ++i) {
+      const double t = 0.5 * length_ * (1.0 - sine_cosine_of_turns(0.5 * i / k_pieces).cosine);
+      if (t > begin_ && t < end_) joints.push_back(t);
+    }
+  }
+  joints.push_back(end_);
+  return joints;
+}
+
+std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
+                                                     std::span<const CurveLine> lines) {
+  std::vector<Piece> pieces;
+  std::vector<std::size_t> ends;
+  for (const CurveLine& line : lines) {
+    add_pieces(line, occluders.largest_sphere(), pieces);
+    ends.push_back(pieces.size());
+  }
+  std::vector<SightLine> sight_lines(pieces.size());
+  std::ranges::transform(pieces, sight_lines.begin(), &Piece::line);
+  std::vector<std::optional<Blocker>> blockers(pieces.size());
+  first_blockers(occluders, sight_lines, blockers);
+  std::vector<std::optional<CurveCrossings>> answers(lines.size());
+  for (std::size_t line = 0, i = 0; line < lines.size(); ++line) {
+    for (; i < ends[line]; ++i) {
+      if (!blockers[i]) continue;
+      const double t = place_of(pieces[i], *blockers[i]);
+      if (!answers[line]) answers[line] = CurveCrossings{{blockers[i]->point_id, blockers[i]->position, t}};
+      answers[line]->last_t = t;
+    }
+  }
+  return answers;
+}
+
+}  // namespace alidade

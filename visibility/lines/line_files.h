@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "visibility/lines/line_report.h"
+#include "visibility/row_files.h"
+
+namespace alidade {
+
+/// What goes into files that report on sight lines.
+struct LineTable {
+  std::vector<LinePair> pairs;
+  std::vector<LineReport> reports;                ///< one per pair
+  std::span<const std::uint8_t> classifications;  ///< by point id; empty if the cloud has none
+};
+
+/// Writes the reports; the file appears whole or not at all.
+/// - CSV: a header and a row per line, the values of line_row() (line_row.h).
+/// - JSON: an object with the `lines`, each with the same names and, if there is a Fresnel zone, its
+///   `obstructions`.
+/// - GeoJSON: a LineString per line, or two for one that is blocked: `visible` to where it is, the rest not;
+///   the values of line_row() are the properties of both. Coordinates are longitude, latitude and the cloud's
+///   z; without `to_lon_lat`, or where it cannot, those of the cloud, which no map knows where to put:
+///   answers false then.
+/// Errors: an existing file without `overwrite`; a full disk and other write failures. Requires a line.
+bool write_lines(const LineTable& table, RowForm form, const RowFileHead& head, const ToLonLat& to_lon_lat,
+                 const std::filesystem::path& file, bool overwrite);
+
+}  // namespace alidade

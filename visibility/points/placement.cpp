@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/points/placement.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <queue>
+
+#include "base/error.h"
+
+namespace alidade {
+namespace {
+
+void check(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
+  if (count == 0) throw Error({.problem = "no place is to be chosen", .expected = "1 or more"});
+  if (!weights.empty() && weights.size() != coverage.targets()) {
+    throw Error({.problem = "not as many weights as targets",
+                 .expected = std::to_string(coverage.targets()),
+                 .found = std::to_string(weights.size())});
+  }
+  for (const double weight : weights) {
+    if (!(weight >= 0.0 && std::isfinite(weight))) {
+      throw Error(
+          {.problem = "bad weight of a target", .expected = "0 or more", .found = std::to_string(weight)});
+    }
+  }
+}
+
+/// What somebody sees already, and what a further candidate would add. Sums run over the targets in their
+/// order: rounding never makes a sum of fewer terms larger, so gains fall as computed, too.
+class Covered {
+ public:
+  Covered(const Coverage& coverage, std::span<const double> weights)
+      : coverage_(coverage), weights_(weights), words_((coverage.targets() + 63) / 64) {}
+
+  double gain(std::size_t candidate) const {
+    const std::span<const std::uint64_t> row = coverage_.row(candidate);
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      std::uint64_t added = row[i] & ~words_[i];
+      if (weights_.empty()) {
+        count += static_cast<std::size_t>(std::popcount(added));
+        continue;
+      }
+      for (; added != 0; added &= added - 1)
+        sum += weights_[64 * i + static_cast<std::size_t>(std::countr_zero(added))];
+    }
+    return weights_.empty() ? static_cast<double>(count) : sum;
+  }
+
+  void add(std::size_t candidate) {
+    const std::span<const std::uint64_t> row = coverage_.row(candidate);
+    for (std::size_t i = 0; i < row.size(); ++i) words_[i] |= row[i];
+  }
+
+ private:
+  const Coverage& coverage_;
+  std::span<const double> weights_;
+  std::vector<std::uint64_t> words_;
+};
+
+/// A candidate with a gain that was true when so many were chosen.
+struct Offer {
+  double gain;
+  std::size_t candidate;
+  std::size_t chosen;
+  /// Whether `other` is to be looked at first.
+  bool operator<(const Offer& other) const {
+    return gain < other.gain || (gain == other.gain && candidate > other.candidate);
+  }
+};
+
+double sum_of_largest(std::vector<double> gains, std::size_t count) {
+  count = std::min(count, gains.size());
+  std::ranges::sort(gains, std::greater());
+  return std::accumulate(gains.begin(), gains.begin() + static_cast<std::ptrdiff_t>(count), 0.0);
+}
+
+std::vector<double> all_gains(const Coverage& coverage, const Covered& covered) {
+  std::vector<double> gains(coverage.candidates());
+  for (std::size_t i = 0; i < gains.size(); ++i) gains[i] = covered.gain(i);
+  return gains;
+}
+
+}  // namespace
+
+Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
+  check(coverage, count, weights);
+  Placement placement;
+  placement.total = weights.empty() ? static_cast<double>(coverage.targets())
+                                    : std::accumulate(weights.begin(), weights.end(), 0.0);
+  Covered covered(coverage, weights);
+  const std::vector<double> alone = all_gains(coverage, covered);
+  std::priority_queue<Offer> offers;
+  for (std::size_t i = 0; i < alone.size(); ++i) offers.push({alone[i], i, 0});
+  double sum = 0.0;
+  // Nobody covers more than everything, or than what is covered at any time and what as many candidates as
+  // asked for would add to that without seeing the same.
+  double bound = std::min(placement.total, sum_of_largest(alone, count));
+  std::size_t next_bound = 1;
+  while (placement.places.size() < count && !offers.empty()) {
+    const Offer offer = offers.top();
+    offers.pop();
+    if (offer.chosen < placement.places.size()) {
+      offers.push({covered.gain(offer.candidate), offer.candidate, placement.places.size()});
+      continue;
+    }
+    if (offer.gain <= 0.0) break;
+    covered.add(offer.candidate);
+    sum += offer.gain;
+    placement.places.push_back({offer.candidate, offer.gain, sum});
+    // Weighing all candidates takes a pass over the bits, so not after each.
+    if (placement.places.size() != next_bound) continue;
+    bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
+    next_bound *= 2;
+  }
+  bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
+  placement.best_possible = std::max(bound, sum);
+  return placement;
+}
+
+}  // namespace alidade

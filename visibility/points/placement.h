@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "visibility/points/coverage.h"
+
+// The few places from which one sees most. Which k of n candidates see most targets together is hard to
+// answer exactly (maximum coverage is NP-hard). Taking each time the candidate that sees most of what nobody
+// sees yet gives at least 1 - (1 - 1/k)^k > 1 - 1/e = 63 % of the best, and no fast way is surely better.
+// Sources: Nemhauser, Wolsey, Fisher, An analysis of approximations for maximizing submodular set functions,
+// 1978; Feige, A threshold of ln n for approximating set cover, 1998. What is found is mostly far better than
+// that, and the bound below tells so (Leskovec et al., Cost-effective outbreak detection in networks, 2007).
+
+namespace alidade {
+
+struct ChosenPlace {
+  std::size_t candidate = 0;
+  double gain = 0.0;     ///< weight of the targets that none before it sees
+  double covered = 0.0;  ///< weight of all that it and those before it see
+};
+
+struct Placement {
+  std::vector<ChosenPlace> places;  ///< in the order they were chosen; `covered` is the curve
+  double total = 0.0;               ///< weight of all targets
+  /// No choice of as many places as asked for covers more. (What the best choice covers may be less than
+  /// this; of that at least 1 - 1/e is covered.)
+  double best_possible = 0.0;
+};
+
+/// Chooses up to `count` candidates one by one, each the one with the largest gain, of equal ones that with
+/// the lowest number; fewer if more would gain nothing. `weights` of the targets; empty: 1 each. Lazy: gains
+/// only fall, so a candidate is weighed again only when its last gain would win (Minoux 1978). Cost: a pass
+/// over the bits, some rows more per place, and a pass for the bound after 1, 2, 4, ... places. Errors: count
+/// 0; weights not as many as targets, negative or not finite.
+Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights = {});
+
+}  // namespace alidade

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/raster/map_picture.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "image/canvas_png.h"
+#include "image/find_font.h"
+#include "image/round_ticks.h"
+#include "visibility/raster/relief.h"
+
+namespace alidade {
+namespace {
+
+constexpr Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
+constexpr Rgb8 k_mark{220, 30, 40}, k_halo{255, 255, 255};
+constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
+constexpr int k_bar_width = 24, k_bar_height = 240, k_longest_names = 20;
+
+Rgb8 to_rgb8(const glm::dvec3& display) {
+  const auto channel = [](double value) {
+    return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+  };
+  return {channel(display.r), channel(display.g), channel(display.b)};
+}
+
+Rgb8 shaded(const Rgb8& color, double light) {
+  // Shade darkens less than it would on bare land, so that colours are still told apart.
+  constexpr double k_least = 0.35;
+  const double factor = (k_least + (1.0 - k_least) * light) / 255.0;
+  return to_rgb8({factor * color[0], factor * color[1], factor * color[2]});
+}
+
+/// Where things stand.
+struct MapLayout {
+  PixelBox map;
+  double cells_per_pixel = 1.0;
+  int panel = 0;  ///< left edge of the legend
+  int width = 0, height = 0;
+};
+
+class MapDrawer {
+ public:
+  MapDrawer(const MapPicture& picture, const Ground& ground, const Font& font, int longest_side)
+      : picture_(picture),
+        ground_(ground),
+        font_(font),
+        rows_(rows()),
+        layout_(layout(longest_side)),
+        canvas_(layout_.width, layout_.height, k_paper) {}
+
+  Canvas draw() {
+    font_.draw(canvas_, k_margin, k_margin + k_title_size, picture_.title, k_title_size, k_text);
+    draw_cells();
+    canvas_.frame({layout_.map.left - 1, layout_.map.top - 1, layout_.map.right + 1, layout_.map.bottom + 1},
+                  k_line);
+    for (const MapMark& mark : picture_.marks) draw_mark(mark);
+    draw_scale_bar();
+    draw_north();
+    draw_legend();
+    return std::move(canvas_);
+  }
+
+ private:
+  const RasterGrid& grid() const { return picture_.values.grid; }
+
+  /// The swatches that occur, with their shares.
+  std::vector<MapSwatch> rows() const {
+    std::vector<std::uint64_t> counts(picture_.swatches.size(), 0);
+    std::uint64_t total = 0;
+    for (const float value : picture_.values.values) {
+      if (std::isnan(value)) continue;
+      ++total;
+      for (std::size_t i = 0; i < counts.size(); ++i) counts[i] += picture_.swatches[i].value == value;
+    }
+    std::vector<MapSwatch> rows;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      if (counts[i] == 0) continue;
+      rows.push_back(picture_.swatches[i]);
+      const double percent = 100.0 * static_cast<double>(counts[i]) / static_cast<double>(total);
+      rows.back().label += percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent);
+    }
+    return rows;
+  }
+
+  int panel_width() const {
+    int width = 0;
+    const auto widen = [&](const std::string& text, int size, int indent) {
+      width = std::max(width, indent + font_.measure(text, size).width);
+    };
+    for (const MapSwatch& row : rows_) widen(row.label, k_font_size, k_row + 8);
+    for (const std::string& note : picture_.notes) widen(note, k_note_size, 0);
+    if (picture_.scale) {
+      widen(picture_.scale->label, k_font_size, 0);
+      for (const RoundTick& tick : ticks()) widen(tick.label, k_font_size, k_bar_width + 16);
+    }
+    return width;
+  }
+
+  int panel_height() const {
+    int height = 3 * k_row + k_row * static_cast<int>(rows_.size() + picture_.notes.size());
+    if (picture_.scale) height += k_bar_height + 3 * k_row;
+    return height;
+  }
+
+  std::vector<RoundTick> ticks() const {
+    return round_ticks(picture_.scale->range, std::max(2, picture_.scale->most_ticks));
+  }
+
+  MapLayout layout(int longest_side) const {
+    const int cells = std::max(grid().columns, grid().rows);
+    MapLayout layout;
+    if (cells <= longest_side)
+      layout.cells_per_pixel = 1.0 / (longest_side / cells);
+    else
+      layout.cells_per_pixel = static_cast<double>(cells) / longest_side;
+    const auto pixels = [&](int count) {
+      return std::max(1, static_cast<int>(std::lround(count / layout.cells_per_pixel)));
+    };
+    const int top = k_margin + k_title_size + k_margin / 2 + 4;
+    layout.map = {k_margin, top, k_margin + pixels(grid().columns), top + pixels(grid().rows)};
+    layout.panel = layout.map.right + k_margin;
+    const int title = k_margin + font_.measure(picture_.title, k_title_size).width;
+    layout.width = std::max(layout.panel + panel_width(), title) + k_margin;
+    layout.height = std::max(layout.map.bottom + 3 * k_margin, top + panel_height() + k_margin);
+    return layout;
+  }
+
+  double units_per_pixel() const { return layout_.cells_per_pixel * grid().cell_size; }
+
+  Rgb8 color_of(float value) const {
+    for (const MapSwatch& swatch : picture_.swatches) {
+      if (swatch.value == value) return swatch.color;
+    }
+    if (!picture_.scale) return k_paper;
+    const ValueRange& range = picture_.scale->range;
+    const double extent = range.high - range.low;
+    return to_rgb8(map_color(picture_.scale->map, extent > 0.0 ? (value - range.low) / extent : 0.5));
+  }
+
+  void draw_cells() {
+    const Relief relief(ground_, std::max(units_per_pixel(), ground_.heights().grid.cell_size));
+    const PixelBox& map = layout_.map;
+    tbb::parallel_for(0, map.height(), [&](int y) {
+      const double south = (y + 0.5) * layout_.cells_per_pixel;
+      const int row = std::min(static_cast<int>(south), grid().rows - 1);
+      for (int x = 0; x < map.width(); ++x) {
+        const double east = (x + 0.5) * layout_.cells_per_pixel;
+        const int column = std::min(static_cast<int>(east), grid().columns - 1);
+        const float value = picture_.values.at(column, row);
+        if (std::isnan(value)) continue;
+        const glm::dvec2 place = grid().north_west + grid().cell_size * glm::dvec2(east, -south);
+        const int left = map.left + x, top = map.top + y;
+        canvas_.fill({left, top, left + 1, top + 1}, shaded(color_of(value), relief.light(place)));
+      }
+    });
+  }
+
+  /// A disc with soft edges.
+  void dot(const glm::dvec2& middle, double radius, const Rgb8& color) {
+    const auto reach = static_cast<int>(std::ceil(radius)) + 1;
+    const auto x0 = static_cast<int>(std::floor(middle.x)), y0 = static_cast<int>(std::floor(middle.y));
+    for (int y = y0 - reach; y <= y0 + reach; ++y) {
+      for (int x = x0 - reach; x <= x0 + reach; ++x) {
+        const glm::dvec2 way = glm::dvec2(x + 0.5, y + 0.5) - middle;
+        const double inside = radius + 0.5 - std::sqrt(way.x * way.x + way.y * way.y);
+        if (inside > 0.0) canvas_.blend(x, y, color, static_cast<int>(255.0 * std::min(inside, 1.0)));
+      }
+    }
+  }
+
+  /// Letters with a halo, so that they are read on any ground.
+  void haloed(int x, int baseline, const std::string& text, int size) {
+    for (const auto& [dx, dy] :
+         {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}})
+      font_.draw(canvas_, x + dx, baseline + dy, text, size, k_halo);
+    font_.draw(canvas_, x, baseline, text, size, k_text);
+  }
+
+  void draw_mark(const MapMark& mark) {
+    if (!cell_at(grid(), mark.place)) return;
+    const glm::dvec2 way = mark.place - grid().north_west;
+    const glm::dvec2 pixel(layout_.map.left + way.x / units_per_pixel(),
+                           layout_.map.top - way.y / units_per_pixel());
+    // Many observers are small dots.
+    const bool few = picture_.marks.size() <= k_longest_names;
+    dot(pixel, few ? 7.5 : 3.5, k_halo);
+    dot(pixel, few ? 5.5 : 2.5, k_mark);
+    if (!few || mark.name.empty()) return;
+    const TextExtent extent = font_.measure(mark.name, k_note_size);
+    const int right = static_cast<int>(pixel.x) + 11;
+    const bool fits = right + extent.width <= layout_.map.right - 2;
+    haloed(fits ? right : static_cast<int>(pixel.x) - 11 - extent.width,
+           static_cast<int>(pixel.y) + extent.ascent / 2, mark.name, k_note_size);
+  }
+
+  void draw_scale_bar() {
+    // At most a third of the map: the largest round length.
+    const double longest = layout_.map.width() * units_per_pixel() / 3.0;
+    double length = std::pow(10.0, std::floor(std::log10(longest)));
+    if (5.0 * length <= longest)
+      length *= 5.0;
+    else if (2.0 * length <= longest)
+      length *= 2.0;
+    const int pixels = std::max(1, static_cast<int>(std::lround(length / units_per_pixel())));
+    const int left = layout_.map.left, top = layout_.map.bottom + k_margin / 2;
+    canvas_.fill({left, top, left + pixels, top + 6}, k_line);
+    canvas_.fill({left + pixels / 2, top + 1, left + pixels - 1, top + 5}, k_paper);
+    const std::string label =
+        fmt::format("{:g}{}{}", length, picture_.unit.empty() ? "" : " ", picture_.unit);
+    font_.draw(canvas_, left + pixels + 10, top + 10, label, k_font_size, k_text);
+  }
+
+  void draw_north() {
+    constexpr int k_arrow = 22;
+    const int middle = layout_.map.right - 12, top = layout_.map.bottom + 8;
+    for (int y = 0; y < k_arrow; ++y) {
+      const int half = y / 3;
+      canvas_.fill({middle - half, top + y, middle + half + 1, top + y + 1}, k_line);
+    }
+    const TextExtent extent = font_.measure("N", k_font_size);
+    font_.draw(canvas_, middle - 14 - extent.width, top + k_arrow - 3, "N", k_font_size, k_text);
+  }
+
+  void draw_legend() {
+    const int left = layout_.panel;
+    int y = layout_.map.top;
+    for (const MapSwatch& row : rows_) {
+      const PixelBox box{left, y, left + k_row, y + k_row - 8};
+      canvas_.fill(box, row.color);
+      canvas_.frame(box, k_line);
+      font_.draw(canvas_, box.right + 8, y + 16, row.label, k_font_size, k_text);
+      y += k_row;
+    }
+    if (picture_.scale) y = draw_color_bar(y + k_row / 2);
+    for (const std::string& note : picture_.notes) {
+      font_.draw(canvas_, left, y + 16, note, k_note_size, k_note);
+      y += k_row - 6;
+    }
+  }
+
+  int draw_color_bar(int y) {
+    const MapScale& scale = *picture_.scale;
+    const int left = layout_.panel;
+    font_.draw(canvas_, left, y + 16, scale.label, k_font_size, k_text);
+    y += k_row + 6;
+    for (int i = 0; i < k_bar_height; ++i) {
+      const double place = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
+      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1}, to_rgb8(map_color(scale.map, place)));
+    }
+    canvas_.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
+    const double extent = scale.range.high - scale.range.low;
+    for (const RoundTick& tick : ticks()) {
+      const double place = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
+      const int at = y + static_cast<int>(std::lround((1.0 - place) * (k_bar_height - 1)));
+      canvas_.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
+      font_.draw(canvas_, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
+    }
+    return y + k_bar_height + k_row;
+  }
+
+  const MapPicture& picture_;
+  const Ground& ground_;
+  const Font& font_;
+  std::vector<MapSwatch> rows_;
+  MapLayout layout_;
+  Canvas canvas_;
+};
+
+}  // namespace
+
+Canvas draw_map(const MapPicture& picture, const Ground& ground, const Font& font, int longest_side) {
+  return MapDrawer(picture, ground, font, longest_side).draw();
+}
+
+void write_map_picture(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
+                       bool overwrite) {
+  const Font font(find_font());
+  write_png(draw_map(picture, ground, font), file, overwrite);
+}
+
+}  // namespace alidade

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/color_map.h"
+#include "image/point_color.h"
+#include "image/canvas.h"
+#include "image/font.h"
+#include "visibility/raster/ground.h"
+#include "geo/raster.h"
+
+// A map as a picture to look at: values as colours over the shaded relief of the ground, north up, with the
+// observers, a scale bar and a legend.
+
+namespace alidade {
+
+/// What one value means.
+struct MapSwatch {
+  float value = 0.0f;
+  Rgb8 color{};
+  std::string label;
+};
+
+/// Values that have no swatch, as colours from low to high.
+struct MapScale {
+  ColorMap map = ColorMap::viridis;
+  ValueRange range{};
+  std::string label;  ///< what the numbers are, with their unit
+  int most_ticks = 7;
+};
+
+/// A place with its name.
+struct MapMark {
+  glm::dvec2 place{0.0};
+  std::string name{};  ///< empty: only the mark
+};
+
+struct MapPicture {
+  std::string title;
+  Raster<float> values;  ///< NaN: nothing is drawn
+  std::vector<MapSwatch> swatches{};
+  std::optional<MapScale> scale{};
+  std::vector<MapMark> marks{};  ///< those outside of the map are not drawn
+  std::string unit{};            ///< of lengths on the map: "m", "ft" or empty
+  std::vector<std::string> notes{};
+};
+
+/// Draws the map, the longer side of its grid about `longest_side` pixels long (whole pixels per cell where
+/// there are more pixels than cells). The legend names those swatches that occur, with their share of the
+/// cells that have a value. The same pixels for the same map, font and version of FreeType. Requires
+/// longest_side >= 1.
+Canvas draw_map(const MapPicture& picture, const Ground& ground, const Font& font, int longest_side = 1000);
+
+/// The same as a PNG file. Errors: those of write_png() and find_font().
+void write_map_picture(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
+                       bool overwrite);
+
+}  // namespace alidade

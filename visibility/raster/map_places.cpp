@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/raster/map_places.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "octree/point_surface.h"
+#include "octree/query.h"
+
+namespace alidade {
+namespace {
+
+/// Levels of the widest block that has not too many places.
+int levels_of_block(int places_across, std::size_t most_places) {
+  const auto per_cell = static_cast<std::size_t>(places_across) * static_cast<std::size_t>(places_across);
+  int levels = 8;
+  while (levels > 0 && (per_cell << (2 * levels)) > most_places) --levels;
+  return levels;
+}
+
+std::size_t blocks_along(int cells, int levels) {
+  return (static_cast<std::size_t>(cells) + (std::size_t{1} << levels) - 1) >> levels;
+}
+
+/// Every second bit of a number, from its lowest: one coordinate of a place on the Z curve.
+int every_second_bit(std::uint32_t number) {
+  constexpr int k_most_bits = 16;
+  int coordinate = 0;
+  for (int bit = 0; bit < k_most_bits; ++bit)
+    coordinate |= static_cast<int>((number >> (2 * bit)) & 1u) << bit;
+  return coordinate;
+}
+
+}  // namespace
+
+SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place) {
+  constexpr std::size_t k_candidates = 8;
+  constexpr double k_flat = 0.5;  // of the normal's z: slopes up to 60 degrees
+  if (!occluders.has_surfaces()) return {place};
+  const PointQuery query{.radius = occluders.largest_radius(), .k = k_candidates};
+  std::optional<SightEnd> end;
+  for (const PointHit& hit : find(occluders.octree(), place, query)) {
+    const PointSurface surface = surface_of(occluders.octree().view(), hit.point_id);
+    if (!surface.exists || std::fabs(surface.normal.z) < k_flat) continue;
+    const glm::dvec3 center = hit.position - surface.height * surface.normal;
+    const glm::dvec2 way = glm::dvec2(place) - glm::dvec2(center);
+    const double sheet = center.z - (way.x * surface.normal.x + way.y * surface.normal.y) / surface.normal.z;
+    if (std::fabs(sheet - place.z) > occluders.largest_sphere()) continue;
+    // What a point of this sheet has as its own surface, the place has too.
+    const SightEnd on_point = end_on_point(occluders, hit.point_id, hit.position, hit.position);
+    if (!end) {
+      const double height = std::max(place.z, sheet - surface.thickness) + surface.thickness;
+      end = {{place.x, place.y, height}, on_point.own_reach, 0.0};
+    }
+    const double above = std::fabs((end->position.z - sheet) * surface.normal.z);
+    end->own_thickness = std::max(end->own_thickness, above + on_point.own_thickness);
+  }
+  return end.value_or(SightEnd{place});
+}
+
+MapTargets::MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+                       int places_across, std::size_t most_places)
+    : occluders_(occluders),
+      ground_(ground),
+      grid_(grid),
+      places_across_(places_across),
+      block_levels_(levels_of_block(places_across, most_places)) {}
+
+std::size_t MapTargets::block_count() const {
+  return blocks_along(grid_.columns, block_levels_) * blocks_along(grid_.rows, block_levels_);
+}
+
+std::vector<std::size_t> MapTargets::cells(std::size_t number) const {
+  const std::size_t blocks = blocks_along(grid_.columns, block_levels_);
+  const int first_column = static_cast<int>(number % blocks) << block_levels_,
+            first_row = static_cast<int>(number / blocks) << block_levels_;
+  std::vector<std::size_t> cells;
+  for (std::uint32_t i = 0; i < (std::uint32_t{1} << (2 * block_levels_)); ++i) {
+    // Sums of two numbers below 2^31: they must not be looked at as int.
+    const std::int64_t column = std::int64_t{first_column} + every_second_bit(i),
+                       row = std::int64_t{first_row} + every_second_bit(i >> 1);
+    if (column < grid_.columns && row < grid_.rows)
+      cells.push_back(grid_.index(static_cast<int>(column), static_cast<int>(row)));
+  }
+  return cells;
+}
+
+MapBlock MapTargets::block(std::size_t number) const {
+  MapBlock block{cells(number), {}};
+  const auto across = static_cast<std::size_t>(places_across_), per_cell = across * across;
+  const auto columns = static_cast<std::size_t>(grid_.columns);
+  std::vector<std::optional<MapTarget>> found(block.cells.size() * per_cell);
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+    const std::size_t cell = i / per_cell, part = i % per_cell;
+    const glm::dvec2 middle = grid_.center(static_cast<int>(block.cells[cell] % columns),
+                                           static_cast<int>(block.cells[cell] / columns));
+    const glm::dvec2 share =
+        (glm::dvec2(part % across, part / across) + 0.5) / static_cast<double>(places_across_) -
+        glm::dvec2(0.5);
+    const glm::dvec2 place = middle + share * grid_.cell_size;
+    if (const std::optional<double> height = ground_.at(place))
+      found[i] = MapTarget{cell, end_on_ground(occluders_, {place.x, place.y, *height})};
+  });
+  for (const std::optional<MapTarget>& target : found) {
+    if (target) block.targets.push_back(*target);
+  }
+  return block;
+}
+
+}  // namespace alidade

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "visibility/raster/ground.h"
+#include "visibility/sight_line.h"
+
+// What is looked at on a map: places above the ground of its cells.
+
+namespace alidade {
+
+constexpr int k_most_places_across = 100;
+
+/// A place on the ground as an end of sight lines. Heights of the ground come from several points, so that a
+/// place may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to the
+/// lower face of that sheet (one standard deviation) if it lies deeper, and lifted by the sheet's thickness,
+/// as points are that are looked at. The sheet is that of the nearest of 8 points whose sheets lie rather
+/// flat and pass the place within the widest sphere; the sheets of all such points are the end's own surface.
+/// Where there are none within the widest radius, the place as it is.
+SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place);
+
+/// An end so far above another, with the same surface as its own.
+inline SightEnd raised(SightEnd end, double height) {
+  end.position.z += height;
+  return end;
+}
+
+/// A place that is looked at.
+struct MapTarget {
+  std::size_t cell = 0;  ///< number of its cell in the block
+  SightEnd foot;         ///< on the ground
+};
+
+/// A square part of a map.
+struct MapBlock {
+  std::vector<std::size_t> cells;  ///< their numbers in the map, neighbours near each other
+  std::vector<MapTarget> targets;  ///< the places that have ground, in the order of the cells
+};
+
+/// The places of a map, block by block, so that a map of any size and with any number of places takes little
+/// memory: 150 B per place of a block.
+class MapTargets {
+ public:
+  /// places_across: every cell has its square of places, evenly spread; 1 is the middle; 1 ..
+  /// k_most_places_across. most_places: of a block, which has one cell at least and 2^16 at most: so the
+  /// blocks are the same wherever they are made. The references must outlive this.
+  MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid, int places_across,
+             std::size_t most_places);
+
+  std::size_t block_count() const;
+  /// The cells of a block, as MapBlock has them.
+  std::vector<std::size_t> cells(std::size_t number) const;
+  /// A block with its places; in parallel.
+  MapBlock block(std::size_t number) const;
+
+ private:
+  const Occluders& occluders_;
+  const Ground& ground_;
+  RasterGrid grid_;
+  int places_across_;
+  int block_levels_;  ///< a block is 2^this cells wide
+};
+
+}  // namespace alidade

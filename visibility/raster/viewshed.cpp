@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/raster/viewshed.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "base/error.h"
+#include "visibility/raster/lowest_seen.h"
+#include "visibility/raster/map_observer.h"
+#include "visibility/raster/map_places.h"
+#include "base/run_parts.h"
+
+namespace alidade {
+namespace {
+
+/// Enough for all threads, little enough to stay in a cache.
+constexpr std::size_t k_batch = 1 << 16;
+
+void check(std::span<const Observer> observers, const ViewshedOptions& options) {
+  if (observers.empty()) throw Error({.problem = "a viewshed needs an observer"});
+  if (options.places_across < 1 || options.places_across > k_most_places_across) {
+    throw Error({.problem = "bad number of places across a cell",
+                 .expected = fmt::format("1 to {}", k_most_places_across),
+                 .found = fmt::format("{}", options.places_across)});
+  }
+  if (!(options.target_height >= 0.0) || !std::isfinite(options.target_height)) {
+    throw Error({.problem = "bad height of what is looked at",
+                 .expected = "0 or more",
+                 .found = fmt::format("{}", options.target_height)});
+  }
+  if (options.mode == ViewshedMode::height &&
+      (!(options.highest > options.target_height) || !std::isfinite(options.highest))) {
+    throw Error({.problem = "bad highest height",
+                 .expected = "more than that of what is looked at",
+                 .found = fmt::format("{}", options.highest)});
+  }
+}
+
+/// Says how far the whole map is, in pairs of observer and place.
+class PairCounter {
+ public:
+  PairCounter(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
+  /// In the midst of a block; places without ground are not among them.
+  void add(std::uint64_t pairs) { report(progress_, done_ += pairs, total_); }
+  /// At the end of a block.
+  void set(std::uint64_t pairs) { report(progress_, done_ = pairs, total_); }
+
+ private:
+  const Progress& progress_;
+  std::uint64_t total_, done_ = 0;
+};
+
+/// Of a block: enough for all threads, few enough for little memory and for a part of a long run that is done
+/// within seconds.
+std::size_t most_places(std::size_t observers, ViewshedMode mode) {
+  constexpr std::size_t k_most_lines = 1 << 24, k_lines_per_height = 16, k_least = 1 << 10, k_most = 1 << 18;
+  const std::size_t lines = mode == ViewshedMode::height ? k_lines_per_height : 1;
+  return std::clamp(k_most_lines / lines / observers, k_least, k_most);
+}
+
+/// Counts what is seen of the cells of a block.
+class SeenCounter {
+ public:
+  SeenCounter(const Occluders& occluders, const ViewshedOptions& options)
+      : options_(options), batch_(occluders, options.curve) {}
+
+  std::vector<float> look(std::span<const MapObserver> observers, const MapBlock& block, PairCounter& pairs) {
+    looks_.assign(block.cells.size(), 0);
+    seen_.assign(block.cells.size(), 0);
+    for (const MapObserver& observer : observers) {
+      for (const MapTarget& target : block.targets) aim(observer, target);
+      pairs.add(block.targets.size());
+    }
+    count();
+    std::vector<float> values(block.cells.size(), k_no_ground);
+    for (const MapTarget& target : block.targets) values[target.cell] = value_of(target.cell);
+    return values;
+  }
+
+  std::uint64_t line_count() const { return line_count_; }
+
+ private:
+  void aim(const MapObserver& observer, const MapTarget& target) {
+    // Who is seen already need not be seen again.
+    if (options_.mode == ViewshedMode::visible && seen_[target.cell] > 0) return;
+    const SightEnd end = raised(target.foot, options_.target_height);
+    if (!observer.looks_at(end.position)) return;
+    batch_.add(observer.eye(), end);
+    cells_.push_back(target.cell);
+    if (batch_.chord_count() >= k_batch || cells_.size() >= k_batch) count();
+  }
+
+  void count() {
+    const std::span<const std::uint8_t> blocked = batch_.blocked();
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      seen_[cells_[i]] += blocked[i] ? 0 : 1;
+      ++looks_[cells_[i]];
+    }
+    line_count_ += cells_.size();
+    batch_.clear();
+    cells_.clear();
+  }
+
+  float value_of(std::size_t cell) const {
+    if (looks_[cell] == 0) return k_out_of_range;
+    const auto seen = static_cast<float>(seen_[cell]);
+    if (options_.mode == ViewshedMode::visible) return seen > 0.0f ? 1.0f : 0.0f;
+    return options_.mode == ViewshedMode::count ? seen : seen / static_cast<float>(looks_[cell]);
+  }
+
+  const ViewshedOptions& options_;
+  std::vector<std::uint64_t> looks_, seen_;  ///< of each cell
+  SightBatch batch_;
+  std::vector<std::size_t> cells_;  ///< of the batch's lines
+  std::uint64_t line_count_ = 0;
+};
+
+/// Finds the lowest heights over the cells of a block.
+std::vector<float> lowest_heights(LowestSeen& lowest, std::span<const MapObserver> observers,
+                                  const MapBlock& block, PairCounter& pairs) {
+  constexpr std::size_t k_targets_at_once = 1 << 13;
+  std::vector<double> heights(block.targets.size(), std::numeric_limits<double>::infinity());
+  const std::span<const MapTarget> targets(block.targets);
+  for (std::size_t begin = 0; begin < targets.size(); begin += k_targets_at_once) {
+    const std::size_t count = std::min(k_targets_at_once, targets.size() - begin);
+    for (const MapObserver& observer : observers) {
+      lowest.look(observer, targets.subspan(begin, count), std::span(heights).subspan(begin, count));
+      pairs.add(count);
+    }
+  }
+  std::vector<float> values(block.cells.size(), k_no_ground);
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    values[targets[i].cell] = std::isfinite(heights[i]) ? static_cast<float>(heights[i]) : k_out_of_range;
+  }
+  return values;
+}
+
+}  // namespace
+
+Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
+                  const RasterGrid& grid, const ViewshedOptions& options) {
+  check(observers, options);
+  check_map_memory(grid, 1);
+  Viewshed result{Raster<float>(grid, k_no_ground)};
+  const int places_across = options.mode == ViewshedMode::fraction ? options.places_across : 1;
+  const std::vector<MapObserver> eyes = map_observers(occluders, observers);
+  const MapTargets targets(occluders, ground, grid, places_across, most_places(eyes.size(), options.mode));
+  const std::uint64_t pairs_per_cell =
+      eyes.size() * static_cast<std::uint64_t>(places_across * places_across);
+  PairCounter pairs(options.progress, pairs_per_cell * grid.size());
+  SeenCounter counter(occluders, options);
+  std::optional<LowestSeen> lowest;
+  if (options.mode == ViewshedMode::height) lowest.emplace(occluders, options);
+  std::uint64_t cells_done = 0;
+  run_parts(
+      options.parts, targets.block_count(),
+      [&](std::uint64_t part, PartWriter& writer) {
+        const MapBlock block = targets.block(part);
+        writer.put_all(lowest ? lowest_heights(*lowest, eyes, block, pairs)
+                              : counter.look(eyes, block, pairs));
+      },
+      [&](std::uint64_t part, PartReader& reader) {
+        const std::vector<std::size_t> cells = targets.cells(part);
+        std::vector<float> values(cells.size());
+        reader.take_all(values);
+        for (std::size_t i = 0; i < cells.size(); ++i) result.values.values[cells[i]] = values[i];
+        pairs.set(pairs_per_cell * (cells_done += cells.size()));
+      });
+  result.line_count = lowest ? lowest->line_count() : counter.line_count();
+  return result;
+}
+
+}  // namespace alidade

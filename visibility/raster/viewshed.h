@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "base/progress.h"
+#include "visibility/raster/curved_sight.h"
+#include "base/checkpoint.h"
+#include "visibility/raster/ground.h"
+#include "visibility/observers.h"
+#include "geo/raster.h"
+
+// What observers see of the ground, or of things so high above it, as a map. Lines of sight go through the
+// points themselves: below crowns, bridges and balconies.
+//
+//   const Viewshed seen = viewshed(occluders, ground, observers, grid_over(octree.bounds(), 1.0), {});
+//   if (seen.values.at(column, row) > 0.0f) ...
+
+namespace alidade {
+
+enum class ViewshedMode {
+  visible,   ///< 1 where any observer sees the middle of the cell, otherwise 0
+  count,     ///< how many observers see it
+  height,    ///< from which height above the ground on something there is seen by any observer
+  fraction,  ///< share of the lines of sight that are free, over all observers and places of the cell
+};
+
+struct ViewshedOptions {
+  ViewshedMode mode = ViewshedMode::visible;
+  /// Of what is looked at, above the ground; >= 0. In the unit of the cloud. Of `height`: the lowest looked
+  /// at.
+  double target_height = 0.0;
+  SightCurve curve{};     ///< straight unless given
+  int places_across = 3;  ///< of `fraction`: so many times so many places in every cell, 1 ..
+                          ///< k_most_places_across
+  /// Of `height`: nothing higher is tried, and this stands for "not even there". In the unit of the cloud.
+  double highest = 200.0;
+  Progress progress{};             ///< in pairs of observer and place
+  FinishedParts* parts = nullptr;  ///< where blocks of cells are kept that are finished; null: nowhere
+};
+
+/// Values of cells that no observer looks at: all out of reach or outside of their fields of view.
+constexpr float k_out_of_range = -1.0f;
+/// Values of cells where the cloud has no ground. Told by std::isnan.
+constexpr float k_no_ground = std::numeric_limits<float>::quiet_NaN();
+
+struct Viewshed {
+  Raster<float> values;
+  std::uint64_t line_count = 0;  ///< sight lines that were followed, those of parts found finished left out
+};
+
+/// The map of what is seen. An observer looks at a place within its max_distance, along the line of sight,
+/// and its field of view; both ends of a line lie on or above the surface of the cloud, which does not hide
+/// them (visibility/sight_line.h). The same bits on any number of threads and instruction set.
+///
+/// `height`: from the target height up, lines are tried until one is free, each raised by the radius of the
+/// point that blocked the one before, as it projects on the cell (at least 0.01); then the height is halved
+/// in to 0.01. So it is the lowest at which there is sight, also below a bridge or a crown, but for openings
+/// lower than the points' own distances. Of several observers the lowest counts. Only heights between the
+/// target height and `highest` that lie in an observer's field of view and within its distance are tried: a
+/// cell whose ground lies below the view has the height at which the view begins, if that is seen, and
+/// `highest` if nothing in the view is. Out of range are cells with no such height.
+///
+/// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
+/// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 8 B per point as well;
+/// check_map_memory() of one band. Errors: no observer; places_across, target height or highest out of range;
+/// not enough memory; those of `parts`.
+Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
+                  const RasterGrid& grid, const ViewshedOptions& options);
+
+}  // namespace alidade

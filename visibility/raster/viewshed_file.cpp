@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/raster/viewshed_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace alidade {
+namespace {
+
+constexpr Rgb8 k_seen{255, 205, 70}, k_hidden{96, 106, 132}, k_beyond{214, 214, 210};
+
+bool has_value(float value) {
+  return value != k_out_of_range && !std::isnan(value);
+}
+
+/// The largest byte that means nothing else.
+std::uint8_t free_byte(const SeenValues& values) {
+  for (int byte = 255;; --byte) {
+    if (byte != values.visible && byte != values.invisible && byte != values.out_of_range)
+      return static_cast<std::uint8_t>(byte);
+  }
+}
+
+/// Each value as `number_of` has it.
+template <class Number, class NumberOf>
+std::vector<Number> converted(const Viewshed& viewshed, const NumberOf& number_of) {
+  std::vector<Number> numbers(viewshed.values.values.size());
+  std::ranges::transform(viewshed.values.values, numbers.begin(), number_of);
+  return numbers;
+}
+
+template <class Number>
+std::vector<Number> numbers_of(const Viewshed& viewshed, double no_data) {
+  return converted<Number>(viewshed, [&](float value) {
+    return has_value(value) ? static_cast<Number>(value) : static_cast<Number>(no_data);
+  });
+}
+
+const char* description_of(ViewshedMode mode) {
+  switch (mode) {
+    case ViewshedMode::visible:
+      return "seen by an observer";
+    case ViewshedMode::count:
+      return "number of observers that see it";
+    case ViewshedMode::height:
+      return "lowest height above the ground that is seen";
+    case ViewshedMode::fraction:
+      break;
+  }
+  return "share of free sight lines";
+}
+
+std::string title_of(ViewshedMode mode, std::size_t observers) {
+  const std::string who = observers == 1 ? "one observer" : fmt::format("{} observers", observers);
+  switch (mode) {
+    case ViewshedMode::visible:
+      return "Seen by " + (observers == 1 ? who : "any of " + who);
+    case ViewshedMode::count:
+      return "How many of " + who + " see it";
+    case ViewshedMode::height:
+      return "Height from which " + who + (observers == 1 ? " sees it" : " see it");
+    case ViewshedMode::fraction:
+      break;
+  }
+  return "Share of sight lines of " + who + " that are free";
+}
+
+}  // namespace
+
+RasterBand ViewshedBand::band() const {
+  RasterBand result{.values = {}, .no_data = no_data, .description = description, .unit = unit};
+  std::visit(
+      [&](const auto& all) {
+        result.values = std::span<const typename std::decay_t<decltype(all)>::value_type>(all);
+      },
+      values);
+  return result;
+}
+
+ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const SeenValues& seen_values,
+                           std::size_t observer_count, const std::string& length_unit) {
+  constexpr double k_no_float = -9999.0;
+  ViewshedBand result{.values = {}, .description = description_of(mode), .unit = {}};
+  if (mode == ViewshedMode::visible) {
+    const std::uint8_t none = free_byte(seen_values);
+    result.no_data = none;
+    result.values = converted<std::uint8_t>(viewshed, [&](float value) {
+      if (std::isnan(value)) return none;
+      if (value == k_out_of_range) return seen_values.out_of_range.value_or(none);
+      return value > 0.0f ? seen_values.visible : seen_values.invisible;
+    });
+  } else if (mode == ViewshedMode::count) {
+    constexpr double k_short = std::numeric_limits<std::uint16_t>::max();
+    constexpr double k_long = std::numeric_limits<std::uint32_t>::max();
+    const bool fits = static_cast<double>(observer_count) < k_short;
+    result.no_data = fits ? k_short : k_long;
+    if (fits)
+      result.values = numbers_of<std::uint16_t>(viewshed, k_short);
+    else
+      result.values = numbers_of<std::uint32_t>(viewshed, k_long);
+  } else {
+    result.no_data = k_no_float;
+    result.values = numbers_of<float>(viewshed, k_no_float);
+    if (mode == ViewshedMode::height) result.unit = length_unit;
+  }
+  return result;
+}
+
+MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
+                            std::span<const Observer> observers, const std::string& length_unit) {
+  const ViewshedMode mode = options.mode;
+  const double lowest = options.target_height, highest = options.highest;
+  MapPicture picture{.title = title_of(mode, observers.size()), .values = viewshed.values};
+  picture.unit = length_unit;
+  for (const Observer& observer : observers)
+    picture.marks.push_back({glm::dvec2(observer.position), observer.name});
+  const MapSwatch beyond{k_out_of_range, k_beyond, "out of range"};
+  const std::string unit_text = length_unit.empty() ? "" : " " + length_unit;
+  float largest = 0.0f;
+  for (const float value : viewshed.values.values) {
+    if (has_value(value) && (mode != ViewshedMode::height || value < highest))
+      largest = std::max(largest, value);
+  }
+  switch (mode) {
+    case ViewshedMode::visible:
+      picture.swatches = {{1.0f, k_seen, "seen"}, {0.0f, k_hidden, "not seen"}, beyond};
+      break;
+    case ViewshedMode::count:
+      picture.swatches = {{0.0f, k_hidden, "not seen"}, beyond};
+      picture.scale = {ColorMap::viridis,
+                       {1.0, std::max(1.0, static_cast<double>(largest))},
+                       "observers",
+                       std::clamp(static_cast<int>(largest), 2, 7)};
+      break;
+    case ViewshedMode::height:
+      picture.swatches = {
+          {static_cast<float>(lowest), k_seen,
+           lowest > 0.0 ? fmt::format("seen at {:g}{}", lowest, unit_text) : "seen on the ground"},
+          {static_cast<float>(highest), k_hidden, fmt::format("not up to {:g}{}", highest, unit_text)},
+          beyond};
+      picture.scale = {ColorMap::viridis,
+                       {lowest, std::max(lowest + 0.01, static_cast<double>(largest))},
+                       length_unit.empty() ? "height" : "height, " + length_unit};
+      break;
+    case ViewshedMode::fraction:
+      picture.swatches = {{0.0f, k_hidden, "not seen"}, beyond};
+      picture.scale = {ColorMap::viridis, {0.0, 1.0}, "share"};
+      break;
+  }
+  return picture;
+}
+
+SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options) {
+  const auto lowest = static_cast<float>(options.target_height);
+  std::uint64_t seen = 0, looked_at = 0;
+  for (const float value : viewshed.values.values) {
+    if (!has_value(value)) continue;
+    ++looked_at;
+    seen += options.mode == ViewshedMode::height ? value == lowest : value > 0.0f;
+  }
+  return {looked_at == 0 ? 0.0 : 100.0 * static_cast<double>(seen) / static_cast<double>(looked_at),
+          viewshed.values.values.size() - looked_at};
+}
+
+}  // namespace alidade

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "visibility/raster/map_picture.h"
+#include "geo/raster_file.h"
+#include "visibility/raster/viewshed.h"
+
+// Viewsheds as they are written: numbers for programs, a picture for people.
+
+namespace alidade {
+
+/// What stands in a map of ViewshedMode::visible; the values of gdal_viewshed (-vv, -iv, -ov).
+struct SeenValues {
+  std::uint8_t visible = 255, invisible = 0;
+  std::optional<std::uint8_t> out_of_range = 0;  ///< empty: no data
+};
+
+/// The band of a map and the values that it shows.
+struct ViewshedBand {
+  std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<std::uint32_t>,
+               std::vector<float>>
+      values;
+  double no_data = 0.0;
+  std::string description, unit;
+
+  RasterBand band() const;
+};
+
+/// `visible` as bytes, `count` as 16-bit numbers (32-bit from 65535 observers on), the others as float. No
+/// data, for cells without ground and, but with SeenValues::out_of_range, those out of range: the largest
+/// number of the type (of bytes: the largest that means nothing else), -9999 of float. `length_unit`: of
+/// heights.
+ViewshedBand viewshed_band(const Viewshed& viewshed, ViewshedMode mode, const SeenValues& seen_values,
+                           std::size_t observer_count, const std::string& length_unit);
+
+/// The map for people; seen cells are bright, hidden ones dark. `options` are those of the viewshed.
+MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& options,
+                            std::span<const Observer> observers, const std::string& length_unit);
+
+/// How much is seen, of `height` at the target height.
+struct SeenShare {
+  double percent = 0.0;       ///< of the cells that an observer looks at
+  std::uint64_t without = 0;  ///< cells without ground, or that nobody looks at
+};
+SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options);
+
+}  // namespace alidade

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sky/sky_of_cloud.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+
+#include "base/error.h"
+#include "visibility/raster/map_places.h"
+#include "visibility/sky/point_blocks.h"
+#include "base/run_parts.h"
+
+namespace alidade {
+namespace {
+
+constexpr float k_nothing = std::numeric_limits<float>::quiet_NaN();
+
+std::optional<glm::dvec3> outward(std::span<const glm::vec3> normals, std::uint64_t point_id) {
+  if (normals.empty()) return {};
+  const glm::dvec3 normal(normals[point_id]);
+  const bool says_something = std::isfinite(normal.x) && std::isfinite(normal.y) && std::isfinite(normal.z) &&
+                              normal != glm::dvec3(0.0);
+  if (!says_something) return {};
+  return normal;
+}
+
+/// Of a block, with so many lines each: few enough for a part of a long run that is done within seconds.
+std::size_t targets_at_once(std::size_t lines) {
+  constexpr std::size_t k_most_lines = 1 << 24, k_least = 1 << 10, k_most = 1 << 14;
+  return std::clamp(k_most_lines / std::max<std::size_t>(lines, 1), k_least, k_most);
+}
+
+/// What is asked of each target.
+struct Question {
+  std::size_t lines = 0;    ///< of sight
+  std::size_t numbers = 1;  ///< answered
+};
+
+/// Numbers of each target of a part, one row of as many as there are targets after another.
+using Numbers = std::vector<float>;
+
+/// Answers all points, a block at a time: answer(targets) gives its numbers, take(point id, row, number) gets
+/// them.
+template <class Answer, class Take>
+void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3> normals,
+                           const Question& question, const LongWork& work, const Answer& answer,
+                           const Take& take) {
+  const TreeView& tree = occluders.octree().view();
+  if (!normals.empty() && normals.size() != tree.point_count) {
+    throw Error({.problem = "there is not one normal for every point",
+                 .expected = std::to_string(tree.point_count),
+                 .found = std::to_string(normals.size())});
+  }
+  const PointBlocks blocks(tree, targets_at_once(question.lines));
+  std::uint64_t done = 0;
+  report(work.progress, done, tree.point_count);
+  run_parts(
+      work.parts, blocks.count(),
+      [&](std::uint64_t part, PartWriter& writer) {
+        const std::vector<PlacedPoint> points = blocks.block(part);
+        std::vector<SkyTarget> targets(points.size());
+        tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+          targets[i] = target_on_point(occluders, points[i].point_id, points[i].position,
+                                       outward(normals, points[i].point_id));
+        });
+        writer.put_all(answer(std::span<SkyTarget>(targets)));
+      },
+      [&](std::uint64_t part, PartReader& reader) {
+        const std::vector<PlacedPoint> points = blocks.block(part);
+        Numbers numbers(points.size());
+        for (std::size_t row = 0; row < question.numbers; ++row) {
+          reader.take_all(numbers);
+          for (std::size_t i = 0; i < points.size(); ++i) take(points[i].point_id, row, numbers[i]);
+        }
+        report(work.progress, done += points.size(), tree.point_count);
+      });
+}
+
+/// The same for the cells of a map, which are told by their number in it; k_nothing for those without ground.
+template <class Answer, class Take>
+void for_each_ground_target(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+                            double height, const Question& question, const LongWork& work,
+                            const Answer& answer, const Take& take) {
+  if (!(height >= 0.0) || !std::isfinite(height)) {
+    throw Error({.problem = "height above the ground is out of range",
+                 .expected = "0 or more",
+                 .found = std::to_string(height)});
+  }
+  const MapTargets places(occluders, ground, grid, 1, targets_at_once(question.lines));
+  std::uint64_t done = 0;
+  report(work.progress, done, grid.size());
+  run_parts(
+      work.parts, places.block_count(),
+      [&](std::uint64_t part, PartWriter& writer) {
+        const MapBlock block = places.block(part);
+        std::vector<SkyTarget> targets;
+        for (const MapTarget& target : block.targets)
+          targets.push_back(target_in_open(raised(target.foot, height)));
+        const Numbers answers = answer(std::span<SkyTarget>(targets));
+        Numbers numbers(block.cells.size());
+        for (std::size_t row = 0; row < question.numbers; ++row) {
+          std::ranges::fill(numbers, k_nothing);
+          for (std::size_t i = 0; i < targets.size(); ++i)
+            numbers[block.targets[i].cell] = answers[row * targets.size() + i];
+          writer.put_all(numbers);
+        }
+      },
+      [&](std::uint64_t part, PartReader& reader) {
+        const std::vector<std::size_t> cells = places.cells(part);
+        Numbers numbers(cells.size());
+        for (std::size_t row = 0; row < question.numbers; ++row) {
+          reader.take_all(numbers);
+          for (std::size_t i = 0; i < cells.size(); ++i) take(cells[i], row, numbers[i]);
+        }
+        report(work.progress, done += cells.size(), grid.size());
+      });
+}
+
+/// Hours and energy in two rows.
+Numbers in_rows(std::span<const SunHours> hours) {
+  Numbers numbers;
+  for (const SunHours& one : hours) numbers.push_back(one.hours);
+  for (const SunHours& one : hours) numbers.push_back(one.kilowatt_hours);
+  return numbers;
+}
+
+}  // namespace
+
+std::vector<float> point_sky_views(const Occluders& occluders, std::span<const glm::vec3> normals,
+                                   const SkyViewOptions& options, const LongWork& work) {
+  std::vector<float> views(occluders.octree().size());
+  for_each_point_target(
+      occluders, normals, {static_cast<std::size_t>(options.directions), 1}, work,
+      [&](std::span<SkyTarget> targets) {
+        Numbers of_block(targets.size());
+        sky_views(occluders, targets, options, of_block);
+        return of_block;
+      },
+      [&](std::uint64_t point_id, std::size_t, float number) { views[point_id] = number; });
+  return views;
+}
+
+std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
+                                      std::span<const SunBin> bins, const SunHoursOptions& options,
+                                      const LongWork& work) {
+  constexpr int k_side_directions = 64;
+  std::vector<SunHours> hours(occluders.octree().size());
+  for_each_point_target(
+      occluders, normals, {bins.size() + k_side_directions, 2}, work,
+      [&](std::span<SkyTarget> targets) {
+        find_open_sides(occluders, k_side_directions, targets);
+        std::vector<SunHours> of_block(targets.size());
+        sun_hours(occluders, targets, bins, options, of_block);
+        return in_rows(of_block);
+      },
+      [&](std::uint64_t point_id, std::size_t row, float number) {
+        (row == 0 ? hours[point_id].hours : hours[point_id].kilowatt_hours) = number;
+      });
+  return hours;
+}
+
+Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+                               double height, const SkyViewOptions& options, const LongWork& work) {
+  check_map_memory(grid, 1);
+  Raster<float> views(grid, k_nothing);
+  SkyViewOptions facing_up = options;
+  facing_up.receiver = SkyReceiver::horizontal;
+  for_each_ground_target(
+      occluders, ground, grid, height, {static_cast<std::size_t>(options.directions), 1}, work,
+      [&](std::span<SkyTarget> targets) {
+        Numbers of_block(targets.size());
+        sky_views(occluders, targets, facing_up, of_block);
+        return of_block;
+      },
+      [&](std::size_t cell, std::size_t, float number) { views.values[cell] = number; });
+  return views;
+}
+
+SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+                         double height, std::span<const SunBin> bins, const SunHoursOptions& options,
+                         const LongWork& work) {
+  check_map_memory(grid, 2);
+  SunMaps maps{Raster<float>(grid, k_nothing), Raster<float>(grid, k_nothing)};
+  for_each_ground_target(
+      occluders, ground, grid, height, {bins.size(), 2}, work,
+      [&](std::span<SkyTarget> targets) {
+        std::vector<SunHours> of_block(targets.size());
+        sun_hours(occluders, targets, bins, options, of_block);
+        return in_rows(of_block);
+      },
+      [&](std::size_t cell, std::size_t row, float number) {
+        (row == 0 ? maps.hours : maps.kilowatt_hours).values[cell] = number;
+      });
+  return maps;
+}
+
+}  // namespace alidade

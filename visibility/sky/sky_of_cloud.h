@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "base/progress.h"
+#include "base/checkpoint.h"
+#include "visibility/raster/ground.h"
+#include "geo/raster.h"
+#include "visibility/sky/sky_view.h"
+#include "visibility/sky/sun_hours.h"
+
+// Sky and sun of all points of a cloud, and of the ground below it.
+//
+//   const Occluders occluders(octree, {});
+//   const std::vector<float> views = point_sky_views(occluders, columns.normals, {});
+
+namespace alidade {
+
+/// How long work is watched and kept.
+struct LongWork {
+  Progress progress{};             ///< in points or cells
+  FinishedParts* parts = nullptr;  ///< where blocks of them are kept that are finished; null: nowhere
+};
+
+/// Sky-view factor of every point, by point id. `normals` by point id, each pointing out of its surface
+/// (length does not matter, zero says nothing); empty: the open side is found as sky_views() says. Memory: 4
+/// B per point and some 20 MB. Errors: as sky_views; normals not one per point; those of `work.parts`, here
+/// and below.
+std::vector<float> point_sky_views(const Occluders& occluders, std::span<const glm::vec3> normals,
+                                   const SkyViewOptions& options, const LongWork& work = {});
+
+/// Direct sun of every point, by point id; the open side of points without a normal is found with
+/// find_open_sides(), of 64 directions. Memory: 8 B per point and some 20 MB. Errors: normals not one per
+/// point.
+std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<const glm::vec3> normals,
+                                      std::span<const SunBin> bins, const SunHoursOptions& options,
+                                      const LongWork& work = {});
+
+/// Sky-view factor in the middle of every cell, `height` above the ground as a viewshed has it
+/// (visibility/raster/map_places.h), which faces up there (options.receiver does not matter); NaN where there is no
+/// ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band.
+/// Errors: as sky_views; height negative or not finite; not enough memory.
+Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+                               double height, const SkyViewOptions& options, const LongWork& work = {});
+
+/// Direct sun of every cell, likewise on the horizontal; two bands.
+struct SunMaps {
+  Raster<float> hours, kilowatt_hours;
+};
+SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+                         double height, std::span<const SunBin> bins, const SunHoursOptions& options,
+                         const LongWork& work = {});
+
+}  // namespace alidade

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sky/sky_view.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "octree/point_surface.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_grain = 1024;
+/// The cosine of 20 degrees: the lower side of a surface this level sees less than 3 % of the sky.
+constexpr double k_level = 0.93969262078590838;
+
+bool has_surface(const SkyTarget& target) {
+  return target.normal != glm::dvec3(0.0);
+}
+
+/// What a target sees on each of its sides.
+struct Sides {
+  double front = 0.0, back = 0.0;
+};
+
+double wider_side(const SkyTarget& target, const Sides& sides) {
+  if (!has_surface(target) || target.is_front_open) return sides.front;
+  return std::max(sides.front, sides.back);
+}
+
+void check_directions(int count) {
+  if (count >= 1 && count <= k_most_sky_directions) return;
+  throw Error({.problem = "number of sky directions is out of range",
+               .expected = "1 to " + std::to_string(k_most_sky_directions),
+               .found = std::to_string(count)});
+}
+
+template <class Work>
+void for_each_target(std::size_t count, const Work& work) {
+  tbb::parallel_for(std::size_t{0}, (count + k_grain - 1) / k_grain, [&](std::size_t part) {
+    for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, count); ++i) work(i);
+  });
+}
+
+/// Sums over the free lines of every target, in the order of the directions.
+std::vector<Sides> both_sides(const Occluders& occluders, std::span<const SkyTarget> targets,
+                              const SkyViewOptions& options) {
+  const int most = options.directions;
+  check_directions(most);
+  const bool is_horizontal = options.receiver == SkyReceiver::horizontal;
+  const std::vector<glm::dvec3> directions =
+      is_horizontal ? cosine_sky_directions(most) : even_sky_directions(most);
+  std::vector<Sides> sides(targets.size());
+  std::vector<SightLine> lines(targets.size());
+  std::vector<std::uint8_t> answers(targets.size());
+  for (const glm::dvec3& direction : directions) {
+    const auto is_ahead = [&](const SkyTarget& target) {
+      return !has_surface(target) || glm::dot(direction, target.normal) > 0.0;
+    };
+    for_each_target(targets.size(), [&](std::size_t i) {
+      const SkyTarget& target = targets[i];
+      lines[i] = sight_ray(is_ahead(target) ? target.front : target.back, direction, options.max_distance);
+    });
+    blocked(occluders, lines, answers);
+    for_each_target(targets.size(), [&](std::size_t i) {
+      if (answers[i] != 0) return;
+      const SkyTarget& target = targets[i];
+      const bool ahead = is_ahead(target);
+      double weight = 1.0 / most;
+      if (!is_horizontal)
+        weight *= 2.0 * (has_surface(target) ? std::fabs(glm::dot(direction, target.normal)) : direction.z);
+      (ahead ? sides[i].front : sides[i].back) += weight;
+    });
+  }
+  return sides;
+}
+
+}  // namespace
+
+SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
+                          const std::optional<glm::dvec3>& outward) {
+  SkyTarget target;
+  const PointSurface surface =
+      occluders.has_surfaces() ? surface_of(occluders.octree().view(), point_id) : PointSurface{};
+  if (surface.exists) {
+    const bool turned = glm::dot(surface.normal, outward.value_or(glm::dvec3(0.0, 0.0, 1.0))) < 0.0;
+    target.normal = turned ? -surface.normal : surface.normal;
+    target.is_front_open = outward.has_value();
+  }
+  // Far enough away to be clear of the sheet, near enough to lose no digits.
+  const glm::dvec3 aside = surface.exists ? target.normal : glm::dvec3(0.0, 0.0, 1.0);
+  constexpr double k_aside = 1000.0;
+  target.front = end_on_point(occluders, point_id, position, position + k_aside * aside);
+  target.back = end_on_point(occluders, point_id, position, position - k_aside * aside);
+  return target;
+}
+
+SkyTarget target_in_open(const SightEnd& place) {
+  SkyTarget target;
+  target.front = target.back = place;
+  return target;
+}
+
+void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, const SkyViewOptions& options,
+               std::span<float> views) {
+  assert(targets.size() == views.size());
+  const std::vector<Sides> sides = both_sides(occluders, targets, options);
+  for_each_target(targets.size(),
+                  [&](std::size_t i) { views[i] = static_cast<float>(wider_side(targets[i], sides[i])); });
+}
+
+void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets) {
+  std::vector<SkyTarget> asked;
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    SkyTarget& target = targets[i];
+    if (!has_surface(target) || target.is_front_open) continue;
+    if (target.normal.z < 0.0) {
+      std::swap(target.front, target.back);
+      target.normal = -target.normal;
+    }
+    target.is_front_open = target.normal.z >= k_level;
+    if (target.is_front_open) continue;
+    asked.push_back(target);
+    places.push_back(i);
+  }
+  const std::vector<Sides> sides = both_sides(occluders, asked, {.directions = directions});
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    SkyTarget& target = targets[places[i]];
+    if (sides[i].back > sides[i].front) {
+      std::swap(target.front, target.back);
+      target.normal = -target.normal;
+    }
+    target.is_front_open = true;
+  }
+}
+
+SkyShares sky_shares(const Occluders& occluders, const SightEnd& eye, int directions, double max_distance) {
+  check_directions(directions);
+  const auto free_share = [&](const std::vector<glm::dvec3>& towards) {
+    std::vector<SightLine> lines;
+    lines.reserve(towards.size());
+    for (const glm::dvec3& direction : towards) lines.push_back(sight_ray(eye, direction, max_distance));
+    std::vector<std::uint8_t> answers(lines.size());
+    blocked(occluders, lines, answers);
+    return static_cast<double>(std::count(answers.begin(), answers.end(), 0)) /
+           static_cast<double>(answers.size());
+  };
+  return {free_share(cosine_sky_directions(directions)), free_share(even_sky_directions(directions))};
+}
+
+}  // namespace alidade

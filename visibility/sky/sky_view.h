@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <optional>
+#include <span>
+
+#include "visibility/horizon/horizon.h"
+#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
+#include "visibility/sky/sky_directions.h"
+
+// How much of the sky a place sees, through every gap that is there.
+//
+//   std::vector<SkyTarget> targets{target_on_point(occluders, id, position, {})};
+//   std::vector<float> views(1);
+//   sky_views(occluders, targets, {}, views);
+
+namespace alidade {
+
+/// A place that looks at the sky.
+struct SkyTarget {
+  /// Where its lines start: those towards the side of its surface that `normal` points to, and the others.
+  SightEnd front, back;
+  glm::dvec3 normal{0.0};  ///< unit; zero: it lies on no surface and sees to all sides
+  bool is_front_open =
+      false;  ///< whether the front is known to be the outside, so that the back sees nothing
+};
+
+/// A point of the cloud. `outward`, if given, says which side of its surface is the outside: the one on which
+/// it lies (not zero, of any length).
+SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
+                          const std::optional<glm::dvec3>& outward);
+
+/// A place on or above the ground, which looks to all sides.
+SkyTarget target_in_open(const SightEnd& place);
+
+enum class SkyReceiver {
+  horizontal,  ///< faces up: light from straight above counts most
+  surface,     ///< faces where the surface does; of a target without a surface, up
+};
+
+struct SkyViewOptions {
+  int directions = 128;  ///< lines per target, 1 .. k_most_sky_directions
+  SkyReceiver receiver = SkyReceiver::surface;
+  double max_distance = std::numeric_limits<double>::infinity();  ///< nothing farther blocks; metres
+};
+
+/// Sky-view factor of every target: 1/pi times the integral, over the solid angle of the sky that it sees, of
+/// the cosine to the receiver's normal, where that is above 0. 1: all of the sky, face up; an open wall has
+/// 1/2, an open slope of inclination b (1 + cos b) / 2. Sky are the directions above the horizontal; a
+/// surface shuts the half behind it, also for a horizontal receiver. Which half that is: the one that
+/// SkyTarget::is_front_open says; else the value is that of the side which sees more. So both sides of a
+/// wall that was scanned on both count rightly, and the inside of a house whose roof was scanned loses.
+///
+/// Quadrature: `directions` lines; for horizontal receivers in cosine_sky_directions(), equally weighted,
+/// else in even_sky_directions() with the cosine as weight. Of 128 lines the error between walls is 0.01
+/// (standard deviation over street canyons of all widths and directions, 0.03 at most); it halves with 2.5
+/// times as many. Lines start at the target's own ends, see sight_line.h. Sources: Johnson and Watson, The
+/// Determination of View-Factors in Urban Canyons, 1984; for slopes Dozier and Frew, Rapid Calculation of
+/// Terrain Parameters for Radiation Modeling From Digital Elevation Data, 1990. Errors: options out of range;
+/// as many views as targets. Cost: a line per target and direction, in parallel; fast if neighbours among the
+/// targets are neighbours in space, in batches of 10^4 to 10^5.
+void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, const SkyViewOptions& options,
+               std::span<float> views);
+
+/// Turns every target that does not know its outside so that its front is the side with the larger sky-view
+/// factor (SkyReceiver::surface, of `directions` lines); at equal values, and of surfaces that lie within 20
+/// degrees of the horizontal, the one that faces up. The single sheet of a lone wall that was scanned from
+/// one side sees as much sky on either: only normals tell.
+void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets);
+
+/// Both shares of the sky that a place sees, gaps below its horizon line counting too: of `directions` lines
+/// each. Errors: as sky_views.
+SkyShares sky_shares(const Occluders& occluders, const SightEnd& eye, int directions,
+                     double max_distance = std::numeric_limits<double>::infinity());
+
+}  // namespace alidade

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sky/sun_hours.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cassert>
+#include <glm/geometric.hpp>
+#include <vector>
+
+namespace alidade {
+namespace {
+
+bool has_surface(const SkyTarget& target) {
+  return target.normal != glm::dvec3(0.0);
+}
+
+/// Sums of a target, in double until they are complete.
+struct Sums {
+  double hours = 0.0, watt_hours = 0.0;
+};
+
+}  // namespace
+
+void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, std::span<const SunBin> bins,
+               const SunHoursOptions& options, std::span<SunHours> answers) {
+  assert(targets.size() == answers.size());
+  std::vector<Sums> sums(targets.size());
+  std::vector<std::uint32_t> asked;
+  std::vector<SightLine> lines;
+  std::vector<std::uint8_t> is_blocked;
+  for (const SunBin& bin : bins) {
+    asked.clear();
+    for (std::uint32_t i = 0; i < targets.size(); ++i) {
+      if (!has_surface(targets[i]) || glm::dot(bin.direction, targets[i].normal) > 0.0) asked.push_back(i);
+    }
+    lines.resize(asked.size());
+    is_blocked.resize(asked.size());
+    constexpr std::size_t k_grain = 1024;
+    tbb::parallel_for(std::size_t{0}, (asked.size() + k_grain - 1) / k_grain, [&](std::size_t part) {
+      for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, asked.size()); ++i)
+        lines[i] = sight_ray(targets[asked[i]].front, bin.direction, options.max_distance);
+    });
+    blocked(occluders, lines, is_blocked);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+      if (is_blocked[i] != 0) continue;
+      const SkyTarget& target = targets[asked[i]];
+      const bool tilted = options.receiver == SkyReceiver::surface && has_surface(target);
+      Sums& sum = sums[asked[i]];
+      sum.hours += bin.hours;
+      sum.watt_hours += std::max(0.0, tilted ? glm::dot(bin.energy, target.normal) : bin.energy.z);
+    }
+  }
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    answers[i] = {static_cast<float>(sums[i].hours), static_cast<float>(sums[i].watt_hours / 1000.0)};
+  }
+}
+
+}  // namespace alidade

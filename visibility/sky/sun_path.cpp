@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: MIT
+#include "visibility/sky/sun_path.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.h"
+#include "geo/ground_place.h"
+#include "geo/sun.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_seconds_per_day = 86400.0;
+
+void require(const char* what, double value, double least, double most) {
+  if (value >= least && value <= most) return;
+  throw Error({.problem = fmt::format("{} is out of range", what),
+               .expected = fmt::format("a number from {} to {}", least, most),
+               .found = fmt::format("{}", value)});
+}
+
+double rounded(double degrees) {
+  return std::round(degrees * 1e6) / 1e6 + 0.0;
+}
+
+double wrapped(double degrees) {
+  const double rest = std::fmod(degrees, 360.0);
+  return rest < 0.0 ? rest + 360.0 : rest;
+}
+
+double seconds_between(const Moment& from, const Moment& to) {
+  return static_cast<double>((to.day - from.day).count()) * k_seconds_per_day + (to.seconds - from.seconds);
+}
+
+Moment later(const Moment& from, double seconds) {
+  const double total = from.seconds + seconds, days = std::floor(total / k_seconds_per_day);
+  return {from.day + std::chrono::days(static_cast<int>(days)), total - days * k_seconds_per_day};
+}
+
+/// 1 is the begin of 1 January.
+double day_of_year(const Moment& moment) {
+  const std::chrono::year_month_day date(moment.day);
+  const std::chrono::sys_days first(date.year() / std::chrono::January / 1);
+  return static_cast<double>((moment.day - first).count()) + 1.0 + moment.seconds / k_seconds_per_day;
+}
+
+}  // namespace
+
+std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress) {
+  require("the time step", schedule.step_minutes, 0.1, 1440.0);
+  require("the latitude", schedule.latitude, -90.0, 90.0);
+  require("the longitude", schedule.longitude, -360.0, 360.0);
+  require("the turbidity", schedule.air.linke_turbidity, 1.0, 20.0);
+  require("the height above the sea", schedule.air.height, -1000.0, 10000.0);
+  const double duration = seconds_between(schedule.from, schedule.to), step = 60.0 * schedule.step_minutes;
+  if (!(duration > 0.0)) {
+    throw Error({.problem = "no time lies between begin and end",
+                 .expected = "an end after " + date_time_text(schedule.from),
+                 .found = date_time_text(schedule.to)});
+  }
+  const double count = std::ceil(duration / step);
+  if (count > static_cast<double>(k_most_sun_steps)) {
+    throw Error({.problem = "too many time steps",
+                 .expected = fmt::format("at most {}: longer steps, a shorter time", k_most_sun_steps),
+                 .found = fmt::format("{:.0f}", count)});
+  }
+  constexpr double k_sea_pressure = 1013.25, k_scale_height = 8434.5;
+  const SunObserver observer{.latitude = schedule.latitude,
+                             .longitude = schedule.longitude,
+                             .height = schedule.air.height,
+                             .pressure = k_sea_pressure * std::exp(-schedule.air.height / k_scale_height)};
+  std::vector<SunStep> steps;
+  const auto total = static_cast<std::size_t>(count);
+  for (std::size_t i = 0; i < total; ++i) {
+    constexpr std::size_t k_report_interval = 256;
+    if (i % k_report_interval == 0) report(progress, i, total);
+    const double begin = static_cast<double>(i) * step, end = std::fmin(begin + step, duration);
+    const Moment middle = later(schedule.from, 0.5 * (begin + end));
+    const SunPosition sun = sun_position(middle, observer);
+    const double elevation = rounded(sun.elevation);
+    if (!(elevation > 0.0)) continue;
+    steps.push_back({.azimuth = wrapped(rounded(sun.azimuth - schedule.grid_north)),
+                     .elevation = elevation,
+                     .hours = (end - begin) / 3600.0,
+                     .irradiance = beam_irradiance(elevation, day_of_year(middle), schedule.air)});
+  }
+  report(progress, total, total);
+  return steps;
+}
+
+bool place_schedule(const Crs& crs, const glm::dvec2& center,
+                    const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule) {
+  std::optional<GroundPlace> ground;
+  if (!crs.empty()) ground = ground_place(crs, center);
+  if (!ground && !latitude_longitude) {
+    throw Error({.problem = "the place of the sun needs a latitude and a longitude",
+                 .expected = "--place LAT,LON, or a cloud with a reference system",
+                 .found = crs.empty() ? "a cloud without a reference system"
+                                      : "a reference system that tells no place on Earth"});
+  }
+  schedule.latitude = latitude_longitude ? latitude_longitude->x : ground->latitude;
+  schedule.longitude = latitude_longitude ? latitude_longitude->y : ground->longitude;
+  schedule.grid_north = ground ? rounded(ground->grid_north) : 0.0;
+  return ground.has_value();
+}
+
+}  // namespace alidade
