@@ -15,7 +15,7 @@
 #include <set>
 #include <tuple>
 
-#include "compare/report.h"
+#include "compare/report/report.h"
 #include "base/output_file.h"
 
 namespace alidade {

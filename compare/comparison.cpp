@@ -8,7 +8,7 @@
 #include "compare/compared_pair.h"
 #include "compare/comparison_pictures.h"
 #include "compare/displayed_picture.h"
-#include "compare/ssim.h"
+#include "compare/metrics/ssim.h"
 
 namespace alidade {
 namespace {

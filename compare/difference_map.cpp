@@ -11,7 +11,7 @@
 #include <limits>
 #include <utility>
 
-#include "compare/row_sums.h"
+#include "compare/metrics/row_sums.h"
 #include "image/srgb.h"
 
 namespace alidade {

@@ -40,7 +40,7 @@ struct DifferenceMap {
 DifferenceMap color_difference(const ComparedImage& reference, const ComparedImage& test,
                                const ImageMask& mask);
 
-/// FLIP's own map (compare/flip.h), 0 .. 1.
+/// FLIP's own map (compare/metrics/flip.h), 0 .. 1.
 DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMask& mask);
 
 /// Test minus reference of the depth layers, metres: positive is farther away in the test. A depth that is

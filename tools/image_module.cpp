@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "compare/batch.h"
-#include "compare/report.h"
+#include "compare/report/report.h"
 #include "geo/place_sun.h"
 #include "image/read_picture.h"
 #include "tools/image_writer.h"

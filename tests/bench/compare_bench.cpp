@@ -11,9 +11,9 @@
 #include <functional>
 #include <string>
 
-#include "compare/error_metrics.h"
-#include "compare/flip.h"
-#include "compare/ssim.h"
+#include "compare/metrics/error_metrics.h"
+#include "compare/metrics/flip.h"
+#include "compare/metrics/ssim.h"
 #include "simulation/noise.h"
 #include "tests/bench/process_memory.h"
 

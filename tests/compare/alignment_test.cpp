@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/alignment.h"
+#include "compare/photographs/alignment.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

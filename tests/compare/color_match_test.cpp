@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/color_match.h"
+#include "compare/photographs/color_match.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "compare/robust_line.h"
+#include "compare/photographs/robust_line.h"
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {

@@ -10,8 +10,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "compare/compared_how.h"
-#include "compare/comparison_json.h"
+#include "compare/report/compared_how.h"
+#include "compare/report/comparison_json.h"
 #include "tests/compare/picture_files.h"
 
 namespace alidade::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/flip.h"
+#include "compare/metrics/flip.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "compare/hdr_flip.h"
+#include "compare/metrics/hdr_flip.h"
 #include "tests/compare/pictures.h"
 #include "tests/compare/plain_flip.h"
 

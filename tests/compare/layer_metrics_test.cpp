@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/layer_metrics.h"
+#include "compare/metrics/errors.h"
 
 #include <gtest/gtest.h>
 

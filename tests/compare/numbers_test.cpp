@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "compare/float_ranks.h"
+#include "compare/metrics/pixel_sums.h"
 #include "base/logarithm.h"
 #include "image/srgb.h"
 #include "tests/support/random.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/page_parts.h"
+#include "compare/report/page.h"
 
 #include <gtest/gtest.h>
 

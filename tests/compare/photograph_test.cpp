@@ -7,8 +7,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "compare/alignment.h"
-#include "compare/color_match.h"
+#include "compare/photographs/alignment.h"
+#include "compare/photographs/color_match.h"
 #include "compare/image_mask.h"
 #include "compare/resize_image.h"
 #include "camera/camera.h"

@@ -6,9 +6,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "compare/error_metrics.h"
-#include "compare/flip.h"
-#include "compare/ssim.h"
+#include "compare/metrics/error_metrics.h"
+#include "compare/metrics/flip.h"
+#include "compare/metrics/ssim.h"
 
 namespace alidade::test {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/ssim.h"
+#include "compare/metrics/ssim.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

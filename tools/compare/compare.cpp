@@ -3,8 +3,8 @@
 
 #include <new>
 
-#include "compare/comparison_json.h"
-#include "compare/page_parts.h"
+#include "compare/report/comparison_json.h"
+#include "compare/report/page.h"
 #include "compare/region_points.h"
 #include "cloud/read_cloud.h"
 #include "cloud/las/write_las.h"

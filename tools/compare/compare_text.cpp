@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "compare/compared_how.h"
+#include "compare/report/compared_how.h"
 
 namespace alidade {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "compare/comparison_json.h"
+#include "compare/report/comparison_json.h"
 
-#include "compare/compared_how.h"
-#include "compare/json_parts.h"
+#include "compare/report/compared_how.h"
+#include "compare/report/json_parts.h"
 
 namespace alidade {
 namespace {

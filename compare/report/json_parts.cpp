@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/json_parts.h"
+#include "compare/report/json_parts.h"
 
 namespace alidade {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "compare/flip_filters.h"
+#include "compare/metrics/flip_filters.h"
 #include "base/instruction_set.h"
 
 namespace alidade {

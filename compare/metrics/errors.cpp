@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "compare/layer_metrics.h"
+#include "compare/metrics/errors.h"
 
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "compare/row_sums.h"
+#include "compare/metrics/row_sums.h"
 #include "base/exact_math.h"
 
 namespace alidade {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "compare/page_parts.h"
+#include "compare/report/page.h"
 #include "base/output_file.h"
 
 namespace alidade {

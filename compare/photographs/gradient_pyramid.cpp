@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/gradient_pyramid.h"
+#include "compare/photographs/gradient_pyramid.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

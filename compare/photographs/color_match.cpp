@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/color_match.h"
+#include "compare/photographs/color_match.h"
 
 #include <tbb/parallel_for.h>
 
@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compare/robust_line.h"
+#include "compare/photographs/robust_line.h"
 #include "image/srgb.h"
 
 namespace alidade {

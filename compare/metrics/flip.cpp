@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/flip.h"
+#include "compare/metrics/flip.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -8,11 +8,11 @@
 #include <algorithm>
 #include <mutex>
 
-#include "compare/flip_filters.h"
-#include "compare/flip_tile.h"
-#include "compare/float_ranks.h"
-#include "compare/hdr_flip.h"
-#include "compare/pair_pixels.h"
+#include "compare/metrics/flip_filters.h"
+#include "compare/metrics/flip_model.h"
+#include "compare/metrics/pixel_sums.h"
+#include "compare/metrics/hdr_flip.h"
+#include "compare/metrics/pair_pixels.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/robust_line.h"
+#include "compare/photographs/robust_line.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "compare/page_json.h"
+#include "compare/report/page_json.h"
 #include "compare/verdict.h"
 
 // What JSON for programs and that of pages have in common.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/compared_how.h"
+#include "compare/report/compared_how.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/ssim.h"
+#include "compare/metrics/ssim.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -10,8 +10,8 @@
 #include <numbers>
 
 #include "base/logarithm.h"
-#include "compare/pair_pixels.h"
-#include "compare/ssim_tile.h"
+#include "compare/metrics/pair_pixels.h"
+#include "compare/metrics/ssim_tile.h"
 
 namespace alidade {
 namespace {

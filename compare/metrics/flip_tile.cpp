@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "compare/flip_tile.h"
+#include "compare/metrics/flip_model.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "compare/flip_tile.cpp"
+#define HWY_TARGET_INCLUDE "compare/metrics/flip_tile.cpp"
 #include <hwy/foreach_target.h>
 
-#include "compare/flip_color.h"
-#include "compare/flip_rows-inl.h"
+#include "compare/metrics/flip_color.h"
+#include "compare/metrics/flip_rows-inl.h"
 #include "octree/simd/choose_table.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/ssim_tile.h"
+#include "compare/metrics/ssim_tile.h"
 
 #include "base/logarithm.h"
 

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "compare/float_ranks.h"
+#include "compare/metrics/pixel_sums.h"
 
 // Sums over the rows of a picture, the same on any number of threads.
 

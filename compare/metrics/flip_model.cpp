@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "compare/hdr_flip.h"
+#include "compare/metrics/hdr_flip.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "compare/float_ranks.h"
+#include "compare/metrics/pixel_sums.h"
 #include "base/logarithm.h"
-#include "compare/pair_pixels.h"
+#include "compare/metrics/pair_pixels.h"
 #include "image/image_display.h"
 
 namespace alidade {

@@ -9,8 +9,8 @@
 
 #include <cstddef>
 
-#include "compare/flip_filters.h"
-#include "compare/flip_math-inl.h"
+#include "compare/metrics/flip_filters.h"
+#include "compare/metrics/flip_math-inl.h"
 
 // Filters along a row or across rows. A row's neighbours are `step` floats away: 1 along it, the pitch
 // across. Rows are worked in whole vectors, up to 16 columns beyond the last.

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "compare/flip.h"
-#include "compare/flip_tile.h"
+#include "compare/metrics/flip.h"
+#include "compare/metrics/flip_model.h"
 
 namespace alidade {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/flip_color.h"
+#include "compare/metrics/flip_color.h"
 
 #include <cmath>
 

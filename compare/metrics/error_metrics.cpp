@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/error_metrics.h"
+#include "compare/metrics/error_metrics.h"
 
 #include <cassert>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/logarithm.h"
-#include "compare/row_sums.h"
+#include "compare/metrics/row_sums.h"
 #include "image/srgb.h"
 
 namespace alidade {

@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "compare/batch.h"
-#include "compare/page_json.h"
-#include "compare/page_parts.h"
+#include "compare/report/page_json.h"
+#include "compare/report/page.h"
 
 namespace alidade {
 namespace {

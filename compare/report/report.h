@@ -4,7 +4,7 @@
 #include <string>
 
 #include "compare/comparison.h"
-#include "compare/page_parts.h"
+#include "compare/report/page.h"
 #include "compare/verdict.h"
 
 namespace alidade {

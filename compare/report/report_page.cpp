@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
-#include "compare/report.h"
+#include "compare/report/report.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 
-#include "compare/compared_how.h"
-#include "compare/json_parts.h"
-#include "compare/page_parts.h"
+#include "compare/report/compared_how.h"
+#include "compare/report/json_parts.h"
+#include "compare/report/page.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "compare/comparison.h"
-#include "compare/page_json.h"
+#include "compare/report/page_json.h"
 
 // How a comparison came to its figures: what was left out, how FLIP looked, what was fitted and found. For
 // those who read a result without the command that made it.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/alignment.h"
+#include "compare/photographs/alignment.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "compare/gradient_pyramid.h"
+#include "compare/photographs/gradient_pyramid.h"
 
 namespace alidade {
 namespace {
