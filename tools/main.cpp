@@ -5,7 +5,7 @@
 #include <new>
 #include <span>
 
-#include "database/server/read_server_table.h"
+#include "database/server/read_server.h"
 #include "database/server/server_name.h"
 #include "database/sqlite/read_cloud_table.h"
 #include "base/error.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/server/cloud_row.h"
+#include "database/server/server_sql.h"
 
 #include <fmt/format.h>
 

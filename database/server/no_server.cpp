@@ -2,7 +2,7 @@
 // Stands for read_server_table.cpp, read_server_part.cpp and store_on_server.cpp where libpq's header was not
 // found.
 #include "database/server/read_server_part.h"
-#include "database/server/read_server_table.h"
+#include "database/server/read_server.h"
 #include "database/server/store_on_server.h"
 #include "base/error.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "database/server/cloud_row.h"
+#include "database/server/server_sql.h"
 #include "database/server/server_connection.h"
 #include "cloud/attributes.h"
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "database/server/copy_rows.h"
+#include "database/server/copy_format.h"
 #include "database/server/shard_script.h"
 #include "database/streamed_columns.h"
 #include "base/output_file.h"

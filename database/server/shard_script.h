@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "database/server/cloud_row.h"
+#include "database/server/server_sql.h"
 #include "database/server/shard.h"
 #include "database/stored_column.h"
 #include "base/bounds.h"

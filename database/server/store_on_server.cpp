@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "database/server/cloud_row.h"
-#include "database/server/copy_rows.h"
+#include "database/server/server_sql.h"
+#include "database/server/copy_format.h"
 #include "database/server/server_connection.h"
 #include "database/sql_name.h"
 #include "database/streamed_columns.h"

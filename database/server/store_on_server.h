@@ -15,7 +15,7 @@ struct ServerStoreOptions {
 
 /// Stores cloud files as a table of a PostgreSQL server that has the extension alidade_pg.
 /// Columns are those of server_columns(), rows lie along a Morton curve, so that the BRIN index on
-/// cloud_point(x, y, z) keeps small boxes; beside it stands NAME_cloud (database/server/cloud_row.h). All of
+/// cloud_point(x, y, z) keeps small boxes; beside it stands NAME_cloud (database/server/server_sql.h). All of
 /// it is there at once or not at all, whatever ends the program.
 ///
 /// Errors: check_server_table()'s; no server; no right to make tables; the table exists; the

@@ -9,7 +9,7 @@
 
 #include "database/sqlite/functions.h"
 #include "database/sqlite/plan.h"
-#include "database/sqlite/point_cursor.h"
+#include "database/sqlite/scan.h"
 #include "database/sqlite/sql_values.h"
 #include "database/stored_value.h"
 

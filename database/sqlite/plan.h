@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "database/sqlite/point_cursor.h"
+#include "database/sqlite/scan.h"
 #include "database/sqlite/sqlite_api.h"
 #include "database/stored_column.h"
 

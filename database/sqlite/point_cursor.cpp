@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/sqlite/point_cursor.h"
+#include "database/sqlite/scan.h"
 
 #include <algorithm>
 #include <limits>

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "database/server/cloud_row.h"
+#include "database/server/server_sql.h"
 #include "database/server/cloud_values.h"
 #include "database/server/filter_condition.h"
 #include "cloud/append_rows.h"

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <set>
 
-#include "database/server/copy_rows.h"
+#include "database/server/copy_format.h"
 #include "database/server/shard_plan.h"
 #include "cloud/ply/write_ply.h"
 #include "base/error.h"

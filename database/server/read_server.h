@@ -14,7 +14,7 @@ namespace alidade {
 /// is
 ///   there once; then it is no dimension. Otherwise they are in the order they come.
 /// - Lattice, reference system and how GPS times count come from the table NAME_cloud
-///   (database/server/cloud_row.h). Without it, a lattice is chosen as for files of free coordinates.
+///   (database/server/server_sql.h). Without it, a lattice is chosen as for files of free coordinates.
 ///
 /// Errors when opened: ServerName's, ServerConnection's, find_server_table()'s. When read: values out of an
 /// attribute's range; a table that is not what its NAME_cloud says. Cost: a pass over the table, and one more

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/server/copy_rows.h"
+#include "database/server/copy_format.h"
 
 #include <algorithm>
 #include <iterator>

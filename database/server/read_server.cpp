@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "database/server/read_server_table.h"
+#include "database/server/read_server.h"
 
 #include <fmt/format.h>
 

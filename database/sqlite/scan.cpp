@@ -5,7 +5,7 @@
 #include <array>
 
 #include "database/sqlite/distance_limit.h"
-#include "database/sqlite/point_cursor.h"
+#include "database/sqlite/scan.h"
 #include "database/sqlite/sql_values.h"
 #include "database/sqlite/statement.h"
 
