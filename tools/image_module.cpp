@@ -3,7 +3,7 @@
 #include "compare/report/report.h"
 #include "geo/place_sun.h"
 #include "image/read_picture.h"
-#include "tools/image_writer.h"
+#include "tools/image_module.h"
 #include "visibility/points/coverage_picture.h"
 #include "geo/lon_lat.h"
 #include "visibility/raster/map_picture.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/image_writer.h"
+#include "tools/image_module.h"
 
 #include "tools/load_module.h"
 

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/progress.h"
+#include "tools/console.h"
 
 // Options that several commands share, and the strict reading of their values. A value with anything behind
 // the number is an error, as is one outside its limits; both are CLI::ValidationError naming the option.

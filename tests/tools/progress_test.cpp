@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/progress.h"
+#include "tools/console.h"
 
 #include <gtest/gtest.h>
 

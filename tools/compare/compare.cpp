@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "tools/command.h"
 #include "tools/compare/check_request.h"
-#include "tools/compare/compare_module.h"
+#include "tools/compare_module.h"
 #include "tools/compare/compare_options.h"
 #include "tools/compare/compare_text.h"
 #include "tools/message.h"

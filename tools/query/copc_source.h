@@ -5,7 +5,7 @@
 #include <string>
 
 #include "octree/copc_cache.h"
-#include "tools/query/query_options.h"
+#include "tools/query/query.h"
 
 namespace alidade {
 

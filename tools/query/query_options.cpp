@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/query_options.h"
+#include "tools/query/query.h"
 
 #include <fmt/format.h>
 

@@ -6,8 +6,8 @@
 
 #include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
-#include "tools/database_part.h"
-#include "tools/query/query_region.h"
+#include "tools/cloud/load_cloud.h"
+#include "tools/query/queried_cloud.h"
 #include "tools/query/target_bounds.h"
 #include "tools/query/target_reader.h"
 

@@ -5,7 +5,7 @@
 
 #include "database/cloud_part.h"
 #include "base/progress.h"
-#include "tools/query/query_options.h"
+#include "tools/query/query.h"
 
 namespace alidade {
 

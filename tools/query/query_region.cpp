@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/query_region.h"
+#include "tools/query/queried_cloud.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "tools/exit_code.h"
-#include "tools/query/query_options.h"
+#include "tools/query/query.h"
 
 namespace alidade {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/sql/row_writer.h"
+#include "tools/sql/statements.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "database/sqlite/connection.h"
-#include "tools/sql/row_writer.h"
+#include "tools/sql/statements.h"
 #include "tools/sql/sql_parameter.h"
 
 namespace alidade {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tools/visibility/map_reference.h"
+#include "tools/map_reference.h"
 #include "geo/map_unit.h"
 
 namespace alidade {

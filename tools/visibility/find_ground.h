@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/ground.h"
 
 namespace alidade {

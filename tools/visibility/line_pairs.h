@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/progress.h"
-#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/console.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "visibility/lines/line_report.h"
 #include "visibility/observers.h"
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <string>
 
-#include "tools/progress.h"
+#include "tools/console.h"
 #include "tools/visibility/checkpoint_options.h"
-#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "base/checkpoint.h"
 #include "visibility/observers.h"
 #include "geo/raster.h"

@@ -11,7 +11,7 @@
 #include "tools/options.h"
 #include "tools/picture_command.h"
 #include "tools/visibility/find_ground.h"
-#include "tools/visibility/map_writer.h"
+#include "tools/map_writer.h"
 #include "base/words.h"
 #include "visibility/raster/viewshed_area.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "tools/command.h"
-#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/ground.h"
 #include "geo/raster.h"
 

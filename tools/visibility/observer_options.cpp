@@ -11,7 +11,7 @@
 #include "tools/options.h"
 #include "tools/split_list.h"
 #include "tools/visibility/find_ground.h"
-#include "tools/visibility/observer_reader.h"
+#include "tools/observer_reader.h"
 #include "visibility/observer_grid.h"
 #include "visibility/observer_remarks.h"
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/progress.h"
-#include "tools/visibility/load_visibility_cloud.h"
+#include "tools/console.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "visibility/observers.h"
 
 namespace alidade {

@@ -4,7 +4,7 @@
 #include "base/error.h"
 #include "tools/message.h"
 #include "tools/picture_command.h"
-#include "tools/visibility/map_reference.h"
+#include "tools/map_reference.h"
 
 namespace alidade {
 

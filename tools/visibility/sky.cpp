@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "tools/message.h"
-#include "tools/visibility/commands.h"
-#include "tools/visibility/sky_outputs.h"
+#include "tools/commands.h"
+#include "tools/visibility/sky.h"
 #include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade {

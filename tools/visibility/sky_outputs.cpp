@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/visibility/sky_outputs.h"
+#include "tools/visibility/sky.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "tools/cloud_options.h"
 #include "tools/visibility/cloud_unit.h"
-#include "tools/visibility/map_writer.h"
+#include "tools/map_writer.h"
 #include "tools/visibility/observer_options.h"
 #include "base/words.h"
 

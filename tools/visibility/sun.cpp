@@ -5,9 +5,9 @@
 #include <numeric>
 
 #include "tools/message.h"
-#include "tools/visibility/commands.h"
-#include "tools/visibility/sky_module.h"
-#include "tools/visibility/sky_outputs.h"
+#include "tools/commands.h"
+#include "tools/sky_module.h"
+#include "tools/visibility/sky.h"
 #include "tools/visibility/sun_date.h"
 #include "visibility/sky/sky_of_cloud.h"
 

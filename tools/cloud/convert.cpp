@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include "cloud/keep_rows.h"
+#include "cloud/read_cloud.h"
+#include "cloud/las/repack_las.h"
+#include "cloud/thin.h"
+#include "cloud/las/write_las.h"
+#include "cloud/ply/write_ply.h"
+#include "tools/cloud_options.h"
+#include "tools/command.h"
+#include "tools/cloud/crop_options.h"
+#include "tools/message.h"
+#include "tools/options.h"
+#include "tools/cloud/index.h"
+#include "base/words.h"
+
+namespace alidade {
+namespace {
+
+struct ConvertCommand {
+  std::vector<std::filesystem::path> files;
+  bool partial = false;
+  std::filesystem::path output;
+  CropOptions crop;
+  std::uint64_t every = 1;
+  std::optional<double> spacing;
+  std::optional<ColorDepth> color_depth;
+  bool overwrite = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+};
+
+void check_name(const std::filesystem::path& output) {
+  const std::string ending = file_ending(output);
+  if (ending == ".las" || ending == ".laz" || ending == ".ply" || ending == ".alidade") return;
+  throw Error({.file = output.string(),
+               .problem = "the name tells no format that is written",
+               .expected = "a name that ends in .las, .laz, .ply or .alidade"});
+}
+
+PointCloud read(const ConvertCommand& command) {
+  ProgressLine line("reading", "B", command.verbosity.verbosity());
+  PointCloud cloud =
+      read_cloud(command.files, {.color_depth = command.color_depth.value_or(ColorDepth::automatic),
+                                 .partial = command.partial,
+                                 .region = command.crop.box,
+                                 .progress = line.callback()});
+  line.finish();
+  if (command.verbosity.quiet) return cloud;
+  for (const std::string& warning : cloud.warnings) say_warning(warning);
+  return cloud;
+}
+
+/// Leaves the points that were asked for.
+void choose_points(PointCloud& cloud, const ConvertCommand& command) {
+  if (command.crop.given()) {
+    ProgressLine line("cropping", "points", command.verbosity.verbosity());
+    crop(cloud, command.crop, line.callback());
+    line.finish();
+  }
+  if (command.every > 1) keep_every(cloud, command.every);
+  if (command.spacing) {
+    ProgressLine line("thinning", "points", command.verbosity.verbosity());
+    thin(cloud, *command.spacing, line.callback());
+    line.finish();
+  }
+}
+
+void write(const ConvertCommand& command, PointCloud& cloud) {
+  const Verbosity verbosity = command.verbosity.verbosity();
+  const std::string ending = file_ending(command.output);
+  if (ending == ".alidade") {
+    write_index(command.output, cloud, {.overwrite = command.overwrite}, verbosity);
+    return;
+  }
+  ProgressLine line("writing", "points", verbosity);
+  if (ending == ".ply") {
+    write_ply(command.output, cloud, {.overwrite = command.overwrite, .progress = line.callback()});
+  } else {
+    write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = line.callback()});
+  }
+  line.finish();
+}
+
+/// Whether nothing changes but how the points of one LAS file are packed.
+bool only_packing_changes(const ConvertCommand& command) {
+  const std::string ending = file_ending(command.output);
+  const bool chooses = command.crop.given() || command.every > 1 || command.spacing.has_value();
+  return (ending == ".las" || ending == ".laz") && command.files.size() == 1 && !chooses &&
+         !command.color_depth && !command.partial && can_repack(command.files[0]);
+}
+
+ExitCode repack(const ConvertCommand& command) {
+  ProgressLine line("converting", "B", command.verbosity.verbosity());
+  const RepackedFile repacked = repack_las(command.files[0], command.output,
+                                           {.overwrite = command.overwrite, .progress = line.callback()});
+  line.finish();
+  if (command.verbosity.quiet) return ExitCode::done;
+  for (const std::string& warning : repacked.warnings) say_warning(warning);
+  say_note(fmt::format("all {} points written to {}, in the same records", repacked.point_count,
+                       command.output.string()));
+  return ExitCode::done;
+}
+
+ExitCode run(const ConvertCommand& command) {
+  check_name(command.output);
+  check_crop(command.crop);
+  check_writable(command.output, command.overwrite, command.files);
+  if (only_packing_changes(command)) return repack(command);
+  PointCloud cloud = read(command);
+  std::uint64_t all = cloud.size();
+  for (const CloudFile& file : cloud.files) all += file.skipped_count;
+  choose_points(cloud, command);
+  const std::size_t count = cloud.size();
+  write(command, cloud);
+  if (!command.verbosity.quiet)
+    say_note(fmt::format("{} of {} points written to {}", count, all, command.output.string()));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command add_convert(CLI::App& program) {
+  auto command = std::make_shared<ConvertCommand>();
+  CLI::App* convert =
+      program.add_subcommand("convert", "Write clouds in another format, joined, cropped or thinned");
+  add_cloud_files(*convert, "files", command->files,
+                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one, or index files" +
+                      k_database_help)
+      ->option_text("FILE...")
+      ->required();
+  convert->add_option("-o,--output", command->output, "file to write; its name tells the format")
+      ->option_text("FILE.las|.laz|.ply|.alidade")
+      ->required();
+  add_crop_options(*convert, command->crop);
+  add_value(*convert, "--every", "N", "keep the first of the points, and every N-th from there on",
+            [command](const std::string& text) { command->every = parse_count(text, 1, UINT64_MAX); });
+  add_value(*convert, "--spacing", "LENGTH",
+            "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one nearest to "
+            "the mean of the cube's points, with the mean of their colours and intensities",
+            [command](const std::string& text) {
+              command->spacing = parse_number(text, 0.0);
+              if (*command->spacing == 0.0)
+                throw CLI::ValidationError("expected a length above 0, found '0'");
+            });
+  add_choice<ColorDepth>(*convert, "--color-depth",
+                         "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
+                         command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_partial(*convert, command->partial);
+  convert->add_flag("--overwrite", command->overwrite, "replace an existing output");
+  add_threads(*convert, command->threads);
+  add_verbosity(*convert, command->verbosity);
+  convert->footer(
+      "Form:\n"
+      "  alidade convert FILE... -o FILE.las|.laz|.ply|.alidade [OPTIONS]\n"
+      "\n"
+      "First --crop is applied, then --every, then --spacing. What stays keeps its order, its steps on the "
+      "lattice,\n"
+      "all attributes and extra dimensions, the coordinate reference system and the LAS records. LAS and LAZ "
+      "are written\n"
+      "as version 1.4; PLY has no place for reference system and records; an index is what 'alidade index' "
+      "makes.\n"
+      "If no point is left, nothing is written. One LAS or LAZ file of which nothing is chosen keeps its "
+      "version "
+      "and\n"
+      "every byte of its records: packed as LAZ and unpacked again it is the same file.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade convert site.las -o site.laz\n"
+      "  alidade convert tile_1.las tile_2.las -o yard.las --crop 690000,5324980,690020,5325000\n"
+      "  alidade convert site.las -o parcel.las --crop parcel.geojson --crop-crs EPSG:4326\n"
+      "  alidade convert site.las -o thin.ply --spacing 0.05\n");
+  return {convert, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->threads, [&] { code = run(*command); });
+            return code;
+          }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+#include "tools/cloud/e57_images.h"
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "base/output_file.h"
+#include "base/error.h"
+#include "camera/camera_json.h"
+#include "camera/e57_camera.h"
+
+namespace alidade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// A picture and the names of what is written for it.
+struct Extraction {
+  std::size_t file = 0;
+  E57Blob blob;
+  std::optional<E57Blob> mask{};
+  std::string picture_name, mask_name, camera_name;
+  std::string camera;
+};
+
+/// Gives names that differ, also on disks to which capitals are no difference.
+class Names {
+ public:
+  std::string unique(const std::string& wanted) {
+    // From where the last one of that name ended: thousands of images may have the same.
+    for (std::size_t& count = counts_[lower(wanted)];;) {
+      const std::string name = ++count == 1 ? wanted : wanted + "_" + std::to_string(count);
+      if (taken_.insert(lower(name)).second) return name;
+    }
+  }
+
+ private:
+  static std::string lower(std::string name) {
+    std::ranges::transform(name, name.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return name;
+  }
+
+  std::unordered_set<std::string> taken_{"images"};
+  std::unordered_map<std::string, std::size_t> counts_;
+};
+
+Json pose_json(const std::optional<E57Pose>& pose) {
+  if (!pose) return {};
+  Json rows = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    rows.push_back(
+        {pose->rotation[0][row], pose->rotation[1][row], pose->rotation[2][row], pose->translation[row]});
+  }
+  rows.push_back({0, 0, 0, 1});
+  return rows;
+}
+
+const char* note_of(const E57Picture& picture, bool has_camera) {
+  if (has_camera) {
+    return picture.projection == E57Projection::pinhole
+               ? "pinhole: camera axes x right, y up, -z ahead"
+               : "spherical: camera axes x ahead, y left, z up; read as equirectangular, its middle ahead";
+  }
+  switch (picture.projection) {
+    case E57Projection::visual:
+      return "visual reference: a picture to look at, without a camera";
+    case E57Projection::cylindrical:
+      return "cylindrical: no lens of camera files; radius, pixel sizes and principal point are those of the "
+             "file";
+    default:
+      return "size or focal length are none that a camera can have";
+  }
+}
+
+std::string camera_text(const E57Image& image, const E57Picture& picture, const std::string& file) {
+  const std::optional<Camera> camera = camera_of(image, picture);
+  if (!camera) return {};
+  Json json = Json::parse(camera_json(*camera));
+  json["description"] = std::string(name_of(picture.projection)) + " picture of " + file +
+                        (image.pose ? "" : ", which gives no pose: it stands in the axes of the file");
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+class Plan {
+ public:
+  void add(std::size_t file_number, const E57File& file) {
+    for (const E57Image& image : file.document().images) {
+      const std::string base = safe_file_name(image.name.empty() ? image.guid : image.name);
+      for (const E57Picture& picture : image.pictures) add(file_number, file, image, picture, base);
+    }
+  }
+
+  const std::vector<Extraction>& extractions() const { return extractions_; }
+  std::string table() const { return table_.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+ private:
+  void add(std::size_t file_number, const E57File& file, const E57Image& image, const E57Picture& picture,
+           const std::string& base) {
+    const bool is_second = picture.projection == E57Projection::visual && image.pictures.size() > 1;
+    const std::string name = names_.unique(is_second ? base + "_visual" : base);
+    Extraction extraction{.file = file_number,
+                          .blob = picture.blob,
+                          .mask = picture.mask,
+                          .picture_name = name + "." + picture.extension,
+                          .mask_name = picture.mask ? names_.unique(name + "_mask") + ".png" : "",
+                          .camera_name = "",
+                          .camera = camera_text(image, picture, file.pages().name())};
+    if (!extraction.camera.empty()) extraction.camera_name = name + ".json";
+    table_.push_back({{"file", extraction.picture_name},
+                      {"mask", picture.mask ? Json(extraction.mask_name) : Json()},
+                      {"camera", extraction.camera.empty() ? Json() : Json(extraction.camera_name)},
+                      {"note", note_of(picture, !extraction.camera.empty())},
+                      {"source", file.pages().name()},
+                      {"name", image.name},
+                      {"guid", image.guid},
+                      {"scan_guid", image.scan_guid},
+                      {"projection", name_of(picture.projection)},
+                      {"width", picture.width},
+                      {"height", picture.height},
+                      {"focal_length", picture.focal_length},
+                      {"pixel_width", picture.pixel_width},
+                      {"pixel_height", picture.pixel_height},
+                      {"principal_point", {picture.principal_x, picture.principal_y}},
+                      {"radius", picture.radius},
+                      {"pose", pose_json(image.pose)}});
+    extractions_.push_back(std::move(extraction));
+  }
+
+  Names names_;
+  std::vector<Extraction> extractions_;
+  Json table_ = Json::array();
+};
+
+void write_blob(const std::filesystem::path& path, E57File& file, const E57Blob& blob, bool overwrite) {
+  OutputFile output(path, overwrite);
+  file.read_blob(blob, [&](std::span<const std::byte> bytes) { output.write(bytes); });
+  output.commit();
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text, bool overwrite) {
+  OutputFile output(path, overwrite);
+  output.write(std::as_bytes(std::span(text)));
+  output.commit();
+}
+
+}  // namespace
+
+std::string safe_file_name(const std::string& text) {
+  constexpr std::size_t k_longest = 80;
+  std::string name;
+  for (const char c : text) {
+    const bool is_safe = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                         c == '-' || c == '_' || c == '.';
+    if (name.size() < k_longest && !(c == '.' && name.empty())) name += is_safe ? c : '_';
+  }
+  return name.find_first_not_of("_.") == std::string::npos ? "image" : name;
+}
+
+std::size_t extract_images(std::span<const std::filesystem::path> files, const std::filesystem::path& folder,
+                           bool overwrite) {
+  std::vector<E57File> sources;
+  Plan plan;
+  for (const std::filesystem::path& file : files) {
+    sources.emplace_back(InputFile(file));
+    plan.add(sources.size() - 1, sources.back());
+    sources.back().pages().rest();
+  }
+  if (plan.extractions().empty()) {
+    throw Error({.file = files.empty() ? std::string() : files.front().string(),
+                 .problem = "no image to extract in any file",
+                 .expected = "an E57 file with images"});
+  }
+  std::filesystem::create_directories(folder);
+  for (const Extraction& extraction : plan.extractions()) {
+    for (const std::string& name : {extraction.picture_name, extraction.mask_name, extraction.camera_name})
+      if (!name.empty()) check_output(folder / name, overwrite);
+  }
+  check_output(folder / "images.json", overwrite);
+  for (const Extraction& extraction : plan.extractions()) {
+    E57File& source = sources[extraction.file];
+    write_blob(folder / extraction.picture_name, source, extraction.blob, overwrite);
+    if (extraction.mask) write_blob(folder / extraction.mask_name, source, *extraction.mask, overwrite);
+    if (!extraction.camera.empty()) write_text(folder / extraction.camera_name, extraction.camera, overwrite);
+  }
+  write_text(folder / "images.json", plan.table(), overwrite);
+  return plan.extractions().size();
+}
+
+}  // namespace alidade

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "octree/build.h"
+#include "cloud/point_cloud.h"
+#include "tools/console.h"
+
+namespace alidade {
+
+/// What an index file shall hold beside octree and attributes.
+struct IndexRequest {
+  Organisation organisation = Organisation::adaptive;
+  double cell_size = 0.0;                   ///< of fixed organisation, see BuildOptions
+  bool stored_order = false;                ///< points are numbered as the octree stores them
+  std::optional<int> spacing_neighbours{};  ///< distances to this neighbour are measured and stored
+  bool surfaces = false;                    ///< so are the surfaces that points lie on, and their spacings
+  bool overwrite = false;
+};
+
+/// Builds the octree over a cloud, measures what is asked for, writes the index file, and says so. The
+/// cloud's positions are given away. Errors: as build() and save_index().
+void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
+                 Verbosity verbosity);
+
+}  // namespace alidade

@@ -1,0 +1,322 @@
+// SPDX-License-Identifier: MIT
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "cloud/cloud_inputs.h"
+#include "cloud/cloud_files.h"
+#include "cloud/crs_name.h"
+#include "cloud/is_las.h"
+#include "cloud/read_cloud.h"
+#include "octree/index_file/index_file.h"
+#include "tools/cloud_options.h"
+#include "tools/command.h"
+#include "tools/cloud/describe_copc.h"
+#include "tools/cloud/describe_e57.h"
+#include "tools/cloud/describe_index.h"
+#include "tools/cloud/e57_images.h"
+#include "tools/cloud/describe.h"
+#include "tools/message.h"
+#include "tools/options.h"
+#include "tools/console.h"
+
+namespace alidade {
+namespace {
+
+struct InfoOptions {
+  std::vector<std::filesystem::path> files;
+  bool partial = false, json = false, verify = false, overwrite = false;
+  std::string image_folder;  ///< empty: no images are extracted
+  VerbosityOptions verbosity;
+};
+
+/// What `alidade info` tells about its files, taken together as one cloud.
+struct Description {
+  PointCloud cloud;
+  std::uint64_t point_count = 0;
+  AttributeSet attributes;
+  Bounds bounds;
+  std::vector<IndexFile> indexes;  ///< those of the files that are index files
+  std::vector<E57File> e57_files;
+};
+
+/// What a single index file tells without its points being read.
+Description describe(const IndexFile& index) {
+  return {.cloud = index.description(),
+          .point_count = index.header().tree.point_count,
+          .attributes = index.attributes(),
+          .bounds = index.header().tree.bounds,
+          .indexes = {index},
+          .e57_files = {}};
+}
+
+std::vector<std::filesystem::path> e57_files(const InfoOptions& options) {
+  std::vector<std::filesystem::path> files = expand_cloud_files(options.files);
+  std::erase_if(files, [](const std::filesystem::path& file) { return !is_e57_file(file); });
+  return files;
+}
+
+Description describe(const InfoOptions& options) {
+  if (options.files.size() == 1 && is_index_file(options.files.front()))
+    return describe(open_index(options.files.front()));
+  Description description;
+  const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
+  for (const std::filesystem::path& file : options.files) {
+    if (is_index_file(file)) description.indexes.push_back(open_index(file));
+    description.attributes = description.attributes | open_cloud(cloud_input(file), damage)->attributes();
+  }
+  for (const std::filesystem::path& file : e57_files(options)) {
+    description.e57_files.emplace_back(InputFile(file));
+    description.e57_files.back().pages().rest();
+  }
+  // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
+  ProgressLine line("reading", "B", options.verbosity.verbosity());
+  const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
+  description.cloud = read_cloud(
+      options.files, {.attributes = wanted, .partial = options.partial, .progress = line.callback()});
+  description.point_count = description.cloud.size();
+  description.bounds = description.cloud.bounds();
+  if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+  return description;
+}
+
+void verify(const InfoOptions& options) {
+  for (const std::filesystem::path& file : options.files) {
+    // Opened first, so that a file that is not there is what the message is about.
+    cloud_input(file).rest();
+    if (!is_index_file(file)) {
+      throw Error({.file = file.string(),
+                   .problem = "has no checksums to verify",
+                   .expected = "an index file (alidade index)"});
+    }
+    ProgressLine line("verifying", "B", options.verbosity.verbosity());
+    verify_index(file, line.callback());
+    if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+  }
+}
+
+/// Largest difference between a coordinate in the files and the one in the cloud, per axis.
+glm::dvec3 rounding_error(const PointCloud& cloud) {
+  for (const CloudFile& file : cloud.files) {
+    if (!is_las(file)) return 0.5 * cloud.lattice.scale;
+  }
+  return glm::dvec3(0.0);
+}
+
+Json triple(const glm::dvec3& value) {
+  return {value.x, value.y, value.z};
+}
+
+Json to_json(const Description& description, bool verified) {
+  const PointCloud& cloud = description.cloud;
+  Json files = Json::array();
+  for (const CloudFile& file : cloud.files) {
+    const std::optional<Bounds>& stated = file.stated_bounds;
+    files.push_back(
+        {{"file", file.path.string()},
+         {"format", file.format},
+         {"version", file.version},
+         {"point_format", file.point_format ? Json(*file.point_format) : Json()},
+         {"points", file.point_count},
+         {"dropped", file.dropped_count},
+         {"lost", file.lost_count},
+         {"header_box", stated ? Json{{"min", triple(stated->min)}, {"max", triple(stated->max)}} : Json()}});
+  }
+  Json extra_dimensions = Json::array();
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
+  Json indexes = Json::array();
+  for (const IndexFile& index : description.indexes) indexes.push_back(index_json(index, verified));
+  Json e57 = Json::array(), scanners = Json::array();
+  for (const E57File& file : description.e57_files) e57.push_back(e57_json(file));
+  for (const ScannerPosition& scanner : cloud.scanner_positions)
+    scanners.push_back({{"scan", scanner.scan}, {"position", triple(scanner.position)}});
+  const bool empty = description.bounds.empty();
+  return {{"points", description.point_count},
+          {"files", files},
+          {"bounds",
+           {{"min", empty ? Json() : triple(description.bounds.min)},
+            {"max", empty ? Json() : triple(description.bounds.max)}}},
+          {"scale", triple(cloud.lattice.scale)},
+          {"offset", triple(cloud.lattice.offset)},
+          {"rounding_error", triple(rounding_error(cloud))},
+          {"attributes", attribute_names(description.attributes)},
+          {"extra_dimensions", extra_dimensions},
+          {"crs", cloud.crs.wkt.empty() ? Json() : Json(cloud.crs.wkt)},
+          {"geotiff_keys", cloud.crs.geotiff_keys},
+          {"epsg", epsg_codes(cloud.crs)},
+          {"scanner_positions", scanners},
+          {"indexes", indexes},
+          {"e57", e57},
+          {"warnings", cloud.warnings}};
+}
+
+std::string joined(const std::vector<std::string>& words, const std::string& otherwise) {
+  return words.empty() ? otherwise : fmt::format("{}", fmt::join(words, ", "));
+}
+
+std::string row(const std::string& name, const std::string& value) {
+  return fmt::format("{:<12}{}\n", name, value);
+}
+
+std::string row(const std::string& name, const std::array<std::string, 3>& words) {
+  return row(name, fmt::format("{:>18} {:>18} {:>18}", words[0], words[1], words[2]));
+}
+
+/// Numbers as they are.
+std::array<std::string, 3> plain(const glm::dvec3& value) {
+  return {fmt::format("{}", value.x), fmt::format("{}", value.y), fmt::format("{}", value.z)};
+}
+
+/// Coordinates with as many decimals as the lattice has.
+std::array<std::string, 3> on_lattice(const glm::dvec3& value, const Lattice& lattice) {
+  std::array<std::string, 3> words;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double decimals = std::ceil(-std::log10(lattice.scale[axis]) - 1e-9);
+    const int precision = static_cast<int>(std::fmin(std::fmax(decimals, 0.0), 17.0));
+    words[static_cast<std::size_t>(axis)] = fmt::format("{:.{}f}", value[axis], precision);
+  }
+  return words;
+}
+
+std::string crs_text(const Crs& crs, Verbosity verbosity) {
+  if (!crs.wkt.empty()) return verbosity == Verbosity::verbose ? crs.wkt : crs_name(crs);
+  if (crs.geotiff_keys.empty()) return "none";
+  return "GeoTIFF keys without WKT: " + joined(epsg_codes(crs), "no EPSG code");
+}
+
+std::string to_table(const Description& description, bool verified, Verbosity verbosity) {
+  const PointCloud& cloud = description.cloud;
+  std::string text;
+  for (const IndexFile& index : description.indexes) {
+    text += row("index", index.name());
+    for (const std::string& line : index_lines(index, verified)) text += row("", line);
+  }
+  for (const E57File& file : description.e57_files) {
+    text += row("E57", file.pages().name());
+    for (const std::string& line : e57_lines(file, verbosity)) text += row("", line);
+  }
+  std::size_t first_row = 0;
+  for (const CloudFile& file : cloud.files) {
+    text += row("file", file.path.string());
+    std::string format = file.format + (file.version.empty() ? "" : " " + file.version);
+    if (file.point_format) format += fmt::format(", point format {}", *file.point_format);
+    text += row("", fmt::format("{}, {} points", format, file.point_count));
+    if (file.format == "COPC" && description.indexes.empty()) text += row("", copc_text(file.path));
+    if (file.dropped_count > 0)
+      text += row("", fmt::format("{} points without a position left out", file.dropped_count));
+    if (file.lost_count > 0) text += row("", fmt::format("{} points lost", file.lost_count));
+    if (file.stated_bounds) {
+      // Only files that state a box hold their points in a row of rows here; index files state none.
+      const Bounds points = bounds_of_rows(cloud, first_row, first_row + file.point_count);
+      if (const auto box = header_box_text(*file.stated_bounds, points, cloud.lattice))
+        text += row("", "header box " + *box);
+    }
+    first_row += file.point_count;
+  }
+  text += row("points", fmt::format("{}", description.point_count));
+  if (!description.bounds.empty()) {
+    text += row("min", on_lattice(description.bounds.min, cloud.lattice));
+    text += row("max", on_lattice(description.bounds.max, cloud.lattice));
+    text += row("size", on_lattice(description.bounds.size(), cloud.lattice));
+  }
+  text += row("scale", plain(cloud.lattice.scale));
+  text += row("offset", plain(cloud.lattice.offset));
+  const glm::dvec3 error = rounding_error(cloud);
+  text +=
+      row("rounding", error == glm::dvec3(0.0) ? "none: the integers of the file are kept"
+                                               : fmt::format("at most {} {} {}", error.x, error.y, error.z));
+  text += row("attributes", joined(attribute_names(description.attributes), "none"));
+  std::vector<std::string> extra_dimensions;
+  for (const ExtraDimension& dimension : cloud.extra_dimensions) extra_dimensions.push_back(dimension.name);
+  if (!extra_dimensions.empty()) text += row("extra", joined(extra_dimensions, ""));
+  if (!cloud.scanner_positions.empty())
+    text += row("scanners", fmt::format("{} positions are known", cloud.scanner_positions.size()));
+  return text + row("CRS", crs_text(cloud.crs, verbosity));
+}
+
+ExitCode run(const InfoOptions& options) {
+  if (options.verify) verify(options);
+  if (!options.image_folder.empty())
+    extract_images(e57_files(options), options.image_folder, options.overwrite);
+  const Description description = describe(options);
+  if (options.json) {
+    // File names need not be UTF-8; JSON must be.
+    write_to_stdout(to_json(description, options.verify).dump(2, ' ', false, Json::error_handler_t::replace) +
+                    "\n");
+    return ExitCode::done;
+  }
+  write_to_stdout(to_table(description, options.verify, options.verbosity.verbosity()));
+  if (!options.verbosity.quiet) {
+    for (const std::string& warning : description.cloud.warnings) say_warning(warning);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command add_info(CLI::App& program) {
+  auto options = std::make_shared<InfoOptions>();
+  CLI::App* command = program.add_subcommand("info", "Say what cloud files hold");
+  add_cloud_files(
+      *command, "files", options->files,
+      "cloud files, folders or patterns as 'tiles/*.las'; several are taken together as one cloud" +
+          k_database_help)
+      ->option_text("FILE...")
+      ->required();
+  command->add_flag("--json", options->json, "print JSON instead of a table; the keys are below");
+  command->add_flag(
+      "--verify", options->verify,
+      "read all of each index file, compare it with its checksums, and check that its octree holds "
+      "every point once; damage is an error that names section and byte");
+  add_partial(*command, options->partial);
+  CLI::Option* const folder =
+      command
+          ->add_option("--extract-images", options->image_folder,
+                       "write the images in E57 files into this folder, with their cameras as camera files "
+                       "for 'alidade render --camera' and what is known about each in images.json")
+          ->option_text("FOLDER");
+  command->add_flag("--overwrite", options->overwrite, "replace extracted files that exist")->needs(folder);
+  add_verbosity(*command, options->verbosity);
+  command->footer(
+      "Formats are told by content: LAS 1.0-1.4, LAZ, COPC, PLY, PCD, E57, PTX, PTS, CSV with header names, "
+      "XYZ,\n"
+      "and index files ('alidade index'), which tell what the files they were made of told, at once.\n"
+      "Coordinates, scale and rounding are in the unit of the file's coordinate reference system (CRS), "
+      "mostly metres.\n"
+      "The table names the CRS; -v prints all of its WKT. The bounds are computed from the points, never "
+      "taken from a header.\n"
+      "\n"
+      "Keys of the JSON object:\n"
+      "  points            number of points in all files\n"
+      "  files             list of {file, format, version, point_format (LAS, else null), points, dropped, "
+      "lost,\n"
+      "                    header_box ({min, max} as the header of a LAS file states it, else null)}\n"
+      "  bounds            {min: [x, y, z], max: [x, y, z]}; null for both if there are no points\n"
+      "  scale, offset     of the lattice: coordinate = offset + scale * integer\n"
+      "  rounding_error    largest error of a coordinate per axis; 0 for LAS, whose integers are kept\n"
+      "  attributes        names of what a point carries beside its position\n"
+      "  extra_dimensions  names of further columns\n"
+      "  crs               WKT, or null\n"
+      "  geotiff_keys      GeoTIFF key directory as stored, in groups of four; empty if there is none\n"
+      "  epsg              EPSG codes the GeoTIFF keys name\n"
+      "  scanner_positions list of {scan, position: [x, y, z]} of scans with a pose (E57)\n"
+      "  indexes           of each index file: {file, version, bytes, bytes_per_point, "
+      "octree_bytes_per_point,\n"
+      "                    organisation, levels, nodes, stored_order, verified}\n"
+      "  e57               of each E57 file: {file, guid, scans: [{name, guid, records, scanner, fields}],\n"
+      "                    images: [{name, guid, scan_guid, camera, pictures: [{projection, format, width,\n"
+      "                    height, bytes, mask}]}]}\n"
+      "  warnings          oddities of the files, one sentence each\n"
+      "\n"
+      "Examples:\n"
+      "  alidade info site.las\n"
+      "  alidade info --json tiles/\n"
+      "  alidade info --partial 'tiles/*.las'\n"
+      "  alidade info --verify site.alidade\n"
+      "  alidade info --extract-images photographs site.e57\n");
+  return {command, [options] { return run(*options); }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: MIT
+#include "tools/cloud/write_points.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "cloud/las/write_las.h"
+#include "cloud/ply/write_ply.h"
+#include "base/error.h"
+#include "octree/tree_walk.h"
+#include "tools/cloud/cloud_description.h"
+#include "tools/message.h"
+#include "base/words.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_rows_at_once = 1 << 17;
+
+/// Some rows of a cloud with their results.
+class Rows {
+ public:
+  Rows(const IndexedCloud& cloud, const std::vector<ResultColumn>& results)
+      : columns_(cloud.columns()), results_(results), positions_(positions_in_order(cloud.octree.view())) {
+    batch_.lattice = cloud.octree.lattice();
+    std::erase_if(columns_.extra_dimensions, [&](const ExtraColumn& column) {
+      const bool is_replaced = std::ranges::any_of(results_, [&](const ResultColumn& result) {
+        return result.description.name == column.description.name;
+      });
+      if (is_replaced) replaced_.push_back(column.description.name);
+      return is_replaced;
+    });
+    for (const ExtraColumn& column : columns_.extra_dimensions)
+      batch_.extra_dimensions.push_back(column.description);
+    for (const ResultColumn& result : results_) batch_.extra_dimensions.push_back(result.description);
+  }
+
+  std::size_t size() const { return positions_.size(); }
+  AttributeSet attributes() const { return columns_.attributes() | Attribute::extra_dimensions; }
+  /// Without values.
+  const std::vector<ExtraDimension>& dimensions() const { return batch_.extra_dimensions; }
+  /// Names of the cloud's own dimensions that are left out.
+  const std::vector<std::string>& replaced() const { return replaced_; }
+
+  /// Valid until the next call.
+  const PointCloud& rows(std::size_t first, std::size_t count) {
+    batch_.positions.assign(positions_.begin() + static_cast<std::ptrdiff_t>(first),
+                            positions_.begin() + static_cast<std::ptrdiff_t>(first + count));
+    for_each_column(batch_, columns_, [&](Attribute, auto& column, const auto& all) {
+      if (all.empty()) return;
+      const auto some = all.subspan(first, count);
+      column.assign(some.begin(), some.end());
+    });
+    auto dimension = batch_.extra_dimensions.begin();
+    for (const ExtraColumn& column : columns_.extra_dimensions) {
+      const auto bytes = static_cast<std::size_t>(column.description.byte_count);
+      const auto some = column.values.subspan(first * bytes, count * bytes);
+      (dimension++)->values.assign(some.begin(), some.end());
+    }
+    for (const ResultColumn& result : results_) {
+      dimension->values.resize(count * static_cast<std::size_t>(result.description.byte_count));
+      result.fill(first, count, dimension->values.data());
+      ++dimension;
+    }
+    return batch_;
+  }
+
+ private:
+  AttributeColumns columns_;  ///< without those that are left out
+  const std::vector<ResultColumn>& results_;
+  std::vector<LatticePosition> positions_;
+  std::vector<std::string> replaced_;
+  PointCloud batch_;
+};
+
+void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud, Rows& rows, bool overwrite,
+                    const Progress& progress) {
+  PointCloud like = description_of(cloud);
+  like.extra_dimensions = rows.dimensions();
+  LasWriteOptions options;
+  options.overwrite = overwrite;
+  LasWriter writer(file, like, rows.attributes(), options);
+  for (std::size_t first = 0; first < rows.size(); first += k_rows_at_once) {
+    const std::size_t count = std::min(k_rows_at_once, rows.size() - first);
+    writer.write(rows.rows(first, count));
+    report(progress, first + count, rows.size());
+  }
+  writer.finish();
+}
+
+}  // namespace
+
+void check_points_name(const std::filesystem::path& file) {
+  const std::string ending = file_ending(file);
+  if (ending == ".las" || ending == ".laz" || ending == ".ply") return;
+  throw Error({.file = file.string(),
+               .problem = "the name does not tell a form that points are written in",
+               .expected = "a name that ends in .las, .laz or .ply"});
+}
+
+void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
+                  const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity) {
+  check_points_name(file);
+  Rows rows(cloud, results);
+  if (verbosity != Verbosity::quiet) {
+    for (const std::string& name : rows.replaced())
+      say_warning(
+          fmt::format("{}: the cloud's own {} gives way to that of this command", file.string(), name));
+  }
+  ProgressLine line("writing", "points", verbosity);
+  if (file_ending(file) != ".ply") {
+    write_las_rows(file, cloud, rows, overwrite, line.callback());
+  } else {
+    PlyWriteOptions options;
+    options.overwrite = overwrite;
+    options.progress = line.callback();
+    const PlyPieces pieces = [&rows](std::size_t first) -> const PointCloud& {
+      return rows.rows(first, std::min(k_rows_at_once, rows.size() - first));
+    };
+    write_ply(file, rows.size(), pieces, options);
+  }
+  line.finish();
+}
+
+}  // namespace alidade

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "octree/index_file/indexed_cloud.h"
+#include "tools/console.h"
+
+namespace alidade {
+
+/// A column that a command adds to the points of a cloud.
+struct ResultColumn {
+  ExtraDimension description;  ///< its `values` are empty
+  /// Writes the values of the points [first, first + count), little endian and one after another.
+  std::function<void(std::size_t first, std::size_t count, std::uint8_t* values)> fill;
+};
+
+/// A column of a scalar type whose values are `value(id)`. Requires that the type is that of Value.
+template <class Value, class Of>
+ResultColumn result_column(std::string name, std::string description, ScalarType type, Of value) {
+  ResultColumn column;
+  column.description.name = std::move(name);
+  column.description.description = std::move(description);
+  column.description.type = type;
+  column.description.byte_count = scalar_size(type);
+  column.fill = [value = std::move(value)](std::size_t first, std::size_t count, std::uint8_t* values) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const Value number = value(first + i);
+      std::memcpy(values + i * sizeof(Value), &number, sizeof(Value));
+    }
+  };
+  return column;
+}
+
+/// Error unless the name ends in .las, .laz or .ply.
+void check_points_name(const std::filesystem::path& file);
+
+/// The points of a cloud in their order, with all their attributes, scale, offset, reference system and LAS
+/// records, and with these columns: LAS 1.4 or PLY by the ending. Columns of the cloud's own that have one of
+/// their names are left out, which is said. Memory: 12 B per point.
+/// Errors: as LasWriter, write_ply().
+void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
+                  const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity);
+
+}  // namespace alidade

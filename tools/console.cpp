@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: MIT
+#include "tools/console.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tools/interrupt.h"
+#include "tools/message.h"
+
+namespace alidade {
+namespace {
+
+// Back to the first column, and the rest of the terminal's line cleared.
+const std::string k_line_start = "\r\033[K";
+
+}  // namespace
+
+std::string short_count(double count) {
+  if (count >= 999.5e6) return fmt::format("{:.3g} G", count / 1e9);
+  if (count >= 999.5e3) return fmt::format("{:.3g} M", count / 1e6);
+  if (count >= 1e4) return fmt::format("{:.3g} k", count / 1e3);
+  return fmt::format("{:.0f}", count);
+}
+
+std::string clock_time(double seconds) {
+  const auto whole = static_cast<std::int64_t>(std::fmin(std::fmax(std::round(seconds), 0.0), 1e12));
+  const std::int64_t hours = whole / 3600, minutes = whole / 60 % 60;
+  if (hours > 0) return fmt::format("{}:{:02}:{:02}", hours, minutes, whole % 60);
+  return fmt::format("{}:{:02}", minutes, whole % 60);
+}
+
+ProgressLine::ProgressLine(std::string task, std::string unit, Verbosity verbosity)
+    : task_(std::move(task)),
+      unit_(std::move(unit)),
+      verbosity_(verbosity),
+      on_terminal_(isatty(STDERR_FILENO) == 1),
+      start_(Clock::now()),
+      last_shown_(start_) {}
+
+ProgressLine::~ProgressLine() {
+  if (line_open_) write_to_stderr("\n");
+}
+
+Progress ProgressLine::callback() {
+  return [this](std::uint64_t done, std::uint64_t total) { return report(done, total); };
+}
+
+bool ProgressLine::report(std::uint64_t done, std::uint64_t total) {
+  done_ = done;
+  total_ = total;
+  if (interrupted()) return false;
+  if (verbosity_ == Verbosity::quiet || total == 0) return true;
+  const Clock::time_point now = Clock::now();
+  const double since_shown = std::chrono::duration<double>(now - last_shown_).count();
+  const int tenth = static_cast<int>(10.0 * static_cast<double>(done) / static_cast<double>(total));
+  const bool due =
+      on_terminal_ ? since_shown >= 0.1 : (tenth > last_tenth_ && since_shown >= 2.0) || since_shown >= 30.0;
+  if (!due) return true;
+  last_shown_ = now;
+  last_tenth_ = tenth;
+  show(std::chrono::duration<double>(now - start_).count());
+  return true;
+}
+
+void ProgressLine::show(double seconds) {
+  const double share = static_cast<double>(done_) / static_cast<double>(total_);
+  std::string text = fmt::format("{}: {:3.0f} %", task_, 100.0 * share);
+  if (done_ > skipped_ && seconds > 0.0) {
+    const double rate = static_cast<double>(done_ - skipped_) / seconds;
+    text += fmt::format(", {} {}/s", short_count(rate), unit_);
+    text +=
+        fmt::format(", {} left", clock_time(static_cast<double>(total_ - std::min(done_, total_)) / rate));
+  }
+  if (on_terminal_) {
+    write_to_stderr(k_line_start + text);
+    line_open_ = true;
+  } else {
+    write_to_stderr(text + "\n");
+  }
+}
+
+void ProgressLine::interject(const std::string& text) {
+  if (line_open_) write_to_stderr(k_line_start);
+  line_open_ = false;
+  say_note(text);
+}
+
+void ProgressLine::finish() {
+  if (verbosity_ == Verbosity::quiet) return;
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  const auto count = static_cast<double>(total_ - std::min(skipped_, total_));
+  std::string text = fmt::format("{}: {} {} in {:.1f} s", task_, short_count(count), unit_, seconds);
+  if (seconds > 0.5) text += fmt::format(" ({} {}/s)", short_count(count / seconds), unit_);
+  write_to_stderr((on_terminal_ ? k_line_start : "") + text + "\n");
+  line_open_ = false;
+}
+
+}  // namespace alidade

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+#include "tools/query/answer_las.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.h"
+#include "tools/cloud/cloud_description.h"
+
+namespace alidade {
+namespace {
+
+constexpr std::size_t k_grain = 4096;
+
+ExtraDimension described(const AnswerDimension& dimension) {
+  ExtraDimension extra;
+  extra.name = dimension.name;
+  extra.description = dimension.description;
+  extra.type = dimension.whole != nullptr ? ScalarType::uint64 : ScalarType::float64;
+  return extra;
+}
+
+/// Calls work(i) for every row, in parallel.
+template <class Work>
+void for_each_row(std::size_t count, const Work& work) {
+  tbb::parallel_for(std::size_t{0}, (count + k_grain - 1) / k_grain, [&](std::size_t part) {
+    for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, count); ++i) work(i);
+  });
+}
+
+/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to
+/// others.
+LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
+  const auto steps = to_lattice(lattice, position);
+  if (!steps) throw Error({.problem = "position of a point does not stand on the cloud's lattice"});
+  return *steps;
+}
+
+}  // namespace
+
+AnswerLas::AnswerLas(const std::filesystem::path& file, bool overwrite, const IndexedCloud& cloud,
+                     std::vector<AnswerDimension> dimensions)
+    : cloud_(cloud), columns_(cloud.columns()), dimensions_(std::move(dimensions)) {
+  std::erase_if(columns_.extra_dimensions, [&](const ExtraColumn& column) {
+    const std::string& name = column.description.name;
+    if (std::ranges::find(dimensions_, name, &AnswerDimension::name) == dimensions_.end()) return false;
+    replaced_.push_back(name);
+    return true;
+  });
+  PointCloud like = description_of(cloud);
+  for (const ExtraColumn& column : columns_.extra_dimensions)
+    like.extra_dimensions.push_back(column.description);
+  for (const AnswerDimension& dimension : dimensions_) like.extra_dimensions.push_back(described(dimension));
+  LasWriteOptions options;
+  options.overwrite = overwrite;
+  writer_ = std::make_unique<LasWriter>(file, like, columns_.attributes(), options);
+}
+
+PointCloud AnswerLas::points(std::span<const AnswerRow> rows) const {
+  PointCloud batch;
+  batch.lattice = cloud_.octree.lattice();
+  batch.positions.resize(rows.size());
+  for_each_row(rows.size(),
+               [&](std::size_t i) { batch.positions[i] = steps_of(batch.lattice, rows[i].position); });
+  for_each_column(batch, columns_, [&](Attribute, auto& column, const auto& all) {
+    if (all.empty()) return;
+    column.resize(rows.size());
+    for_each_row(rows.size(), [&](std::size_t i) { column[i] = all[rows[i].point_id]; });
+  });
+  for (const ExtraColumn& column : columns_.extra_dimensions) {
+    ExtraDimension& extra = batch.extra_dimensions.emplace_back(column.description);
+    const auto bytes = static_cast<std::size_t>(extra.byte_count);
+    extra.values.resize(rows.size() * bytes);
+    for_each_row(rows.size(), [&](std::size_t i) {
+      std::memcpy(extra.values.data() + i * bytes, column.values.data() + rows[i].point_id * bytes, bytes);
+    });
+  }
+  for (const AnswerDimension& dimension : dimensions_) {
+    ExtraDimension& extra = batch.extra_dimensions.emplace_back(described(dimension));
+    extra.values.resize(rows.size() * 8);
+    for_each_row(rows.size(), [&](std::size_t i) {
+      const void* const value = dimension.whole != nullptr
+                                    ? static_cast<const void*>(&(rows[i].*dimension.whole))
+                                    : &(rows[i].*dimension.real);
+      std::memcpy(extra.values.data() + i * 8, value, 8);
+    });
+  }
+  return batch;
+}
+
+void AnswerLas::write(const AnswerRows& rows) {
+  std::vector<AnswerRow> block;
+  for (std::size_t first = 0; first < rows.size; first += k_rows_at_once) {
+    block.assign(std::min(k_rows_at_once, rows.size - first), {});
+    rows.fill(first, block);
+    writer_->write(points(block));
+  }
+}
+
+void AnswerLas::finish() {
+  writer_->finish();
+}
+
+}  // namespace alidade

@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: MIT
+#include "tools/render/long_render.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base/error.h"
+#include "renderer/checkpoint.h"
+#include "renderer/stop_rule.h"
+#include "tools/message.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_most_seconds = 1e9;
+/// In the metadata of every preview.
+constexpr std::string_view k_preview_mark = "alidade:preview";
+
+/// What a checkpoint calls a picture, however its name was typed.
+std::string name_in_checkpoint(const std::filesystem::path& picture) {
+  return std::filesystem::absolute(picture).lexically_normal().string();
+}
+
+bool is_of_one_of(const CheckpointSummary& summary, std::span<const std::filesystem::path> pictures) {
+  return std::ranges::find(pictures, summary.picture, name_in_checkpoint) != pictures.end();
+}
+
+/// Whether a file is there that was written as a preview. Formats keep texts before the pixels.
+bool is_preview_of_ours(const std::filesystem::path& path) {
+  constexpr std::size_t k_most_bytes = 1 << 20;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;
+  InputFile file(path);
+  const auto start = file.view_up_to(0, k_most_bytes);
+  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  return text.find(k_preview_mark) != std::string_view::npos;
+}
+
+/// An estimated error; of one sample there is none.
+std::string error_text(double error, int digits) {
+  return std::isinf(error) ? "unknown" : fmt::format("{:.{}g}", error, digits);
+}
+
+/// Shows the picture under way; a preview that cannot be written is told once and no reason to end.
+class PreviewFile {
+ public:
+  PreviewFile(const std::filesystem::path& file, const OutputSettings& output, const ImageMetadata& metadata,
+              ImageWriter write_picture)
+      : metadata_(metadata), write_picture_(write_picture) {
+    settings_.file = file;
+    settings_.exposure = output.exposure;
+    const std::string text = "of a picture under way, maybe reduced";
+    metadata_.further.emplace_back(std::string(k_preview_mark), text);
+    // JPEG keeps no text but this one.
+    metadata_.further.emplace_back("ImageDescription", fmt::format("{} {}", k_preview_mark, text));
+  }
+
+  void show(const Film& film) {
+    try {
+      write_picture_(film, settings_, metadata_, true);
+    } catch (const Error& error) {
+      if (!warned_) say_warning(std::string("no preview: ") + error.what());
+      warned_ = true;
+    }
+  }
+
+ private:
+  OutputSettings settings_;
+  ImageMetadata metadata_;
+  ImageWriter write_picture_;
+  bool warned_ = false;
+};
+
+}  // namespace
+
+void add_long_render_options(CLI::App& render, LongRenderRequest& request) {
+  add_value(
+      render, "--time-limit", "S",
+      "seconds for each picture: it ends with what there is by then, and says how many samples that "
+      "were. One sample per pixel is always taken, --samples is the most. The bytes depend on the time",
+      [&request](const std::string& text) { request.time_limit = parse_number(text, 0.0, k_most_seconds); });
+  add_value(render, "--target-noise", "E",
+            "stop where the estimated relative error of a tile of about 16x16 pixels is at most E, such as "
+            "0.02; a tile gets 32 samples at least and --samples at most",
+            [&request](const std::string& text) { request.target_noise = parse_number(text, 1e-6, 1e6); });
+  CLI::Option* const preview =
+      add_value(render, "--preview", "FILE",
+                "a small picture of what there is so far, .png or .jpg, written anew every few seconds",
+                [&request](const std::string& text) { request.preview = text; });
+  add_value(render, "--preview-interval", "S", "seconds between previews (default 3)",
+            [&request](const std::string& text) {
+              request.preview_interval = parse_number(text, 0.0, k_most_seconds);
+            })
+      ->needs(preview);
+  add_value(
+      render, "--preview-points", "N",
+      "before COPC files of more than 2 N points are loaded, the preview shows N of them, those the camera "
+      "sees best, then 8 N and so on (default 300000; 0: only the picture itself)",
+      [&request](const std::string& text) {
+        request.preview_points = parse_count(text, 0, k_most_preview_points);
+      })
+      ->needs(preview);
+  CLI::Option* const checkpoint = add_value(
+      render, "--checkpoint", "FILE",
+      "keep what has been computed in FILE, written anew every minute and on Ctrl-C; removed once the "
+      "picture is written",
+      [&request](const std::string& text) { request.checkpoint = text; });
+  add_value(render, "--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
+            [&request](const std::string& text) {
+              request.checkpoint_interval = parse_number(text, 1e-3, k_most_seconds);
+            })
+      ->needs(checkpoint);
+  render
+      .add_flag(
+          "--resume", request.resume,
+          "go on from the checkpoint, if it is there; the picture has the bytes of an uninterrupted run")
+      ->option_text(" ")
+      ->needs(checkpoint);
+}
+
+void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
+                       std::span<const std::filesystem::path> outputs,
+                       std::span<const std::filesystem::path> inputs) {
+  const auto check = [&](const std::filesystem::path& file, bool may_exist) {
+    if (file.empty()) return;
+    for (const std::filesystem::path& output : outputs) {
+      if (same_file(file, output))
+        throw Error({.file = file.string(), .problem = "is a picture to write", .expected = "another name"});
+    }
+    check_writable(file, may_exist, inputs);
+  };
+  if (!request.preview.empty()) {
+    const std::optional<ImageFormat> format = image_format(request.preview);
+    if (format != ImageFormat::png && format != ImageFormat::jpeg) {
+      throw Error({.file = request.preview.string(),
+                   .problem = "unknown kind of preview",
+                   .expected = "a name that ends in .png, .jpg or .jpeg"});
+    }
+    if (!request.checkpoint.empty() && same_file(request.preview, request.checkpoint))
+      throw Error({.file = request.preview.string(), .problem = "is both preview and checkpoint"});
+  }
+  std::error_code error;
+  const bool keeps_checkpoint = std::filesystem::exists(request.checkpoint, error);
+  if (keeps_checkpoint && !request.resume && !replaceable.any) {
+    throw Error({.file = request.checkpoint.string(),
+                 .problem = "exists already",
+                 .expected = "--resume to go on from it, or --overwrite"});
+  }
+  check(request.preview,
+        replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
+  check(request.checkpoint, true);
+  // It would be replaced, and removed in the end.
+  if (keeps_checkpoint && !is_checkpoint(request.checkpoint)) {
+    throw Error({.file = request.checkpoint.string(),
+                 .place = "byte 0",
+                 .problem = "is not a checkpoint of Alidade",
+                 .expected = "a checkpoint, or the name of a file that does not exist"});
+  }
+}
+
+std::optional<Resumption> find_resumption(const LongRenderRequest& request,
+                                          std::span<const std::filesystem::path> pictures,
+                                          std::span<const std::filesystem::path> finished,
+                                          Verbosity verbosity) {
+  if (!request.resume) return std::nullopt;
+  const auto note = [&](const std::string& text) {
+    if (verbosity != Verbosity::quiet) say_note(text);
+  };
+  const std::string file = request.checkpoint.string();
+  std::error_code error;
+  if (!std::filesystem::exists(request.checkpoint, error)) {
+    note(fmt::format("there is no checkpoint {} yet: starting afresh", file));
+    return std::nullopt;
+  }
+  const CheckpointSummary summary = read_checkpoint_summary(request.checkpoint);
+  const std::string picture = pictures.front().string();
+  if (summary.picture == name_in_checkpoint(picture)) {
+    return Resumption{summary.samples_taken,
+                      fmt::format("going on from {}: {} has {:.0f} % of its samples after {}", file, picture,
+                                  100.0 * summary.share, clock_time(summary.seconds))};
+  }
+  if (!is_of_one_of(summary, finished)) {
+    throw Error({.file = file,
+                 .problem = "is the checkpoint of another picture",
+                 .expected = fmt::format("one of {}", picture),
+                 .found = summary.picture});
+  }
+  note(fmt::format("{} is of {}, which is finished: starting afresh", file, summary.picture));
+  return std::nullopt;
+}
+
+RenderOptions render_options(const LongRenderRequest& request, const OutputSettings& output, bool resume,
+                             const ImageMetadata& metadata, ImageWriter write_picture) {
+  RenderOptions options;
+  options.layers = image_format(output.file) == ImageFormat::exr ? output.layers : std::vector{Layer::color};
+  options.time_limit = request.time_limit;
+  options.target_noise = request.target_noise;
+  if (!request.preview.empty()) {
+    const auto file = std::make_shared<PreviewFile>(request.preview, output, metadata, write_picture);
+    options.preview = {.show = [file](const Film& film) { file->show(film); },
+                       .interval = request.preview_interval};
+  }
+  if (!request.checkpoint.empty()) {
+    options.checkpoint = {.file = request.checkpoint,
+                          .interval = request.checkpoint_interval,
+                          .resume = resume,
+                          .picture = name_in_checkpoint(output.file),
+                          // The next ones will probably fail like the first.
+                          .failed = [said = false](const Error& error) mutable {
+                            if (!said) say_warning(std::string("no checkpoint: ") + error.what());
+                            said = true;
+                          }};
+  }
+  return options;
+}
+
+std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
+                                                               const RenderStatistics& statistics) {
+  std::vector<std::pair<std::string, std::string>> texts;
+  if (!request.time_limit && !request.target_noise) return texts;
+  texts.emplace_back("alidade:samples_reached",
+                     fmt::format("{} {:.17g} {}", statistics.least_samples, statistics.mean_samples,
+                                 statistics.most_samples));
+  if (statistics.noise) {
+    texts.emplace_back("alidade:noise_reached", fmt::format("{} {}", error_text(statistics.noise->median, 17),
+                                                            error_text(statistics.noise->worst, 17)));
+  }
+  return texts;
+}
+
+std::string describe_reached(const LongRenderRequest& request, const RenderStatistics& statistics) {
+  if (!request.time_limit && !request.target_noise) return {};
+  std::string text = fmt::format("samples per pixel: {} to {}, mean {:.1f}", statistics.least_samples,
+                                 statistics.most_samples, statistics.mean_samples);
+  if (statistics.noise) {
+    text += fmt::format("; estimated error of a tile: median {}, worst {}",
+                        error_text(statistics.noise->median, 2), error_text(statistics.noise->worst, 2));
+  }
+  const bool is_noisy = statistics.noisy_tiles > 0, is_hurried = statistics.hurried_tiles > 0;
+  if (is_noisy) {
+    text += fmt::format("; target not reached in {} of {} tiles: raise {}", statistics.noisy_tiles,
+                        statistics.tiles, is_hurried ? "--time-limit" : "--samples");
+  }
+  if (request.time_limit && !is_hurried) {
+    const bool by_target = request.target_noise && !is_noisy;
+    text += fmt::format("; ended by {}, not by time", by_target ? "--target-noise" : "--samples");
+  }
+  return text;
+}
+
+void warn_of_few_samples(const LongRenderRequest& request, int samples) {
+  const std::uint32_t fewest = StopRule::k_fewest_samples;
+  if (!request.target_noise || samples >= static_cast<int>(fewest)) return;
+  say_warning(fmt::format(
+      "--target-noise looks at tiles from {} samples on, but they get {}: raise --samples", fewest, samples));
+}
+
+void remove_checkpoint(const LongRenderRequest& request) {
+  std::error_code error;
+  if (!request.checkpoint.empty()) std::filesystem::remove(request.checkpoint, error);
+}
+
+void remove_finished_checkpoint(const LongRenderRequest& request,
+                                std::span<const std::filesystem::path> finished) {
+  std::error_code error;
+  if (!request.resume || !std::filesystem::exists(request.checkpoint, error)) return;
+  if (is_of_one_of(read_checkpoint_summary(request.checkpoint), finished)) remove_checkpoint(request);
+}
+
+void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity) {
+  if (request.checkpoint.empty() || verbosity == Verbosity::quiet) return;
+  say_note(fmt::format("{} keeps what has been computed; the same command with --resume goes on",
+                       request.checkpoint.string()));
+}
+
+}  // namespace alidade

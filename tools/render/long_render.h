@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "renderer/render.h"
+#include "tools/image_module.h"
+#include "tools/options.h"
+
+// What pictures need that take long: an end by time or by noise, a look at what is there, and a way to go on.
+
+namespace alidade {
+
+inline constexpr std::uint64_t k_most_preview_points = 50'000'000;
+
+struct LongRenderRequest {
+  std::optional<double> time_limit, target_noise;
+  std::filesystem::path preview, checkpoint;  ///< empty = none
+  double preview_interval = 3.0, checkpoint_interval = 60.0;
+  std::uint64_t preview_points = 300'000;  ///< of the first look at COPC files; 0 = none
+  bool resume = false;
+};
+
+/// Declares the options; they fill `request`.
+void add_long_render_options(CLI::App& render, LongRenderRequest& request);
+
+/// Which files that are there already may be replaced. A checkpoint must be one even then.
+struct Replaceable {
+  bool any = false;
+  bool earlier_preview = false;  ///< a picture whose metadata says that it is a preview
+};
+
+/// Lets a render fail before it starts. `outputs` and `inputs`: the pictures and all that is read. Errors: a
+/// preview or checkpoint that is one of them, exists and may not be replaced, or cannot be written; a preview
+/// that is neither PNG nor JPEG. A checkpoint to go on from is always replaceable.
+void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
+                       std::span<const std::filesystem::path> outputs,
+                       std::span<const std::filesystem::path> inputs);
+
+/// A checkpoint of the first picture to make.
+struct Resumption {
+  std::uint64_t samples = 0;  ///< camera samples that are in it
+  std::string note;           ///< to be said once it has turned out to fit
+};
+
+/// Where to go on. `pictures` are those to make, `finished` those of the set that are there already. None if
+/// the first picture is begun afresh, which is said. Errors: those of the checkpoint's head; it belongs to a
+/// picture that is neither finished nor the first.
+std::optional<Resumption> find_resumption(const LongRenderRequest& request,
+                                          std::span<const std::filesystem::path> pictures,
+                                          std::span<const std::filesystem::path> finished,
+                                          Verbosity verbosity);
+
+/// Warns of a target of noise that no tile can have reached after so many samples per pixel.
+void warn_of_few_samples(const LongRenderRequest& request, int samples);
+
+/// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
+RenderOptions render_options(const LongRenderRequest& request, const OutputSettings& output, bool resume,
+                             const ImageMetadata& metadata, ImageWriter write_picture);
+
+/// What was reached, as metadata and for people (with what ended it, if that is not what was asked for), if
+/// the end was not settled beforehand; else nothing.
+std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
+                                                               const RenderStatistics& statistics);
+std::string describe_reached(const LongRenderRequest& request, const RenderStatistics& statistics);
+
+/// Removes the checkpoint of a picture that has been written.
+void remove_checkpoint(const LongRenderRequest& request);
+
+/// The same if it is still that of a finished picture: a program was killed in between.
+void remove_finished_checkpoint(const LongRenderRequest& request,
+                                std::span<const std::filesystem::path> finished);
+
+/// Says how to go on after an interruption, if there is a way.
+void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity);
+
+}  // namespace alidade

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: MIT
+#include "renderer/render.h"
+
+#include <fmt/format.h>
+
+#include "base/instruction_set.h"
+#include "camera/ground_transform.h"
+#include "image/image_file.h"
+#include "tools/command.h"
+#include "tools/render/load_scene.h"
+#include "tools/image_module.h"
+#include "tools/render/load_in_view.h"
+#include "tools/render/long_render.h"
+#include "tools/message.h"
+#include "tools/picture_command.h"
+#include "tools/render/picture_names.h"
+#include "tools/render/render_options.h"
+
+namespace alidade {
+namespace {
+
+std::vector<std::filesystem::path> input_files(const RenderCommand& command, const Scene& scene) {
+  std::vector<std::filesystem::path> files;
+  if (scene.cloud) files = scene.cloud->files;
+  if (const auto* sky = std::get_if<ImageSky>(&scene.sky)) files.push_back(sky->file);
+  for (const std::filesystem::path& file :
+       {command.scene_file, command.camera.file, command.camera.lens_file}) {
+    if (!file.empty()) files.push_back(file);
+  }
+  return files;
+}
+
+std::string radius_text(const CloudSettings& settings, const LoadedCloud& cloud) {
+  if (settings.adapted_radius) {
+    return fmt::format("spheres of radius {:.4g} times the distance to neighbour {}, at most {:.4g}",
+                       cloud.spacing_factor, settings.adapted_radius->neighbours, cloud.radius);
+  }
+  return fmt::format("spheres of radius {:.4g}{}", cloud.radius,
+                     settings.radius ? "" : " (from the spacing of the points)");
+}
+
+/// `views` are those of the pictures, if they are known before the cloud is.
+LoadedCloud load(const RenderCommand& command, const Scene& scene, std::span<const View> views) {
+  const CloudSettings& settings = *scene.cloud;
+  const Verbosity verbosity = command.verbosity.verbosity();
+  ProgressLine line("loading cloud", "B", verbosity);
+  std::optional<ProgressLine> measuring;
+  const Progress measure = [&](std::uint64_t done, std::uint64_t total) {
+    if (!measuring) {
+      line.finish();
+      measuring.emplace("measuring spacings", "points", verbosity);
+    }
+    return measuring->callback()(done, total);
+  };
+  LoadedCloud cloud = command.in_view ? load_in_view(command, scene, views, measure)
+                                      : load_cloud(settings, line.callback(), measure);
+  if (measuring || !command.in_view) (measuring ? *measuring : line).finish();
+  if (verbosity == Verbosity::quiet) return cloud;
+  for (const std::string& warning : cloud.warnings) say_warning(warning);
+  const std::string color = cloud.color.by == PointColor::rgb ? "their rgb values" : cloud.color.word;
+  say_note(
+      fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color, radius_text(settings, cloud)));
+  if (cloud.color.scale) say_note(cloud.color.word + ": " + scale_text(cloud.color));
+  return cloud;
+}
+
+/// A view and the picture it becomes.
+struct Picture {
+  View view;
+  std::filesystem::path file;
+};
+
+/// The pictures to make, and those left out because they are there already and may stay.
+struct PictureList {
+  std::vector<Picture> pictures;
+  std::vector<std::filesystem::path> finished;
+
+  std::vector<std::filesystem::path> files() const {
+    std::vector<std::filesystem::path> names;
+    for (const Picture& picture : pictures) names.push_back(picture.file);
+    return names;
+  }
+};
+
+PictureList requested_pictures(const RenderCommand& command, const Scene& scene,
+                               std::span<const View> views) {
+  std::vector<std::filesystem::path> names{scene.output.file};
+  if (is_set(command.camera)) names = picture_names(scene.output.file, views);
+  const std::vector<std::filesystem::path> inputs = input_files(command, scene);
+  PictureList list;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    std::error_code error;
+    if (command.skip_existing && std::filesystem::exists(names[i], error)) {
+      list.finished.push_back(names[i]);
+      continue;
+    }
+    check_writable(names[i], command.overwrite, inputs);
+    // Without a view yet it is chosen once the cloud is known.
+    list.pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
+  }
+  if (!command.color.legend.empty()) names.push_back(command.color.legend);
+  check_long_render(
+      command.long_render,
+      {.any = command.overwrite, .earlier_preview = command.skip_existing || command.long_render.resume},
+      names, inputs);
+  return list;
+}
+
+/// Whether a legend was asked for that is not there already and may stay. `resumed`: the render goes on from
+/// a checkpoint, whose legend it was.
+bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command, bool resumed) {
+  std::error_code error;
+  const bool may_stay = !command.overwrite && (command.skip_existing || resumed);
+  return !legend.empty() && !(may_stay && std::filesystem::exists(legend, error));
+}
+
+/// Errors: as check_writable; the legend would be one of the pictures.
+void check_legend_file(const RenderCommand& command, const Scene& scene, std::span<const Picture> pictures) {
+  check_writable(command.color.legend, command.overwrite, input_files(command, scene));
+  for (const Picture& picture : pictures) {
+    if (picture.file.lexically_normal() == command.color.legend.lexically_normal())
+      throw Error({.file = picture.file.string(), .problem = "picture and legend have the same name"});
+  }
+}
+
+ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* cloud,
+                       const CommandLine& words) {
+  ImageMetadata metadata;
+  metadata.camera = view.camera;
+  metadata.render = scene.render;
+  metadata.command = picture_command(words);
+  if (!scene.sun_origin.empty()) metadata.further.emplace_back("alidade:sun", scene.sun_origin);
+  if (!view.name.empty()) metadata.further.emplace_back("alidade:camera_name", view.name);
+  if (cloud == nullptr) return metadata;
+  for (const CloudFile& file : cloud->files) metadata.cloud_files.push_back(file.path.string());
+  metadata.cloud_offset = cloud->octree.lattice().offset;
+  metadata.crs = cloud->crs;
+  metadata.radius = cloud->radius;
+  if (cloud->spacing_factor > 0.0) {
+    metadata.further.emplace_back("alidade:radius_factor", fmt::format("{:.17g}", cloud->spacing_factor));
+    metadata.further.emplace_back("alidade:radius_neighbours",
+                                  std::to_string(cloud->octree.view().spacing_neighbours));
+  }
+  for (const auto& text : color_metadata(cloud->color)) metadata.further.push_back(text);
+  return metadata;
+}
+
+std::uint64_t camera_rays(const Scene& scene, const Camera& camera) {
+  return std::uint64_t{static_cast<std::uint32_t>(camera.width)} * static_cast<std::uint32_t>(camera.height) *
+         static_cast<std::uint32_t>(scene.render.samples);
+}
+
+void check_views(std::span<const Picture> pictures, const Scene& scene, const LoadedCloud* cloud) {
+  for (const Picture& picture : pictures) {
+    try {
+      if (image_format(picture.file) == ImageFormat::geotiff) ground_transform(picture.view.camera);
+      if (cloud != nullptr) check_camera_place(picture.view.camera, scene, *cloud);
+    } catch (const Error& error) {
+      Error::Parts parts = error.parts();
+      if (!picture.view.name.empty())
+        parts.problem = fmt::format("camera '{}': {}", picture.view.name, parts.problem);
+      throw Error(parts);
+    }
+  }
+}
+
+/// Renders and writes one picture after the other under one progress line. `resumed`: what the first one goes
+/// on from.
+RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, const LoadedCloud* cloud,
+                            const RenderCommand& command, const CommandLine& words,
+                            const std::optional<Resumption>& resumed, ImageWriter write_picture) {
+  std::uint64_t total = 0, done = 0;
+  for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
+  const Verbosity verbosity = command.verbosity.verbosity();
+  ProgressLine line(
+      pictures.size() == 1 ? "rendering" : fmt::format("rendering {} pictures", pictures.size()),
+      "camera rays", verbosity);
+  if (resumed) line.skip(resumed->samples);
+  const Progress progress = line.callback();
+  RenderStatistics statistics;
+  for (const Picture& picture : pictures) {
+    scene.camera = picture.view.camera;
+    scene.output.file = picture.file;
+    total -= camera_rays(scene, picture.view.camera);
+    std::uint64_t rays_of_picture = 0;
+    ImageMetadata texts = metadata(scene, picture.view, cloud, words);
+    RenderOptions options = render_options(command.long_render, scene.output,
+                                           resumed && &picture == &pictures.front(), texts, write_picture);
+    if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
+      options.checkpoint->resumed = [&] { line.interject(resumed->note); };
+    options.progress = [&](std::uint64_t rays, std::uint64_t all_rays) {
+      rays_of_picture = rays;
+      return progress(done + rays, done + all_rays + total);
+    };
+    RenderStatistics of_picture;
+    const Film film = render(scene, cloud, options, &of_picture);
+    for (auto& text : reached_texts(command.long_render, of_picture))
+      texts.further.push_back(std::move(text));
+    write_picture(film, scene.output, texts, command.overwrite);
+    remove_checkpoint(command.long_render);
+    const std::string reached = describe_reached(command.long_render, of_picture);
+    if (!reached.empty() && verbosity != Verbosity::quiet)
+      line.interject(fmt::format("{}: {}", picture.file.string(), reached));
+    done += rays_of_picture;
+    statistics.ray_count += of_picture.ray_count;
+    statistics.seconds += of_picture.seconds;
+  }
+  line.finish();
+  return statistics;
+}
+
+ExitCode run(const RenderCommand& command, const CommandLine& words) {
+  const Verbosity verbosity = command.verbosity.verbosity();
+  Scene scene = requested_scene(command);
+  check_image_name(scene.output.file);
+  std::vector<std::string> warnings;
+  const std::vector<View> views = requested_views(command.camera, scene, warnings);
+  if (verbosity != Verbosity::quiet) {
+    for (const std::string& warning : warnings) say_warning(warning);
+  }
+  PictureList list = requested_pictures(command, scene, views);
+  std::vector<Picture>& pictures = list.pictures;
+  if (pictures.empty()) {
+    remove_finished_checkpoint(command.long_render, list.finished);
+    if (verbosity != Verbosity::quiet) say_note("every picture is there already");
+    return ExitCode::done;
+  }
+  const std::optional<Resumption> resumed =
+      find_resumption(command.long_render, list.files(), list.finished, verbosity);
+  if (verbosity != Verbosity::quiet) warn_of_few_samples(command.long_render, scene.render.samples);
+  // Before the work, so that a program that cannot write pictures does not render for hours first.
+  const ImageWriter write_picture = load_image_writer();
+  const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());
+  if (wants_legend) check_legend_file(command, scene, pictures);
+  if (verbosity == Verbosity::verbose) {
+    say_note(fmt::format("instruction set {}", name(best_instruction_set())));
+  }
+  if (!views.empty()) check_views(pictures, scene, nullptr);
+  prepare_sky(scene, command.scene_file, verbosity);
+
+  if (scene.cloud && !command.long_render.preview.empty() && !resumed)
+    show_first_looks(command, scene, views.empty() ? nullptr : &pictures.front().view, write_picture);
+  std::optional<LoadedCloud> loaded;
+  if (scene.cloud) loaded = load(command, scene, views);
+  const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
+  if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
+  check_views(pictures, scene, cloud);
+  prepare_light(scene, cloud, verbosity);
+  if (wants_legend)
+    load_legend_writer()(cloud->color, command.color.legend, command.color.legend_size, command.overwrite);
+
+  RenderStatistics statistics;
+  try {
+    statistics = render_all(pictures, scene, cloud, command, words, resumed, write_picture);
+  } catch (const Cancelled&) {
+    say_how_to_resume(command.long_render, verbosity);
+    throw;
+  }
+  if (verbosity != Verbosity::quiet) {
+    const std::string written = pictures.size() == 1 ? pictures.front().file.string()
+                                                     : fmt::format("{} to {}", pictures.front().file.string(),
+                                                                   pictures.back().file.string());
+    say_note(fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}",
+                         short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
+                         short_count(static_cast<double>(statistics.ray_count) / statistics.seconds),
+                         written));
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command add_render(CLI::App& program, const CommandLine& command_line) {
+  CLI::App* render = program.add_subcommand("render", "Path-trace a picture of a scene or of cloud files");
+  const std::shared_ptr<RenderCommand> command = add_render_options(*render);
+  render->footer(
+      "Forms:\n"
+      "  alidade render SCENE.json [-o FILE] [OPTIONS]\n"
+      "  alidade render --cloud FILE... -o FILE [OPTIONS]\n"
+      "  ... --camera FOLDER -o 'out_%04d.png'   one picture for every camera\n"
+      "  ... --panorama X,Y,Z                    everything around a place\n"
+      "  ... --orthographic top --resolution M   from straight above; -o FILE.tif is a GeoTIFF\n"
+      "  ... --sun-time DATE-TIME                by the sun of that moment\n"
+      "\n"
+      "With --cloud and no scene, the whole cloud is shown three-quarter from above, under a sun and a blue "
+      "sky.\n"
+      "Options stand above what the scene file says. Lengths are in metres (the unit of the cloud's CRS), "
+      "angles in degrees.\n"
+      "The bytes of the picture do not depend on the number of threads nor on the machine, nor on previews "
+      "and checkpoints; with --time-limit they depend on the time.\n"
+      "Scene files: docs/scene_format.md; cameras: docs/cameras.md; light: docs/light.md; pictures that take "
+      "long: "
+      "docs/rendering.md.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade render scenes/courtyard.json -o courtyard.png\n"
+      "  alidade render --cloud site.las -o site.png\n"
+      "  alidade render --cloud site.las --orthographic top --resolution 0.1 -o site.tif\n"
+      "  alidade render --cloud site.las --camera sparse/0 -o 'render/%s.png'\n"
+      "  alidade render scenes/courtyard.json --samples 4096 --preview now.png --checkpoint yard.state "
+      "--resume -o courtyard.exr\n"
+      "  alidade render --cloud a.las b.las --size 1200x800 --samples 200 --radius 0.03 -o both.exr --layers "
+      "color,depth,id\n");
+  return {render, [command, command_line] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->threads, [&] { code = run(*command, command_line); });
+            return code;
+          }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: MIT
+#include "tools/render/render_options.h"
+
+#include <algorithm>
+#include <functional>
+#include <sstream>
+
+#include "base/error.h"
+#include "octree/point_spacing.h"
+#include "image/image_file.h"
+#include "renderer/read_scene.h"
+#include "tools/cloud_options.h"
+
+namespace alidade {
+namespace {
+
+std::string layer_list() {
+  std::string list;
+  for (const NamedLayer& known : k_layers) list += (list.empty() ? "" : ",") + std::string(known.name);
+  return list;
+}
+
+std::vector<Layer> parse_layers(const std::string& text) {
+  std::vector<Layer> layers;
+  std::istringstream words(text + ",");
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto known = std::ranges::find(k_layers, word, &NamedLayer::name);
+    if (known == k_layers.end()) {
+      throw CLI::ValidationError("expected some of " + layer_list() + ", found '" + word + "'");
+    }
+    layers.push_back(known->layer);
+  }
+  return layers;
+}
+
+double parse_positive(const std::string& text, const std::string& expected) {
+  const double value = parse_number(text);
+  if (!(value > 0.0)) throw CLI::ValidationError("expected " + expected + ", found '" + text + "'");
+  return value;
+}
+
+void parse_radius(const std::string& text, RadiusRequest& request) {
+  using Kind = RadiusRequest::Kind;
+  request.kind = text == "auto" ? Kind::automatic : text == "adapted" ? Kind::adapted : Kind::length;
+  if (request.kind == Kind::length)
+    request.length = parse_positive(text, "auto, adapted or a length above 0");
+}
+
+/// One of the options that say how radii adapt, any of which asks for that. They are read after --radius.
+void add_adapted_radius_option(CLI::App& render, RadiusRequest& request, const std::string& name,
+                               const std::string& kind, const std::string& help,
+                               const std::function<void(const std::string&)>& take) {
+  add_value(render, name, kind, help, [&request, take](const std::string& text) {
+    if (request.kind.value_or(RadiusRequest::Kind::adapted) != RadiusRequest::Kind::adapted)
+      throw CLI::ValidationError("is for --radius adapted only");
+    request.kind = RadiusRequest::Kind::adapted;
+    take(text);
+  });
+}
+
+void add_picture_options(CLI::App& render, RenderCommand& command) {
+  add_value(render, "--samples", "N", "paths per pixel; noise halves with four times as many (default 50)",
+            [&command](const std::string& text) {
+              command.samples = static_cast<int>(parse_count(text, 1, k_max_samples));
+            });
+  add_value(
+      render, "--max-bounces", "N",
+      "reflections followed after the first surface (default 8; 0 = light straight from sun, sky and lamps)",
+      [&command](const std::string& text) {
+        command.max_bounces = static_cast<int>(parse_count(text, 0, k_max_bounces));
+      });
+  add_value(render, "--exposure", "STOPS",
+            "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)",
+            [&command](const std::string& text) { command.exposure = parse_number(text, -64.0, 64.0); });
+  add_value(render, "--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)",
+            [&command](const std::string& text) { command.layers = parse_layers(text); });
+  add_value(render, "--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
+            [&command](const std::string& text) { command.seed = parse_count(text, 0, UINT64_MAX); });
+}
+
+void add_cloud_options(CLI::App& render, RenderCommand& command) {
+  RadiusRequest& radius = command.radius;
+  add_value(render, "--radius", "R|auto|adapted",
+            "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; "
+            "adapted: each point its own, from the distance to its neighbours, small where the scan is dense "
+            "(default auto)",
+            [&radius](const std::string& text) { parse_radius(text, radius); });
+  add_adapted_radius_option(
+      render, radius, "--radius-factor", "F",
+      "adapted radii are F times the distance to the neighbour (default 0.75); implies "
+      "--radius adapted",
+      [&radius](const std::string& text) { radius.factor = parse_positive(text, "a number above 0"); });
+  add_adapted_radius_option(render, radius, "--radius-neighbours", "N",
+                            "adapted radii go by the N-th nearest neighbour, 1 to 64 (default 8); implies "
+                            "--radius adapted",
+                            [&radius](const std::string& text) {
+                              radius.neighbours =
+                                  static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
+                            });
+  add_adapted_radius_option(render, radius, "--radius-max", "R|auto",
+                            "adapted radii are at most R metres (default auto: four times what --radius auto "
+                            "would be); implies --radius adapted",
+                            [&radius](const std::string& text) {
+                              radius.max.emplace();
+                              if (text != "auto")
+                                *radius.max = parse_positive(text, "auto or a length above 0");
+                            });
+  add_choice<ColorDepth>(render, "--color-depth",
+                         "bits in use in LAS colour fields (default: told from the values)",
+                         command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_choice<HitMode>(render, "--hits",
+                      "nearest by sphere entry (default) or by projected point, the paper's naive way",
+                      command.hits, {{"entry", HitMode::entry}, {"t", HitMode::t}});
+  add_choice<NormalMode>(
+      render, "--normals",
+      "normals of each sphere, or across the points around, which evens out walls (default: the "
+      "scene's; smooth without a scene)",
+      command.normals, {{"sphere", NormalMode::sphere}, {"smooth", NormalMode::smooth}});
+  add_value(
+      render, "--max-level", "N",
+      "only levels 0 to N of an index file made with --organisation layered: a quick preview of a thinned "
+      "cloud (default: all levels)",
+      [&command](const std::string& text) {
+        command.max_level = static_cast<int>(parse_count(text, 0, k_max_level));
+      });
+}
+
+/// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
+/// shading.
+Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
+  Scene scene;
+  scene.sky = GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
+  CloudSettings& cloud = scene.cloud.emplace();
+  cloud.files = cloud_files;
+  cloud.normals = NormalMode::smooth;
+  scene.sun = Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
+  return scene;
+}
+
+void apply(const RadiusRequest& request, CloudSettings& cloud) {
+  if (!request.kind) return;
+  cloud.radius.reset();
+  if (request.kind == RadiusRequest::Kind::length) cloud.radius = request.length;
+  if (request.kind != RadiusRequest::Kind::adapted) {
+    cloud.adapted_radius.reset();
+    return;
+  }
+  if (!cloud.adapted_radius) cloud.adapted_radius.emplace();
+  AdaptedRadius& adapted = *cloud.adapted_radius;
+  adapted.factor = request.factor.value_or(adapted.factor);
+  adapted.neighbours = request.neighbours.value_or(adapted.neighbours);
+  adapted.max = request.max.value_or(adapted.max);
+}
+
+/// One of the options about the cloud that were given; empty if there is none.
+std::string cloud_option(const RenderCommand& command) {
+  const RadiusRequest& radius = command.radius;
+  if (radius.factor) return "--radius-factor";
+  if (radius.neighbours) return "--radius-neighbours";
+  if (radius.max) return "--radius-max";
+  if (radius.kind) return "--radius";
+  if (command.color_depth) return "--color-depth";
+  if (command.hits) return "--hits";
+  if (command.normals) return "--normals";
+  if (command.max_level) return "--max-level";
+  if (command.partial) return "--partial";
+  if (command.in_view) return "--in-view";
+  return given_option(command.color);
+}
+
+void apply_cloud_options(const RenderCommand& command, Scene& scene) {
+  const std::string option = cloud_option(command);
+  if (option.empty()) return;
+  if (!scene.cloud) {
+    throw Error({.file = command.scene_file.string(), .problem = "the scene has no cloud for " + option});
+  }
+  CloudSettings& cloud = *scene.cloud;
+  apply(command.radius, cloud);
+  cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
+  apply(command.color, cloud.color);
+  cloud.hits = command.hits.value_or(cloud.hits);
+  cloud.normals = command.normals.value_or(cloud.normals);
+  cloud.max_level = command.max_level.value_or(cloud.max_level);
+  cloud.partial = cloud.partial || command.partial;
+}
+
+}  // namespace
+
+std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
+  auto command = std::make_shared<RenderCommand>();
+  CLI::Option* scene =
+      render.add_option("scene", command->scene_file, "scene file")->option_text("SCENE.json");
+  add_cloud_files(
+      render, "--cloud", command->cloud_files,
+      "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file" + k_database_help)
+      ->option_text("FILE...")
+      ->excludes(scene);
+  render
+      .add_option("-o,--output", command->output,
+                  "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, "
+                  "with %04d (number, from 0) or %s (name) in it")
+      ->option_text("FILE");
+  render.add_flag(
+      "--in-view", command->in_view,
+      "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, sends no "
+      "light, and has no say in automatic radii, colour scales and the smooth normals of points at the "
+      "border");
+  render.add_flag("--overwrite", command->overwrite, "replace an existing picture");
+  render.add_flag("--skip-existing", command->skip_existing,
+                  "leave out pictures that are there already: goes on with an interrupted set");
+  add_camera_options(render, command->camera);
+  add_light_options(render, command->light);
+  add_picture_options(render, *command);
+  add_cloud_options(render, *command);
+  add_color_options(render, command->color);
+  add_long_render_options(render, command->long_render);
+  add_partial(render, command->partial);
+  add_threads(render, command->threads);
+  add_verbosity(render, command->verbosity);
+  return command;
+}
+
+Scene requested_scene(const RenderCommand& command) {
+  if (command.scene_file.empty() && command.cloud_files.empty()) {
+    throw Error({.problem = "nothing to render", .expected = "SCENE.json or --cloud FILE..."});
+  }
+  Scene scene =
+      command.scene_file.empty() ? daylight_scene(command.cloud_files) : read_scene(command.scene_file);
+  apply_cloud_options(command, scene);
+  apply_light_options(command.light, scene);
+  if (command.max_bounces) require_path_mode(scene, "--max-bounces");
+  scene.render.samples = command.samples.value_or(scene.render.samples);
+  scene.render.max_bounces = command.max_bounces.value_or(scene.render.max_bounces);
+  scene.render.seed = command.seed.value_or(scene.render.seed);
+  if (!command.output.empty()) scene.output.file = command.output;
+  scene.output.exposure = command.exposure.value_or(scene.output.exposure);
+  if (!command.layers.empty()) scene.output.layers = command.layers;
+  if (scene.output.file.empty()) {
+    throw Error(
+        {.file = command.scene_file.string(), .problem = "no picture to write", .expected = "-o FILE"});
+  }
+  if (!command.layers.empty() && image_format(scene.output.file) != ImageFormat::exr) {
+    throw Error({.file = scene.output.file.string(),
+                 .problem = "only EXR holds layers",
+                 .expected = "a name ending in .exr, or no --layers"});
+  }
+  return scene;
+}
+
+}  // namespace alidade

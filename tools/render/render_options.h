@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "renderer/scene.h"
+#include "tools/render/views.h"
+#include "tools/render/color_options.h"
+#include "tools/render/light_and_color.h"
+#include "tools/render/long_render.h"
+#include "tools/options.h"
+
+namespace alidade {
+
+/// How large the spheres of points are to be. What is empty is left as the scene has it; any of the last
+/// three makes radii adapted.
+struct RadiusRequest {
+  enum class Kind { automatic, length, adapted };
+  std::optional<Kind> kind;
+  double length = 0.0;  ///< metres, of that kind
+  std::optional<double> factor;
+  std::optional<int> neighbours;
+  std::optional<std::optional<double>> max;  ///< metres; an empty length in it is "auto"
+};
+
+/// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
+struct RenderCommand {
+  std::filesystem::path scene_file;
+  std::vector<std::filesystem::path> cloud_files;
+  bool partial = false;
+  bool in_view = false;  ///< of a cloud in a database, only what the cameras see is read
+  std::filesystem::path output;
+  CameraRequest camera;
+  LightRequest light;
+  std::optional<int> samples, max_bounces;
+  std::optional<std::uint64_t> seed;
+  RadiusRequest radius;
+  std::optional<ColorDepth> color_depth;
+  ColorRequest color;
+  std::optional<HitMode> hits;
+  std::optional<NormalMode> normals;
+  std::optional<int> max_level;
+  std::optional<double> exposure;
+  std::vector<Layer> layers;
+  LongRenderRequest long_render;
+  bool overwrite = false, skip_existing = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+};
+
+/// Declares the command's options; they fill what is returned.
+std::shared_ptr<RenderCommand> add_render_options(CLI::App& render);
+
+/// The scene to render: read from its file, or made up around the clouds, with the options laid over it but
+/// for those of the camera. Errors: options that contradict each other or do not fit the scene.
+Scene requested_scene(const RenderCommand& command);
+
+}  // namespace alidade

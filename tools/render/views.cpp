@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+#include "tools/render/views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "base/error.h"
+#include "camera/camera.h"
+#include "camera/projection.h"
+#include "renderer/read_scene.h"
+
+namespace alidade {
+namespace {
+
+constexpr double k_largest_coordinate = 1e12;
+
+template <std::size_t count>
+std::array<double, count> parse_coordinates(const std::string& text) {
+  std::vector<std::string> words;
+  std::istringstream stream(text + ",");
+  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  if (words.size() != count) {
+    throw CLI::ValidationError(
+        fmt::format("expected {} numbers with commas between, found '{}'", count, text));
+  }
+  std::array<double, count> numbers{};
+  for (std::size_t i = 0; i < count; ++i)
+    numbers[i] = parse_number(words[i], -k_largest_coordinate, k_largest_coordinate);
+  return numbers;
+}
+
+/// Tells which camera of which file an error of check_camera() is about.
+void check(const Camera& camera, const std::string& file, const std::string& name) {
+  try {
+    check_camera(camera);
+  } catch (const Error& error) {
+    Error::Parts parts = error.parts();
+    parts.file = file;
+    if (!name.empty()) parts.problem = fmt::format("camera '{}': {}", name, parts.problem);
+    throw Error(parts);
+  }
+}
+
+std::vector<View> views_of_file(const CameraRequest& request, const Scene& scene,
+                                std::vector<std::string>& warnings) {
+  CameraFileOptions options{.lens = scene.camera, .original_world = request.original_world};
+  if (!request.lens_file.empty()) options.lens = read_camera(request.lens_file);
+  const CameraSet set = read_cameras(request.file, options);
+  warnings = set.warnings;
+  const std::string file = request.file.string();
+  std::vector<View> views;
+  if (request.name.empty()) {
+    for (const NamedCamera& each : set.cameras) views.push_back({each.name, each.camera});
+  } else {
+    const NamedCamera& chosen = camera_called(set, request.name, file);
+    views.push_back({chosen.name, chosen.camera});
+  }
+  for (const View& view : views) check(view.camera, file, view.name);
+  return views;
+}
+
+}  // namespace
+
+void add_camera_options(CLI::App& render, CameraRequest& request) {
+  CLI::Option* const camera =
+      render.add_option("--camera", request.file,
+                        "cameras instead of the scene's: our JSON, a COLMAP model's folder, transforms.json, "
+                        "reconstruction.json, sfm_data.json, or a trajectory as CSV");
+  camera->option_text("FILE|FOLDER");
+  render
+      .add_option("--camera-name", request.name,
+                  "one of the file's cameras, by the name of its photo (default: all of them)")
+      ->option_text("NAME")
+      ->needs(camera);
+  render
+      .add_option("--lens", request.lens_file,
+                  "camera file whose size and lens a trajectory takes (default: the scene's camera)")
+      ->option_text("FILE.json")
+      ->needs(camera);
+  render
+      .add_flag("--original-world", request.original_world,
+                "transforms.json: cameras in the world before applied_transform and applied_scale")
+      ->option_text(" ")
+      ->needs(camera);
+  CLI::Option* const panorama =
+      add_value(render, "--panorama", "X,Y,Z",
+                "everything around a place, north in the middle (default size 2048x1024)",
+                [&request](const std::string& text) {
+                  const auto place = parse_coordinates<3>(text);
+                  request.panorama.emplace(place[0], place[1], place[2]);
+                })
+          ->excludes(camera);
+  CLI::Option* const above =
+      add_value(render, "--orthographic", "top",
+                "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
+                [&request](const std::string& text) {
+                  if (text != "top") throw CLI::ValidationError("expected top, found '" + text + "'");
+                  request.from_above = true;
+                })
+          ->excludes(camera)
+          ->excludes(panorama);
+  CLI::Option* const size =
+      add_value(render, "--size", "WxH",
+                "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
+                [&request](const std::string& text) { request.size = parse_image_size(text); });
+  CLI::Option* const resolution =
+      add_value(render, "--resolution", "METRES", "from pixel to pixel, for --orthographic",
+                [&request](const std::string& text) { request.resolution = parse_number(text, 1e-6, 1e6); });
+  resolution->needs(above);
+  above->needs(resolution);
+  size->excludes(above);
+  add_value(render, "--extent", "X,Y,X,Y",
+            "least and largest x and y to show from above (default: all of the cloud)",
+            [&request](const std::string& text) { request.extent = parse_coordinates<4>(text); })
+      ->needs(above);
+}
+
+bool is_set(const CameraRequest& request) {
+  return !request.file.empty() && request.name.empty();
+}
+
+std::vector<View> requested_views(const CameraRequest& request, const Scene& scene,
+                                  std::vector<std::string>& warnings) {
+  std::vector<View> views;
+  if (!request.file.empty()) {
+    views = views_of_file(request, scene, warnings);
+  } else if (request.panorama) {
+    const ImageSize size = request.size.value_or(ImageSize{2048, 1024});
+    views.push_back({"", panorama_camera(*request.panorama, size.width, size.height)});
+  } else if (scene.camera && !request.from_above) {
+    views.push_back({"", *scene.camera});
+  }
+  if (request.size) {
+    for (View& view : views) view.camera = resized(view.camera, request.size->width, request.size->height);
+  }
+  return views;
+}
+
+View view_of_cloud(const CameraRequest& request, const Scene& scene, const LoadedCloud* cloud,
+                   const std::filesystem::path& scene_file) {
+  if (cloud == nullptr) {
+    throw Error(
+        {.file = scene_file.string(), .problem = "the scene has neither a camera nor a cloud to look at"});
+  }
+  if (cloud->octree.size() == 0) {
+    // What was asked for, which for an index file is not what its points came from.
+    throw Error({.file = scene.cloud->files.front().string(),
+                 .problem = "holds no points, so there is no view of it",
+                 .expected = "a cloud with points, or --camera FILE"});
+  }
+  if (!request.from_above) {
+    const ImageSize size = request.size.value_or(ImageSize{1200, 800});
+    return {"", overview_camera(visible_bounds(*cloud), size.width, size.height)};
+  }
+  Bounds bounds = cloud->octree.bounds();
+  bounds.min -= glm::dvec3(cloud->radius);
+  bounds.max += glm::dvec3(cloud->radius);
+  if (request.extent) {
+    const auto& [least_x, least_y, largest_x, largest_y] = *request.extent;
+    if (!(least_x < largest_x && least_y < largest_y)) {
+      throw Error({.problem = "--extent is empty", .expected = "least x, least y, largest x, largest y"});
+    }
+    bounds = {{least_x, least_y, bounds.min.z}, {largest_x, largest_y, bounds.max.z}};
+  }
+  for (const Object& object : scene.objects) {
+    // What stands above the cloud is seen from above, too.
+    if (const auto* sphere = std::get_if<Sphere>(&object))
+      bounds.max.z = std::max(bounds.max.z, sphere->center.z + sphere->radius);
+  }
+  return {"", orthophoto_camera(bounds, *request.resolution)};
+}
+
+}  // namespace alidade

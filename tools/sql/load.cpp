@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+#include "tools/sql_load.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+#include "database/server/server_name.h"
+#include "database/server/store_on_server.h"
+#include "database/sqlite/store_cloud.h"
+#include "cloud/cloud_files.h"
+#include "tools/sql/load_options.h"
+#include "tools/message.h"
+#include "base/words.h"
+
+namespace alidade {
+namespace {
+
+struct LoadCommand {
+  std::vector<std::filesystem::path> files;  ///< the last one is the database
+  StoreOptions store;
+  LoadOptions load;
+};
+
+/// Who forgot the database has named a cloud there.
+void check_name(const std::filesystem::path& database) {
+  constexpr const char* k_clouds[] = {".las", ".laz", ".ply", ".pcd", ".e57",
+                                      ".pts", ".ptx", ".xyz", ".csv", ".alidade"};
+  const std::string ending = file_ending(database);
+  if (std::ranges::find(k_clouds, ending) == std::end(k_clouds)) return;
+  throw Error({.file = database.string(),
+               .problem = "is the name of a cloud file",
+               .expected = "the database as the last name, as site.db"});
+}
+
+/// The table that is meant. Errors: it is named twice; options that only SQLite knows.
+ServerName server_name(const LoadCommand& command) {
+  ServerName name(command.files.back().string());
+  const StoreOptions other;
+  const bool is_named_twice = !name.table.empty() && command.store.table != other.table;
+  if (is_named_twice || command.store.chunk_points != other.chunk_points) {
+    throw Error({.file = name.shown(),
+                 .problem = is_named_twice ? "the table is named twice" : "a server makes no chunks",
+                 .expected = is_named_twice ? "?table= or --table" : "no --chunk-points"});
+  }
+  if (name.table.empty()) name.table = command.store.table;
+  return name;
+}
+
+/// Stores files, and answers where.
+using Store = std::function<StoredFiles(std::span<const std::filesystem::path> files,
+                                        const ReadOptions& reading, const Progress& storing)>;
+
+ExitCode run(const LoadCommand& command) {
+  const std::filesystem::path& database = command.files.back();
+  const bool is_server = is_server_name(database.string());
+  const auto names = std::span(command.files).first(command.files.size() - 1);
+  const std::vector<std::filesystem::path> files = expand_cloud_files(names);
+  Store store;
+  std::string place;
+  if (is_server) {
+    const ServerName name = server_name(command);
+    place = name.shown();
+    store = [&, name](auto some, const ReadOptions& reading, const Progress& storing) {
+      return store_on_server(name, some, reading, {command.store.replace, command.load.memory, storing});
+    };
+  } else {
+    check_name(database);
+    // A database that is there stays: what may be replaced is a table in it.
+    check_writable(database, true, files);
+    place = fmt::format("table {} of {}", command.store.table, database.string());
+    store = [&](auto some, const ReadOptions& reading, const Progress& storing) {
+      StoreOptions options = command.store;
+      options.memory = command.load.memory;
+      options.progress = storing;
+      return store_files(database, some, reading, options);
+    };
+  }
+  std::uint64_t count = 0;
+  load_with_progress(command.load, "storing", [&](const ReadOptions& reading, const Progress& storing) {
+    StoredFiles stored = store(files, reading, storing);
+    count = stored.point_count;
+    return std::move(stored.warnings);
+  });
+  if (!command.load.verbosity.quiet) say_note(fmt::format("{} points are {}", count, place));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command add_sql_load(CLI::App& sql) {
+  auto command = std::make_shared<LoadCommand>();
+  CLI::App* const load = sql.add_subcommand("load", "Store a cloud in a database");
+  load->add_option(
+          "files", command->files,
+          "cloud files, folders or patterns as 'tiles/*.las', taken together as one; then the database, "
+          "SQLite's file, which is made if it is not there, or 'postgresql://HOST/DATABASE?table=NAME'")
+      ->option_text("FILE... DB")
+      ->expected(2, -1)
+      ->required();
+  load->add_option("--table", command->store.table, "what SQL calls the cloud (default: points)")
+      ->option_text("NAME");
+  add_value(*load, "--chunk-points", "N", "points that SQLite reads together, 1 to 65536 (default: 1024)",
+            [command](const std::string& text) {
+              command->store.chunk_points = static_cast<std::uint32_t>(parse_count(text, 1, 65536));
+            });
+  load->add_flag("--overwrite", command->store.replace, "replace a table of that name, if it is a cloud");
+  add_load_options(*load, command->load);
+  load->footer(
+      "Form:\n"
+      "  alidade sql load FILE... DB [OPTIONS]\n"
+      "\n"
+      "The table has a column for every attribute; its ids are the rows of the cloud files. Points lie along "
+      "a "
+      "Morton\n"
+      "curve in chunks, of which a condition on distances leaves most unread. A database can hold many "
+      "clouds. "
+      "The table\n"
+      "is there as a whole or not at all, and so is a new database.\n"
+      "\n"
+      "A PostgreSQL server needs the extension alidade_pg. Its name may have USER@ in front of the host and "
+      "a :PORT "
+      "behind\n"
+      "it, and more parameters of libpq behind the table (&schema=NAME and others); passwords are taken from "
+      "~/.pgpass or\n"
+      "PGPASSWORD. Clouds that memory does not hold wait in TMPDIR.\n"
+      "\n"
+      "Examples:\n"
+      "  alidade sql load site.las site.db\n"
+      "  alidade sql load tiles/ site.db --table tiles --memory 4G\n"
+      "  alidade sql load site.las 'postgresql://db1/survey?table=site'\n");
+  return {load, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->load.threads, [&] { code = run(*command); });
+            return code;
+          }};
+}
+
+}  // namespace alidade

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "image/color_map.h"
+#include "tools/options.h"
+#include "tools/visibility/checkpoint_options.h"
+#include "tools/visibility/blocking_cloud.h"
+#include "tools/visibility/long_run.h"
+#include "tools/visibility/map_options.h"
+#include "tools/visibility/occluder_options.h"
+#include "tools/cloud/write_points.h"
+#include "visibility/raster/ground.h"
+#include "visibility/sky/sky_view.h"
+
+// What `visibility sky` and `visibility sun` share: numbers for every point, or for every cell of the ground.
+
+namespace alidade {
+
+/// What both commands are asked.
+struct SkyRequest {
+  std::vector<std::filesystem::path> files;
+  bool partial = false;
+  OccluderRequest occluders;
+  std::optional<SkyReceiver> receiver;  ///< points only
+  MapOptions map;                       ///< maps only
+  CheckpointRequest checkpoint;
+  double max_distance = std::numeric_limits<double>::infinity();
+  std::filesystem::path output;
+  bool overwrite = false;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+
+  /// Whether the answers are for cells, by the ending of the output.
+  bool is_map() const;
+};
+
+/// Declares all of that.
+void add_sky_request(CLI::App& command, SkyRequest& request);
+
+/// A cloud, and if a map is asked for, its ground and cells.
+struct SkySite {
+  std::unique_ptr<VisibilityCloud> cloud;
+  std::optional<Ground> ground;
+  RasterGrid grid;
+  std::string unit;  ///< of the cells: "m", "ft" or empty
+};
+
+/// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: the
+/// output's name or place; options that mean nothing for this kind of output; what it ends in cannot be
+/// written here; those of load_cloud_alone(), map_grid().
+SkySite load_sky_site(const SkyRequest& request, int bands);
+
+/// All that the answers depend on, as far as both commands share it. `given`: the command as it was read.
+Identity sky_identity(const CLI::App& given, const SkySite& site);
+
+/// A band of a map; not a number where there is no value, which k_no_float is written for.
+struct SkyBand {
+  Raster<float>& values;
+  std::string description, unit;
+};
+
+/// The picture of a map: colours over the relief of the ground, from 0 to `highest`.
+struct SkyPicture {
+  std::string title;
+  std::string label;  ///< what the numbers are
+  ColorMap colors = ColorMap::viridis;
+  double highest = 1.0;
+  std::vector<std::string> notes{};
+};
+
+/// Writes a map as GeoTIFF, and the picture of its first band if one is asked for. `metadata`: beside what
+/// all maps say. Afterwards k_no_float stands in the bands.
+void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,
+                   std::span<const SkyBand> bands, const MapMetadata& metadata, const SkyPicture& picture);
+
+/// "0.02 to 0.97, mean 0.61": of the values that are numbers.
+std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count);
+
+}  // namespace alidade
