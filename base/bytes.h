@@ -1,18 +1,35 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <fmt/format.h>
-
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <fmt/format.h>
 #include <span>
 #include <string>
 #include <utility>
 
-#include "base/byte_order.h"
 #include "base/error.h"
 
 namespace alidade {
+
+// LAS and most other binary formats are little endian, and so is every machine Alidade runs on.
+static_assert(std::endian::native == std::endian::little, "values are copied as they stand in memory");
+
+/// The little-endian value of type T at any address, aligned or not.
+template <class T>
+T load(const std::byte* at) {
+  T value;
+  std::memcpy(&value, at, sizeof(T));
+  return value;
+}
+
+/// Puts a value at any address as little-endian bytes.
+template <class T>
+void store(std::byte* at, const T& value) {
+  std::memcpy(at, &value, sizeof(T));
+}
 
 /// The head or a record of a little-endian file: gives fields, and complains about them by their byte. Keeps
 /// references to bytes and file name.

@@ -12,11 +12,10 @@
 #include <cstring>
 #include <utility>
 
-#include "base/checksum.h"
-#include "base/byte_order.h"
+#include "base/bytes.h"
+#include "base/fingerprint.h"
 #include "base/input_file.h"
 #include "base/output_file.h"
-#include "base/bytes.h"
 
 namespace alidade {
 namespace {

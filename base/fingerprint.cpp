@@ -1,17 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "base/fingerprint.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
+#include <fmt/format.h>
 #include <utility>
 
-#include "base/checksum.h"
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "base/error.h"
 
+// The library's code is compiled in, so that nobody who links Alidade has to link xxHash.
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 namespace alidade {
+
+std::uint64_t checksum(std::span<const std::byte> bytes) {
+  return XXH3_64bits(bytes.data(), bytes.size());
+}
+
 namespace {
 
 constexpr std::size_t k_lengths = 8;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -62,6 +64,76 @@ class InputFile {
       window_;  ///< bytes of the file from window_place_ on; window_size_ of them are valid
   std::uint64_t window_place_ = 0;
   std::size_t window_size_ = 0;
+};
+
+/// Walks forward through the bytes of a file. Errors: those of InputFile, when the file ends early.
+class ByteCursor {
+ public:
+  ByteCursor(InputFile& file, std::uint64_t place) : file_(file), window_place_(place) {}
+
+  /// Byte that comes next.
+  std::uint64_t place() const { return window_place_ + used_; }
+
+  /// The next `count` bytes, valid until the next call.
+  const std::byte* take(std::size_t count) {
+    if (count > window_.size() - used_) refill(count);
+    const std::byte* const bytes = window_.data() + used_;
+    used_ += count;
+    return bytes;
+  }
+
+  /// Leaves out `count` bytes. Cost: constant.
+  void skip(std::uint64_t count) {
+    if (count <= window_.size() - used_) {
+      used_ += static_cast<std::size_t>(count);
+      return;
+    }
+    const std::uint64_t from = place();
+    if (count > file_.size() - std::min(from, file_.size())) file_.view(from, count);
+    window_ = {};
+    used_ = 0;
+    window_place_ = from + count;
+  }
+
+ private:
+  void refill(std::size_t count) {
+    constexpr std::size_t k_window = 1 << 20;
+    window_place_ += used_;
+    used_ = 0;
+    window_ = {};
+    const auto bytes = file_.view_up_to(window_place_, std::max(count, k_window));
+    window_ = bytes.size() < count ? file_.view(window_place_, count) : bytes;
+  }
+
+  InputFile& file_;
+  std::uint64_t window_place_;
+  std::span<const std::byte> window_;
+  std::size_t used_ = 0;
+};
+
+/// A file's bytes in memory without reading them: the system fetches pages when they are looked at, and
+/// programs that map one file share them. Copies share the map. Read only; safe to use from many threads.
+///
+/// Whoever makes a mapped file shorter, or pulls out its disk, ends the program that looks at the missing
+/// pages (SIGBUS): no check can rule that out. Replacing the file by renaming, as OutputFile does, leaves
+/// maps as they were.
+class MappedFile {
+ public:
+  /// Maps the file that `file` names; a file in memory is copied. Cost: constant for a file on disk. Errors:
+  /// it is missing, unreadable or not a regular file.
+  explicit MappedFile(const InputFile& file);
+
+  /// Path as the caller gave it; what error messages call the file.
+  const std::string& name() const { return name_; }
+  /// All bytes; they begin at a multiple of 4096.
+  std::span<const std::byte> bytes() const { return bytes_; }
+  /// What keeps the bytes alive.
+  const std::shared_ptr<const void>& storage() const { return storage_; }
+
+ private:
+  std::string name_;
+  std::span<const std::byte> bytes_;
+  std::shared_ptr<const void> storage_;
 };
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/joined_progress.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <memory>

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "cloud/column_roles.h"
 #include "base/input_file.h"
+#include "cloud/column_roles.h"
 
 namespace alidade {
 

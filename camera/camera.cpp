@@ -10,8 +10,8 @@
 #include <limits>
 #include <numbers>
 
-#include "camera/projection.h"
 #include "base/exact_math.h"
+#include "camera/projection.h"
 
 namespace alidade {
 namespace {

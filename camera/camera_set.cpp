@@ -5,8 +5,8 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/json.h"
 #include "camera/formats/camera_file.h"
-#include "base/json_document.h"
 #include "renderer/read_scene.h"
 #include "renderer/read_scene_parts.h"
 

@@ -5,8 +5,8 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#include "base/unit_direction.h"
 #include "base/exact_math.h"
+#include "base/unit_direction.h"
 
 namespace alidade {
 

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "base/bounds.h"
+#include "base/input_file.h"
+#include "base/progress.h"
 #include "cloud/cloud_pieces.h"
 #include "cloud/damage.h"
-#include "base/input_file.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
-#include "base/progress.h"
 
 namespace alidade {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
+#include "base/error.h"
 #include "cloud/cloud_source.h"
 #include "cloud/crs_name.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 
+#include "base/error.h"
 #include "cloud/cloud_source.h"
 #include "cloud/fit_lattice.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "cloud/fit_lattice.h"
 #include "base/error.h"
+#include "cloud/fit_lattice.h"
 
 namespace alidade {
 

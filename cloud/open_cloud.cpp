@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "cloud/cloud_inputs.h"
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
+#include "cloud/cloud_inputs.h"
 #include "octree/index_file/index_header.h"
 
 namespace alidade {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "cloud/cloud_pieces.h"
 #include "base/input_file.h"
+#include "cloud/cloud_pieces.h"
 #include "cloud/read_cloud.h"
 #include "cloud/spread_colors.h"
 

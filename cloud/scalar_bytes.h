@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/column_roles.h"
 
 namespace alidade {

@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include "cloud/keep_rows.h"
 #include "base/error.h"
+#include "cloud/keep_rows.h"
 
 namespace alidade {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "cloud/point_cloud.h"
 #include "base/progress.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

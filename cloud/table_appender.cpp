@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/bytes.h"
 #include "cloud/append_rows.h"
-#include "base/byte_order.h"
 
 namespace alidade {
 

@@ -6,9 +6,9 @@
 #include <unordered_set>
 #include <utility>
 
-#include "cloud/table_appender.h"
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
+#include "cloud/table_appender.h"
 
 namespace alidade {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/input_file.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/column_roles.h"
-#include "base/input_file.h"
 #include "cloud/point_table.h"
 
 namespace alidade {

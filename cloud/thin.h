@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "cloud/point_cloud.h"
 #include "base/progress.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <string_view>
 
-#include "cloud/column_roles.h"
 #include "base/text_scanner.h"
+#include "cloud/column_roles.h"
 
 namespace alidade {
 

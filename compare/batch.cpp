@@ -15,8 +15,8 @@
 #include <set>
 #include <tuple>
 
-#include "compare/report/report.h"
 #include "base/output_file.h"
+#include "compare/report/report.h"
 
 namespace alidade {
 namespace {

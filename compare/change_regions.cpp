@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "compare/tidy_pixels.h"
 #include "base/error.h"
+#include "compare/tidy_pixels.h"
 
 namespace alidade {
 namespace {

@@ -8,18 +8,18 @@
 #include <utility>
 #include <vector>
 
-#include "compare/photographs/alignment.h"
+#include "base/progress.h"
 #include "compare/change_regions.h"
-#include "compare/photographs/color_match.h"
 #include "compare/compared_image.h"
 #include "compare/difference_map.h"
-#include "image/encoded_picture.h"
-#include "compare/metrics/error_metrics.h"
-#include "compare/metrics/flip.h"
 #include "compare/histogram.h"
 #include "compare/image_mask.h"
+#include "compare/metrics/error_metrics.h"
 #include "compare/metrics/errors.h"
-#include "base/progress.h"
+#include "compare/metrics/flip.h"
+#include "compare/photographs/alignment.h"
+#include "compare/photographs/color_match.h"
+#include "image/encoded_picture.h"
 
 // The whole run: two files in, one result out. Thresholds, JSON and reports are made of it.
 //

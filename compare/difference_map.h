@@ -7,9 +7,9 @@
 
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
-#include "image/point_color.h"
 #include "image/canvas.h"
 #include "image/font.h"
+#include "image/point_color.h"
 
 // Maps of where two pictures differ, to look at.
 

@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "compare/difference_map.h"
-#include "image/color_map.h"
 #include "image/canvas_png.h"
+#include "image/color_map.h"
 #include "image/find_font.h"
 #include "image/round_ticks.h"
 

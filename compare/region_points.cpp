@@ -6,9 +6,9 @@
 #include <cstring>
 #include <string>
 
+#include "base/error.h"
 #include "cloud/append_rows.h"
 #include "cloud/attribute_columns.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "compare/change_regions.h"
 #include "cloud/point_cloud.h"
+#include "compare/change_regions.h"
 
 // From pixels back to points: what was there, and what is there now.
 

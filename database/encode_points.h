@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "database/point_stream.h"
 #include "base/bounds.h"
 #include "cloud/spread_colors.h"
+#include "database/point_stream.h"
 
 namespace alidade {
 

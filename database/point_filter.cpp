@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/bounds_meet.h"
+#include "base/bounds.h"
 #include "octree/distance.h"
 
 namespace alidade {

@@ -6,8 +6,8 @@
 
 #include "base/bounds.h"
 #include "base/interval.h"
-#include "octree/targets.h"
 #include "base/ray.h"
+#include "octree/targets.h"
 
 namespace alidade {
 

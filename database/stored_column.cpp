@@ -9,7 +9,7 @@
 #include <set>
 #include <string_view>
 
-#include "base/utf8_text.h"
+#include "base/words.h"
 #include "cloud/attribute_columns.h"
 
 namespace alidade {

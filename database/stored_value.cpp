@@ -5,7 +5,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

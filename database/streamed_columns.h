@@ -3,9 +3,9 @@
 
 #include <vector>
 
+#include "cloud/read_in_pieces.h"
 #include "database/point_stream.h"
 #include "database/stored_column.h"
-#include "cloud/read_in_pieces.h"
 
 namespace alidade {
 

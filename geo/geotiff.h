@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "cloud/crs.h"
 #include "base/output_file.h"
+#include "cloud/crs.h"
 #include "image/image_file.h"
 
 namespace alidade {

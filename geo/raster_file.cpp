@@ -8,8 +8,8 @@
 #include <array>
 #include <cassert>
 
-#include "base/output_file.h"
 #include "base/error.h"
+#include "base/output_file.h"
 #include "geo/gdal_handles.h"
 #include "geo/geotiff.h"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/output_file.h"
 #include "base/error.h"
+#include "base/output_file.h"
 #include "image/image_file.h"
 #include "image/image_rows.h"
 

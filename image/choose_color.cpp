@@ -8,10 +8,10 @@
 #include <optional>
 #include <utility>
 
-#include "cloud/cloud_inputs.h"
 #include "base/error.h"
-#include "image/point_values.h"
 #include "base/json.h"
+#include "cloud/cloud_inputs.h"
+#include "image/point_values.h"
 
 namespace alidade {
 namespace {

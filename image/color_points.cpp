@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "cloud/is_las.h"
+#include "geo/height_unit.h"
 #include "image/classification_colors.h"
 #include "image/gps_date.h"
-#include "geo/height_unit.h"
 #include "image/point_values.h"
 #include "image/stretch.h"
 

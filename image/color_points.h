@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "cloud/attribute_columns.h"
-#include "octree/octree.h"
 #include "image/color_key.h"
 #include "image/point_color.h"
+#include "octree/octree.h"
 
 namespace alidade {
 

@@ -7,13 +7,13 @@
 #include <cassert>
 #include <span>
 
-#include "base/output_file.h"
 #include "base/error.h"
+#include "base/output_file.h"
+#include "geo/geotiff.h"
 #include "image/image_display.h"
 #include "image/image_exr.h"
-#include "geo/geotiff.h"
-#include "renderer/picture_metadata.h"
 #include "image/image_rows.h"
+#include "renderer/picture_metadata.h"
 
 namespace alidade {
 namespace {

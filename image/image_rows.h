@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "base/output_file.h"
 #include "base/error.h"
+#include "base/output_file.h"
 
 namespace alidade {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "image/color_key.h"
 #include "image/canvas.h"
+#include "image/color_key.h"
 #include "image/font.h"
 
 // What the colours of a picture mean, as a small picture for reports: a colour bar with round ticks, or a

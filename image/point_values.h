@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "cloud/attribute_columns.h"
-#include "octree/octree.h"
 #include "image/point_color.h"
+#include "octree/octree.h"
 
 // One number per point, wherever it lies: in a column of a cloud, in an index file's map, or in the tree.
 

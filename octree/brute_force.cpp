@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/error.h"
 #include "octree/candidate.h"
 #include "octree/check_query.h"
-#include "base/error.h"
 #include "octree/point_spacing.h"
 
 namespace alidade::brute_force {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "base/instruction_set.h"
+#include "base/progress.h"
 #include "cloud/point_cloud.h"
 #include "octree/octree.h"
-#include "base/progress.h"
-#include "base/instruction_set.h"
 
 namespace alidade {
 

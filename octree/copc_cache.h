@@ -12,10 +12,10 @@
 #include <optional>
 #include <vector>
 
+#include "base/progress.h"
 #include "cloud/copc/copc_file.h"
 #include "cloud/laz/chunk_codec.h"
 #include "octree/boxed_points.h"
-#include "base/progress.h"
 
 namespace alidade {
 

@@ -5,9 +5,9 @@
 
 #include <utility>
 
-#include "base/byte_order.h"
-#include "cloud/laz/corrupt_chunk.h"
+#include "base/bytes.h"
 #include "base/error.h"
+#include "cloud/laz/corrupt_chunk.h"
 
 namespace alidade {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "base/interval.h"
-#include "octree/targets.h"
 #include "base/ray.h"
+#include "octree/targets.h"
 
 // The formulas of the paper (Teuscher et al. 2026, section 3.2), for a point and for all points of a box.
 // This is the only place where they stand: brute force, the index and every outer layer decide with these

@@ -8,9 +8,9 @@
 #include <memory>
 
 #include "base/bounds.h"
+#include "base/instruction_set.h"
 #include "cloud/lattice.h"
 #include "octree/node.h"
-#include "base/instruction_set.h"
 
 namespace alidade {
 

@@ -9,8 +9,8 @@
 #include <memory>
 #include <optional>
 
-#include "octree/answer_target.h"
 #include "base/huge_memory.h"
+#include "octree/answer_target.h"
 #include "octree/parallel_loops.h"
 #include "octree/slot_spacings.h"
 

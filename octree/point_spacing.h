@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "octree/octree.h"
 #include "base/progress.h"
+#include "octree/octree.h"
 #include "octree/query.h"
 
 // How far the points of a cloud stand from each other, point by point: what RayQuery::spacing_factor makes

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "octree/octree.h"
 #include "base/progress.h"
+#include "octree/octree.h"
 
 // The surface that each point of a cloud was measured on: what makes discs of points.
 //

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "base/bounds.h"
+#include "base/ray.h"
 #include "octree/cone.h"
 #include "octree/hit.h"
 #include "octree/path.h"
 #include "octree/targets.h"
-#include "base/ray.h"
 
 // Queries on raw points. Targets (ray, cone, path, half-spaces, box, point) and conditions are chosen per
 // query; nothing of them is built into the index. All conditions hold together (conjunction).

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/check_query.h"
 #include "base/error.h"
+#include "octree/check_query.h"
 
 // Many targets at once: in parallel, answered in their order, with errors that name the target.
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "base/checksum.h"
-#include "base/byte_order.h"
+#include "base/bytes.h"
+#include "base/fingerprint.h"
 #include "base/output_file.h"
 #include "renderer/checkpoint_head.h"
 

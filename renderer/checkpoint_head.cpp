@@ -6,9 +6,8 @@
 #include <array>
 #include <cstring>
 
-#include "base/checksum.h"
-#include "base/byte_order.h"
 #include "base/bytes.h"
+#include "base/fingerprint.h"
 
 namespace alidade {
 namespace {

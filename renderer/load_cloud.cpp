@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/build.h"
-#include "base/checksum.h"
+#include "base/fingerprint.h"
 #include "cloud/attribute_columns.h"
 #include "cloud/cloud_files.h"
 #include "cloud/read_cloud.h"
-#include "octree/index_file/index_file.h"
-#include "octree/spacing.h"
 #include "image/choose_color.h"
 #include "image/color_points.h"
+#include "octree/build.h"
+#include "octree/index_file/index_file.h"
+#include "octree/spacing.h"
 #include "renderer/index_cloud.h"
 #include "renderer/load_cloud.h"
 #include "renderer/render.h"

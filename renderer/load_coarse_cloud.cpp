@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-#include "cloud/cloud_inputs.h"
 #include "cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
 #include "image/choose_color.h"
 #include "renderer/index_cloud.h"
-#include "renderer/nodes_in_view.h"
 #include "renderer/load_cloud.h"
+#include "renderer/nodes_in_view.h"
 
 namespace alidade {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "base/checksum.h"
+#include "base/fingerprint.h"
 #include "camera/camera_json.h"
 #include "renderer/render_modes.h"
 #include "renderer/scene_text.h"

@@ -7,8 +7,8 @@
 #include <system_error>
 
 #include "base/error.h"
-#include "octree/point_spacing.h"
 #include "image/image_file.h"
+#include "octree/point_spacing.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "renderer/checkpoint.h"
-#include "renderer/picture_renderer.h"
 #include "renderer/load_cloud.h"
+#include "renderer/picture_renderer.h"
 #include "renderer/render_modes.h"
 
 namespace alidade {

@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "cloud/point_cloud.h"
-#include "octree/octree.h"
 #include "base/progress.h"
 #include "base/ray.h"
+#include "cloud/point_cloud.h"
 #include "image/color_key.h"
 #include "image/film.h"
+#include "octree/octree.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -13,10 +13,10 @@
 #include <variant>
 #include <vector>
 
-#include "cloud/read_cloud.h"
-#include "camera/lens.h"
-#include "image/point_color.h"
 #include "base/date_time.h"
+#include "camera/lens.h"
+#include "cloud/read_cloud.h"
+#include "image/point_color.h"
 #include "renderer/material.h"
 
 // A scene as plain data: what a scene file says, with defaults filled in and paths made absolute or relative

@@ -5,7 +5,7 @@
 
 #include <span>
 
-#include "base/checksum.h"
+#include "base/fingerprint.h"
 #include "renderer/sky_image.h"
 
 // Structs are taken apart by structured bindings: a field that is added to one of them does not compile here

@@ -7,8 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "octree/point_spacing.h"
 #include "base/exact_math.h"
+#include "octree/point_spacing.h"
 
 namespace alidade {
 namespace {

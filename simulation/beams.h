@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/exact_math.h"
 #include "base/ray.h"
 #include "simulation/scanner.h"
-#include "base/trigonometry.h"
 
 // Where the beams of a scan go: beam number -> ray. Nothing here looks at the site.
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/trigonometry.h"
+#include "base/exact_math.h"
 
 namespace alidade::shapes {
 

@@ -5,8 +5,8 @@
 #include <functional>
 #include <vector>
 
-#include "cloud/point_cloud.h"
 #include "base/progress.h"
+#include "cloud/point_cloud.h"
 #include "simulation/scanner.h"
 #include "simulation/site.h"
 

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "compare/batch.h"
 #include "compare/report/report.h"
+#include "geo/lon_lat.h"
 #include "geo/place_sun.h"
+#include "geo/raster_file.h"
+#include "geo/read_polygons.h"
 #include "image/read_picture.h"
 #include "tools/image_module.h"
-#include "visibility/points/coverage_picture.h"
-#include "geo/lon_lat.h"
-#include "visibility/raster/map_picture.h"
-#include "geo/raster_file.h"
-#include "visibility/read_observers.h"
-#include "geo/read_polygons.h"
 #include "visibility/horizon/skyline_picture.h"
+#include "visibility/points/coverage_picture.h"
+#include "visibility/raster/map_picture.h"
+#include "visibility/read_observers.h"
 #include "visibility/sky/sun_path.h"
 
 // The module that load_module_function() loads.

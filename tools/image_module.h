@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "geo/place_sun.h"
 #include "image/image_file.h"
 #include "image/legend.h"
-#include "geo/place_sun.h"
 #include "renderer/sky_image.h"
 
 // What the program has the module do for it (load_module.h): writing pictures and legends, reading the

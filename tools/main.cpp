@@ -5,11 +5,11 @@
 #include <new>
 #include <span>
 
+#include "base/error.h"
+#include "base/json.h"
 #include "database/server/read_server.h"
 #include "database/server/server_name.h"
 #include "database/sqlite/read_cloud_table.h"
-#include "base/error.h"
-#include "base/json.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"

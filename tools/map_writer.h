@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "visibility/raster/map_picture.h"
 #include "geo/raster_file.h"
+#include "visibility/raster/map_picture.h"
 
 // What the commands of visibility have the module do for them (tools/load_module.h).
 

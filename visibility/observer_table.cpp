@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 #include "visibility/observer_fields.h"
 
 namespace alidade {

@@ -7,9 +7,9 @@
 #include <glm/geometric.hpp>
 #include <string_view>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
 #include "base/exact_math.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 namespace {

@@ -5,8 +5,8 @@
 #include <functional>
 #include <optional>
 
-#include "octree/octree.h"
 #include "base/progress.h"
+#include "octree/octree.h"
 
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that

@@ -6,12 +6,12 @@
 
 #include <cmath>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 #include "base/words.h"
+#include "geo/vector_file.h"
 #include "visibility/observer_fields.h"
 #include "visibility/observer_table.h"
-#include "geo/vector_file.h"
 
 namespace alidade {
 namespace {

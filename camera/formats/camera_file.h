@@ -8,9 +8,9 @@
 #include <string_view>
 
 #include "base/input_file.h"
+#include "base/json.h"
 #include "camera/camera_set.h"
 #include "camera/projection.h"
-#include "base/json.h"
 
 // How the readers of camera files are split, and what they share.
 

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "base/byte_cursor.h"
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "base/error.h"
+#include "base/input_file.h"
 #include "camera/formats/camera_file.h"
 #include "camera/formats/colmap_images.h"
 

@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "camera/formats/camera_file.h"
-#include "camera/rotation.h"
 #include "camera/formats/text_fields.h"
+#include "camera/rotation.h"
 
 namespace alidade {
 namespace {

@@ -10,11 +10,11 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/exact_math.h"
 #include "base/unit_direction.h"
 #include "camera/formats/camera_file.h"
 #include "camera/formats/image_file_size.h"
 #include "camera/rotation.h"
-#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

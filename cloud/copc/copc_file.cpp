@@ -8,10 +8,10 @@
 #include <limits>
 #include <utility>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
+#include "base/error.h"
 #include "cloud/laz/chunk_table.h"
 #include "cloud/laz/laszip_record.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "base/input_file.h"
 #include "cloud/copc/copc_hierarchy.h"
 #include "cloud/copc/copc_info.h"
-#include "base/input_file.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/laz_layout.h"

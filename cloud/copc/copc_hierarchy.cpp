@@ -8,7 +8,7 @@
 #include <set>
 #include <utility>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "base/error.h"
 
 namespace alidade {

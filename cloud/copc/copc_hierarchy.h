@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "cloud/copc/copc_info.h"
 #include "base/input_file.h"
+#include "cloud/copc/copc_info.h"
 #include "cloud/las/las_header.h"
 #include "cloud/laz/chunk_table.h"
 #include "cloud/laz/laz_layout.h"

@@ -8,15 +8,15 @@
 #include <optional>
 #include <utility>
 
+#include "base/error.h"
+#include "base/parallel.h"
 #include "cloud/append_rows.h"
 #include "cloud/fit_lattice.h"
-#include "base/joined_progress.h"
 #include "cloud/las/read_las.h"
 #include "cloud/laz/attribute_layers.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/laz/corrupt_chunk.h"
 #include "cloud/spread_colors.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstring>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string_view>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/e57/e57_xml.h"
 
 namespace alidade {

@@ -8,10 +8,10 @@
 #include <bit>
 #include <cstring>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
+#include "base/error.h"
 #include "cloud/e57/crc32c.h"
 #include "cloud/scalar_bytes.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/sine_cosine.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

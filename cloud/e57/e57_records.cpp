@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

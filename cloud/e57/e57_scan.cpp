@@ -8,9 +8,9 @@
 #include <string_view>
 #include <unordered_set>
 
-#include "base/byte_order.h"
-#include "cloud/e57/e57_xml.h"
+#include "base/bytes.h"
 #include "base/text_scanner.h"
+#include "cloud/e57/e57_xml.h"
 
 namespace alidade {
 namespace {

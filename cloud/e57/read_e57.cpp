@@ -7,13 +7,13 @@
 #include <map>
 #include <set>
 
+#include "base/text_scanner.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/e57/e57_columns.h"
 #include "cloud/e57/e57_file.h"
 #include "cloud/e57/e57_points.h"
 #include "cloud/e57/e57_roles.h"
 #include "cloud/e57/e57_scaling.h"
-#include "base/text_scanner.h"
 
 namespace alidade {
 namespace {

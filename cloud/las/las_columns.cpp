@@ -8,9 +8,9 @@
 #include <cstring>
 #include <utility>
 
-#include "cloud/append_rows.h"
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "base/error.h"
+#include "cloud/append_rows.h"
 
 namespace alidade {
 namespace {

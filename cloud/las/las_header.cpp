@@ -7,9 +7,9 @@
 #include <cassert>
 #include <cmath>
 
-#include "base/byte_order.h"
-#include "cloud/laz/chunk_table.h"
+#include "base/bytes.h"
 #include "base/error.h"
+#include "cloud/laz/chunk_table.h"
 
 // Byte positions below are those of the public header block: LAS Specification 1.4 R15, table 3.
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "cloud/damage.h"
 #include "base/input_file.h"
+#include "cloud/damage.h"
 #include "cloud/las/las_point.h"
 #include "cloud/lattice.h"
 

@@ -6,10 +6,10 @@
 #include <numeric>
 #include <optional>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
+#include "base/error.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/laszip_record.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

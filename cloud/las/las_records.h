@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "base/output_file.h"
 #include "cloud/las/las_header.h"
 #include "cloud/laz/laz_layout.h"
-#include "base/output_file.h"
 #include "cloud/point_cloud.h"
 
 namespace alidade {

@@ -6,15 +6,15 @@
 #include <optional>
 #include <utility>
 
+#include "base/error.h"
 #include "cloud/append_rows.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/fit_lattice.h"
-#include "cloud/las/read_las.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
+#include "cloud/las/read_las.h"
 #include "cloud/laz/attribute_layers.h"
 #include "cloud/laz/laz_points.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

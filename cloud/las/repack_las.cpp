@@ -9,17 +9,17 @@
 #include <string>
 #include <vector>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
+#include "base/error.h"
+#include "base/output_file.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
+#include "cloud/las/write_las.h"
 #include "cloud/laz/laszip_record.h"
 #include "cloud/laz/laz_point_writer.h"
 #include "cloud/laz/laz_points.h"
 #include "cloud/laz/write_chunk_table.h"
 #include "cloud/laz/write_laszip_record.h"
-#include "base/output_file.h"
-#include "cloud/las/write_las.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -9,13 +9,13 @@
 #include <limits>
 #include <optional>
 
+#include "base/bytes.h"
+#include "base/error.h"
+#include "base/output_file.h"
 #include "cloud/append_rows.h"
-#include "base/byte_order.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/laz_point_writer.h"
 #include "cloud/laz/write_laszip_record.h"
-#include "base/output_file.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

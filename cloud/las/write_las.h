@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "cloud/point_cloud.h"
 #include "base/progress.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -5,9 +5,9 @@
 #include <array>
 #include <cassert>
 
-#include "base/byte_order.h"
-#include "cloud/las/las_records.h"
+#include "base/bytes.h"
 #include "base/error.h"
+#include "cloud/las/las_records.h"
 
 namespace alidade {
 namespace {

@@ -4,10 +4,10 @@
 #include <cstdint>
 
 #include "cloud/laz/channel_states.h"
-#include "cloud/laz/shared_models.h"
 #include "cloud/laz/integer_compressor.h"
 #include "cloud/laz/layer.h"
 #include "cloud/laz/point14_fields.h"
+#include "cloud/laz/shared_models.h"
 
 // Layers of POINT14 that hold a value only for points where the first layer says it has changed; all others
 // have the last one of their channel.

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/byte_order.h"
-#include "cloud/laz/entropy_coder.h"
+#include "base/bytes.h"
+#include "base/error.h"
 #include "cloud/laz/corrupt_chunk.h"
+#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/integer_compressor.h"
 #include "cloud/laz/layered_chunk.h"
-#include "base/error.h"
 
 // Source: the chunk table as laszip 2 and 3 write it. At the place of the points stands the place of the
 // table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/input_file.h"
 #include "cloud/las/las_header.h"
 #include "cloud/laz/laz_layout.h"
-#include "base/error.h"
 
 namespace alidade {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "cloud/laz/value_coders.h"
 #include "cloud/laz/symbol_model_set.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/arithmetic_encoder.h"
+#include "cloud/laz/entropy_coder.h"
 
 namespace alidade {
 

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <span>
 
-#include "cloud/laz/value_coders.h"
 #include "cloud/laz/layered_point.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

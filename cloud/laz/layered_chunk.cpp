@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/laz/corrupt_chunk.h"
 #include "cloud/laz/field_layers.h"
 #include "cloud/laz/point14_fields.h"

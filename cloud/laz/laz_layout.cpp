@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "cloud/las/las_point.h"
 #include "base/error.h"
+#include "cloud/las/las_point.h"
 
 namespace alidade {
 

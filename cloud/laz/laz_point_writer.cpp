@@ -10,7 +10,7 @@
 #include <cassert>
 #include <vector>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/laz/chunk_encoder.h"
 #include "cloud/laz/write_chunk_table.h"
 

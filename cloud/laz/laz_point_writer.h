@@ -5,8 +5,8 @@
 #include <memory>
 #include <span>
 
-#include "cloud/laz/laz_layout.h"
 #include "base/output_file.h"
+#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <utility>
 
-#include "cloud/laz/unpack_chunks.h"
 #include "base/error.h"
+#include "cloud/laz/unpack_chunks.h"
 
 namespace alidade {
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "cloud/damage.h"
 #include "base/input_file.h"
+#include "base/progress.h"
+#include "cloud/damage.h"
 #include "cloud/las/las_header.h"
 #include "cloud/laz/chunk_table.h"
 #include "cloud/laz/laz_layers.h"
 #include "cloud/laz/laz_layout.h"
-#include "base/progress.h"
 
 namespace alidade {
 

@@ -5,8 +5,8 @@
 
 #include "cloud/laz/byte_layers.h"
 #include "cloud/laz/changed_layers.h"
-#include "cloud/laz/intensity_layer.h"
 #include "cloud/laz/field_layers.h"
+#include "cloud/laz/intensity_layer.h"
 #include "cloud/laz/layered_chunk.h"
 #include "cloud/laz/z_layer.h"
 

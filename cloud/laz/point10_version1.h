@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include "cloud/laz/value_coders.h"
 #include "cloud/laz/point10.h"
 #include "cloud/laz/symbol_model_set.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 
 /// Where the fields of the item POINT14, which all records of formats 6-10 begin with, stand: bytes.
 namespace alidade::point14 {

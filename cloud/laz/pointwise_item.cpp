@@ -9,10 +9,10 @@
 #include "cloud/laz/color_models.h"
 #include "cloud/laz/corrupt_chunk.h"
 #include "cloud/laz/extra_bytes.h"
-#include "cloud/laz/shared_models.h"
 #include "cloud/laz/gps_time_version1.h"
 #include "cloud/laz/point10_version1.h"
 #include "cloud/laz/pointwise_rules.h"
+#include "cloud/laz/shared_models.h"
 #include "cloud/laz/wave_packet_models.h"
 
 namespace alidade {

@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/arithmetic_encoder.h"
+#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/laz_layout.h"
 
 namespace alidade {

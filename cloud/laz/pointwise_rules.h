@@ -5,10 +5,10 @@
 #include <array>
 #include <cstdlib>
 
-#include "cloud/laz/value_coders.h"
 #include "cloud/laz/median_predictor.h"
 #include "cloud/laz/point10.h"
 #include "cloud/laz/symbol_model_set.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 
-#include "base/byte_order.h"
-#include "cloud/laz/value_coders.h"
+#include "base/bytes.h"
 #include "cloud/laz/point14_fields.h"
 #include "cloud/laz/returns_classes.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 namespace {

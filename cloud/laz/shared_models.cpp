@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/wave_packet_models.h"
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 
 namespace alidade {
 namespace {

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "cloud/laz/integer_compressor.h"
-#include "cloud/laz/value_coders.h"
 #include "cloud/laz/symbol_model.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

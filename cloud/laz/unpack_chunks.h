@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "base/joined_progress.h"
+#include "base/parallel.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/laz/corrupt_chunk.h"
 #include "cloud/laz/laz_points.h"

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/byte_order.h"
-#include "cloud/laz/entropy_coder.h"
+#include "base/bytes.h"
 #include "cloud/laz/arithmetic_encoder.h"
+#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/integer_compressor.h"
 
 // The rules of an attribute stand once, as a template on one of these two coders: both take a value and

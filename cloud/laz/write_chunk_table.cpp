@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cstdint>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/laz/arithmetic_encoder.h"
 #include "cloud/laz/integer_compressor.h"
 

@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/laz/laszip_record.h"
 
 namespace alidade {

@@ -5,8 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/input_file.h"
 #include "cloud/attributes.h"
 #include "cloud/damage.h"
-#include "base/input_file.h"
 
 namespace alidade {
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <utility>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 

@@ -11,9 +11,9 @@
 #include <unordered_set>
 #include <vector>
 
-#include "base/byte_order.h"
-#include "cloud/column_roles.h"
+#include "base/bytes.h"
 #include "base/output_file.h"
+#include "cloud/column_roles.h"
 #include "cloud/scalar_bytes.h"
 
 namespace alidade {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "base/text_scanner.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/table_reader.h"
-#include "base/text_scanner.h"
 #include "cloud/written_resolution.h"
 
 namespace alidade {

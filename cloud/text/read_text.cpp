@@ -3,10 +3,10 @@
 #include <limits>
 #include <utility>
 
+#include "base/text_scanner.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/table_reader.h"
 #include "cloud/text/text_layout.h"
-#include "base/text_scanner.h"
 #include "cloud/written_resolution.h"
 
 namespace alidade {

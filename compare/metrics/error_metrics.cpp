@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/logarithm.h"
+#include "base/exact_math.h"
 #include "compare/metrics/row_sums.h"
 #include "image/srgb.h"
 

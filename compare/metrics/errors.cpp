@@ -5,8 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "compare/metrics/row_sums.h"
 #include "base/exact_math.h"
+#include "compare/metrics/row_sums.h"
 
 namespace alidade {
 namespace {

@@ -10,9 +10,9 @@
 
 #include "compare/metrics/flip_filters.h"
 #include "compare/metrics/flip_model.h"
-#include "compare/metrics/pixel_sums.h"
 #include "compare/metrics/hdr_flip.h"
 #include "compare/metrics/pair_pixels.h"
+#include "compare/metrics/pixel_sums.h"
 
 namespace alidade {
 namespace {

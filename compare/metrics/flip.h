@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "base/instruction_set.h"
+#include "base/progress.h"
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
-#include "base/progress.h"
-#include "base/instruction_set.h"
 
 namespace alidade {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/logarithm.h"
 #include "base/error.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

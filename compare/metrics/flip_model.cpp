@@ -5,9 +5,9 @@
 #include <array>
 #include <cmath>
 
-#include "compare/metrics/pixel_sums.h"
-#include "base/logarithm.h"
+#include "base/exact_math.h"
 #include "compare/metrics/pair_pixels.h"
+#include "compare/metrics/pixel_sums.h"
 #include "image/image_display.h"
 
 namespace alidade {

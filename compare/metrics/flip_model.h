@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "compare/metrics/flip_filters.h"
 #include "base/instruction_set.h"
+#include "compare/metrics/flip_filters.h"
 
 namespace alidade {
 

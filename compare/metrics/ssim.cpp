@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/logarithm.h"
+#include "base/exact_math.h"
 #include "compare/metrics/pair_pixels.h"
 #include "compare/metrics/ssim_tile.h"
 

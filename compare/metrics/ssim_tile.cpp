@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "compare/metrics/ssim_tile.h"
 
-#include "base/logarithm.h"
+#include "base/exact_math.h"
 
 namespace alidade {
 namespace {

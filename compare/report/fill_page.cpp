@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cassert>
 
-#include "compare/report/page.h"
 #include "base/output_file.h"
+#include "compare/report/page.h"
 
 namespace alidade {
 

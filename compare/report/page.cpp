@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include "compare/batch.h"
-#include "compare/report/page_json.h"
 #include "compare/report/page.h"
+#include "compare/report/page_json.h"
 
 namespace alidade {
 namespace {

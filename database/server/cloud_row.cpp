@@ -5,8 +5,8 @@
 
 #include <span>
 
+#include "base/words.h"
 #include "database/sql_name.h"
-#include "base/utf8_text.h"
 
 namespace alidade {
 namespace {

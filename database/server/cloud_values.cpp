@@ -7,11 +7,11 @@
 #include <cmath>
 #include <limits>
 
-#include "database/stored_column.h"
+#include "base/error.h"
 #include "cloud/append_rows.h"
 #include "cloud/attribute_columns.h"
 #include "cloud/scalar_bytes.h"
-#include "base/error.h"
+#include "database/stored_column.h"
 
 namespace alidade {
 namespace {

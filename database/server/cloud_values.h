@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "cloud/point_cloud.h"
 #include "database/server/copy_decoder.h"
 #include "database/server/server_table.h"
-#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "cloud/scalar_bytes.h"
 #include "base/error.h"
+#include "cloud/scalar_bytes.h"
 
 namespace alidade {
 namespace {

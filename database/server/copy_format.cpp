@@ -5,8 +5,8 @@
 #include <iterator>
 #include <string_view>
 
+#include "base/bytes.h"
 #include "database/stored_value.h"
-#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "cloud/read_in_pieces.h"
 #include "database/encode_points.h"
 #include "database/server/server_column.h"
-#include "cloud/read_in_pieces.h"
 
 namespace alidade {
 

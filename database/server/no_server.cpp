@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Stands for read_server_table.cpp, read_server_part.cpp and store_on_server.cpp where libpq's header was not
 // found.
-#include "database/server/read_server_part.h"
-#include "database/server/read_server.h"
-#include "database/server/store_on_server.h"
 #include "base/error.h"
+#include "database/server/read_server.h"
+#include "database/server/read_server_part.h"
+#include "database/server/store_on_server.h"
 
 namespace alidade {
 namespace {

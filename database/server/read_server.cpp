@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "database/server/server_cloud.h"
 #include "cloud/append_rows.h"
 #include "cloud/lattice_shift.h"
 #include "cloud/point_table.h"
+#include "database/server/server_cloud.h"
 
 namespace alidade {
 namespace {

@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
+#include "cloud/append_rows.h"
 #include "database/server/filter_condition.h"
 #include "database/server/server_cloud.h"
-#include "cloud/append_rows.h"
 
 namespace alidade {
 namespace {

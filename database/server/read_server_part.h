@@ -4,9 +4,9 @@
 #include <span>
 #include <string>
 
+#include "base/progress.h"
 #include "database/cloud_part.h"
 #include "database/point_filter.h"
-#include "base/progress.h"
 
 namespace alidade {
 

@@ -7,8 +7,8 @@
 #include <charconv>
 #include <cstdint>
 
-#include "database/server/server_library.h"
 #include "base/error.h"
+#include "database/server/server_library.h"
 
 namespace alidade {
 namespace {

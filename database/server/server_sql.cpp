@@ -5,9 +5,9 @@
 
 #include <algorithm>
 
-#include "database/sql_name.h"
-#include "base/utf8_text.h"
 #include "base/error.h"
+#include "base/words.h"
+#include "database/sql_name.h"
 
 namespace alidade {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "database/server/server_sql.h"
-#include "database/server/server_connection.h"
 #include "cloud/attributes.h"
+#include "database/server/server_connection.h"
+#include "database/server/server_sql.h"
 
 namespace alidade {
 

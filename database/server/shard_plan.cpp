@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <functional>
 
+#include "base/error.h"
+#include "base/output_file.h"
 #include "database/server/copy_format.h"
 #include "database/server/shard_script.h"
 #include "database/streamed_columns.h"
-#include "base/output_file.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include "database/server/shard.h"
-#include "cloud/read_cloud.h"
 #include "base/progress.h"
+#include "cloud/read_cloud.h"
+#include "database/server/shard.h"
 
 namespace alidade {
 

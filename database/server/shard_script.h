@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "base/bounds.h"
 #include "database/server/server_sql.h"
 #include "database/server/shard.h"
 #include "database/stored_column.h"
-#include "base/bounds.h"
 
 // What write_shard_plan() has servers do. Scripts are for psql, and run as a whole or not at all.
 

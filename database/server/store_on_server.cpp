@@ -5,9 +5,9 @@
 
 #include <array>
 
-#include "database/server/server_sql.h"
 #include "database/server/copy_format.h"
 #include "database/server/server_connection.h"
+#include "database/server/server_sql.h"
 #include "database/sql_name.h"
 #include "database/streamed_columns.h"
 

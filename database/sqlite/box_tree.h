@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "database/sqlite/statement.h"
 #include "base/bounds.h"
+#include "database/sqlite/statement.h"
 
 // The boxes of a cloud's chunks, and boxes around 64 of these, and so on: what SQLite's own R*Tree would be,
 // but exact (that keeps floats) and asked without a function that only programs linked with SQLite can give

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "database/stored_column.h"
 #include "base/bounds.h"
 #include "cloud/crs.h"
 #include "cloud/lattice.h"
+#include "database/stored_column.h"
 
 struct sqlite3;
 

@@ -5,9 +5,9 @@
 
 #include <utility>
 
+#include "base/error.h"
 #include "database/sqlite/prune_statement.h"
 #include "database/sqlite/sql_tokens.h"
-#include "base/error.h"
 
 namespace alidade {
 namespace {

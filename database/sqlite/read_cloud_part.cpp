@@ -5,9 +5,9 @@
 #include <iterator>
 #include <numeric>
 
-#include "database/sqlite/stored_cloud.h"
 #include "cloud/append_rows.h"
 #include "cloud/reorder_attributes.h"
+#include "database/sqlite/stored_cloud.h"
 
 namespace alidade {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <functional>
 
-#include "database/sqlite/stored_cloud.h"
 #include "cloud/append_rows.h"
 #include "cloud/lattice_shift.h"
+#include "database/sqlite/stored_cloud.h"
 
 namespace alidade {
 namespace {

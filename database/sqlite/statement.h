@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
+#include "base/error.h"
 #include "database/sql_name.h"
 #include "database/sqlite/sqlite_api.h"
-#include "base/error.h"
 
 namespace alidade {
 

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "cloud/append_rows.h"
 #include "database/point_stream.h"
 #include "database/sqlite/box_tree.h"
 #include "database/sqlite/chunk_writer.h"
@@ -22,7 +23,6 @@
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
 #include "database/streamed_columns.h"
-#include "cloud/append_rows.h"
 
 namespace alidade {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "cloud/read_cloud.h"
 #include "base/progress.h"
+#include "cloud/read_cloud.h"
 
 namespace alidade {
 

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <filesystem>
 
+#include "base/bytes.h"
 #include "cloud/append_rows.h"
 #include "cloud/attribute_columns.h"
-#include "base/byte_order.h"
 
 namespace alidade {
 namespace {

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "cloud/point_cloud.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/connection.h"
-#include "cloud/point_cloud.h"
 
 namespace alidade {
 

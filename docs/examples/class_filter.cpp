@@ -2,8 +2,8 @@
 // class_filter CLOUD: which points off the ground come nearest to a line of sight, and how many come close?
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/query.h"
 
 int main(int argument_count, char** arguments) {

@@ -2,8 +2,8 @@
 // closest_point CLOUD: what does a plumb line through the middle of the scan meet first?
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/query.h"
 
 int main(int count, char** arguments) {

@@ -2,8 +2,8 @@
 // cross_section CLOUD: what lies in a slice of 10 cm through the scan, and in what a camera sees?
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/query.h"
 
 int main(int argument_count, char** arguments) {

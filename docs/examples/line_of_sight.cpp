@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/query.h"
 
 int main(int count, char** arguments) {

@@ -2,8 +2,8 @@
 // neighbours CLOUD: the points around one point, by number, by radius and by box.
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/query.h"
 
 int main(int argument_count, char** arguments) {

@@ -2,8 +2,8 @@
 // preview CLOUD: the same ray asked of ever finer levels of a layered octree.
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/query.h"
 
 int main(int argument_count, char** arguments) {

@@ -2,8 +2,8 @@
 // profile CLOUD: heights along a way through the scan, as CSV.
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/query.h"
 
 int main(int argument_count, char** arguments) {

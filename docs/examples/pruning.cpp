@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/explain.h"
 
 int main(int argument_count, char** arguments) {

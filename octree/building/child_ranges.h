@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "octree/building/sorted_points.h"
 #include "octree/node.h"
 #include "octree/octree.h"
-#include "octree/building/sorted_points.h"
 
 // Which children a node gets: the only place where the organisations differ, but for the samples of a layered
 // one.

@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "base/huge_memory.h"
-#include "octree/octree.h"
 #include "octree/building/sort_entry.h"
+#include "octree/octree.h"
 
 namespace alidade {
 

@@ -11,8 +11,8 @@
 #include <cstring>
 #include <utility>
 
-#include "octree/for_each_in_order.h"
 #include "octree/building/sort_buckets.h"
+#include "octree/for_each_in_order.h"
 
 // Points are sorted in two steps. Chunks of the input, each small enough for the cache, are brought into the
 // order of some thousand key ranges (buckets) of about equal size. Then each bucket is collected from all

@@ -5,11 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "cloud/lattice.h"
 #include "base/huge_memory.h"
-#include "octree/morton.h"
-#include "base/page_release.h"
+#include "cloud/lattice.h"
 #include "octree/building/sort_entry.h"
+#include "octree/morton.h"
 
 namespace alidade {
 

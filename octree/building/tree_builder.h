@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "octree/for_each_in_order.h"
 #include "octree/building/leaf_writer.h"
 #include "octree/building/node_draft.h"
+#include "octree/for_each_in_order.h"
 
 namespace alidade {
 

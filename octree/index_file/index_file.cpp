@@ -8,10 +8,10 @@
 #include <cstring>
 #include <mutex>
 
-#include "octree/index_file/check_tree.h"
-#include "cloud/cloud_inputs.h"
 #include "base/error.h"
 #include "base/huge_memory.h"
+#include "cloud/cloud_inputs.h"
+#include "octree/index_file/check_tree.h"
 #include "octree/index_file/index_metadata.h"
 #include "octree/index_file/index_sections.h"
 

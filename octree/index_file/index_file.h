@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "cloud/attribute_columns.h"
 #include "base/input_file.h"
+#include "base/progress.h"
+#include "cloud/attribute_columns.h"
 #include "cloud/point_cloud.h"
 #include "octree/index_file/index_header.h"
 #include "octree/octree.h"
-#include "base/progress.h"
 
 // Index files (.alidade): the octree over a cloud with all attributes of its points and all that the cloud's
 // files said about themselves, so that one file takes the place of the LAS and is asked without building

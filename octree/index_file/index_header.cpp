@@ -7,11 +7,10 @@
 #include <bit>
 #include <cmath>
 
-#include "base/checksum.h"
-#include "base/byte_order.h"
-#include "cloud/point_cloud.h"
-#include "base/error.h"
 #include "base/bytes.h"
+#include "base/error.h"
+#include "base/fingerprint.h"
+#include "cloud/point_cloud.h"
 #include "octree/point_spacing.h"
 
 // Byte positions below are those of docs/index_file.md.

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "base/error.h"
 
 namespace alidade {

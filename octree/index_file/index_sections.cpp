@@ -9,8 +9,8 @@
 #include <limits>
 #include <mutex>
 
-#include "base/checksum.h"
 #include "base/error.h"
+#include "base/fingerprint.h"
 
 namespace alidade {
 namespace {

@@ -8,9 +8,8 @@
 #include <string>
 
 #include "base/input_file.h"
-#include "octree/index_file/index_header.h"
-#include "base/mapped_file.h"
 #include "base/progress.h"
+#include "octree/index_file/index_header.h"
 
 namespace alidade {
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <span>
 
-#include "octree/build.h"
 #include "cloud/attribute_columns.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "octree/index_file/index_file.h"
 #include "octree/octree.h"
 

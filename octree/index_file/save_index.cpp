@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <array>
 
-#include "base/checksum.h"
-#include "base/output_file.h"
 #include "base/error.h"
+#include "base/fingerprint.h"
+#include "base/output_file.h"
 #include "octree/index_file/index_file.h"
 #include "octree/index_file/index_metadata.h"
 

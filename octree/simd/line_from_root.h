@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/ray.h"
 #include "cloud/lattice.h"
 #include "octree/octree.h"
-#include "base/ray.h"
 
 namespace alidade::simd {
 

@@ -4,8 +4,8 @@
 #include <array>
 #include <glm/vec3.hpp>
 
-#include "octree/octree.h"
 #include "base/instruction_set.h"
+#include "octree/octree.h"
 
 namespace alidade::simd {
 

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/instruction_set.h"
 #include "octree/octree.h"
 #include "octree/query.h"
-#include "base/instruction_set.h"
 
 namespace alidade::simd {
 

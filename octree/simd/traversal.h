@@ -4,9 +4,9 @@
 #include <optional>
 #include <span>
 
+#include "base/instruction_set.h"
 #include "octree/octree.h"
 #include "octree/query.h"
-#include "base/instruction_set.h"
 
 namespace alidade::simd {
 

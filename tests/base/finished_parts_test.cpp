@@ -6,8 +6,6 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/run_parts.h"
-
 namespace alidade::test {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "base/huge_memory.h"
-#include "base/page_release.h"
 #include "tests/support/random.h"
 
 namespace alidade {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/json_document.h"
+#include "base/json.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <functional>
 
 #include "base/error.h"
-#include "base/json.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "base/trigonometry.h"
+#include "base/exact_math.h"
 
 #include <gtest/gtest.h>
 

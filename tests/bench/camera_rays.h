@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "octree/hit.h"
 #include "base/ray.h"
+#include "octree/hit.h"
 
 // The rays a renderer asks, without a renderer.
 

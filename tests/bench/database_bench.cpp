@@ -10,10 +10,10 @@
 #include <random>
 #include <string>
 
+#include "cloud/las/write_las.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/prepare.h"
 #include "database/sqlite/store_cloud.h"
-#include "cloud/las/write_las.h"
 #include "tests/bench/timing.h"
 
 namespace alidade::bench {

@@ -12,12 +12,12 @@
 #include <memory>
 #include <string>
 
-#include "base/byte_order.h"
-#include "cloud/las/las_point.h"
-#include "cloud/laz/chunk_encoder.h"
+#include "base/bytes.h"
 #include "base/output_file.h"
-#include "cloud/read_cloud.h"
+#include "cloud/las/las_point.h"
 #include "cloud/las/repack_las.h"
+#include "cloud/laz/chunk_encoder.h"
+#include "cloud/read_cloud.h"
 #include "tests/bench/laz_records.h"
 #include "tests/cloud/las/las_builder.h"
 #include "tests/cloud/laz/sample_chunks.h"

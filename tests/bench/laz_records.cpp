@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/las/las_point.h"
 
 namespace alidade::bench {

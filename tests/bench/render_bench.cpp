@@ -14,8 +14,8 @@
 #include <mutex>
 #include <string_view>
 
-#include "octree/tree_walk.h"
 #include "camera/camera.h"
+#include "octree/tree_walk.h"
 #include "renderer/read_scene.h"
 #include "renderer/render.h"
 #include "renderer/surface.h"

@@ -10,8 +10,8 @@
 #include "camera/camera.h"
 #include "camera/camera_json.h"
 #include "renderer/read_scene.h"
-#include "tests/renderer/describe_scene.h"
 #include "tests/camera/lens_cases.h"
+#include "tests/renderer/describe_scene.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/read_cloud.h"
-#include "base/error.h"
 
 namespace alidade::test {
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/fit_lattice.h"
-#include "base/error.h"
 
 namespace alidade::test {
 

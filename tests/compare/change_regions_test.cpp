@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "compare/tidy_pixels.h"
 #include "base/error.h"
+#include "compare/tidy_pixels.h"
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {

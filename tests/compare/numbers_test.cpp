@@ -3,8 +3,8 @@
 
 #include <cmath>
 
+#include "base/exact_math.h"
 #include "compare/metrics/pixel_sums.h"
-#include "base/logarithm.h"
 #include "image/srgb.h"
 #include "tests/support/random.h"
 

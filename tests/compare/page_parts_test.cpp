@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "image/encoded_picture.h"
 #include "compare/histogram.h"
+#include "image/encoded_picture.h"
 
 namespace alidade::test {
 namespace {

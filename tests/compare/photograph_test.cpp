@@ -7,12 +7,12 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "compare/photographs/alignment.h"
-#include "compare/photographs/color_match.h"
-#include "compare/image_mask.h"
-#include "compare/resize_image.h"
 #include "camera/camera.h"
 #include "camera/rotation.h"
+#include "compare/image_mask.h"
+#include "compare/photographs/alignment.h"
+#include "compare/photographs/color_match.h"
+#include "compare/resize_image.h"
 #include "renderer/render.h"
 
 namespace alidade::test {

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "cloud/read_cloud.h"
 #include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
 
 namespace alidade::test {
 namespace {

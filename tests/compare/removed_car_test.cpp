@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 
+#include "camera/camera.h"
+#include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
 #include "compare/change_regions.h"
 #include "compare/difference_map.h"
 #include "compare/region_points.h"
-#include "cloud/read_cloud.h"
-#include "cloud/las/write_las.h"
-#include "camera/camera.h"
 #include "renderer/render.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"

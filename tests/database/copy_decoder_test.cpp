@@ -6,11 +6,11 @@
 
 #include <cmath>
 
-#include "database/server/server_sql.h"
+#include "base/error.h"
+#include "cloud/append_rows.h"
 #include "database/server/cloud_values.h"
 #include "database/server/filter_condition.h"
-#include "cloud/append_rows.h"
-#include "base/error.h"
+#include "database/server/server_sql.h"
 
 namespace alidade::test {
 namespace {

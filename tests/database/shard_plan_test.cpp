@@ -10,10 +10,10 @@
 #include <fstream>
 #include <set>
 
+#include "base/error.h"
+#include "cloud/ply/write_ply.h"
 #include "database/server/copy_format.h"
 #include "database/server/shard_plan.h"
-#include "cloud/ply/write_ply.h"
-#include "base/error.h"
 
 namespace alidade::test {
 namespace {

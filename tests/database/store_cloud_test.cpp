@@ -6,10 +6,10 @@
 #include <fstream>
 #include <thread>
 
+#include "cloud/las/write_las.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/stored_column.h"
 #include "octree/build.h"
-#include "cloud/las/write_las.h"
 #include "octree/index_file/index_file.h"
 #include "tests/database/sqlite_fixture.h"
 

@@ -3,8 +3,8 @@
 // fuzz_colmap.
 #include <vector>
 
-#include "tests/fuzz/write_seeds.h"
 #include "tests/camera/colmap_builder.h"
+#include "tests/fuzz/write_seeds.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // copc_seeds FOLDER: small COPC files as a start for fuzz_copc.
-#include "tests/fuzz/write_seeds.h"
 #include "tests/cloud/copc/copc_builder.h"
+#include "tests/fuzz/write_seeds.h"
 
 int main(int count, char** arguments) {
   if (count != 2) return 2;

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <string>
 
+#include "base/error.h"
 #include "compare/pair_list.h"
 #include "compare/verdict.h"
-#include "base/error.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;

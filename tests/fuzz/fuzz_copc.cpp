@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "cloud/cloud_reader.h"
 #include "octree/copc_tree.h"
-#include "base/error.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"
 

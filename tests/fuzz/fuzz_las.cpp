@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "cloud/cloud_reader.h"
 #include "base/error.h"
+#include "cloud/cloud_reader.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));

@@ -7,9 +7,9 @@
 #include <memory>
 #include <span>
 
+#include "base/error.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/fit_lattice.h"
-#include "base/error.h"
 
 namespace alidade::test {
 

@@ -12,8 +12,8 @@
 #include <functional>
 #include <string>
 
-#include "cloud/crs.h"
 #include "base/error.h"
+#include "cloud/crs.h"
 #include "geo/gdal_handles.h"
 #include "geo/gdal_reference.h"
 

@@ -7,8 +7,8 @@
 #include <set>
 #include <tuple>
 
-#include "image/classification_colors.h"
 #include "base/exact_math.h"
+#include "image/classification_colors.h"
 
 namespace alidade {
 namespace {

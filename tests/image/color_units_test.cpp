@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "image/gps_date.h"
 #include "geo/height_unit.h"
+#include "image/gps_date.h"
 
 namespace alidade {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/error.h"
 #include "octree/brute_force.h"
 #include "octree/build.h"
 #include "octree/candidate.h"
-#include "base/error.h"
 #include "octree/explain.h"
 #include "octree/point_spacing.h"
 #include "octree/query.h"

@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "cloud/ply/write_ply.h"
 #include "camera/camera.h"
+#include "cloud/ply/write_ply.h"
 #include "renderer/read_scene.h"
 #include "renderer/render.h"
 

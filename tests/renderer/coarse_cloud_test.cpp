@@ -7,8 +7,8 @@
 #include <bit>
 #include <set>
 
-#include "cloud/cloud_reader.h"
 #include "camera/camera.h"
+#include "cloud/cloud_reader.h"
 #include "renderer/nodes_in_view.h"
 #include "tests/cloud/copc/copc_builder.h"
 

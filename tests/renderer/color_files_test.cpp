@@ -6,12 +6,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "octree/build.h"
-#include "cloud/las/write_las.h"
 #include "base/error.h"
-#include "octree/index_file/index_file.h"
+#include "cloud/las/write_las.h"
 #include "image/choose_color.h"
 #include "image/color_points.h"
+#include "octree/build.h"
+#include "octree/index_file/index_file.h"
 #include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"
 

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "octree/build.h"
 #include "base/error.h"
+#include "base/exact_math.h"
 #include "image/choose_color.h"
 #include "image/classification_colors.h"
-#include "base/exact_math.h"
 #include "image/image_display.h"
+#include "octree/build.h"
 #include "renderer/surface.h"
 #include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"

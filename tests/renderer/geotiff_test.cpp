@@ -10,8 +10,8 @@
 #include "base/error.h"
 #include "camera/camera.h"
 #include "camera/ground_transform.h"
-#include "image/image_file.h"
 #include "geo/geotiff.h"
+#include "image/image_file.h"
 
 namespace alidade::test {
 namespace {

@@ -11,12 +11,12 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "octree/build.h"
-#include "cloud/read_cloud.h"
 #include "camera/camera.h"
 #include "camera/camera_set.h"
 #include "camera/projection.h"
 #include "camera/rotation.h"
+#include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "renderer/render.h"
 #include "tests/support/point_families.h"
 

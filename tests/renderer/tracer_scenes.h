@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/build.h"
 #include "camera/camera.h"
+#include "octree/build.h"
 #include "renderer/render.h"
 #include "tests/support/point_families.h"
 

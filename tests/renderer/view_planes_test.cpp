@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <glm/geometric.hpp>
 
-#include "octree/distance.h"
 #include "camera/camera.h"
+#include "octree/distance.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {

@@ -13,8 +13,8 @@
 #include <new>
 #include <span>
 
-#include "cloud/point_cloud.h"
 #include "base/ray.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade::test {
 

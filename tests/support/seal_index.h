@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "base/checksum.h"
+#include "base/fingerprint.h"
 
 // Index files that were tampered with, made to look untouched: without this every change would be caught by a
 // checksum, and what stands behind the checksums would never be tested. Places are those of

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "cloud/read_cloud.h"
 #include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
 #include "tests/cloud/las/las_builder.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"

@@ -8,10 +8,10 @@
 #include <cmath>
 #include <thread>
 
+#include "cloud/read_cloud.h"
 #include "database/sql_name.h"
 #include "database/sqlite/connection.h"
 #include "database/sqlite/statement.h"
-#include "cloud/read_cloud.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <thread>
 
-#include "cloud/read_cloud.h"
 #include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
 

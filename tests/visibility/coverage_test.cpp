@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include "octree/distance.h"
 #include "base/error.h"
+#include "octree/distance.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/points/thin_points.h"

@@ -9,10 +9,10 @@
 #include <glm/vec2.hpp>
 #include <limits>
 
-#include "octree/build.h"
 #include "base/error.h"
-#include "tests/support/random.h"
 #include "geo/map_unit.h"
+#include "octree/build.h"
+#include "tests/support/random.h"
 
 namespace alidade::test {
 namespace {

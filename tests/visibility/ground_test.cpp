@@ -8,8 +8,8 @@
 #include <limits>
 #include <vector>
 
-#include "octree/build.h"
 #include "base/error.h"
+#include "octree/build.h"
 #include "tests/support/random.h"
 #include "visibility/raster/fill_gaps.h"
 

@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "geo/compass.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "geo/compass.h"
 
 namespace alidade::test {
 namespace {

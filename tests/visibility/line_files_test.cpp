@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "tests/visibility/wall_cloud.h"
 #include "geo/lon_lat.h"
+#include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
 namespace {

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "octree/distance.h"
 #include "base/error.h"
+#include "octree/distance.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
 #include "visibility/lines/line_report_bytes.h"

@@ -8,10 +8,10 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "geo/compass.h"
 #include "geo/sun.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/sky/beam_irradiance.h"
-#include "geo/compass.h"
 #include "visibility/sky/sun_path.h"
 
 namespace alidade::test {

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
+#include "base/checkpoint.h"
 #include "base/error.h"
 #include "tests/visibility/viewshed_place.h"
-#include "base/checkpoint.h"
 
 namespace alidade::test {
 namespace {

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 
-#include "octree/build.h"
 #include "cloud/read_cloud.h"
+#include "octree/build.h"
 #include "simulation/courtyard.h"
 #include "simulation/generate.h"
 #include "visibility/raster/viewshed.h"

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
+#include "base/words.h"
 #include "cloud/keep_rows.h"
-#include "cloud/read_cloud.h"
 #include "cloud/las/repack_las.h"
-#include "cloud/thin.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
+#include "cloud/read_cloud.h"
+#include "cloud/thin.h"
+#include "tools/cloud/crop_options.h"
+#include "tools/cloud/index.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"
-#include "tools/cloud/crop_options.h"
 #include "tools/message.h"
 #include "tools/options.h"
-#include "tools/cloud/index.h"
-#include "base/words.h"
 
 namespace alidade {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include "cloud/select_points.h"
 #include "base/error.h"
+#include "cloud/select_points.h"
+#include "geo/observer_reference.h"
 #include "tools/load_module.h"
 #include "tools/options.h"
 #include "tools/split_list.h"
-#include "geo/observer_reference.h"
 
 namespace alidade {
 namespace {

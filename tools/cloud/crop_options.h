@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/bounds.h"
-#include "cloud/point_cloud.h"
 #include "base/progress.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "cloud/copc/copc_file.h"
 #include "base/error.h"
+#include "cloud/copc/copc_file.h"
 
 namespace alidade {
 

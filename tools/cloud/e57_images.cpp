@@ -8,8 +8,8 @@
 #include <unordered_set>
 #include <vector>
 
-#include "base/output_file.h"
 #include "base/error.h"
+#include "base/output_file.h"
 #include "camera/camera_json.h"
 #include "camera/e57_camera.h"
 

@@ -2,8 +2,8 @@
 #include "simulation/generate.h"
 
 #include "tools/command.h"
-#include "tools/options.h"
 #include "tools/console.h"
+#include "tools/options.h"
 
 namespace alidade {
 namespace {

@@ -4,12 +4,12 @@
 #include "cloud/read_cloud.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
+#include "tools/cloud/index.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"
+#include "tools/console.h"
 #include "tools/message.h"
 #include "tools/options.h"
-#include "tools/console.h"
-#include "tools/cloud/index.h"
 
 namespace alidade {
 namespace {

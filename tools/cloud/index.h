@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "octree/build.h"
 #include "cloud/point_cloud.h"
+#include "octree/build.h"
 #include "tools/console.h"
 
 namespace alidade {

@@ -5,22 +5,22 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cloud/cloud_inputs.h"
 #include "cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
 #include "cloud/crs_name.h"
 #include "cloud/is_las.h"
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
-#include "tools/cloud_options.h"
-#include "tools/command.h"
+#include "tools/cloud/describe.h"
 #include "tools/cloud/describe_copc.h"
 #include "tools/cloud/describe_e57.h"
 #include "tools/cloud/describe_index.h"
 #include "tools/cloud/e57_images.h"
-#include "tools/cloud/describe.h"
+#include "tools/cloud_options.h"
+#include "tools/command.h"
+#include "tools/console.h"
 #include "tools/message.h"
 #include "tools/options.h"
-#include "tools/console.h"
 
 namespace alidade {
 namespace {

@@ -5,13 +5,13 @@
 
 #include <algorithm>
 
+#include "base/error.h"
+#include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
-#include "base/error.h"
 #include "octree/tree_walk.h"
 #include "tools/cloud/cloud_description.h"
 #include "tools/message.h"
-#include "base/words.h"
 
 namespace alidade {
 namespace {

@@ -3,17 +3,17 @@
 
 #include <new>
 
+#include "base/error.h"
+#include "cloud/las/write_las.h"
+#include "cloud/read_cloud.h"
+#include "compare/region_points.h"
 #include "compare/report/comparison_json.h"
 #include "compare/report/page.h"
-#include "compare/region_points.h"
-#include "cloud/read_cloud.h"
-#include "cloud/las/write_las.h"
-#include "base/error.h"
 #include "tools/command.h"
 #include "tools/compare/check_request.h"
-#include "tools/compare_module.h"
 #include "tools/compare/compare_options.h"
 #include "tools/compare/compare_text.h"
+#include "tools/compare_module.h"
 #include "tools/message.h"
 
 namespace alidade {

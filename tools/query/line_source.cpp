@@ -9,8 +9,8 @@
 #include <cstring>
 #include <utility>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 #include "tools/interrupt.h"
 
 namespace alidade {

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/json_document.h"
+#include "base/json.h"
 #include "tools/query/check_row.h"
 
 namespace alidade {

@@ -8,10 +8,10 @@
 #include <string_view>
 
 #include "base/error.h"
+#include "base/words.h"
 #include "tools/cloud_options.h"
 #include "tools/parse_size.h"
 #include "tools/query/target_kind.h"
-#include "base/words.h"
 
 namespace alidade {
 namespace {

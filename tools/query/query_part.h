@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "database/cloud_part.h"
 #include "base/progress.h"
+#include "database/cloud_part.h"
 #include "tools/query/query.h"
 
 namespace alidade {

@@ -6,8 +6,8 @@
 
 #include <atomic>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 #include "tools/query/parse_cells.h"
 #include "tools/query/parse_json_row.h"
 

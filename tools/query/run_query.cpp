@@ -7,22 +7,22 @@
 #include <algorithm>
 #include <chrono>
 
-#include "octree/check_query.h"
 #include "cloud/rows.h"
+#include "octree/check_query.h"
 #include "octree/index_file/indexed_cloud.h"
 #include "tools/cloud/load_cloud.h"
-#include "tools/message.h"
 #include "tools/console.h"
-#include "tools/query/answers.h"
+#include "tools/message.h"
 #include "tools/query/answer_las.h"
 #include "tools/query/answer_text.h"
+#include "tools/query/answers.h"
 #include "tools/query/ask.h"
 #include "tools/query/batch_size.h"
 #include "tools/query/copc_asker.h"
 #include "tools/query/copc_source.h"
 #include "tools/query/explain_table.h"
-#include "tools/query/query_part.h"
 #include "tools/query/queried_cloud.h"
+#include "tools/query/query_part.h"
 #include "tools/query/target_reader.h"
 
 namespace alidade {

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 

@@ -7,9 +7,9 @@
 
 #include "camera/camera.h"
 #include "renderer/cloud_in_view.h"
+#include "tools/console.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
-#include "tools/console.h"
 
 namespace alidade {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "tools/render/views.h"
 #include "tools/image_module.h"
 #include "tools/render/render_options.h"
+#include "tools/render/views.h"
 
 namespace alidade {
 

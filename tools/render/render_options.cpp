@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "octree/point_spacing.h"
 #include "image/image_file.h"
+#include "octree/point_spacing.h"
 #include "renderer/read_scene.h"
 #include "tools/cloud_options.h"
 

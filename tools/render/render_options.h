@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "renderer/scene.h"
-#include "tools/render/views.h"
+#include "tools/options.h"
 #include "tools/render/color_options.h"
 #include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"
-#include "tools/options.h"
+#include "tools/render/views.h"
 
 namespace alidade {
 

@@ -7,13 +7,13 @@
 #include <functional>
 #include <memory>
 
+#include "base/words.h"
+#include "cloud/cloud_files.h"
 #include "database/server/server_name.h"
 #include "database/server/store_on_server.h"
 #include "database/sqlite/store_cloud.h"
-#include "cloud/cloud_files.h"
-#include "tools/sql/load_options.h"
 #include "tools/message.h"
-#include "base/words.h"
+#include "tools/sql/load_options.h"
 
 namespace alidade {
 namespace {

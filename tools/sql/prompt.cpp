@@ -6,8 +6,8 @@
 #include <sstream>
 #include <utility>
 
-#include "database/sqlite/sql_tokens.h"
 #include "base/error.h"
+#include "database/sqlite/sql_tokens.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
 #include "tools/sql/line_editor.h"

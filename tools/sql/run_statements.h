@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "database/sqlite/connection.h"
-#include "tools/sql/statements.h"
 #include "tools/sql/sql_parameter.h"
+#include "tools/sql/statements.h"
 
 namespace alidade {
 

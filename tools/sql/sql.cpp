@@ -6,9 +6,9 @@
 #include <iterator>
 #include <memory>
 
+#include "base/error.h"
 #include "database/server/server_name.h"
 #include "database/sqlite/sql_tokens.h"
-#include "base/error.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/sql/prompt.h"

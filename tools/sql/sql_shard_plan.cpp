@@ -7,8 +7,8 @@
 
 #include "database/server/shard_plan.h"
 #include "tools/cloud_options.h"
-#include "tools/sql/load_options.h"
 #include "tools/message.h"
+#include "tools/sql/load_options.h"
 
 namespace alidade {
 namespace {

@@ -7,9 +7,9 @@
 #include <chrono>
 #include <utility>
 
+#include "base/error.h"
 #include "database/sqlite/prepare.h"
 #include "database/sqlite/token_list.h"
-#include "base/error.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "base/utf8_text.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/checkpoint_options.h"
 
+#include "base/checkpoint.h"
 #include "base/error.h"
 #include "tools/options.h"
-#include "base/checkpoint.h"
 
 namespace alidade {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "tools/map_reference.h"
 #include "geo/map_unit.h"
+#include "tools/map_reference.h"
 
 namespace alidade {
 namespace {

@@ -9,12 +9,12 @@
 #include <map>
 #include <span>
 
-#include "octree/distance.h"
 #include "base/error.h"
+#include "geo/raster.h"
+#include "octree/distance.h"
 #include "tools/options.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/lines/pair_table.h"
-#include "geo/raster.h"
 
 namespace alidade {
 namespace {

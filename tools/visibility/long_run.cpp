@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/checksum.h"
+#include "base/fingerprint.h"
 #include "tools/message.h"
 
 namespace alidade {

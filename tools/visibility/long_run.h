@@ -7,12 +7,12 @@
 #include <span>
 #include <string>
 
-#include "tools/console.h"
-#include "tools/visibility/checkpoint_options.h"
-#include "tools/visibility/blocking_cloud.h"
 #include "base/checkpoint.h"
-#include "visibility/observers.h"
 #include "geo/raster.h"
+#include "tools/console.h"
+#include "tools/visibility/blocking_cloud.h"
+#include "tools/visibility/checkpoint_options.h"
+#include "visibility/observers.h"
 
 namespace alidade {
 

@@ -6,13 +6,13 @@
 #include <array>
 
 #include "base/error.h"
+#include "base/words.h"
 #include "image/find_font.h"
+#include "tools/map_writer.h"
 #include "tools/message.h"
 #include "tools/options.h"
 #include "tools/picture_command.h"
 #include "tools/visibility/find_ground.h"
-#include "tools/map_writer.h"
-#include "base/words.h"
 #include "visibility/raster/viewshed_area.h"
 
 namespace alidade {

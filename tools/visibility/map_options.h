@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "geo/raster.h"
 #include "tools/command.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/ground.h"
-#include "geo/raster.h"
 
 // What all maps of the ground share, be they of what is seen, of the sky or of the sun.
 

@@ -8,10 +8,10 @@
 
 #include "base/error.h"
 #include "tools/message.h"
+#include "tools/observer_reader.h"
 #include "tools/options.h"
 #include "tools/split_list.h"
 #include "tools/visibility/find_ground.h"
-#include "tools/observer_reader.h"
 #include "visibility/observer_grid.h"
 #include "visibility/observer_remarks.h"
 

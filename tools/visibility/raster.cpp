@@ -5,11 +5,11 @@
 #include <chrono>
 
 #include "base/error.h"
+#include "tools/commands.h"
+#include "tools/map_writer.h"
 #include "tools/message.h"
 #include "tools/visibility/cloud_unit.h"
-#include "tools/commands.h"
 #include "tools/visibility/long_run.h"
-#include "tools/map_writer.h"
 #include "tools/visibility/raster_options.h"
 #include "visibility/raster/viewshed_area.h"
 

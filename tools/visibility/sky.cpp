@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include "tools/message.h"
 #include "tools/commands.h"
+#include "tools/message.h"
 #include "tools/visibility/sky.h"
 #include "visibility/sky/sky_of_cloud.h"
 

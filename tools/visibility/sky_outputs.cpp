@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/checksum.h"
 #include "base/error.h"
-#include "tools/cloud_options.h"
-#include "tools/visibility/cloud_unit.h"
-#include "tools/map_writer.h"
-#include "tools/visibility/observer_options.h"
+#include "base/fingerprint.h"
 #include "base/words.h"
+#include "tools/cloud_options.h"
+#include "tools/map_writer.h"
+#include "tools/visibility/cloud_unit.h"
+#include "tools/visibility/observer_options.h"
 
 namespace alidade {
 namespace {

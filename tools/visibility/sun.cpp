@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
-#include "tools/message.h"
 #include "tools/commands.h"
+#include "tools/message.h"
 #include "tools/sky_module.h"
 #include "tools/visibility/sky.h"
 #include "tools/visibility/sun_date.h"

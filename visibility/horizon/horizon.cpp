@@ -10,10 +10,10 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.h"
+#include "geo/compass.h"
 #include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
-#include "geo/compass.h"
 #include "visibility/crossing.h"
 
 namespace alidade {

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "image/color_map.h"
 #include "image/canvas_png.h"
+#include "image/color_map.h"
 #include "image/find_font.h"
 #include "image/round_ticks.h"
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "base/unit_direction.h"
 #include "base/exact_math.h"
+#include "base/unit_direction.h"
 
 namespace alidade {
 namespace {

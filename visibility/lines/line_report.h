@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "base/progress.h"
 #include "base/checkpoint.h"
+#include "base/progress.h"
 #include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_curve.h"
 #include "visibility/lines/line_points.h"

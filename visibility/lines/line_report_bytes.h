@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
+#include "base/checkpoint.h"
 #include "visibility/lines/line_report.h"
-#include "base/run_parts.h"
 
 namespace alidade {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string_view>
 
-#include "base/text_scanner.h"
 #include "base/error.h"
+#include "base/text_scanner.h"
 
 namespace alidade {
 namespace {

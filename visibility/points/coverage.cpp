@@ -7,9 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/checkpoint.h"
 #include "base/error.h"
 #include "geo/raster.h"
-#include "base/run_parts.h"
 
 namespace alidade {
 namespace {

@@ -9,13 +9,13 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
+#include "base/checkpoint.h"
 #include "base/error.h"
+#include "base/exact_math.h"
+#include "geo/raster.h"
 #include "octree/point_surface.h"
 #include "octree/tree_walk.h"
-#include "base/exact_math.h"
 #include "visibility/golden_turn.h"
-#include "geo/raster.h"
-#include "base/run_parts.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {

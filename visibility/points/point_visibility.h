@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "base/progress.h"
 #include "base/checkpoint.h"
+#include "base/progress.h"
 #include "visibility/observers.h"
 #include "visibility/occluders.h"
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <unordered_map>
 
-#include "cloud/lattice.h"
-#include "octree/distance.h"
 #include "base/error.h"
-#include "octree/tree_walk.h"
+#include "cloud/lattice.h"
 #include "geo/raster.h"
+#include "octree/distance.h"
+#include "octree/tree_walk.h"
 
 namespace alidade {
 namespace {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <span>
 
-#include "octree/octree.h"
 #include "base/progress.h"
 #include "geo/raster.h"
+#include "octree/octree.h"
 
 // The ground below a cloud, as heights on a grid.
 //

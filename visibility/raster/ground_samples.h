@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "octree/octree.h"
 #include "base/progress.h"
 #include "geo/raster.h"
+#include "octree/octree.h"
 
 // The first steps of make_ground() (visibility/raster/ground.h): what each cell knows of the ground by itself.
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "image/color_map.h"
-#include "image/point_color.h"
-#include "image/canvas.h"
-#include "image/font.h"
-#include "visibility/raster/ground.h"
 #include "geo/raster.h"
+#include "image/canvas.h"
+#include "image/color_map.h"
+#include "image/font.h"
+#include "image/point_color.h"
+#include "visibility/raster/ground.h"
 
 // A map as a picture to look at: values as colours over the shaded relief of the ground, north up, with the
 // observers, a scale bar and a legend.

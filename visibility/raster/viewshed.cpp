@@ -9,11 +9,11 @@
 #include <optional>
 #include <vector>
 
+#include "base/checkpoint.h"
 #include "base/error.h"
 #include "visibility/raster/lowest_seen.h"
 #include "visibility/raster/map_observer.h"
 #include "visibility/raster/map_places.h"
-#include "base/run_parts.h"
 
 namespace alidade {
 namespace {

@@ -5,12 +5,12 @@
 #include <limits>
 #include <span>
 
-#include "base/progress.h"
-#include "visibility/raster/curved_sight.h"
 #include "base/checkpoint.h"
-#include "visibility/raster/ground.h"
-#include "visibility/observers.h"
+#include "base/progress.h"
 #include "geo/raster.h"
+#include "visibility/observers.h"
+#include "visibility/raster/curved_sight.h"
+#include "visibility/raster/ground.h"
 
 // What observers see of the ground, or of things so high above it, as a map. Lines of sight go through the
 // points themselves: below crowns, bridges and balconies.

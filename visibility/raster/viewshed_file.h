@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "visibility/raster/map_picture.h"
 #include "geo/raster_file.h"
+#include "visibility/raster/map_picture.h"
 #include "visibility/raster/viewshed.h"
 
 // Viewsheds as they are written: numbers for programs, a picture for people.

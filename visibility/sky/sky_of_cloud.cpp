@@ -9,10 +9,10 @@
 #include <optional>
 #include <string>
 
+#include "base/checkpoint.h"
 #include "base/error.h"
 #include "visibility/raster/map_places.h"
 #include "visibility/sky/point_blocks.h"
-#include "base/run_parts.h"
 
 namespace alidade {
 namespace {

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "base/progress.h"
 #include "base/checkpoint.h"
-#include "visibility/raster/ground.h"
+#include "base/progress.h"
 #include "geo/raster.h"
+#include "visibility/raster/ground.h"
 #include "visibility/sky/sky_view.h"
 #include "visibility/sky/sun_hours.h"
 

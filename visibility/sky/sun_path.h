@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "cloud/crs.h"
-#include "base/progress.h"
 #include "base/date_time.h"
+#include "base/progress.h"
+#include "cloud/crs.h"
 #include "visibility/sky/beam_irradiance.h"
 #include "visibility/sky/sun_bins.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/las/las_builder.h"
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/las/las_point.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/point14_fields.h"

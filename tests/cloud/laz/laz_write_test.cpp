@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/las/write_las.h"
 #include "tests/cloud/chosen_points.h"
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "base/byte_order.h"
+#include "base/bytes.h"
 #include "cloud/laz/integer_compressor.h"
 #include "cloud/laz/laz_layout.h"
 #include "tests/cloud/cloud_test_support.h"

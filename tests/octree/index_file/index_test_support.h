@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "octree/build.h"
 #include "cloud/attribute_columns.h"
+#include "octree/build.h"
 #include "octree/index_file/index_file.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/support/random.h"
