@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/input_file.h"
-#include "cloud/column_roles.h"
+#include "cloud/point_table.h"
 
 namespace alidade {
 

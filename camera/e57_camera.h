@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "cloud/e57/e57_document.h"
+#include "cloud/e57/e57_file.h"
 #include "renderer/scene.h"
 
 namespace alidade {

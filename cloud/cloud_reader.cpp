@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/cloud_pieces.h"
+#include "cloud/cloud_reader.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 namespace {
@@ -27,6 +28,17 @@ std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t 
   const std::uint64_t most = std::clamp<std::uint64_t>(pieces.most_bytes / bytes, 1, UINT32_MAX);
   if (cloud.size() >= most) pieces.take(cloud);
   return static_cast<std::size_t>(std::min(wanted, most - cloud.size()));
+}
+
+std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice) {
+  constexpr double k_steps = 8, k_share = 1e-5;
+  if (stated.empty() || !to_lattice(lattice, stated.min) || !to_lattice(lattice, stated.max))
+    return std::nullopt;
+  const glm::dvec3 sides = stated.size();
+  const double longest = std::max({sides.x, sides.y, sides.z});
+  if (longest == 0.0) return std::nullopt;
+  const glm::dvec3 margin = glm::max(k_steps * lattice.scale, glm::dvec3(k_share * longest));
+  return Bounds{stated.min - margin, stated.max + margin};
 }
 
 }  // namespace alidade

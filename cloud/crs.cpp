@@ -1,17 +1,156 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/crs_name.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
-#include "cloud/same_definition.h"
+#include "cloud/crs.h"
 
 namespace alidade {
+
+/// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
+/// meridian, units, and the parameters of the projection, which are told by the letters and digits of their
+/// names. Programs give systems, datums and projections names of their own, as "ETRS89 / UTM zone 32N" and
+/// "ETRS_1989_UTM_Zone_32N"; numbers they share up to their last digit. True does not say that the systems
+/// are one: datums on one ellipsoid lie up to some metres apart. False for what has no parameters, or other
+/// ones, as WKT of version 2 beside that of version 1.
+bool same_definition(const std::string& wkt_a, const std::string& wkt_b);
+
+namespace {
+
+/// Numbers by the word that they stand in, and for parameters its name: those of all such words in a row.
+using Definition = std::map<std::string, std::vector<double>>;
+
+/// The numbers behind the name that `text` begins with: "Bessel",6377397.155,299.15],...
+std::vector<double> numbers_of(std::string_view text) {
+  std::vector<double> numbers;
+  std::size_t place = text.find('"', 1);
+  while (place < text.size() && ++place < text.size() && text[place] == ',') {
+    place = std::min(text.find_first_not_of(" \t\r\n", place + 1), text.size());
+    double number = 0;
+    const char* const begin = text.data() + place;
+    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), number);
+    if (error != std::errc()) break;
+    numbers.push_back(number);
+    // The loop goes on at the comma behind the number.
+    place += static_cast<std::size_t>(end - begin) - 1;
+  }
+  return numbers;
+}
+
+Definition definition_of(std::string_view wkt) {
+  Definition definition;
+  const std::string_view node = wkt_node(wkt, {"PROJCS["});
+  for (const std::string_view word : {"SPHEROID[\"", "PRIMEM[\"", "UNIT[\"", "PARAMETER[\""}) {
+    for (std::size_t place = node.find(word); place != std::string_view::npos;
+         place = node.find(word, place + 1)) {
+      const std::string_view text = node.substr(place + word.size() - 1);
+      const std::string_view name = text.substr(1, std::min(text.find('"', 1), text.size()) - 1);
+      const std::string key =
+          std::string(word) + (word.starts_with("PARAMETER") ? letters_and_digits(name) : "");
+      std::ranges::copy(numbers_of(text), std::back_inserter(definition[key]));
+    }
+  }
+  return definition;
+}
+
+bool nearly_equal(double a, double b) {
+  constexpr double k_last_digits = 1e-9;
+  return std::fabs(a - b) <= k_last_digits * std::max(std::fabs(a), std::fabs(b));
+}
+
+}  // namespace
+
+bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
+  const Definition a = definition_of(wkt_a), b = definition_of(wkt_b);
+  const auto parameter = a.lower_bound("PARAMETER");
+  const bool has_parameters = parameter != a.end() && parameter->first.starts_with("PARAMETER");
+  return has_parameters && std::ranges::equal(a, b, [](const auto& one, const auto& other) {
+           return one.first == other.first && std::ranges::equal(one.second, other.second, nearly_equal);
+         });
+}
+
+namespace {
+
+constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_projected_type = 3072;
+constexpr std::uint16_t k_geographic_model = 2, k_geocentric_model = 3;
+
+/// Value of a GeoTIFF key that is stored in place.
+std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key) {
+  for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4)
+    if (crs.geotiff_keys[i] == key && crs.geotiff_keys[i + 1] == 0) return crs.geotiff_keys[i + 3];
+  return std::nullopt;
+}
+
+bool has_any(const std::string& text, const auto& words) {
+  return std::ranges::any_of(words,
+                             [&](std::string_view word) { return text.find(word) != std::string::npos; });
+}
+
+/// Whether WKT of version 2 is that of a geodetic system, as which it counts geographic and geocentric ones,
+/// with such coordinates.
+bool is_geodetic(const std::string& wkt, std::string_view coordinates) {
+  return (wkt.starts_with("GEODCRS[") || wkt.starts_with("GEODETICCRS[")) &&
+         wkt.find(coordinates) != std::string::npos;
+}
+
+}  // namespace
+
+bool is_geographic(const Crs& crs) {
+  // A projected system names the geographic one that it stands on, so the projected one decides.
+  constexpr std::array<std::string_view, 3> k_other = {"PROJCS[", "PROJCRS[", "PROJECTEDCRS["};
+  constexpr std::array<std::string_view, 3> k_geographic = {"GEOGCS[", "GEOGCRS[", "GEOGRAPHICCRS["};
+  if (!crs.wkt.empty()) {
+    return !has_any(crs.wkt, k_other) &&
+           (has_any(crs.wkt, k_geographic) || is_geodetic(crs.wkt, "CS[ellipsoidal"));
+  }
+  if (const auto model = value_of_key(crs, k_model_type)) return *model == k_geographic_model;
+  return value_of_key(crs, k_geographic_type) && !value_of_key(crs, k_projected_type);
+}
+
+bool is_geocentric(const Crs& crs) {
+  if (!crs.wkt.empty()) {
+    return has_any(crs.wkt, std::array<std::string_view, 1>{"GEOCCS["}) ||
+           is_geodetic(crs.wkt, "CS[Cartesian,3]");
+  }
+  return value_of_key(crs, k_model_type) == k_geocentric_model;
+}
+
+std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds) {
+  constexpr double k_widest_angle = 400.0, k_least_radius = 6.3e6, k_largest_radius = 6.5e6;
+  if (bounds.empty()) return std::nullopt;
+  if (is_geocentric(crs)) {
+    const double radius = glm::length(bounds.center());
+    if (radius >= k_least_radius && radius <= k_largest_radius) return std::nullopt;
+    return fmt::format(
+        "the coordinate reference system is geocentric, but the points lie {:.0f} from its origin, which is "
+        "not "
+        "where the ground is: they lie in another system, probably a projected one",
+        radius);
+  }
+  if (!is_geographic(crs)) return std::nullopt;
+  for (int axis = 0; axis < 2; ++axis) {
+    for (const double coordinate : {bounds.min[axis], bounds.max[axis]}) {
+      if (std::fabs(coordinate) <= k_widest_angle) continue;
+      return fmt::format(
+          "the coordinate reference system says longitude and latitude, but {} {} is no angle: the points "
+          "lie in "
+          "another system, probably a projected one",
+          axis == 0 ? "x" : "y", coordinate);
+    }
+  }
+  return std::nullopt;
+}
+
 namespace {
 
 constexpr std::uint16_t k_geographic = 2048, k_projected = 3072, k_vertical = 4096;

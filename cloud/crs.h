@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <initializer_list>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "base/bounds.h"
 
 namespace alidade {
 
@@ -18,5 +24,56 @@ struct Crs {
   bool empty() const { return wkt.empty() && geotiff_keys.empty(); }
   bool operator==(const Crs&) const = default;
 };
+
+/// The piece of a WKT from the first of the keys that is in it, such as "PROJCS[", to the bracket that closes
+/// it; brackets within quotes do not count. Empty if there is none or it does not end. It points into `wkt`.
+inline std::string_view wkt_node(std::string_view wkt, std::initializer_list<std::string_view> keys) {
+  for (const std::string_view key : keys) {
+    const std::size_t begin = wkt.find(key);
+    if (begin == std::string_view::npos) continue;
+    int depth = 0;
+    bool is_quoted = false;
+    for (std::size_t i = begin; i < wkt.size(); ++i) {
+      if (wkt[i] == '"') is_quoted = !is_quoted;
+      if (is_quoted) continue;
+      if (wkt[i] == '[') ++depth;
+      if (wkt[i] == ']' && --depth == 0) return wkt.substr(begin, i + 1 - begin);
+    }
+  }
+  return {};
+}
+
+/// EPSG codes that GeoTIFF keys give directly, as "EPSG:25832" and "vertical EPSG:7837": geographic,
+/// projected and vertical system.
+std::vector<std::string> epsg_codes(const Crs& crs);
+
+/// Name of a system for people: that in its WKT, else its EPSG codes.
+std::string crs_name(const Crs& crs);
+
+/// Letters and digits of a name, in lower case: what names of one thing share between programs.
+std::string letters_and_digits(std::string_view name);
+
+/// What is known about two systems being one.
+enum class CrsAgreement { same, unknown, different };
+
+/// Compares two systems that are not empty: by their EPSG codes where both have one, else WKT by its names,
+/// letters and digits alone, and GeoTIFF keys among themselves as they are. Nothing is known of WKT without
+/// code beside keys, and of two names for the same numbers (same_definition()).
+CrsAgreement compare_crs(const Crs& a, const Crs& b);
+
+/// Whether the system's horizontal coordinates are longitude and latitude: WKT of a geographic system (also
+/// as part of a compound one), or, without WKT, a GeoTIFF model type of 2; without a model type, keys that
+/// name a geographic system and no projected one. False for whatever cannot be told.
+bool is_geographic(const Crs& crs);
+
+/// Whether the system's origin is the centre of the Earth: WKT of a geocentric system or, without WKT, a
+/// GeoTIFF model type of 3.
+bool is_geocentric(const Crs& crs);
+
+/// A sentence if the points cannot lie in the system. Longitude and latitude: horizontal coordinates beyond
+/// 400 (a full circle in gradians, the widest unit of angle in use) are no angles. Geocentric: the middle of
+/// the points is 6300 to 6500 km from the centre of the Earth, whose radius is 6357 to 6378 km. Empty bounds
+/// are never wrong.
+std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds);
 
 }  // namespace alidade

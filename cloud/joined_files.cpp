@@ -1,16 +1,135 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/joined_files.h"
 
-#include <fmt/format.h>
-#include <sys/stat.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <set>
+#include <sys/stat.h>
+#include <tuple>
 #include <utility>
 
-#include "cloud/crs_name.h"
+#include "base/error.h"
+#include "cloud/crs.h"
+#include "cloud/fit_lattice.h"
 
 namespace alidade {
+namespace {
+
+std::string text_of(const glm::dvec3& value) {
+  return fmt::format("{}, {}, {}", value.x, value.y, value.z);
+}
+
+[[noreturn]] void refuse_lattice(const CloudSource& odd, const CloudSource& other) {
+  const Lattice own = *odd.reader->lattice(), lattice = *other.reader->lattice();
+  throw Error(
+      {.file = odd.path().string(),
+       .problem = "does not share the lattice of " + other.path().string(),
+       .expected = fmt::format("scale {} and an offset that differs by whole steps (as PLY, by alidade "
+                               "convert, it would be rounded to that)",
+                               text_of(lattice.scale)),
+       .found = fmt::format("scale {} and offset {}", text_of(own.scale), text_of(own.offset))});
+}
+
+/// Errors: of the files with points and a lattice, one does not share that of `first`.
+void check_lattices(const std::vector<CloudSource>& sources, const CloudSource& first) {
+  const Lattice lattice = *first.reader->lattice();
+  std::size_t agreeing = 0, differing = 0;
+  const CloudSource* odd = nullptr;
+  for (const CloudSource& source : sources) {
+    if (!source.has_lattice || source.point_count() == 0) continue;
+    if (steps_between(*source.reader->lattice(), lattice)) {
+      ++agreeing;
+    } else if (differing++ == 0) {
+      odd = &source;
+    }
+  }
+  if (odd == nullptr) return;
+  if (agreeing < differing) refuse_lattice(first, *odd);
+  refuse_lattice(*odd, first);
+}
+
+}  // namespace
+
+Lattice common_lattice(const std::vector<CloudSource>& sources) {
+  const CloudSource* first = nullptr;
+  for (const CloudSource& source : sources) {
+    // The lattice of a file without points binds nobody, unless there is no other.
+    if (!source.has_lattice || (first && (first->point_count() > 0 || source.point_count() == 0))) continue;
+    first = &source;
+  }
+  if (!first) {
+    std::vector<CoordinateSurvey> surveys;
+    for (const CloudSource& source : sources) surveys.push_back(source.survey);
+    return fit_lattice(surveys);
+  }
+  check_lattices(sources, *first);
+  const Lattice lattice = *first->reader->lattice();
+  for (const CloudSource& source : sources) {
+    if (source.has_lattice || source.point_count() == 0) continue;
+    const Bounds& bounds = source.survey.bounds;
+    if (to_lattice(lattice, bounds.min) && to_lattice(lattice, bounds.max)) continue;
+    throw Error({.file = source.path().string(),
+                 .problem = "lies too far away for the lattice of " + first->path().string(),
+                 .found = fmt::format("a box from {} to {}", text_of(bounds.min), text_of(bounds.max))});
+  }
+  return lattice;
+}
+
+namespace {
+
+[[noreturn]] void refuse_crs(const CloudSource& odd, const CloudSource& other) {
+  throw Error({.file = odd.path().string(),
+               .problem = "states another coordinate reference system than " + other.path().string(),
+               .expected = crs_name(other.facts.crs) +
+                           " (transform the file to it, or leave it out and read it by itself)",
+               .found = crs_name(odd.facts.crs)});
+}
+
+}  // namespace
+
+Crs common_crs(const std::vector<CloudSource>& sources) {
+  const CloudSource* first = nullptr;
+  for (const CloudSource& source : sources) {
+    // What a file without points says binds nobody, unless there is no other.
+    if (source.facts.crs.empty() || (first && (first->point_count() > 0 || source.point_count() == 0)))
+      continue;
+    first = &source;
+  }
+  if (first == nullptr) return {};
+  std::size_t agreeing = 0, differing = 0;
+  const CloudSource* odd = nullptr;
+  for (const CloudSource& source : sources) {
+    if (source.facts.crs.empty() || source.point_count() == 0) continue;
+    if (compare_crs(source.facts.crs, first->facts.crs) != CrsAgreement::different) {
+      ++agreeing;
+    } else if (differing++ == 0) {
+      odd = &source;
+    }
+  }
+  if (odd == nullptr) return first->facts.crs;
+  if (agreeing < differing) refuse_crs(*first, *odd);
+  refuse_crs(*odd, *first);
+}
+
+bool JoinedRecords::Order::operator()(std::size_t a, std::size_t b) const {
+  const auto key = [this](std::size_t place) {
+    const VariableLengthRecord& record = (*records)[place];
+    return std::tie(record.record_id, record.user_id, record.description, record.extended, record.data);
+  };
+  return key(a) < key(b);
+}
+
+void JoinedRecords::join(std::size_t first) {
+  std::size_t kept = first;
+  for (std::size_t i = first; i < records_.size(); ++i) {
+    if (earlier_.contains(i)) continue;
+    if (kept != i) records_[kept] = std::move(records_[i]);
+    ++kept;
+  }
+  records_.resize(kept);
+  for (std::size_t i = first; i < kept; ++i) earlier_.insert(i);
+}
+
 namespace {
 
 /// "a.las", "a.las and 1 more file", "a.las and 2 more files".

@@ -1,19 +1,67 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "cloud/cloud_source.h"
+#include "cloud/cloud_reader.h"
 #include "cloud/point_cloud.h"
+
+namespace alidade {
+
+/// A file of a cloud that waits to be read.
+struct CloudSource {
+  std::unique_ptr<CloudReader> reader;
+  std::uint64_t bytes = 0;  ///< of the file
+  std::uint64_t work = 0;   ///< of a pass: the bytes, or CloudReader::work()
+  bool has_lattice = false;
+  FileFacts facts{};
+  CoordinateSurvey survey{};  ///< of files without a lattice
+  bool is_skipped = false;    ///< lies outside ReadOptions::region
+
+  const std::filesystem::path& path() const { return reader->file().path; }
+  std::uint64_t point_count() const {
+    return has_lattice ? reader->point_count().value_or(0) : survey.finite_count;
+  }
+};
+
+/// The lattice of the joined cloud, by the rules at read_cloud(). Errors: a file does not share it, or lies
+/// too far away for it. If most files differ from the first, it is the first that is named as the odd one.
+Lattice common_lattice(const std::vector<CloudSource>& sources);
+
+/// The coordinate reference system of the joined cloud: that of the first file that states one. Error: a file
+/// with points states a different one (compare_crs()); the one that most files do not share is named.
+Crs common_crs(const std::vector<CloudSource>& sources);
+
+/// Keeps one copy of the records that the tiles of a survey repeat. Repetitions within one file stay: they
+/// stood there. Cost: that of sorting all records.
+class JoinedRecords {
+ public:
+  /// The records must outlive this object, and change only at their end while it lives.
+  explicit JoinedRecords(std::vector<VariableLengthRecord>& records)
+      : records_(records), earlier_(Order{&records}) {}
+
+  /// Takes out of the records from place `first` on, which one file has added, what an earlier file had.
+  void join(std::size_t first);
+
+ private:
+  struct Order {
+    const std::vector<VariableLengthRecord>* records;
+    bool operator()(std::size_t a, std::size_t b) const;
+  };
+
+  std::vector<VariableLengthRecord>& records_;
+  std::set<std::size_t, Order> earlier_;  ///< places of the records of the files joined so far
+};
 
 // What is to be said about files that were joined to one cloud. What many files have in common is one
 // sentence: "a.las and 99 more files: ...". Each function appends to PointCloud::warnings.
-
-namespace alidade {
 
 /// What one file gave to the cloud.
 struct GivenRows {

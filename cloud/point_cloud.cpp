@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "cloud/rows.h"
+
 namespace alidade {
 
 AttributeSet PointCloud::attributes() const {
@@ -72,6 +74,22 @@ std::vector<std::string> attribute_names(AttributeSet attributes) {
     if (attributes.bits >> bit & 1) names.emplace_back(k_names[bit]);
   }
   return names;
+}
+
+AttributeSet AttributeColumns::attributes() const {
+  AttributeSet set;
+  for_each_column(*this, *this, [&](Attribute attribute, const auto& column, const auto&) {
+    if (!column.empty()) set = set | attribute;
+  });
+  return extra_dimensions.empty() ? set : set | Attribute::extra_dimensions;
+}
+
+AttributeColumns columns_of(const PointCloud& cloud) {
+  AttributeColumns columns;
+  for_each_column(columns, cloud, [](Attribute, auto& view, const auto& column) { view = column; });
+  for (const ExtraDimension& dimension : cloud.extra_dimensions)
+    columns.extra_dimensions.push_back({description_of(dimension), dimension.values});
+  return columns;
 }
 
 }  // namespace alidade

@@ -2,16 +2,124 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/bounds.h"
-#include "cloud/column_roles.h"
+#include "base/bytes.h"
+#include "cloud/attributes.h"
 
 namespace alidade {
+
+/// What a column of a point table (PLY properties, PCD fields, columns of text) is read as.
+enum class ColumnRole : std::uint8_t {
+  x,
+  y,
+  z,
+  normal_x,
+  normal_y,
+  normal_z,
+  red,
+  green,
+  blue,
+  packed_color,  ///< 0x00RRGGBB in one value (PCD)
+  near_infrared,
+  intensity,
+  classification,
+  return_number,
+  return_count,
+  class_flags,
+  scanner_channel,
+  scan_direction,
+  edge_of_flight_line,  ///< together the PointFlags
+  scan_angle,
+  user_data,
+  point_source_id,
+  gps_time,
+  extra,    ///< kept under its own name
+  ignored,  ///< not kept
+};
+
+/// A column as the file declares it.
+struct TableColumn {
+  std::string name;
+  ScalarType type = ScalarType::float64;
+  ColumnRole role = ColumnRole::extra;
+};
+
+/// One value of a point table. `number` holds every type but 64-bit integers and packed colours without loss;
+/// `integer` is set for those two only and holds their bits.
+struct Cell {
+  double number = 0.0;
+  std::uint64_t integer = 0;
+};
+
+/// Which names stand for coordinates: x, y, z only, or also easting, latitude, height, ... and `i` for
+/// intensity.
+enum class NameRules { point_format, text };
+
+/// Gives every column that is still `extra` its role by its name. Names are compared without case, `_`, `-`,
+/// `.`, blanks and the prefix `scalar_`. A role goes to one column only, to the more usual of two names; red,
+/// green, blue and the parts of a normal count only if all three are there. What remains is extra.
+void assign_roles(std::vector<TableColumn>& columns, NameRules rules);
+
+/// Place of the column with this role, which is not `extra` or `ignored`.
+std::optional<std::size_t> find_role(std::span<const TableColumn> columns, ColumnRole role);
+
+/// The attributes these columns fill.
+AttributeSet attributes_of(std::span<const TableColumn> columns);
+
+/// The attribute a role belongs to; empty for coordinates and ignored columns.
+std::optional<Attribute> attribute_of(ColumnRole role);
+
+/// The value at any address, aligned or not; turned round if the file's order is not the machine's.
+template <class Value>
+Value load(const std::byte* at, std::endian order) {
+  if (order == std::endian::native) return load<Value>(at);
+  std::array<std::byte, sizeof(Value)> bytes;
+  std::reverse_copy(at, at + sizeof(Value), bytes.begin());
+  return std::bit_cast<Value>(bytes);
+}
+
+/// The cell for the scalar_size(type) bytes at `place`.
+inline Cell cell_from(const std::byte* place, ScalarType type, std::endian order) {
+  switch (type) {
+    case ScalarType::uint8:
+      return {static_cast<double>(load<std::uint8_t>(place, order)), 0};
+    case ScalarType::int8:
+      return {static_cast<double>(load<std::int8_t>(place, order)), 0};
+    case ScalarType::uint16:
+      return {static_cast<double>(load<std::uint16_t>(place, order)), 0};
+    case ScalarType::int16:
+      return {static_cast<double>(load<std::int16_t>(place, order)), 0};
+    case ScalarType::uint32:
+      return {static_cast<double>(load<std::uint32_t>(place, order)), 0};
+    case ScalarType::int32:
+      return {static_cast<double>(load<std::int32_t>(place, order)), 0};
+    case ScalarType::uint64: {
+      const auto value = load<std::uint64_t>(place, order);
+      return {static_cast<double>(value), value};
+    }
+    case ScalarType::int64: {
+      const auto value = load<std::int64_t>(place, order);
+      return {static_cast<double>(value), static_cast<std::uint64_t>(value)};
+    }
+    case ScalarType::float32:
+      return {static_cast<double>(load<float>(place, order)), 0};
+    case ScalarType::float64:
+      return {load<double>(place, order), 0};
+    case ScalarType::bytes:
+      break;
+  }
+  return {};
+}
 
 /// Smallest and largest of the values seen; NaN is none. Inverted when there was none.
 struct ValueRange {

@@ -12,16 +12,12 @@
 #include "base/bounds.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "cloud/append_cloud.h"
-#include "cloud/cloud_files.h"
 #include "cloud/cloud_inputs.h"
-#include "cloud/cloud_source.h"
-#include "cloud/crs_plausibility.h"
-#include "cloud/is_las.h"
-#include "cloud/join_records.h"
+#include "cloud/crs.h"
 #include "cloud/joined_files.h"
+#include "cloud/point_cloud.h"
 #include "cloud/read_in_pieces.h"
-#include "cloud/spread_colors.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 namespace {

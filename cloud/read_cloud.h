@@ -38,7 +38,7 @@ struct ReadOptions {
 /// LAS 1.0-1.4 (point formats 0-10), LAZ and COPC of these, PLY, PCD, E57, PTX, PTS, CSV with header names,
 /// XYZ, and index files (octree/index_file/index_file.h), whose points come back in the rows they had.
 ///
-/// A name may also be a folder or a pattern (cloud/cloud_files.h). Several files are joined in the
+/// A name may also be a folder or a pattern (cloud/cloud_inputs.h). Several files are joined in the
 /// order given; an attribute that only some files have is filled with zeros for the others (said in
 /// `warnings`). LAS files must share one lattice up to a whole number of steps, otherwise the odd file is an
 /// Error; so is one that states another coordinate reference system. A file that states none beside others

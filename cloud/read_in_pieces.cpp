@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/spread_colors.h"
+#include "cloud/read_in_pieces.h"
 
 #include <fmt/format.h>
 

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/append_rows.h"
-
-#include <tbb/parallel_for_each.h>
+#include "cloud/rows.h"
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cstdint>
+#include <cstring>
 #include <functional>
+#include <iterator>
+#include <tbb/parallel_for_each.h>
 #include <vector>
+
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 
@@ -79,6 +83,177 @@ std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, 
   added.values.reserve(cloud.positions.capacity() * bytes);
   added.values.resize(cloud.size() * bytes);
   return cloud.extra_dimensions.size() - 1;
+}
+
+namespace {
+
+/// Lengthens a column of `width` values per point from `before` points by those of `more`, or by zeros.
+template <class Column>
+void lengthen(Column& column, const Column& more, std::size_t before, std::size_t after, std::size_t room,
+              std::size_t width = 1) {
+  if (column.empty() && more.empty()) return;
+  column.reserve(std::max(after, room) * width);
+  column.resize(before * width);
+  column.insert(column.end(), more.begin(), more.end());
+  column.resize(after * width);
+}
+
+template <class Value>
+void move_behind(std::vector<Value>& values, std::vector<Value>& more) {
+  std::ranges::move(more, std::back_inserter(values));
+}
+
+}  // namespace
+
+void append_cloud(PointCloud& cloud, PointCloud&& piece) {
+  assert(cloud.lattice == piece.lattice);
+  const std::size_t before = cloud.size(), after = before + piece.size();
+  const std::size_t room = cloud.positions.capacity();
+  for (std::size_t i = 0; i < piece.extra_dimensions.size(); ++i) {
+    const ExtraDimension& own = piece.extra_dimensions[i];
+    const auto equal = std::count_if(
+        piece.extra_dimensions.begin(), piece.extra_dimensions.begin() + static_cast<std::ptrdiff_t>(i),
+        [&](const ExtraDimension& earlier) { return same_meaning(earlier, own); });
+    ExtraDimension& column =
+        cloud.extra_dimensions[find_extra_dimension(cloud, own, static_cast<std::size_t>(equal))];
+    lengthen(column.values, own.values, before, after, room, static_cast<std::size_t>(own.byte_count));
+  }
+  for (ExtraDimension& dimension : cloud.extra_dimensions)
+    dimension.values.resize(after * static_cast<std::size_t>(dimension.byte_count));
+  for_each_column(cloud, piece, [&](Attribute, auto& column, const auto& own) {
+    lengthen(column, own, before, after, room);
+  });
+  cloud.positions.insert(cloud.positions.end(), piece.positions.begin(), piece.positions.end());
+  move_behind(cloud.records, piece.records);
+  move_behind(cloud.scanner_positions, piece.scanner_positions);
+  move_behind(cloud.warnings, piece.warnings);
+}
+
+namespace {
+
+/// Calls move(from, to) for every row that stays, in order; returns how many there are. `next(row)` is the
+/// first row behind `row` that stays.
+template <class Next, class Move>
+std::size_t close_up(std::size_t first, std::size_t size, const Next& next, const Move& move) {
+  std::size_t to = 0;
+  for (std::size_t from = first; from < size; from = next(from)) move(from, to++);
+  return to;
+}
+
+/// Counts the points of each file anew, where the files tell of all rows.
+template <class Next>
+void count_points(PointCloud& cloud, std::size_t first, const Next& next) {
+  std::uint64_t end = 0;
+  for (const CloudFile& file : cloud.files) end += file.point_count;
+  if (end != cloud.size()) return;
+  end = 0;
+  std::size_t row = first;
+  for (CloudFile& file : cloud.files) {
+    end += file.point_count;
+    file.point_count = 0;
+    for (; row < end; row = next(row)) ++file.point_count;
+  }
+}
+
+template <class Next>
+void keep(PointCloud& cloud, std::size_t first, const Next& next) {
+  const std::size_t size = cloud.size();
+  count_points(cloud, first, next);
+  const auto move_values = [&](auto& column) {
+    assert(column.empty() || column.size() == size);
+    if (!column.empty())
+      close_up(first, size, next, [&](std::size_t from, std::size_t to) { column[to] = column[from]; });
+  };
+  for_each_column(cloud, cloud, [&](Attribute, auto& column, const auto&) { move_values(column); });
+  for (ExtraDimension& dimension : cloud.extra_dimensions) {
+    const auto bytes = static_cast<std::size_t>(dimension.byte_count);
+    assert(dimension.values.size() == size * bytes);
+    close_up(first, size, next, [&](std::size_t from, std::size_t to) {
+      std::memmove(dimension.values.data() + to * bytes, dimension.values.data() + from * bytes, bytes);
+    });
+  }
+  const std::size_t count = close_up(first, size, next, [&](std::size_t from, std::size_t to) {
+    cloud.positions[to] = cloud.positions[from];
+  });
+  cloud.resize(count);
+}
+
+}  // namespace
+
+void keep_rows(PointCloud& cloud, std::span<const std::uint8_t> marks) {
+  assert(marks.size() == cloud.size());
+  const auto at_or_behind = [&](std::size_t row) {
+    while (row < marks.size() && marks[row] == 0) ++row;
+    return row;
+  };
+  keep(cloud, at_or_behind(0), [&](std::size_t row) { return at_or_behind(row + 1); });
+}
+
+void keep_every(PointCloud& cloud, std::uint64_t step) {
+  assert(step >= 1);
+  const std::size_t size = cloud.size();
+  // A step beyond the end must not wrap around.
+  keep(cloud, 0, [&](std::size_t row) { return step < size - row ? row + step : size; });
+}
+
+namespace {
+
+template <class Value>
+void reorder(std::vector<Value>& column, std::span<const std::uint32_t> order) {
+  if (column.empty()) return;
+  assert(column.size() == order.size());
+  std::vector<Value> ordered;
+  ordered.reserve(order.size());
+  for (const std::uint32_t row : order) ordered.push_back(column[row]);
+  column.swap(ordered);
+}
+
+void reorder(ExtraDimension& dimension, std::span<const std::uint32_t> order) {
+  const auto width = static_cast<std::size_t>(dimension.byte_count);
+  assert(dimension.values.size() == order.size() * width);
+  std::vector<std::uint8_t> ordered(dimension.values.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    std::memcpy(ordered.data() + i * width, dimension.values.data() + order[i] * width, width);
+  dimension.values.swap(ordered);
+}
+
+}  // namespace
+
+void reorder_attributes(PointCloud& cloud, std::span<const std::uint32_t> order) {
+  reorder(cloud.colors, order);
+  reorder(cloud.near_infrared, order);
+  reorder(cloud.intensities, order);
+  reorder(cloud.classifications, order);
+  reorder(cloud.returns, order);
+  reorder(cloud.flags, order);
+  reorder(cloud.scan_angles, order);
+  reorder(cloud.user_data, order);
+  reorder(cloud.point_source_ids, order);
+  reorder(cloud.gps_times, order);
+  reorder(cloud.normals, order);
+  for (ExtraDimension& dimension : cloud.extra_dimensions) reorder(dimension, order);
+}
+
+RowIds::RowIds(std::span<const CloudFile> files) {
+  std::uint64_t row = 0, before = 0;
+  for (const CloudFile& file : files) {
+    row += file.point_count;
+    if (file.skipped_count == 0) continue;
+    before += file.skipped_count;
+    ++skipped_files_;
+    if (!skips_.empty() && skips_.back().row == row) {
+      skips_.back().before = before;
+    } else {
+      skips_.push_back({row, before});
+    }
+  }
+}
+
+std::uint64_t RowIds::operator()(std::uint64_t row) const {
+  const auto next =
+      std::upper_bound(skips_.begin(), skips_.end(), row,
+                       [](std::uint64_t wanted, const Skip& skip) { return wanted < skip.row; });
+  return next == skips_.begin() ? row : row + std::prev(next)->before;
 }
 
 }  // namespace alidade

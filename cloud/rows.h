@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,6 +9,42 @@
 #include "cloud/point_cloud.h"
 
 namespace alidade {
+
+/// Appends `count` points of zeros to the positions and to every column that is present or in `filled`. A
+/// column of `filled` that is not there yet first gets zeros for the earlier points. Extra dimensions are
+/// made by find_extra_dimension(); those that exist grow here. Never takes more memory than the new size
+/// needs: growing by small blocks is cheap only in columns with room reserved.
+void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count);
+
+/// Index of the cloud's extra dimension that means the same as `like`, made with zeros for all points if
+/// there is none. The values of `like` are not looked at. If a file has several of one meaning, `occurrence`
+/// counts them from 0.
+std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, std::size_t occurrence = 0);
+
+/// Whether two extra dimensions can share a column: equal in name, type, scale, offset and "no value" mark.
+bool same_meaning(const ExtraDimension& a, const ExtraDimension& b);
+
+/// The dimension without its values.
+ExtraDimension description_of(const ExtraDimension& dimension);
+
+/// Appends the points of `piece`, its records, scanner positions and warnings: the cloud is then as if the
+/// reader that filled the piece had appended to it (CloudReader::read). Requires equal lattices. What the
+/// cloud says of itself and its files stay. Memory: columns with room reserved are not moved.
+void append_cloud(PointCloud& cloud, PointCloud&& piece);
+
+/// Takes the points out of a cloud whose mark is 0; the others close up in the order they had, with all their
+/// attributes; CloudFile::point_count follows. One mark per point. Memory: none. Cost: one pass over every
+/// column.
+void keep_rows(PointCloud& cloud, std::span<const std::uint8_t> marks);
+
+/// Keeps the first point and every `step`-th from there on: rows 0, step, 2 * step ... As keep_rows(); `step`
+/// is at least 1.
+void keep_every(PointCloud& cloud, std::uint64_t step);
+
+/// Brings the rows of all attribute columns into another order: row i becomes what row order[i] was. Columns
+/// that are absent stay absent; positions are left as they are. `order` holds every row once. Memory: one
+/// column at a time.
+void reorder_attributes(PointCloud& cloud, std::span<const std::uint32_t> order);
 
 /// Point ids of the whole cloud for the rows of one that was read without the files outside a region
 /// (ReadOptions::region): what the rows would be had these been read too. Order stays.

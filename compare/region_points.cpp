@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/error.h"
-#include "cloud/append_rows.h"
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/bounds.h"
-#include "cloud/spread_colors.h"
+#include "cloud/read_in_pieces.h"
 #include "database/point_stream.h"
 
 namespace alidade {

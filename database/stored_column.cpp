@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "base/words.h"
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 namespace {

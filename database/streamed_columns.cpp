@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "database/streamed_columns.h"
 
-#include "cloud/append_rows.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 
 namespace alidade {
 

@@ -4,7 +4,7 @@
 #include <cassert>
 #include <string>
 
-#include "cloud/wkt_node.h"
+#include "cloud/crs.h"
 #include "geo/height_unit.h"
 
 namespace alidade {

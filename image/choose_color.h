@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "cloud/attribute_columns.h"
 #include "cloud/damage.h"
+#include "cloud/point_cloud.h"
 #include "image/point_color.h"
 
 // Whether a cloud has what its points are to be coloured by.

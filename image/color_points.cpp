@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "cloud/is_las.h"
+#include "cloud/point_cloud.h"
 #include "geo/height_unit.h"
 #include "image/classification_colors.h"
 #include "image/gps_date.h"

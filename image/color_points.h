@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 #include "image/color_key.h"
 #include "image/point_color.h"
 #include "octree/octree.h"

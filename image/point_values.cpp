@@ -11,7 +11,7 @@
 #include <limits>
 #include <vector>
 
-#include "cloud/scalar_bytes.h"
+#include "cloud/point_table.h"
 #include "octree/tree_walk.h"
 
 namespace alidade {

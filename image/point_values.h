@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 #include "image/point_color.h"
 #include "octree/octree.h"
 

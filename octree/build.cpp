@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "cloud/reorder_attributes.h"
+#include "cloud/rows.h"
 #include "octree/building/tree_builder.h"
 
 namespace alidade {

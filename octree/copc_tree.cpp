@@ -7,7 +7,7 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
-#include "cloud/laz/corrupt_chunk.h"
+#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 namespace {

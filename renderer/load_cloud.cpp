@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/fingerprint.h"
-#include "cloud/attribute_columns.h"
-#include "cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
+#include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
 #include "image/choose_color.h"
 #include "image/color_points.h"

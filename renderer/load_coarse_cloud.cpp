@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "cloud/cloud_files.h"
 #include "cloud/cloud_inputs.h"
 #include "image/choose_color.h"
 #include "renderer/index_cloud.h"

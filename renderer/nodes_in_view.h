@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "cloud/copc/read_copc_nodes.h"
+#include "cloud/copc/copc_file.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -52,7 +52,7 @@ inline constexpr int k_max_level = 255;
 
 /// The scanned part of a scene.
 struct CloudSettings {
-  std::vector<std::filesystem::path> files;  ///< and folders and patterns (cloud/cloud_files.h)
+  std::vector<std::filesystem::path> files;  ///< and folders and patterns (cloud/cloud_inputs.h)
   bool partial = false;                      ///< ReadOptions::partial
   ColorDepth color_depth = ColorDepth::automatic;
   std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing

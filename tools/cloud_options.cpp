@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/cloud_options.h"
 
-#include "cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
 
 namespace alidade {
 

@@ -1,15 +1,132 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <map>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
-#include "cloud/e57/e57_document.h"
 #include "cloud/e57/e57_pages.h"
 
 namespace alidade {
+
+/// What was read over in a file, as clauses. Hundreds of scans by one program are odd in the same way: of
+/// each kind the first is told, and how many more there are.
+class E57Oddities {
+ public:
+  void add(const std::string& kind, const std::string& clause) {
+    const auto [place, is_first] = kinds_.try_emplace(kind, Kind{clause});
+    if (!is_first) ++place->second.more;
+  }
+
+  /// Sorted by kind.
+  std::vector<std::string> clauses() const {
+    std::vector<std::string> clauses;
+    for (const auto& [name, kind] : kinds_) {
+      clauses.push_back(kind.more == 0
+                            ? kind.first
+                            : kind.first + ", and " + std::to_string(kind.more) + " more like this");
+    }
+    return clauses;
+  }
+
+ private:
+  struct Kind {
+    std::string first;
+    std::uint64_t more = 0;
+  };
+  std::map<std::string, Kind> kinds_;
+};
+
+// What the XML of an E57 file says, as plain data. Standard: ASTM E2807.
+
+/// How the values of a field are stored.
+enum class E57FieldKind { integer, scaled_integer, float32, float64, text };
+
+/// One value of every record of a scan.
+struct E57Field {
+  std::string name;  ///< with the prefix of its extension, if it has one
+  E57FieldKind kind = E57FieldKind::float64;
+  std::int64_t minimum = 0, maximum = 0;  ///< of stored integers
+  double scale = 1.0, offset = 0.0;       ///< value = offset + scale * stored integer
+  /// Smallest and largest value, where the file states both as finite numbers and means more than a type:
+  /// integers of 30 bits at most, scaled ones of 62, floats below 1e30.
+  std::optional<std::array<double, 2>> range{};
+
+  bool is_integer() const { return kind == E57FieldKind::integer || kind == E57FieldKind::scaled_integer; }
+  /// Bits of a stored value: 0 if all are equal, 64 at most. Of texts, whose length varies: the fewest.
+  int bits() const;
+};
+
+/// From the axes of a scan or image to those of the file: rotation * place + translation.
+struct E57Pose {
+  glm::dmat3 rotation{1.0};
+  glm::dvec3 translation{0.0};
+  bool is_rotated = false;  ///< whether the rotation is another than none
+};
+
+/// What values mean darkest and brightest.
+using E57Limits = std::optional<std::array<double, 2>>;
+
+struct E57Scan {
+  std::string name, guid;
+  std::uint64_t record_count = 0;
+  std::vector<E57Field> fields;  ///< in the order in which they are stored
+  std::optional<E57Pose> pose{};
+  E57Limits intensity_limits{};
+  std::array<E57Limits, 3> color_limits{};  ///< red, green, blue
+  std::optional<double> start{};            ///< seconds since the GPS epoch, 1980-01-06; empty if not known
+
+  // Where the records are, in bytes without checksums (E57Pages); 0 without records.
+  std::uint64_t begin = 0;  ///< the section's header
+  std::uint64_t end = 0;    ///< behind the section
+  std::uint64_t first_packet = 0;
+};
+
+/// A file inside the file.
+struct E57Blob {
+  std::uint64_t place = 0;  ///< of its first byte, without checksums
+  std::uint64_t length = 0;
+};
+
+enum class E57Projection { visual, pinhole, spherical, cylindrical };
+
+/// The word for each projection: "visual reference", "pinhole", ...
+const char* name_of(E57Projection projection);
+
+/// One picture of an image, which may have a visual reference and one of the projections.
+struct E57Picture {
+  E57Projection projection = E57Projection::visual;
+  std::string extension;  ///< "jpg" or "png", told by the first bytes; "bin" for anything else
+  E57Blob blob;
+  std::optional<E57Blob> mask{};                 ///< PNG, 0 = pixel not valid
+  std::uint64_t width = 0, height = 0;           ///< pixels, as the XML says
+  double focal_length = 0.0;                     ///< metres; pinhole
+  double pixel_width = 0.0, pixel_height = 0.0;  ///< metres; spherical: radians; cylindrical: radians, metres
+  double principal_x = 0.0, principal_y = 0.0;   ///< pixels; pinhole, cylindrical only y
+  double radius = 0.0;                           ///< metres; cylindrical
+};
+
+struct E57Image {
+  std::string name, guid, scan_guid;  ///< scan_guid: of the scan it belongs to, or empty
+  std::optional<E57Pose> pose{};
+  std::vector<E57Picture> pictures;
+};
+
+struct E57Document {
+  std::string guid;
+  std::string coordinate_metadata;  ///< normally WKT; often empty
+  std::vector<E57Scan> scans;
+  std::vector<E57Image> images;
+  E57Oddities oddities;
+};
 
 /// An E57 file whose XML is understood and checked against the file: every section and every image lies
 /// inside it, sections of scans do not overlap, and no scan claims more records than its section could hold.

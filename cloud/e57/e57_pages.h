@@ -12,6 +12,10 @@
 
 namespace alidade {
 
+/// CRC-32C (Castagnoli): polynomial 0x1EDC6F41, bits reflected, begun with and inverted by 0xFFFFFFFF, as in
+/// iSCSI (RFC 3720). That of "123456789" is 0xE3069283. Cost: about a nanosecond per byte, by eight tables.
+std::uint32_t crc32c(std::span<const std::byte> bytes);
+
 /// Bytes of a page of an E57 file, and those of them that are not its checksum.
 inline constexpr std::uint64_t k_e57_page = 1024;
 inline constexpr std::uint64_t k_e57_payload = 1020;

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/e57/e57_xml.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <numbers>
 #include <string_view>
+#include <unordered_set>
 
+#include "base/bytes.h"
 #include "base/text_scanner.h"
 
 namespace alidade {
@@ -87,6 +92,285 @@ std::uint64_t E57Node::require_count_attribute(const char* name) const {
 void E57Node::fail(std::string problem, std::string expected, std::string found) const {
   pages_->fail(where_, (element_ ? quote(element_.name()) + " " : "") + std::move(problem),
                std::move(expected), std::move(found));
+}
+
+namespace {
+
+/// Rotation by a unit quaternion of Hamilton's convention.
+glm::dmat3 rotation_of(double w, double x, double y, double z) {
+  return {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+          {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+          {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
+}
+
+}  // namespace
+
+std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities) {
+  const E57Node node = parent.child("pose");
+  if (!node) return std::nullopt;
+  E57Pose pose;
+  if (const E57Node rotation = node.child("rotation")) {
+    const double w = rotation.child("w").number_or(0.0), x = rotation.child("x").number_or(0.0),
+                 y = rotation.child("y").number_or(0.0), z = rotation.child("z").number_or(0.0);
+    const double length = std::hypot(std::hypot(w, x), std::hypot(y, z));
+    if (!(length > 1e-100 && length < 1e100)) {
+      rotation.fail("is no rotation", "a quaternion of length 1", fmt::format("length {}", length));
+    }
+    if (std::abs(length - 1.0) > 1e-3) {
+      oddities.add("quaternion",
+                   fmt::format("{}: the quaternion of the pose has length {}; it was brought to 1",
+                               parent.where(), length));
+    }
+    pose.is_rotated = x != 0.0 || y != 0.0 || z != 0.0;
+    if (pose.is_rotated) pose.rotation = rotation_of(w / length, x / length, y / length, z / length);
+  }
+  if (const E57Node translation = node.child("translation")) {
+    pose.translation = {translation.child("x").number_or(0.0), translation.child("y").number_or(0.0),
+                        translation.child("z").number_or(0.0)};
+  }
+  return pose;
+}
+
+namespace {
+
+constexpr std::uint64_t k_section_header_bytes = 32;
+constexpr int k_deepest_prototype = 8;
+/// Fields carry the names of the structures they are in, which a file has once.
+constexpr std::size_t k_longest_name = 256;
+
+E57Field read_field(const E57Node& node, std::string name) {
+  E57Field field;
+  field.name = std::move(name);
+  const std::string_view type = node.element().attribute("type").value();
+  if (type == "Integer" || type == "ScaledInteger") {
+    using Limits = std::numeric_limits<std::int64_t>;
+    field.kind = type == "Integer" ? E57FieldKind::integer : E57FieldKind::scaled_integer;
+    const auto minimum = node.integer_attribute("minimum"), maximum = node.integer_attribute("maximum");
+    field.minimum = minimum.value_or(Limits::min());
+    field.maximum = maximum.value_or(Limits::max());
+    if (field.minimum > field.maximum) {
+      node.fail("has a minimum above its maximum", fmt::format("at most {}", field.maximum),
+                std::to_string(field.minimum));
+    }
+    if (type == "ScaledInteger") {
+      field.scale = node.number_attribute("scale").value_or(1.0);
+      field.offset = node.number_attribute("offset").value_or(0.0);
+    }
+    // Nothing is measured in more steps than this: wider ranges are those of a type.
+    const int most_bits = field.kind == E57FieldKind::integer ? 30 : 62;
+    if (minimum && maximum && field.bits() <= most_bits) {
+      const double a = static_cast<double>(*minimum) * field.scale + field.offset;
+      const double b = static_cast<double>(*maximum) * field.scale + field.offset;
+      field.range = {{std::min(a, b), std::max(a, b)}};
+    }
+  } else if (type == "Float") {
+    const std::string_view precision = node.element().attribute("precision").value();
+    if (!precision.empty() && precision != "single" && precision != "double")
+      node.fail("has an unknown precision", "single or double", quote(precision));
+    field.kind = precision == "single" ? E57FieldKind::float32 : E57FieldKind::float64;
+    // Likewise.
+    constexpr double k_unlimited = 1e30;
+    const auto minimum = parse_number(node.element().attribute("minimum").value());
+    const auto maximum = parse_number(node.element().attribute("maximum").value());
+    if (minimum && maximum && std::abs(*minimum) < k_unlimited && std::abs(*maximum) < k_unlimited)
+      field.range = {{*minimum, *maximum}};
+  } else if (type == "String") {
+    field.kind = E57FieldKind::text;
+  } else {
+    node.fail("has a type that records cannot have", "Integer, ScaledInteger, Float or String", quote(type));
+  }
+  return field;
+}
+
+/// The leaves of a prototype in document order, each of which has a stream of bytes.
+void read_fields(const E57Node& parent, const std::string& prefix, int depth, std::vector<E57Field>& fields) {
+  if (depth > k_deepest_prototype) parent.fail("is nested too deeply", "8 levels at most");
+  for (const pugi::xml_node& element : parent.element().children()) {
+    if (element.type() != pugi::node_element) continue;
+    const E57Node node = parent.descend(element);
+    const std::string name = prefix + element.name();
+    if (name.size() > k_longest_name) {
+      parent.fail("has a field with too long a name", fmt::format("at most {} bytes", k_longest_name),
+                  std::to_string(name.size()));
+    }
+    if (std::string_view(element.attribute("type").value()) == "Structure") {
+      read_fields(node, name + "/", depth + 1, fields);
+      continue;
+    }
+    if (fields.size() == k_most_columns)
+      parent.fail("has too many fields", fmt::format("{} at most", k_most_columns));
+    fields.push_back(read_field(node, name));
+  }
+}
+
+E57Limits read_limits(const E57Node& parent, const std::string& name) {
+  const E57Node low = parent.child((name + "Minimum").c_str());
+  const E57Node high = parent.child((name + "Maximum").c_str());
+  if (!low || !high) return std::nullopt;
+  // An element without text is 0.
+  return {{low.number_or(0.0), high.number_or(0.0)}};
+}
+
+/// Finds the section of the scan's records and checks that it could hold them.
+void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
+  const std::string& where = points.where();
+  scan.begin = pages.place_of(points.require_count_attribute("fileOffset"), where, "the section of points");
+  if (k_section_header_bytes > pages.size() - scan.begin)
+    pages.fail(where, "the file ends early", "the header of the section of points");
+  const std::span<const std::byte> header = pages.view(scan.begin, k_section_header_bytes);
+  const auto id = load<std::uint8_t>(header.data());
+  const auto length = load<std::uint64_t>(header.data() + 8), data = load<std::uint64_t>(header.data() + 16);
+  if (id != 1) pages.fail(where, "no section of points where one should begin", "1", std::to_string(id));
+  if (length < k_section_header_bytes || length > pages.size() - scan.begin) {
+    pages.fail(where, "the section of points does not fit into the file",
+               fmt::format("32 to {} bytes", pages.size() - scan.begin), std::to_string(length));
+  }
+  scan.end = scan.begin + length;
+  scan.first_packet = pages.place_of(data, where, "the first packet");
+  if (scan.first_packet < scan.begin + k_section_header_bytes || scan.first_packet > scan.end)
+    pages.fail(where, "the first packet lies outside the section of points",
+               fmt::format("{} to {}", scan.begin + k_section_header_bytes, scan.end),
+               std::to_string(scan.first_packet));
+
+  // A scan of nothing but constants takes no room at all. Nobody means more of it than of one-bit fields.
+  std::uint64_t bits = 0;
+  for (const E57Field& field : scan.fields) bits += static_cast<std::uint64_t>(field.bits());
+  const std::uint64_t most = (scan.end - scan.begin) * 8 / std::max<std::uint64_t>(bits, 1);
+  if (scan.record_count > most) {
+    pages.fail(where, "the section is too short for the points of the scan", fmt::format("at most {}", most),
+               std::to_string(scan.record_count));
+  }
+}
+
+}  // namespace
+
+int E57Field::bits() const {
+  switch (kind) {
+    case E57FieldKind::float32:
+      return 32;
+    case E57FieldKind::float64:
+      return 64;
+    case E57FieldKind::text:
+      return 8;
+    default:
+      return std::bit_width(static_cast<std::uint64_t>(maximum) - static_cast<std::uint64_t>(minimum));
+  }
+}
+
+E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
+  E57Scan scan;
+  scan.name = parent.child("name").text();
+  scan.guid = parent.child("guid").text();
+  const E57Node points = parent.child("points");
+  if (!points) parent.fail("has no points", "points in every scan");
+  if (std::string_view(points.element().attribute("type").value()) != "CompressedVector")
+    points.fail("is of the wrong type", "CompressedVector",
+                quote(points.element().attribute("type").value()));
+  scan.record_count = points.require_count_attribute("recordCount");
+  scan.pose = read_e57_pose(parent, oddities);
+  scan.intensity_limits = read_limits(parent.child("intensityLimits"), "intensity");
+  const E57Node colors = parent.child("colorLimits");
+  scan.color_limits = {read_limits(colors, "colorRed"), read_limits(colors, "colorGreen"),
+                       read_limits(colors, "colorBlue")};
+  if (const auto start = parent.child("acquisitionStart").child("dateTimeValue").number();
+      start && *start > 0)
+    scan.start = start;
+  for (const pugi::xml_node& codec : points.child("codecs").element().children()) {
+    if (codec.type() == pugi::node_element)
+      points.child("codecs").fail("names a compression nobody knows", "none");
+  }
+  read_fields(points.child("prototype"), "", 1, scan.fields);
+  std::unordered_set<std::string_view> names;
+  for (const E57Field& field : scan.fields) {
+    if (!names.insert(field.name).second)
+      points.fail("has two fields of one name", "names that differ", quote(field.name));
+  }
+  // Writers leave anything in the place of a section without records.
+  if (scan.record_count > 0) locate_section(points, pages, scan);
+  return scan;
+}
+
+namespace {
+
+constexpr std::uint64_t k_blob_header_bytes = 16;
+
+E57Blob read_blob_place(const E57Node& node, E57Pages& pages) {
+  const std::uint64_t length = node.require_count_attribute("length");
+  const std::uint64_t begin =
+      pages.place_of(node.require_count_attribute("fileOffset"), node.where(), "the " + node.name());
+  const std::uint64_t room = pages.size() - begin;
+  if (room < k_blob_header_bytes || length > room - k_blob_header_bytes)
+    node.fail("does not fit into the file", fmt::format("at most {} bytes", room), std::to_string(length));
+  const std::span<const std::byte> header = pages.view(begin, k_blob_header_bytes);
+  const auto id = load<std::uint8_t>(header.data());
+  const auto section = load<std::uint64_t>(header.data() + 8);
+  if (id != 0) node.fail("has no section where one should begin", "0", std::to_string(id));
+  // Writers differ in whether the section's length counts its header.
+  if (length > section)
+    node.fail("is longer than its section", std::to_string(section), std::to_string(length));
+  return {.place = begin + k_blob_header_bytes, .length = length};
+}
+
+std::string extension_of(const E57Blob& blob, E57Pages& pages) {
+  constexpr std::string_view k_png = "\x89PNG\r\n\x1a\n", k_jpeg = "\xFF\xD8\xFF";
+  const std::size_t looked_at =
+      blob.length < k_png.size() ? static_cast<std::size_t>(blob.length) : k_png.size();
+  const std::span<const std::byte> bytes = pages.view(blob.place, looked_at);
+  const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return start.starts_with(k_png) ? "png" : start.starts_with(k_jpeg) ? "jpg" : "bin";
+}
+
+constexpr const char* k_elements[] = {"visualReferenceRepresentation", "pinholeRepresentation",
+                                      "sphericalRepresentation", "cylindricalRepresentation"};
+
+std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projection, E57Pages& pages) {
+  const E57Node jpeg = node.child("jpegImage"), png = node.child("pngImage");
+  if (!jpeg && !png) return std::nullopt;
+  E57Picture picture;
+  picture.projection = projection;
+  picture.blob = read_blob_place(jpeg ? jpeg : png, pages);
+  picture.extension = extension_of(picture.blob, pages);
+  if (const E57Node mask = node.child("imageMask")) picture.mask = read_blob_place(mask, pages);
+  picture.width = node.child("imageWidth").count();
+  picture.height = node.child("imageHeight").count();
+  picture.focal_length = node.child("focalLength").number_or(0.0);
+  picture.pixel_width = node.child("pixelWidth").number_or(0.0);
+  picture.pixel_height = node.child("pixelHeight").number_or(0.0);
+  picture.principal_x = node.child("principalPointX").number_or(0.0);
+  picture.principal_y = node.child("principalPointY").number_or(0.0);
+  // One writer misspells the radius.
+  picture.radius = node.child("radius").number_or(node.child("readius").number_or(0.0));
+  if (projection == E57Projection::spherical && picture.width > 0 && picture.height > 0) {
+    // Some writers leave out the pixels of pictures of the whole sphere.
+    if (picture.pixel_width == 0.0)
+      picture.pixel_width = 2.0 * std::numbers::pi / static_cast<double>(picture.width);
+    if (picture.pixel_height == 0.0)
+      picture.pixel_height = std::numbers::pi / static_cast<double>(picture.height);
+  }
+  return picture;
+}
+
+}  // namespace
+
+const char* name_of(E57Projection projection) {
+  constexpr const char* k_names[] = {"visual reference", "pinhole", "spherical", "cylindrical"};
+  return k_names[static_cast<int>(projection)];
+}
+
+E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
+  E57Image image;
+  image.name = parent.child("name").text();
+  image.guid = parent.child("guid").text();
+  image.scan_guid = parent.child("associatedData3DGuid").text();
+  image.pose = read_e57_pose(parent, oddities);
+  for (int i = 0; i < 4; ++i) {
+    const E57Node node = parent.child(k_elements[i]);
+    if (!node) continue;
+    const auto picture = read_picture(node, static_cast<E57Projection>(i), pages);
+    if (picture) image.pictures.push_back(*picture);
+  }
+  if (image.pictures.empty()) oddities.add("no picture", parent.where() + " holds no picture");
+  return image;
 }
 
 }  // namespace alidade

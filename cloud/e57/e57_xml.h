@@ -7,7 +7,7 @@
 #include <pugixml.hpp>
 #include <string>
 
-#include "cloud/e57/e57_document.h"
+#include "cloud/e57/e57_file.h"
 #include "cloud/e57/e57_pages.h"
 
 namespace alidade {

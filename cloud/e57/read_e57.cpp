@@ -12,8 +12,6 @@
 #include "cloud/e57/e57_columns.h"
 #include "cloud/e57/e57_file.h"
 #include "cloud/e57/e57_points.h"
-#include "cloud/e57/e57_roles.h"
-#include "cloud/e57/e57_scaling.h"
 
 namespace alidade {
 namespace {

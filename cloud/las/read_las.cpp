@@ -1,22 +1,197 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
+#include "cloud/las/read_las.h"
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
+#include <fmt/format.h>
 #include <optional>
 #include <utility>
 
+#include "base/bytes.h"
 #include "base/error.h"
-#include "cloud/append_rows.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/fit_lattice.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
-#include "cloud/las/read_las.h"
-#include "cloud/laz/attribute_layers.h"
+#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_points.h"
+#include "cloud/rows.h"
 
 namespace alidade {
+namespace {
+
+/// column[row] = value(point) for all points of a block, where `point` is the address of a record's
+/// `place`-th byte.
+template <class Column, class Value>
+void fill(const RecordBlock& block, int place, Column& column, Value value) {
+  const std::byte* at = block.bytes + place;
+  for (std::size_t i = 0; i < block.count; ++i, at += block.point_size)
+    column[block.first_row + i] = value(at);
+}
+
+template <class T>
+constexpr auto k_plain = [](const std::byte* at) { return load<T>(at); };
+
+ReturnNumbers legacy_returns(const std::byte* at) {
+  const unsigned bits = load<std::uint8_t>(at);
+  return {.number = static_cast<std::uint8_t>(bits & 7), .count = static_cast<std::uint8_t>(bits >> 3 & 7)};
+}
+
+ReturnNumbers returns(const std::byte* at) {
+  const unsigned bits = load<std::uint8_t>(at);
+  return {.number = static_cast<std::uint8_t>(bits & 15), .count = static_cast<std::uint8_t>(bits >> 4)};
+}
+
+/// Scan direction and edge of flight line from the byte of the returns; synthetic, key point and withheld
+/// from the upper bits of the classification behind it.
+PointFlags legacy_flags(const std::byte* at) {
+  return static_cast<PointFlags>((load<std::uint8_t>(at) & 0xc0) | load<std::uint8_t>(at + 1) >> 5);
+}
+
+std::uint8_t legacy_classification(const std::byte* at) {
+  return load<std::uint8_t>(at) & 31;
+}
+
+float legacy_scan_angle(const std::byte* at) {
+  return load<std::int8_t>(at);
+}
+
+float scan_angle(const std::byte* at) {
+  return static_cast<float>(load<std::int16_t>(at) * k_las_scan_angle_step);
+}
+
+/// Index of the first of three dimensions that hold a normal as LasWriter writes it; empty if there are none.
+std::optional<std::size_t> find_normal(const std::vector<ExtraDimension>& dimensions) {
+  const auto is = [](const ExtraDimension& dimension, const char* name) {
+    return dimension.name == name && dimension.type == ScalarType::float32 && !dimension.has_scale &&
+           !dimension.has_offset;
+  };
+  for (std::size_t i = 0; i + 2 < dimensions.size(); ++i) {
+    if (is(dimensions[i], "NormalX") && is(dimensions[i + 1], "NormalY") && is(dimensions[i + 2], "NormalZ"))
+      return i;
+  }
+  return std::nullopt;
+}
+
+/// Positions, by steps of the cloud's lattice.
+void take_positions(const RecordBlock& block, const glm::i64vec3& shift, const std::string& file_name,
+                    PointCloud& cloud) {
+  if (shift == glm::i64vec3(0)) {
+    fill(block, 0, cloud.positions, k_plain<LatticePosition>);
+    return;
+  }
+  for (std::size_t i = 0; i < block.count; ++i) {
+    const glm::i64vec3 steps =
+        glm::i64vec3(load<LatticePosition>(block.bytes + i * block.point_size)) + shift;
+    const LatticePosition position(steps);
+    if (glm::i64vec3(position) != steps) {
+      throw Error({.file = file_name,
+                   .problem = "lies too far from the first file to share its lattice of 32-bit steps",
+                   .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
+    }
+    cloud.positions[block.first_row + i] = position;
+  }
+}
+
+}  // namespace
+
+LasColumns::LasColumns(std::string file_name, const LasHeader& header,
+                       const std::vector<ExtraDimension>& extra_dimensions)
+    : file_name_(std::move(file_name)), layout_(header.layout()) {
+  const std::optional<std::size_t> normal = find_normal(extra_dimensions);
+  int place = layout_.size;
+  for (std::size_t i = 0; i < extra_dimensions.size(); ++i) {
+    const ExtraDimension& dimension = extra_dimensions[i];
+    if (normal && i == *normal) normal_place_ = place;
+    const bool part_of_normal = normal && i >= *normal && i < *normal + 3;
+    if (!part_of_normal) extra_dimensions_.push_back({dimension, place});
+    place += dimension.byte_count;
+  }
+}
+
+AttributeSet LasColumns::attributes() const {
+  AttributeSet set = Attribute::intensity | Attribute::classification | Attribute::returns |
+                     Attribute::flags | Attribute::scan_angle | Attribute::user_data |
+                     Attribute::point_source_id;
+  if (layout_.gps_time >= 0) set = set | Attribute::gps_time;
+  if (layout_.color >= 0) set = set | Attribute::color;
+  if (layout_.near_infrared >= 0) set = set | Attribute::near_infrared;
+  if (normal_place_) set = set | Attribute::normal;
+  if (!extra_dimensions_.empty()) set = set | Attribute::extra_dimensions;
+  return set;
+}
+
+LasColumns::Choice LasColumns::choose(AttributeSet wanted, const glm::i64vec3& shift,
+                                      PointCloud& cloud) const {
+  Choice choice{attributes() & wanted, shift, {}};
+  if (!choice.kept.contains(Attribute::extra_dimensions)) return choice;
+  for (std::size_t i = 0; i < extra_dimensions_.size(); ++i) {
+    const ExtraDimension& like = extra_dimensions_[i].description;
+    const auto equal = std::count_if(
+        extra_dimensions_.begin(), extra_dimensions_.begin() + static_cast<std::ptrdiff_t>(i),
+        [&](const PlacedDimension& earlier) { return same_meaning(earlier.description, like); });
+    choice.extra_columns.push_back(find_extra_dimension(cloud, like, static_cast<std::size_t>(equal)));
+  }
+  return choice;
+}
+
+void LasColumns::take(const RecordBlock& block, const Choice& choice, PointCloud& cloud) const {
+  take_positions(block, choice.shift, file_name_, cloud);
+  take_attributes(block, choice.kept, cloud);
+  for (std::size_t i = 0; i < choice.extra_columns.size(); ++i) {
+    ExtraDimension& column = cloud.extra_dimensions[choice.extra_columns[i]];
+    const std::size_t bytes = static_cast<std::size_t>(column.byte_count);
+    for (std::size_t row = 0; row < block.count; ++row) {
+      std::memcpy(column.values.data() + (block.first_row + row) * bytes,
+                  block.bytes + row * block.point_size + extra_dimensions_[i].place, bytes);
+    }
+  }
+}
+
+void LasColumns::take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const {
+  const bool legacy = layout_.legacy;
+  if (kept.contains(Attribute::intensity)) fill(block, 12, cloud.intensities, k_plain<std::uint16_t>);
+  if (kept.contains(Attribute::returns)) {
+    if (legacy) {
+      fill(block, 14, cloud.returns, legacy_returns);
+    } else {
+      fill(block, 14, cloud.returns, returns);
+    }
+  }
+  if (kept.contains(Attribute::flags)) {
+    if (legacy) {
+      fill(block, 14, cloud.flags, legacy_flags);
+    } else {
+      fill(block, 15, cloud.flags, k_plain<PointFlags>);
+    }
+  }
+  if (kept.contains(Attribute::classification)) {
+    if (legacy) {
+      fill(block, 15, cloud.classifications, legacy_classification);
+    } else {
+      fill(block, 16, cloud.classifications, k_plain<std::uint8_t>);
+    }
+  }
+  if (kept.contains(Attribute::scan_angle)) {
+    if (legacy) {
+      fill(block, 16, cloud.scan_angles, legacy_scan_angle);
+    } else {
+      fill(block, 18, cloud.scan_angles, scan_angle);
+    }
+  }
+  if (kept.contains(Attribute::user_data)) fill(block, 17, cloud.user_data, k_plain<std::uint8_t>);
+  if (kept.contains(Attribute::point_source_id)) {
+    fill(block, legacy ? 18 : 20, cloud.point_source_ids, k_plain<std::uint16_t>);
+  }
+  if (kept.contains(Attribute::gps_time)) fill(block, layout_.gps_time, cloud.gps_times, k_plain<double>);
+  if (kept.contains(Attribute::color)) fill(block, layout_.color, cloud.colors, k_plain<Color16>);
+  if (kept.contains(Attribute::near_infrared)) {
+    fill(block, layout_.near_infrared, cloud.near_infrared, k_plain<std::uint16_t>);
+  }
+  if (kept.contains(Attribute::normal)) fill(block, *normal_place_, cloud.normals, k_plain<glm::vec3>);
+}
+
 namespace {
 
 constexpr std::size_t k_block_bytes = 1 << 20;

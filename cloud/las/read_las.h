@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "cloud/las/las_header.h"
-#include "cloud/las/las_point.h"
 #include "cloud/point_cloud.h"
 
 namespace alidade {

@@ -15,11 +15,10 @@
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
 #include "cloud/las/write_las.h"
-#include "cloud/laz/laszip_record.h"
+#include "cloud/laz/chunk_table.h"
+#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_point_writer.h"
 #include "cloud/laz/laz_points.h"
-#include "cloud/laz/write_chunk_table.h"
-#include "cloud/laz/write_laszip_record.h"
 
 namespace alidade {
 namespace {

@@ -12,10 +12,10 @@
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/output_file.h"
-#include "cloud/append_rows.h"
 #include "cloud/las/las_records.h"
+#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_point_writer.h"
-#include "cloud/laz/write_laszip_record.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 namespace {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <new>
 
-#include "cloud/laz/corrupt_chunk.h"
+#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 namespace {

@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/chunk_table.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <cassert>
+#include <cstdint>
+#include <fmt/format.h>
 #include <utility>
 
 #include "base/bytes.h"
 #include "base/error.h"
-#include "cloud/laz/corrupt_chunk.h"
 #include "cloud/laz/entropy_coder.h"
-#include "cloud/laz/integer_compressor.h"
-#include "cloud/laz/layered_chunk.h"
+#include "cloud/laz/layered_codec.h"
+#include "cloud/laz/laz_layout.h"
+#include "cloud/laz/value_coders.h"
 
 // Source: the chunk table as laszip 2 and 3 write it. At the place of the points stands the place of the
 // table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of
@@ -205,6 +206,31 @@ WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const
     walked.problem = error;
   }
   return walked;
+}
+
+std::vector<std::byte> encode_chunk_table(std::span<const LazChunk> chunks, const LazLayout& layout) {
+  assert(chunks.size() <= UINT32_MAX);
+  std::vector<std::byte> table(8);  // version 0, number of chunks
+  store(table.data() + 4, static_cast<std::uint32_t>(chunks.size()));
+  if (chunks.empty()) return table;
+
+  constexpr int k_point_counts = 0, k_byte_counts = 1;  // contexts
+  ArithmeticEncoder encoder;
+  IntegerCompressor numbers(32, 2);
+  std::int32_t points = 0, bytes = 0;  // of the chunk before
+  const auto encode = [&](std::int32_t& before, std::uint64_t number, int context) {
+    assert(number <= UINT32_MAX);
+    const auto value = static_cast<std::int32_t>(static_cast<std::uint32_t>(number));
+    numbers.encode(encoder, before, value, context);
+    before = value;
+  };
+  for (const LazChunk& chunk : chunks) {
+    if (layout.chunk_size == 0) encode(points, chunk.point_count, k_point_counts);
+    encode(bytes, chunk.byte_count, k_byte_counts);
+  }
+  const std::vector<std::byte> stream = encoder.finish();
+  table.insert(table.end(), stream.begin(), stream.end());
+  return table;
 }
 
 }  // namespace alidade

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,5 +51,10 @@ struct WalkedChunks {
 /// Goes from chunk to chunk until all points of the header are there or a chunk cannot be true. Cost: reads
 /// only the head of every chunk.
 WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout);
+
+/// The chunk table of a LAZ file as it stands behind the chunks, which must be given in their order in the
+/// file: how many bytes each takes and, for chunks of different sizes (LazLayout::chunk_size 0), how many
+/// points. Requires sizes below 2^32 and less than 2^32 chunks.
+std::vector<std::byte> encode_chunk_table(std::span<const LazChunk> chunks, const LazLayout& layout);
 
 }  // namespace alidade

@@ -1,10 +1,25 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/symbol_model.h"
 
 #include <algorithm>
 #include <bit>
+#include <utility>
+
+#include "cloud/laz/entropy_coder.h"
 
 namespace alidade {
+
+void BitModel::adapt() {
+  total += cycle;
+  if (total > 1u << k_precision) {
+    total = (total + 1) >> 1;
+    zeros = (zeros + 1) >> 1;
+    if (zeros == total) ++total;
+  }
+  probability = (zeros * ((1u << 31) / total)) >> (31 - k_precision);
+  cycle = std::min((5 * cycle) >> 2, 64u);
+  left = cycle;
+}
+
 namespace {
 
 /// Bits of the table where find() starts, so that its loop seldom runs more than once.
@@ -61,6 +76,41 @@ void SymbolModel::adapt() {
     first_symbols_[slot] = static_cast<std::uint16_t>(last_symbol_);
   cycle_ = std::min((5 * cycle_) >> 2, (symbols + 6) * 8);
   left_ = cycle_;
+}
+
+void SymbolModelSet::prepare(Place& place) {
+  if (place.model == nullptr) {
+    place.model = std::make_unique<SymbolModel>(symbols_);
+  } else {
+    place.model->reset();
+  }
+  place.generation = generation_;
+}
+
+void ArithmeticEncoder::carry() {
+  // The numbers written so far are less than 1, so there is a byte that takes the carry.
+  std::size_t at = bytes_.size() - 1;
+  for (; bytes_[at] == std::byte{0xff}; --at) bytes_[at] = std::byte{0};
+  bytes_[at] = static_cast<std::byte>(std::to_integer<unsigned>(bytes_[at]) + 1);
+}
+
+std::vector<std::byte> ArithmeticEncoder::finish() {
+  // Some number of the interval that needs few bytes; with the zeros behind, a decoder, which reads four
+  // bytes ahead, ends exactly at the end.
+  int zeros = 2;
+  if (length_ > 2 * k_least_length) {
+    add(k_least_length);
+    length_ = k_least_length >> 1;
+    zeros = 3;
+  } else {
+    add(k_least_length >> 1);
+    length_ = k_least_length >> 9;
+  }
+  renormalise();
+  bytes_.resize(bytes_.size() + static_cast<std::size_t>(zeros));
+  base_ = 0;
+  length_ = UINT32_MAX;
+  return std::exchange(bytes_, {});
 }
 
 }  // namespace alidade

@@ -7,12 +7,135 @@
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
-
-#include "cloud/laz/bit_model.h"
-#include "cloud/laz/symbol_model.h"
+#include <vector>
 
 namespace alidade {
+
+/// Adaptive probability of a bit in LAZ streams (shared by arithmetic_decoder.h and arithmetic_encoder.h):
+/// bits are counted, and from time to time, first often, then seldom, the counts become the new probability.
+struct BitModel {
+  static constexpr int k_precision = 13;  ///< bits of `probability`
+
+  std::uint32_t zeros, total;  ///< counts, `total` up to the last adaptation only
+  std::uint32_t probability;   ///< of a 0 in units of 2^-13, at least 1, less than 2^13
+  std::uint32_t cycle;         ///< bits from one adaptation to the next
+  std::uint32_t left;          ///< bits before the next adaptation, at least 1
+
+  BitModel() { reset(); }
+
+  /// Forgets all bits: 0 and 1 are equally probable.
+  void reset() {
+    zeros = 1;
+    total = 2;
+    probability = 1 << (k_precision - 1);
+    cycle = left = 4;
+  }
+
+  /// Learns one bit, 0 or 1.
+  void count(unsigned bit) {
+    zeros += 1 - bit;
+    if (--left == 0) adapt();
+  }
+
+ private:
+  void adapt();
+};
+
+/// Adaptive probabilities of n symbols 0 to n - 1 in LAZ streams (shared by arithmetic_decoder.h and
+/// arithmetic_encoder.h): symbols are counted, and from time to time, first often, then seldom, the counts
+/// become new probabilities. Memory, about 5 bytes per symbol, is taken by the constructor only.
+class SymbolModel {
+ public:
+  static constexpr int k_precision = 15;  ///< bits of probabilities
+
+  /// Requires 2 <= symbols <= 2048. The model is fresh.
+  explicit SymbolModel(int symbols);
+
+  /// Forgets all symbols: each is as probable as any other, but for rounding.
+  void reset();
+
+  unsigned last_symbol() const { return last_symbol_; }
+
+  /// Probability of all symbols less than this one, in units of 2^-15. What remains above that of the last
+  /// symbol is its own; there is no entry behind it.
+  std::uint32_t cumulative(unsigned symbol) const {
+    assert(symbol <= last_symbol_);
+    return cumulative_[symbol];
+  }
+
+  /// A symbol and the part of the coder's interval that is its own.
+  struct Interval {
+    unsigned symbol;
+    std::uint32_t begin;  ///< included
+    std::uint64_t end;    ///< excluded; of the last symbol something above all values
+  };
+
+  /// The symbol that `value` belongs to in an interval where each unit of probability is `unit` long.
+  /// `guess`: at most value / unit, the nearer the faster. Requires guess < 2^15 and value < 65535 * unit.
+  Interval find(std::uint32_t guess, std::uint64_t unit, std::uint32_t value) const {
+    assert(guess * unit <= value && guess >> k_precision == 0 &&
+           value < cumulative_[last_symbol_ + 1] * unit);
+    unsigned symbol = first_symbols_[guess >> shift_];
+    std::uint64_t end = cumulative_[symbol + 1] * unit;
+    while (end <= value) end = cumulative_[++symbol + 1] * unit;
+    return {.symbol = symbol, .begin = static_cast<std::uint32_t>(cumulative_[symbol] * unit), .end = end};
+  }
+
+  /// Learns one symbol.
+  void count(unsigned symbol) {
+    assert(symbol <= last_symbol_);
+    ++counts_[symbol];
+    if (--left_ == 0) adapt();
+  }
+
+  /// Symbols before the next adaptation.
+  std::uint32_t left() const { return left_; }
+
+ private:
+  void adapt();
+
+  std::unique_ptr<std::uint16_t[]> memory_;  // what the three pointers point into
+  std::uint16_t* cumulative_;                // n entries, and one above all values that stops find()
+  std::uint16_t* first_symbols_;             // by the upper bits of the guess: where find() starts
+  std::uint16_t* counts_;
+  std::uint32_t shift_;
+  std::uint32_t last_symbol_;
+  std::uint32_t sum_;    // of the counts at the last adaptation
+  std::uint32_t cycle_;  // symbols from one adaptation to the next
+  std::uint32_t left_;
+};
+
+/// One SymbolModel per context, of which files use few: each is made when it is first asked for, and kept.
+class SymbolModelSet {
+ public:
+  /// Requires what SymbolModel requires of `symbols`.
+  SymbolModelSet(std::size_t contexts, int symbols) : symbols_(symbols), places_(contexts) {}
+
+  /// The model of a context, which must be one.
+  SymbolModel& operator[](std::size_t context) {
+    Place& place = places_[context];
+    if (place.generation != generation_) [[unlikely]]
+      prepare(place);
+    return *place.model;
+  }
+
+  /// All models are fresh again.
+  void reset() { ++generation_; }
+
+ private:
+  struct Place {
+    std::unique_ptr<SymbolModel> model;
+    std::uint64_t generation = 0;  // in which the model was last made fresh
+  };
+
+  void prepare(Place& place);
+
+  int symbols_;
+  std::uint64_t generation_ = 1;
+  std::vector<Place> places_;
+};
 
 /// Reads one stream of LAZ's arithmetic coder: numbers in an interval of 32 bits, which is narrowed by the
 /// probability of each symbol and widened by a byte whenever it falls below 2^24.
@@ -146,6 +269,82 @@ class ArithmeticDecoder {
   std::uint32_t value_ = 0;
   std::uint32_t length_ = UINT32_MAX;
   bool failed_ = true;
+};
+
+/// Writes one stream of LAZ's arithmetic coder, byte for byte as other writers do; the inverse of
+/// ArithmeticDecoder, with the same models. The whole stream stays in memory, as a carry may run back through
+/// any number of bytes.
+class ArithmeticEncoder {
+ public:
+  /// Requires bit to be 0 or 1.
+  void bit(BitModel& model, unsigned bit) {
+    assert(bit <= 1);
+    const std::uint32_t split = model.probability * (length_ >> BitModel::k_precision);
+    if (bit != 0) {
+      add(split);
+      length_ -= split;
+    } else {
+      length_ = split;
+    }
+    renormalise();
+    model.count(bit);
+  }
+
+  /// Requires a symbol of the model.
+  void symbol(SymbolModel& model, unsigned symbol) {
+    const std::uint32_t unit = length_ >> SymbolModel::k_precision;
+    const std::uint32_t low = model.cumulative(symbol) * unit;
+    const std::uint32_t high = symbol == model.last_symbol() ? length_ : model.cumulative(symbol + 1) * unit;
+    add(low);
+    length_ = high - low;
+    renormalise();
+    model.count(symbol);
+  }
+
+  /// Requires 1 <= width <= 32 and value < 2^width.
+  void raw(int width, std::uint32_t value) {
+    assert(width >= 1 && width <= 32 && (width == 32 || value >> width == 0));
+    if (width <= k_widest_raw) return narrow_raw(width, value);
+    narrow_raw(16, value & 0xffff);
+    narrow_raw(width - 16, value >> 16);
+  }
+
+  void raw64(std::uint64_t value) {
+    raw(32, static_cast<std::uint32_t>(value));
+    raw(32, static_cast<std::uint32_t>(value >> 32));
+  }
+
+  /// The stream, complete; the encoder is then new. A stream of nothing is 01 00 00 00.
+  std::vector<std::byte> finish();
+
+ private:
+  static constexpr int k_widest_raw = 19;  // more bits are written in two parts
+  static constexpr std::uint32_t k_least_length = 1u << 24;
+
+  void narrow_raw(int width, std::uint32_t value) {
+    length_ >>= width;
+    add(value * length_);
+    renormalise();
+  }
+
+  void add(std::uint32_t amount) {
+    base_ += amount;
+    if (base_ < amount) carry();
+  }
+
+  void renormalise() {
+    while (length_ < k_least_length) {
+      bytes_.push_back(static_cast<std::byte>(base_ >> 24));
+      base_ <<= 8;
+      length_ <<= 8;
+    }
+  }
+
+  void carry();
+
+  std::vector<std::byte> bytes_;
+  std::uint32_t base_ = 0;
+  std::uint32_t length_ = UINT32_MAX;
 };
 
 }  // namespace alidade

@@ -7,14 +7,254 @@
 #include <cstring>
 #include <span>
 
-#include "cloud/laz/color_models.h"
-#include "cloud/laz/item_channels.h"
+#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/layer.h"
-#include "cloud/laz/wave_packet_models.h"
-
-// Layers of RGB14, RGBNIR14, WAVEPACKET14 and BYTE14.
+#include "cloud/laz/shared_models.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
+
+/// z of POINT14: predicted by the last point of the channel that was as far from the last return.
+class ZLayer final : public LayerOfPoints<ZLayer> {
+ public:
+  ZLayer() : LayerOfPoints({"z", point14::k_z, 4}) {}
+
+  void start(const std::byte* first_record, unsigned channel) override {
+    channels_.start(channel, load<std::int32_t>(first_record + point14::k_z));
+  }
+
+  /// Written even where z never changes, as other writers do.
+  bool needed(std::span<const std::byte>, std::size_t) const override { return true; }
+
+  template <class Coder, class Byte>
+  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
+    Channel& channel = channels_.select(point);
+    std::int32_t& last = channel.by_level[point.level];
+    last = coder.integer(channel.dz, last, coder.template value<std::int32_t>(field), point.z_context);
+    channel.last = last;
+    coder.put(field, last);
+  }
+
+ private:
+  struct Channel {
+    void open(std::int32_t value) {
+      dz.reset();
+      by_level.fill(value);
+      last = value;
+    }
+    std::int32_t last_value() const { return last; }
+
+    IntegerCompressor dz{32, 20};
+    std::array<std::int32_t, 8> by_level{};
+    std::int32_t last = 0;
+  };
+
+  ChannelStates<Channel> channels_;
+};
+
+// Layers of POINT14 whose values are few: each is one symbol, whose model the last value of the channel
+// chooses.
+
+/// Rules says what a value is in the byte of the record, and which model codes it.
+template <class Rules>
+class ByteLayer final : public LayerOfPoints<ByteLayer<Rules>> {
+ public:
+  ByteLayer() : LayerOfPoints<ByteLayer<Rules>>(Rules::k_field) {}
+
+  void start(const std::byte* first_record, unsigned channel) override {
+    channels_.start(channel, Rules::value(load<std::uint8_t>(first_record + Rules::k_field.offset)));
+  }
+
+  bool needed(std::span<const std::byte> records, std::size_t record_size) const override {
+    const std::byte* at = records.data() + Rules::k_field.offset;
+    const unsigned first = Rules::value(load<std::uint8_t>(at));
+    for (std::size_t i = 0; i < records.size(); i += record_size)
+      if (Rules::value(load<std::uint8_t>(at + i)) != first) return true;
+    return false;
+  }
+
+  template <class Coder, class Byte>
+  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
+    Channel& channel = channels_.select(point);
+    const unsigned value = Rules::value(coder.template value<std::uint8_t>(field));
+    channel.last = coder.symbol(channel.models[Rules::model(channel.last, point)], value);
+    coder.put(field, Rules::byte(channel.last, point));
+  }
+
+ private:
+  struct Channel {
+    void open(unsigned value) {
+      models.reset();
+      last = value;
+    }
+    unsigned last_value() const { return last; }
+
+    SymbolModelSet models{64, Rules::k_values};
+    unsigned last = 0;
+  };
+
+  ChannelStates<Channel> channels_;
+};
+
+struct ClassificationRules {
+  static constexpr Layer::Field k_field = {"classification", point14::k_classification, 1};
+  static constexpr int k_values = 256;
+  static unsigned value(std::uint8_t byte) { return byte; }
+  static std::uint8_t byte(unsigned value, const LayeredPoint&) { return static_cast<std::uint8_t>(value); }
+  static unsigned model(unsigned last, const LayeredPoint& point) {
+    constexpr std::uint8_t k_only_return = 3;
+    return 2 * (last & 31) + (point.return_end == k_only_return);
+  }
+};
+
+struct UserDataRules {
+  static constexpr Layer::Field k_field = {"user data", point14::k_user_data, 1};
+  static constexpr int k_values = 256;
+  static unsigned value(std::uint8_t byte) { return byte; }
+  static std::uint8_t byte(unsigned value, const LayeredPoint&) { return static_cast<std::uint8_t>(value); }
+  static unsigned model(unsigned last, const LayeredPoint&) { return last / 4; }
+};
+
+/// Flags share their byte with the scanner channel, which stands in its middle.
+struct FlagsRules {
+  static constexpr Layer::Field k_field = {"flags", point14::k_flags, 1};
+  static constexpr int k_values = 64;
+  static unsigned value(std::uint8_t byte) { return (byte & 0x0fu) | (byte & 0xc0u) >> 2; }
+  static std::uint8_t byte(unsigned value, const LayeredPoint& point) {
+    return static_cast<std::uint8_t>((value & 0x0f) | unsigned{point.channel} << 4 | (value & 0x30) << 2);
+  }
+  static unsigned model(unsigned last, const LayeredPoint&) { return last; }
+};
+
+using ClassificationLayer = ByteLayer<ClassificationRules>;
+using UserDataLayer = ByteLayer<UserDataRules>;
+using FlagsLayer = ByteLayer<FlagsRules>;
+
+/// Intensity of POINT14: predicted by the last point of the channel that was like it first or last return and
+/// like it had a new time or not.
+class IntensityLayer final : public LayerOfPoints<IntensityLayer> {
+ public:
+  IntensityLayer() : LayerOfPoints({"intensity", point14::k_intensity, 2}) {}
+
+  void start(const std::byte* first_record, unsigned channel) override {
+    channels_.start(channel, load<std::uint16_t>(first_record + point14::k_intensity));
+  }
+
+  template <class Coder, class Byte>
+  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
+    Channel& channel = channels_.select(point);
+    std::uint16_t& last = channel.by_return[2u * point.return_end + point.has(LayeredPoint::k_gps_time)];
+    last = static_cast<std::uint16_t>(
+        coder.integer(channel.intensity, last, coder.template value<std::uint16_t>(field), point.return_end));
+    channel.last = last;
+    coder.put(field, last);
+  }
+
+ private:
+  struct Channel {
+    void open(std::uint16_t value) {
+      intensity.reset();
+      by_return.fill(value);
+      last = value;
+    }
+    std::uint16_t last_value() const { return last; }
+
+    IntegerCompressor intensity{16, 4};
+    std::array<std::uint16_t, 8> by_return{};
+    std::uint16_t last = 0;
+  };
+
+  ChannelStates<Channel> channels_;
+};
+
+// Layers of POINT14 that hold a value only for points where the first layer says it has changed; all others
+// have the last one of their channel.
+
+/// Rules: the type of the values, the bit that says they change, and `Models` with `code`.
+template <class Rules>
+class ChangedLayer final : public LayerOfPoints<ChangedLayer<Rules>> {
+  using Value = typename Rules::Value;
+
+ public:
+  ChangedLayer() : LayerOfPoints<ChangedLayer<Rules>>(Rules::k_field) {}
+
+  void start(const std::byte* first_record, unsigned channel) override {
+    channels_.start(channel, load<Value>(first_record + Rules::k_field.offset));
+  }
+
+  template <class Coder, class Byte>
+  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
+    Channel& channel = channels_.select(point);
+    if (point.has(Rules::k_change))
+      channel.last = channel.models.code(coder, channel.last, coder.template value<Value>(field), point);
+    coder.put(field, channel.last);
+  }
+
+ private:
+  struct Channel {
+    void open(Value value) {
+      models.reset(value);
+      last = value;
+    }
+    Value last_value() const { return last; }
+
+    typename Rules::Models models;
+    Value last{};
+  };
+
+  ChannelStates<Channel> channels_;
+};
+
+struct ScanAngleRules {
+  using Value = std::int16_t;
+  static constexpr Layer::Field k_field = {"scan angle", point14::k_scan_angle, sizeof(Value)};
+  static constexpr LayeredPoint::Change k_change = LayeredPoint::k_scan_angle;
+
+  struct Models {
+    void reset(Value) { compressor.reset(); }
+    template <class Coder>
+    Value code(Coder& coder, Value last, Value value, const LayeredPoint& point) {
+      return static_cast<Value>(coder.integer(compressor, last, value, point.has(LayeredPoint::k_gps_time)));
+    }
+    IntegerCompressor compressor{16, 2};
+  };
+};
+
+struct PointSourceRules {
+  using Value = std::uint16_t;
+  static constexpr Layer::Field k_field = {"point source", point14::k_point_source, sizeof(Value)};
+  static constexpr LayeredPoint::Change k_change = LayeredPoint::k_point_source;
+
+  struct Models {
+    void reset(Value) { compressor.reset(); }
+    template <class Coder>
+    Value code(Coder& coder, Value last, Value value, const LayeredPoint&) {
+      return static_cast<Value>(coder.integer(compressor, last, value));
+    }
+    IntegerCompressor compressor{16, 1};
+  };
+};
+
+struct GpsTimeRules {
+  using Value = std::int64_t;  // the bits of a double
+  static constexpr Layer::Field k_field = {"GPS time", point14::k_gps_time, sizeof(Value)};
+  static constexpr LayeredPoint::Change k_change = LayeredPoint::k_gps_time;
+
+  struct Models {
+    void reset(Value first) { model.start(first); }
+    template <class Coder>
+    Value code(Coder& coder, Value, Value value, const LayeredPoint&) {
+      return model.code(coder, value);
+    }
+    GpsTimeModel model{GpsTimeModel::Unchanged::never_coded};
+  };
+};
+
+using ScanAngleLayer = ChangedLayer<ScanAngleRules>;
+using PointSourceLayer = ChangedLayer<PointSourceRules>;
+using GpsTimeLayer = ChangedLayer<GpsTimeRules>;
+
+// Layers of RGB14, RGBNIR14, WAVEPACKET14 and BYTE14.
 
 /// `Models` codes values of `size` bytes, as they stand in the record, by the value before.
 template <class Models, std::size_t size>

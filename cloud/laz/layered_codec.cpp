@@ -1,21 +1,95 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
+#include "cloud/laz/layered_codec.h"
 
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cstddef>
 #include <cstring>
+#include <fmt/format.h>
 #include <string_view>
 
-#include "cloud/laz/corrupt_chunk.h"
-#include "cloud/laz/layered_block.h"
-#include "cloud/laz/layered_chunk.h"
-#include "cloud/laz/layered_codec.h"
-#include "cloud/laz/make_layers.h"
-#include "cloud/laz/point14_fields.h"
+#include "base/bytes.h"
+#include "cloud/laz/field_layers.h"
+#include "cloud/laz/layer.h"
+#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/position_layer.h"
 
 namespace alidade {
+namespace {
+
+std::size_t count_layers(const LazItem& item) {
+  if (item.version >= 2 && item.version <= 4) {
+    switch (item.kind) {
+      case LazItemKind::point14:
+        if (item.size == point14::k_size) return 9;
+        break;
+      case LazItemKind::rgb14:
+        if (item.size == k_color_size) return 1;
+        break;
+      case LazItemKind::rgb_nir14:
+        if (item.size == k_color_size + k_near_infrared_size) return 2;
+        break;
+      case LazItemKind::wave_packet14:
+        if (item.size == WavePacketModels::k_size) return 1;
+        break;
+      case LazItemKind::byte14:
+        if (item.size > 0) return item.size;
+        break;
+      default:
+        break;
+    }
+  }
+  throw CorruptChunk(fmt::format(
+      "unknown part of point records; expected kinds 10 to 14 in versions 2 to 4, found kind {} of "
+      "{} bytes in version {}",
+      static_cast<unsigned>(item.kind), item.size, item.version));
+}
+
+}  // namespace
+
+std::size_t count_layers(const LazLayout& layout) {
+  std::size_t layers = 0;
+  for (std::size_t i = 0; i < layout.items.size(); ++i) {
+    layers += count_layers(layout.items[i]);
+    const bool is_point = layout.items[i].kind == LazItemKind::point14;
+    if (is_point != (i == 0))
+      throw CorruptChunk(
+          fmt::format("the parts of point records are in no order; expected one of kind 10, the "
+                      "first, found kind {} as number {}",
+                      static_cast<unsigned>(layout.items[i].kind), i));
+  }
+  if (layers == 0) throw CorruptChunk("point records have no parts; expected one of kind 10, found none");
+  return layers;
+}
+
+LayeredChunkHead::LayeredChunkHead(const LazLayout& layout)
+    : record_size_(layout.record_size()), layer_sizes_(count_layers(layout)) {}
+
+void LayeredChunkHead::read(std::span<const std::byte> bytes) {
+  constexpr std::uint32_t k_smallest_layer = 4;  // what an arithmetic coder writes of nothing
+  if (bytes.size() < size())
+    throw CorruptChunk(fmt::format("the chunk ends before its layers; expected {} bytes or more, found {}",
+                                   size(), bytes.size()));
+  const std::byte* at = bytes.data() + record_size_;
+  point_count_ = load<std::uint32_t>(at);
+  if (point_count_ == 0) throw CorruptChunk("the chunk has no points; expected 1 or more, found 0");
+  chunk_size_ = size();
+  for (std::size_t layer = 0; layer < layer_sizes_.size(); ++layer) {
+    at += 4;
+    const std::uint32_t layer_size = layer_sizes_[layer] = load<std::uint32_t>(at);
+    const bool may_be_empty = layer > 0 || point_count_ == 1;
+    if (layer_size < k_smallest_layer && !(layer_size == 0 && may_be_empty))
+      throw CorruptChunk(fmt::format("layer {} is too small; expected {}{} bytes or more, found {}", layer,
+                                     may_be_empty ? "0, or " : "", k_smallest_layer, layer_size));
+    chunk_size_ += layer_size;
+  }
+}
+
+/// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
+/// in registers, few enough that the records stay in the cache.
+inline constexpr std::size_t k_layered_block = 512;
+
 namespace {
 
 constexpr const char* k_positions = "returns and positions";
@@ -176,6 +250,67 @@ void LayeredDecoder::decode(std::span<const std::byte> chunk, std::span<std::byt
   } catch (const FailedBlock&) {
     state_->decode_points(chunk, records, 1);
   }
+}
+
+struct LayeredEncoder::State {
+  explicit State(const LazLayout& layout)
+      : record_size(layout.record_size()), layers(make_layers(layout, {})), streams(layers.size()) {}
+
+  void start(std::span<const std::byte> records);
+  void encode_block(const std::byte* records, std::size_t count);
+
+  std::size_t record_size;
+  PositionLayer positions;
+  ArithmeticEncoder position_stream;
+  std::vector<std::unique_ptr<Layer>> layers;
+  std::vector<ArithmeticEncoder> streams;  // of the layers
+  std::vector<std::size_t> active;         // layers that are needed
+  std::array<LayeredPoint, k_layered_block> points;
+};
+
+LayeredEncoder::LayeredEncoder(const LazLayout& layout) : state_(std::make_unique<State>(layout)) {}
+LayeredEncoder::LayeredEncoder(LayeredEncoder&&) noexcept = default;
+LayeredEncoder& LayeredEncoder::operator=(LayeredEncoder&&) noexcept = default;
+LayeredEncoder::~LayeredEncoder() = default;
+
+void LayeredEncoder::State::start(std::span<const std::byte> records) {
+  positions.start(records.data());
+  active.clear();
+  for (std::size_t i = 0; i < layers.size(); ++i) {
+    if (!layers[i]->needed(records, record_size)) continue;
+    layers[i]->start(records.data(), point14::channel(records.data()));
+    active.push_back(i);
+  }
+}
+
+void LayeredEncoder::State::encode_block(const std::byte* records, std::size_t count) {
+  const std::span<LayeredPoint> block(points.data(), count);
+  positions.encode(position_stream, block, records, record_size);
+  for (const std::size_t i : active)
+    layers[i]->encode(streams[i], {.points = block, .records = records, .record_size = record_size});
+}
+
+std::vector<std::byte> LayeredEncoder::encode(std::span<const std::byte> records) {
+  State& state = *state_;
+  const std::size_t size = state.record_size;
+  const std::size_t count = records.size() / size;
+  assert(count > 0 && records.size() % size == 0);
+  state.start(records);
+  for (std::size_t point = 1; point < count; point += k_layered_block)
+    state.encode_block(records.data() + point * size, std::min(k_layered_block, count - point));
+
+  std::vector<std::byte> chunk(records.begin(), records.begin() + static_cast<std::ptrdiff_t>(size));
+  const auto append_u32 = [&](std::size_t value) {
+    chunk.resize(chunk.size() + 4);
+    store(chunk.data() + chunk.size() - 4, static_cast<std::uint32_t>(value));
+  };
+  append_u32(count);
+  std::vector<std::vector<std::byte>> finished(1 + state.layers.size());
+  finished[0] = state.position_stream.finish();
+  for (const std::size_t i : state.active) finished[1 + i] = state.streams[i].finish();
+  for (const std::vector<std::byte>& layer : finished) append_u32(layer.size());
+  for (const std::vector<std::byte>& layer : finished) chunk.insert(chunk.end(), layer.begin(), layer.end());
+  return chunk;
 }
 
 }  // namespace alidade

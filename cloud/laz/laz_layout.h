@@ -3,8 +3,13 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "cloud/point_cloud.h"
 
 // How a LAZ file packs its point data records: what the record "laszip encoded" 22204 of the file says.
 
@@ -67,5 +72,79 @@ void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name
 /// and a record at least as long as the format's, at most 65535 bytes.
 LazLayout standard_laz_layout(int point_format, std::size_t record_size,
                               std::uint32_t chunk_size = k_laz_chunk_size);
+
+/// Which attributes of a layered LAZ chunk are wanted; those the point format lacks mean nothing. x, y,
+/// returns and scanner channel are always decoded, as all others need them. What is left out costs nothing.
+struct LazLayers {
+  bool z = true;
+  bool classification = true;
+  bool flags = true;  ///< of the classification, scan direction and edge of flight line
+  bool intensity = true;
+  bool scan_angle = true;
+  bool user_data = true;
+  bool point_source = true;
+  bool gps_time = true;
+  bool color = true;
+  bool near_infrared = true;
+  bool wave_packet = true;
+  bool extra_bytes = true;
+
+  /// Positions and returns, nothing else.
+  static constexpr LazLayers positions() {
+    return {.z = true,
+            .classification = false,
+            .flags = false,
+            .intensity = false,
+            .scan_angle = false,
+            .user_data = false,
+            .point_source = false,
+            .gps_time = false,
+            .color = false,
+            .near_infrared = false,
+            .wave_packet = false,
+            .extra_bytes = false};
+  }
+};
+
+/// Layers of a compressed file that hold the attributes that are kept.
+inline LazLayers layers_of(AttributeSet kept) {
+  return {.z = true,
+          .classification = kept.contains(Attribute::classification),
+          .flags = kept.contains(Attribute::flags),
+          .intensity = kept.contains(Attribute::intensity),
+          .scan_angle = kept.contains(Attribute::scan_angle),
+          .user_data = kept.contains(Attribute::user_data),
+          .point_source = kept.contains(Attribute::point_source_id),
+          .gps_time = kept.contains(Attribute::gps_time),
+          .color = kept.contains(Attribute::color),
+          .near_infrared = kept.contains(Attribute::near_infrared),
+          .wave_packet = false,
+          .extra_bytes = kept.contains(Attribute::extra_dimensions) || kept.contains(Attribute::normal)};
+}
+
+/// What a LAZ decoder throws when a chunk cannot have been written by any encoder. It knows neither file nor
+/// place: whoever reads the file turns it into an Error that names file, chunk and point.
+struct CorruptChunk : std::runtime_error {
+  /// `problem` is one clause in lower case, without full stop; `point` counts from 0 within the chunk and is
+  /// empty if no point is concerned.
+  explicit CorruptChunk(const std::string& problem, std::optional<std::uint64_t> in_point = std::nullopt)
+      : std::runtime_error(problem), point(in_point) {}
+
+  std::optional<std::uint64_t> point;
+};
+
+inline constexpr const char* k_laszip_user_id = "laszip encoded";
+inline constexpr std::uint16_t k_laszip_record_id = 22204;
+
+/// What the data of a record "laszip encoded" say. The items are checked: they are those of the point format
+/// in their order, cover a record of `point_size` bytes, and have versions of rules that exist; old formats
+/// are pointwise and new ones layered. With compressor none, nothing but the compressor is looked at.
+/// Errors: whatever else, and more than k_most_laz_extra_bytes; they name `file_name` and `place`, where the
+/// data stand in the file.
+LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string& file_name,
+                              std::uint64_t place, int point_format, std::size_t point_size);
+
+/// The variable length record "laszip encoded" 22204, which tells how points are packed.
+VariableLengthRecord laszip_record(const LazLayout& layout);
 
 }  // namespace alidade

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "cloud/laz/chunk_encoder.h"
-#include "cloud/laz/write_chunk_table.h"
+#include "cloud/laz/chunk_codec.h"
+#include "cloud/laz/chunk_table.h"
 
 namespace alidade {
 namespace {

@@ -11,7 +11,6 @@
 #include "cloud/damage.h"
 #include "cloud/las/las_header.h"
 #include "cloud/laz/chunk_table.h"
-#include "cloud/laz/laz_layers.h"
 #include "cloud/laz/laz_layout.h"
 
 namespace alidade {

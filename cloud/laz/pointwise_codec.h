@@ -3,18 +3,40 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/laz_layout.h"
-#include "cloud/laz/pointwise_item.h"
+
+namespace alidade {
+
+/// Rules of one item of point data records in pointwise LAZ streams, with the models they have learnt.
+class PointwiseItem {
+ public:
+  virtual ~PointwiseItem() = default;
+
+  /// Begins a chunk with the item of its first record: all models are fresh.
+  virtual void start(const std::byte* first) = 0;
+
+  /// Writes the item of the next record to `item`, which need not be behind the last.
+  virtual void decode(ArithmeticDecoder& stream, std::byte* item) = 0;
+
+  virtual void encode(ArithmeticEncoder& stream, const std::byte* item) = 0;
+};
+
+struct PlacedItem {
+  std::size_t place;  ///< in the record, bytes
+  std::unique_ptr<PointwiseItem> rules;
+};
+
+/// The items of a layout in their order. Errors: CorruptChunk, if pointwise streams have no such items.
+std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout);
 
 // Point data records of formats 0 to 5 in LAZ files (compressors 1 and 2): a chunk is its first record as it
 // is, then one stream of the arithmetic coder in which every further record is coded item by item. Records
 // are those of LAS.
-
-namespace alidade {
 
 /// Decodes chunks, one after the other; memory is taken on first use of an attribute's value, then kept. For
 /// one thread at a time.

@@ -1,7 +1,33 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/pointwise_rules.h"
 
+#include <algorithm>
+#include <cassert>
+#include <cstring>
+
 namespace alidade {
+
+void Point10Version1::start(const std::byte* first) {
+  last_ = load<Point10>(first);
+  x_steps_.fill(0);
+  y_steps_.fill(0);
+  oldest_ = 0;
+  changed_.reset();
+  for (SymbolModelSet* models : {&bits_, &classifications_, &user_data_}) models->reset();
+  for (IntegerCompressor* compressor : {&scan_angle_, &intensity_, &source_, &x_, &y_, &z_})
+    compressor->reset();
+}
+
+unsigned Point10Version1::changes_to(const Point10& point) const {
+  unsigned changed = 0;
+  if (point.intensity != last_.intensity) changed |= k_intensity;
+  if (point.bits != last_.bits) changed |= k_bits;
+  if (point.classification != last_.classification) changed |= k_classification;
+  if (point.scan_angle != last_.scan_angle) changed |= k_scan_angle;
+  if (point.user_data != last_.user_data) changed |= k_user_data;
+  if (point.source != last_.source) changed |= k_source;
+  return changed;
+}
 
 void Point10Version2::start(const std::byte* first) {
   last_ = load<Point10>(first);
@@ -25,6 +51,36 @@ unsigned Point10Version2::changes_to(const Point10& point) const {
   if (point.user_data != last_.user_data) changed |= k_user_data;
   if (point.source != last_.source) changed |= k_source;
   return changed;
+}
+
+void GpsTimeVersion1::start(const std::byte* first) {
+  time_ = load<std::int64_t>(first);
+  difference_ = 0;
+  extremes_ = 0;
+  first_.reset();
+  multiple_.reset();
+  integers_.reset();
+}
+
+unsigned GpsTimeVersion1::multiple_of(std::int32_t change) const {
+  const std::int64_t quotient = std::int64_t{change} / difference_;
+  return static_cast<unsigned>(std::clamp<std::int64_t>(quotient, 0, k_largest_multiple));
+}
+
+void ExtraBytesVersion2::start(const std::byte* first) {
+  std::memcpy(last_.data(), first, last_.size());
+  differences_.reset();
+}
+
+BytesVersion1::BytesVersion1(std::size_t count, Written written)
+    : written_(written), last_(count), bytes_(8, static_cast<int>(count)) {
+  assert(written == Written::all || count == 6);
+}
+
+void BytesVersion1::start(const std::byte* first) {
+  std::memcpy(last_.data(), first, last_.size());
+  changed_.reset();
+  bytes_.reset();
 }
 
 }  // namespace alidade

@@ -3,14 +3,106 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <vector>
 
-#include "cloud/laz/median_predictor.h"
-#include "cloud/laz/point10.h"
-#include "cloud/laz/symbol_model_set.h"
+#include "cloud/laz/entropy_coder.h"
+#include "cloud/laz/shared_models.h"
 #include "cloud/laz/value_coders.h"
 
 namespace alidade {
+
+/// The first 20 bytes of point data records of formats 0 to 5, as they stand in LAS files.
+struct Point10 {
+  std::int32_t x = 0, y = 0, z = 0;
+  std::uint16_t intensity = 0;
+  std::uint8_t bits = 0;  ///< from the lowest: return number 3, number of returns 3, scan direction, edge
+  std::uint8_t classification = 0;
+  std::uint8_t scan_angle = 0;
+  std::uint8_t user_data = 0;
+  std::uint16_t source = 0;
+
+  unsigned return_number() const { return bits & 7; }
+  unsigned return_count() const { return bits >> 3 & 7; }
+  unsigned scan_direction() const { return bits >> 6 & 1; }
+};
+static_assert(sizeof(Point10) == 20);
+
+/// Rules of LAZ item POINT10, version 1, of old files: coordinates are predicted from the last three points,
+/// all else from the last.
+class Point10Version1 {
+ public:
+  void start(const std::byte* first);
+
+  /// Codes the next record with a coder of layer_coders.h.
+  template <class Coder, class Byte>
+  void code(Coder& coder, Byte* record) {
+    const Point10 point = Coder::template value<Point10>(record);
+    Point10 next = last_;
+    const std::int32_t x_step = coder.integer(x_, median(x_steps_), wrapped_difference(point.x, last_.x));
+    const int x_bits = x_.last_k();
+    const std::int32_t y_step = coder.integer(y_, median(y_steps_), wrapped_difference(point.y, last_.y),
+                                              std::min(x_bits, k_last_context));
+    const int bits = (x_bits + y_.last_k()) / 2;
+    next.x = wrapped_sum(last_.x, x_step);
+    next.y = wrapped_sum(last_.y, y_step);
+    next.z = coder.integer(z_, last_.z, point.z, std::min(bits, k_last_context));
+    code_attributes(coder, point, bits, next);
+    x_steps_[oldest_] = x_step;
+    y_steps_[oldest_] = y_step;
+    oldest_ = (oldest_ + 1) % 3;
+    Coder::put(record, next);
+    last_ = next;
+  }
+
+ private:
+  // Bits of the symbol that says what has changed; two of them differ from version 2.
+  static constexpr unsigned k_source = 1, k_user_data = 2, k_scan_angle = 4, k_classification = 8,
+                            k_bits = 16, k_intensity = 32;
+  static constexpr int k_last_context = 19;
+
+  static std::int32_t median(const std::array<std::int32_t, 3>& values) {
+    return std::max(std::min(values[0], values[1]), std::min(std::max(values[0], values[1]), values[2]));
+  }
+
+  unsigned changes_to(const Point10& point) const;
+
+  template <class Coder>
+  void code_attributes(Coder& coder, const Point10& point, int bits, Point10& next) {
+    const unsigned changed = coder.symbol(changed_, Coder::k_decodes ? 0 : changes_to(point));
+    if ((changed & k_intensity) != 0)
+      next.intensity =
+          static_cast<std::uint16_t>(coder.integer(intensity_, last_.intensity, point.intensity));
+    if ((changed & k_bits) != 0) next.bits = code_byte(coder, bits_[last_.bits], point.bits);
+    if ((changed & k_classification) != 0)
+      next.classification = code_byte(coder, classifications_[last_.classification], point.classification);
+    if ((changed & k_scan_angle) != 0) {
+      next.scan_angle = static_cast<std::uint8_t>(
+          coder.integer(scan_angle_, last_.scan_angle, point.scan_angle, bits < 3 ? 1 : 0));
+    }
+    if ((changed & k_user_data) != 0)
+      next.user_data = code_byte(coder, user_data_[last_.user_data], point.user_data);
+    if ((changed & k_source) != 0)
+      next.source = static_cast<std::uint16_t>(coder.integer(source_, last_.source, point.source));
+  }
+
+  Point10 last_;
+  std::array<std::int32_t, 3> x_steps_{};
+  std::array<std::int32_t, 3> y_steps_{};
+  std::size_t oldest_ = 0;  // of the steps
+  SymbolModel changed_{64};
+  SymbolModelSet bits_{256, 256};  // by the value before, as the next two
+  SymbolModelSet classifications_{256, 256};
+  SymbolModelSet user_data_{256, 256};
+  IntegerCompressor scan_angle_{8, 2};
+  IntegerCompressor intensity_{16, 1};
+  IntegerCompressor source_{16, 1};
+  IntegerCompressor x_{32, 1};
+  IntegerCompressor y_{32, k_last_context + 1};
+  IntegerCompressor z_{32, k_last_context + 1};
+};
 
 /// Rules of LAZ item POINT10, version 2: attributes are expected to stay; coordinates and intensities are
 /// predicted from points that were the same return of as many returns.
@@ -104,6 +196,143 @@ class Point10Version2 {
   IntegerCompressor x_{32, 2};
   IntegerCompressor y_{32, 22};
   IntegerCompressor z_{32, 20};
+};
+
+/// Rules of LAZ item GPSTIME11, version 1, of old files: one sequence of times, the bits of doubles taken as
+/// integers, each predicted by a multiple of an earlier difference or else written as it is.
+class GpsTimeVersion1 {
+ public:
+  void start(const std::byte* first);
+
+  /// Codes the next time with a coder of layer_coders.h.
+  template <class Coder, class Byte>
+  void code(Coder& coder, Byte* record) {
+    const std::int64_t time = Coder::template value<std::int64_t>(record);
+    const std::uint64_t wide_change = static_cast<std::uint64_t>(time) - static_cast<std::uint64_t>(time_);
+    const std::int32_t change = static_cast<std::int32_t>(wide_change);
+    const bool near = change == static_cast<std::int64_t>(wide_change);
+    if (difference_ == 0) {
+      switch (coder.symbol(first_, wide_change == 0 ? 0 : near ? 1 : 2)) {
+        case 0:
+          break;
+        case 1:
+          difference_ = coder.integer(integers_, 0, change, 0);
+          add(difference_);
+          break;
+        default:
+          time_ = static_cast<std::int64_t>(coder.raw64(static_cast<std::uint64_t>(time)));
+      }
+    } else {
+      const unsigned symbol = coder.symbol(multiple_, Coder::k_decodes   ? 0
+                                                      : wide_change == 0 ? k_unchanged
+                                                      : near             ? multiple_of(change)
+                                                                         : k_raw);
+      if (symbol == k_raw) {
+        time_ = static_cast<std::int64_t>(coder.raw64(static_cast<std::uint64_t>(time)));
+      } else if (symbol != k_unchanged) {
+        code_multiple(coder, symbol, change);
+      }
+    }
+    Coder::put(record, time_);
+  }
+
+ private:
+  static constexpr unsigned k_largest_multiple = 509, k_raw = 510, k_unchanged = 511;
+
+  unsigned multiple_of(std::int32_t change) const;
+
+  void add(std::int32_t change) {
+    time_ = static_cast<std::int64_t>(static_cast<std::uint64_t>(time_) +
+                                      static_cast<std::uint64_t>(std::int64_t{change}));
+  }
+
+  template <class Coder>
+  void code_multiple(Coder& coder, unsigned symbol, std::int32_t change) {
+    std::int32_t coded;
+    if (symbol == 1) {
+      coded = coder.integer(integers_, difference_, change, 1);
+      difference_ = coded;
+      extremes_ = 0;
+    } else {
+      const std::int32_t prediction =
+          symbol == 0 ? difference_ / 4
+                      : static_cast<std::int32_t>(symbol * static_cast<std::uint32_t>(difference_));
+      const int context = symbol == 0 ? 2 : symbol < 10 ? 3 : symbol < 50 ? 4 : 5;
+      coded = coder.integer(integers_, prediction, change, context);
+      if ((symbol == 0 || symbol == k_largest_multiple) && ++extremes_ > 3) {
+        difference_ = coded;
+        extremes_ = 0;
+      }
+    }
+    add(coded);
+  }
+
+  std::int64_t time_ = 0;
+  std::int32_t difference_ = 0;  // of two times, the unit of those that follow; 0 = not known yet
+  int extremes_ = 0;             // differences far from the unit since the last near one
+  SymbolModel first_{3};         // unchanged, by a difference, any
+  SymbolModel multiple_{512};
+  IntegerCompressor integers_{32, 6};
+};
+
+/// Rules of LAZ item BYTE, version 2: each byte has a model of its differences.
+class ExtraBytesVersion2 {
+ public:
+  explicit ExtraBytesVersion2(std::size_t count) : last_(count), differences_(count, 256) {}
+
+  void start(const std::byte* first);
+
+  /// Codes the next bytes with a coder of layer_coders.h.
+  template <class Coder, class Byte>
+  void code(Coder& coder, Byte* record) {
+    for (std::size_t i = 0; i < last_.size(); ++i) {
+      const std::uint8_t value = Coder::template value<std::uint8_t>(record + i);
+      last_[i] =
+          static_cast<std::uint8_t>(last_[i] + coder.symbol(differences_[i], (value - last_[i]) & 255));
+      Coder::put(record + i, last_[i]);
+    }
+  }
+
+ private:
+  std::vector<std::uint8_t> last_;
+  SymbolModelSet differences_;
+};
+
+/// Rules of LAZ items BYTE and RGB12 in version 1, of old files: bytes predicted by themselves; of colours
+/// only those that have changed, which a symbol says, are written.
+class BytesVersion1 {
+ public:
+  enum class Written { all, changed };
+
+  BytesVersion1(std::size_t count, Written written);
+
+  void start(const std::byte* first);
+
+  /// Codes the next bytes with a coder of layer_coders.h.
+  template <class Coder, class Byte>
+  void code(Coder& coder, Byte* record) {
+    unsigned changed = 0;
+    if (written_ == Written::changed) {
+      if constexpr (!Coder::k_decodes) {
+        for (std::size_t i = 0; i < last_.size(); ++i)
+          changed |= (Coder::template value<std::uint8_t>(record + i) != last_[i] ? 1u : 0u) << i;
+      }
+      changed = coder.symbol(changed_, changed);
+    }
+    for (std::size_t i = 0; i < last_.size(); ++i) {
+      if (written_ == Written::all || (changed >> i & 1) != 0) {
+        last_[i] = static_cast<std::uint8_t>(coder.integer(
+            bytes_, last_[i], Coder::template value<std::uint8_t>(record + i), static_cast<int>(i)));
+      }
+      Coder::put(record + i, last_[i]);
+    }
+  }
+
+ private:
+  Written written_;
+  std::vector<std::uint8_t> last_;
+  SymbolModel changed_{64};
+  IntegerCompressor bytes_;
 };
 
 }  // namespace alidade

@@ -6,11 +6,10 @@
 #include <cstdint>
 #include <span>
 
-#include "cloud/laz/channel_states.h"
-#include "cloud/laz/integer_compressor.h"
-#include "cloud/laz/layered_point.h"
-#include "cloud/laz/median_predictor.h"
-#include "cloud/laz/symbol_model_set.h"
+#include "cloud/laz/entropy_coder.h"
+#include "cloud/laz/layer.h"
+#include "cloud/laz/shared_models.h"
+#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

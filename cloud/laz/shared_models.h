@@ -2,13 +2,44 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
-#include "cloud/laz/integer_compressor.h"
-#include "cloud/laz/symbol_model.h"
+#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/value_coders.h"
 
 namespace alidade {
+
+/// Predicts coordinate differences of LAZ points by the median of the last five, roughly: a new difference
+/// replaces the largest or the smallest of the five, by turns, until one falls into the other half.
+class MedianPredictor {
+ public:
+  std::int32_t median() const { return values_[2]; }
+
+  void insert(std::int32_t value) {
+    const std::int32_t old_median = values_[2];
+    if (replaces_largest_) {
+      int at = 4;
+      for (; at > 0 && values_[at - 1] > value; --at) values_[at] = values_[at - 1];
+      values_[at] = value;
+      if (value >= old_median) replaces_largest_ = false;
+    } else {
+      int at = 0;
+      for (; at < 4 && values_[at + 1] < value; ++at) values_[at] = values_[at + 1];
+      values_[at] = value;
+      if (value <= old_median) replaces_largest_ = true;
+    }
+  }
+
+  /// In ascending order.
+  const std::array<std::int32_t, 5>& values() const { return values_; }
+  bool replaces_largest() const { return replaces_largest_; }
+
+ private:
+  std::array<std::int32_t, 5> values_{};
+  bool replaces_largest_ = true;
+};
 
 /// Codes GPS times of LAZ points, version 2 and later: times are the bits of doubles, taken as integers, and
 /// belong to one of four sequences, in each of which a time is predicted by a multiple of the last
@@ -202,5 +233,56 @@ void GpsTimeModel::code_new_sequence(Coder& coder, std::int64_t time) {
   current() = {.time = static_cast<std::int64_t>(
                    static_cast<std::uint64_t>(static_cast<std::uint32_t>(high)) << 32 | low)};
 }
+
+/// Codes colours of LAZ streams, version 2 of the old and all versions of the new formats: which of the six
+/// bytes differ from the previous colour's, then these bytes; green and blue are expected to change as red
+/// did. A colour is the six bytes of a point data record: red, green, blue as u16.
+class ColorModels {
+ public:
+  ColorModels();
+
+  /// All models are fresh again.
+  void reset();
+
+  /// Replaces the previous colour by the next one. Does not allocate.
+  void decode(ArithmeticDecoder& decoder, std::byte* color);
+
+  /// Writes the colour that follows `previous`. False if that could be left out: neither does a byte differ,
+  /// nor is the colour anything but grey.
+  bool encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* color);
+
+ private:
+  SymbolModel used_;
+  std::vector<SymbolModel> bytes_;  // by place in the record
+};
+
+/// Codes wave packets of LAZ streams, in the old and the new formats alike: descriptor index, place of the
+/// waveform, which often follows the previous one, its size, and four floats as the integers of their bits.
+/// A wave packet is the 29 bytes of a point data record.
+class WavePacketModels {
+ public:
+  static constexpr std::size_t k_size = 29;
+
+  WavePacketModels();
+
+  /// All models are fresh again.
+  void reset();
+
+  /// Replaces the previous wave packet by the next one. Does not allocate.
+  void decode(ArithmeticDecoder& decoder, std::byte* packet);
+
+  /// Writes the wave packet that follows `previous`.
+  void encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* packet);
+
+ private:
+  SymbolModel descriptor_index_;
+  std::vector<SymbolModel> moves_;  // by the last move: how the place changes
+  IntegerCompressor place_;
+  IntegerCompressor size_;
+  IntegerCompressor return_point_;
+  IntegerCompressor direction_;  // context: x, y, z
+  unsigned last_move_ = 0;
+  std::int32_t last_difference_ = 0;  // of places, when it was last written
+};
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/integer_compressor.h"
+#include "cloud/laz/value_coders.h"
 
 #include <algorithm>
 #include <bit>

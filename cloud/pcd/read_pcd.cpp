@@ -7,11 +7,9 @@
 #include "base/input_file.h"
 #include "base/text_scanner.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/pcd/lzf.h"
 #include "cloud/pcd/pcd_file.h"
-#include "cloud/scalar_bytes.h"
+#include "cloud/point_table.h"
 #include "cloud/table_reader.h"
-#include "cloud/written_resolution.h"
 
 namespace alidade {
 

@@ -13,8 +13,7 @@
 
 #include "base/bytes.h"
 #include "base/output_file.h"
-#include "cloud/column_roles.h"
-#include "cloud/scalar_bytes.h"
+#include "cloud/point_table.h"
 
 namespace alidade {
 

@@ -8,7 +8,6 @@
 #include "base/text_scanner.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/table_reader.h"
-#include "cloud/written_resolution.h"
 
 namespace alidade {
 

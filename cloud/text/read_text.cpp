@@ -7,7 +7,6 @@
 #include "cloud/cloud_reader.h"
 #include "cloud/table_reader.h"
 #include "cloud/text/text_layout.h"
-#include "cloud/written_resolution.h"
 
 namespace alidade {
 

@@ -8,9 +8,9 @@
 #include <limits>
 
 #include "base/error.h"
-#include "cloud/append_rows.h"
-#include "cloud/attribute_columns.h"
-#include "cloud/scalar_bytes.h"
+#include "cloud/point_cloud.h"
+#include "cloud/point_table.h"
+#include "cloud/rows.h"
 #include "database/stored_column.h"
 
 namespace alidade {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "cloud/scalar_bytes.h"
+#include "cloud/point_table.h"
 
 namespace alidade {
 namespace {

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cloud/append_rows.h"
-#include "cloud/lattice_shift.h"
+#include "cloud/fit_lattice.h"
 #include "cloud/point_table.h"
+#include "cloud/rows.h"
 #include "database/server/server_cloud.h"
 
 namespace alidade {

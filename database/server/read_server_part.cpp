@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "cloud/append_rows.h"
+#include "cloud/rows.h"
 #include "database/server/filter_condition.h"
 #include "database/server/server_cloud.h"
 

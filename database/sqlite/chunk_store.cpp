@@ -5,7 +5,7 @@
 
 #include <cstring>
 
-#include "cloud/lattice_extent.h"
+#include "cloud/lattice.h"
 
 namespace alidade {
 

@@ -5,8 +5,7 @@
 #include <iterator>
 #include <numeric>
 
-#include "cloud/append_rows.h"
-#include "cloud/reorder_attributes.h"
+#include "cloud/rows.h"
 #include "database/sqlite/stored_cloud.h"
 
 namespace alidade {

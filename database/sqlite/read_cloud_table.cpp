@@ -3,8 +3,8 @@
 
 #include <functional>
 
-#include "cloud/append_rows.h"
-#include "cloud/lattice_shift.h"
+#include "cloud/fit_lattice.h"
+#include "cloud/rows.h"
 #include "database/sqlite/stored_cloud.h"
 
 namespace alidade {

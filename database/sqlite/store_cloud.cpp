@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "cloud/append_rows.h"
+#include "cloud/rows.h"
 #include "database/point_stream.h"
 #include "database/sqlite/box_tree.h"
 #include "database/sqlite/chunk_writer.h"

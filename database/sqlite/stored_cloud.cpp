@@ -8,8 +8,8 @@
 #include <filesystem>
 
 #include "base/bytes.h"
-#include "cloud/append_rows.h"
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 namespace {

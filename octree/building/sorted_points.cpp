@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octree/building/sorted_points.h"
-#include "cloud/lattice_extent.h"
+#include "cloud/lattice.h"
 
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_reduce.h>

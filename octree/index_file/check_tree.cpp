@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "octree/index_file/check_tree.h"
-#include "cloud/lattice_extent.h"
+#include "cloud/lattice.h"
 #include "octree/slot_spacings.h"
 #include "octree/tree_walk.h"
 

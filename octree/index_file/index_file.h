@@ -9,7 +9,6 @@
 
 #include "base/input_file.h"
 #include "base/progress.h"
-#include "cloud/attribute_columns.h"
 #include "cloud/point_cloud.h"
 #include "octree/index_file/index_header.h"
 #include "octree/octree.h"

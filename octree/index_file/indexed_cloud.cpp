@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
 
 namespace alidade {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
@@ -30,7 +30,7 @@ struct IndexCloudOptions {
   BuildOptions build{};  ///< of files that have no octree yet
 };
 
-/// Loads cloud files for queries, also by folder or pattern (cloud/cloud_files.h): a single index file
+/// Loads cloud files for queries, also by folder or pattern (cloud/cloud_inputs.h): a single index file
 /// is mapped and checked (IndexFile::tree), anything else goes through read_cloud() and build().
 /// read.progress is in bytes; while the octree is built it repeats the last numbers. `cloud.files` are the
 /// files that the points come from, also those an index was made of. Errors: as read_cloud(), build() and

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include <algorithm>
 
-#include "cloud/append_rows.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/lattice_shift.h"
+#include "cloud/fit_lattice.h"
+#include "cloud/rows.h"
 #include "octree/index_file/index_file.h"
 #include "octree/tree_walk.h"
 

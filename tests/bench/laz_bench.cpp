@@ -14,9 +14,9 @@
 
 #include "base/bytes.h"
 #include "base/output_file.h"
-#include "cloud/las/las_point.h"
+#include "cloud/las/las_header.h"
 #include "cloud/las/repack_las.h"
-#include "cloud/laz/chunk_encoder.h"
+#include "cloud/laz/chunk_codec.h"
 #include "cloud/read_cloud.h"
 #include "tests/bench/laz_records.h"
 #include "tests/cloud/las/las_builder.h"

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "base/bytes.h"
-#include "cloud/las/las_point.h"
+#include "cloud/las/las_header.h"
 
 namespace alidade::bench {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Folders and patterns as cloud files.
-#include "cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
 
 #include <gtest/gtest.h>
 

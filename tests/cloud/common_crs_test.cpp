@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "cloud/crs_name.h"
+#include "cloud/crs.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/las/las_builder.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/crs_plausibility.h"
+#include "cloud/crs.h"
 
 #include <gtest/gtest.h>
 

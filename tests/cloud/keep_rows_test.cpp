@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/keep_rows.h"
+#include "cloud/rows.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cloud/append_rows.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 namespace {

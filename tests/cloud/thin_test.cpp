@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/thin.h"
+#include "cloud/select_points.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-#include "cloud/keep_rows.h"
+#include "cloud/rows.h"
 #include "tests/cloud/chosen_points.h"
 
 namespace alidade {

@@ -9,8 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "cloud/append_cloud.h"
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 #include "cloud/read_in_pieces.h"
 #include "cloud/rows.h"
 #include "tests/cloud/cloud_test_support.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "cloud/append_rows.h"
+#include "cloud/rows.h"
 #include "database/server/cloud_values.h"
 #include "database/server/filter_condition.h"
 #include "database/server/server_sql.h"

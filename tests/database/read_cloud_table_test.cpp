@@ -2,7 +2,7 @@
 // A cloud that comes back out of a database is the one that went in.
 #include <cstring>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
 #include "database/sqlite/read_cloud_table.h"
 #include "tests/database/sqlite_fixture.h"

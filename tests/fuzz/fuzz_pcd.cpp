@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/pcd/lzf.h"
+#include "cloud/pcd/pcd_file.h"
 #include "tests/fuzz/fuzz_reader.h"
 
 // A point takes two bytes at least, before compression.

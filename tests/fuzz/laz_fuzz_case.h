@@ -15,10 +15,8 @@
 #include <utility>
 #include <vector>
 
-#include "cloud/las/las_point.h"
+#include "cloud/las/las_header.h"
 #include "cloud/laz/chunk_codec.h"
-#include "cloud/laz/chunk_encoder.h"
-#include "cloud/laz/corrupt_chunk.h"
 #include "cloud/laz/laz_layout.h"
 #include "tests/fuzz/write_seeds.h"
 

@@ -2,12 +2,12 @@
 #include <fmt/format.h>
 
 #include "base/words.h"
-#include "cloud/keep_rows.h"
 #include "cloud/las/repack_las.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "cloud/read_cloud.h"
-#include "cloud/thin.h"
+#include "cloud/rows.h"
+#include "cloud/select_points.h"
 #include "tools/cloud/crop_options.h"
 #include "tools/cloud/index.h"
 #include "tools/cloud_options.h"

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cloud/cloud_files.h"
 #include "cloud/cloud_inputs.h"
-#include "cloud/crs_name.h"
-#include "cloud/is_las.h"
+#include "cloud/crs.h"
+#include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tools/cloud/describe.h"

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "base/words.h"
-#include "cloud/cloud_files.h"
+#include "cloud/cloud_inputs.h"
 #include "database/server/server_name.h"
 #include "database/server/store_on_server.h"
 #include "database/sqlite/store_cloud.h"

@@ -15,7 +15,7 @@
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/chunk_table.h"
-#include "cloud/laz/laszip_record.h"
+#include "cloud/laz/laz_layout.h"
 #include "tests/cloud/laz/laz_builder.h"
 
 // COPC files of random points for tests: every point goes down the octree until a node has room for it.

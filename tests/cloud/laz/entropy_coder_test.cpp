@@ -6,10 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "cloud/laz/arithmetic_encoder.h"
 #include "cloud/laz/entropy_coder.h"
-#include "cloud/laz/integer_compressor.h"
-#include "cloud/laz/symbol_model_set.h"
+#include "cloud/laz/value_coders.h"
 #include "tests/cloud/laz/laz_test_support.h"
 
 namespace alidade {

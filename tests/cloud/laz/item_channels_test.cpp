@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Channels of the points of a chunk, and which models and which last values an item of them uses.
-#include "cloud/laz/item_channels.h"
+#include "cloud/laz/layer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/laszip_record.h"
+#include "cloud/laz/laz_layout.h"
 
 #include <gtest/gtest.h>
 
-#include "cloud/las/las_point.h"
+#include "cloud/las/las_header.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/laz/laszip_data.h"
 

@@ -6,8 +6,7 @@
 
 #include <string>
 
-#include "cloud/laz/corrupt_chunk.h"
-#include "cloud/laz/layered_chunk.h"
+#include "cloud/laz/laz_layout.h"
 #include "tests/cloud/laz/layered_records.h"
 #include "tests/cloud/laz/sample_chunks.h"
 #include "tests/support/memory_taken.h"

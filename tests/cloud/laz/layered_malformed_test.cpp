@@ -4,9 +4,8 @@
 
 #include <string>
 
-#include "cloud/laz/corrupt_chunk.h"
-#include "cloud/laz/layered_chunk.h"
 #include "cloud/laz/layered_codec.h"
+#include "cloud/laz/laz_layout.h"
 #include "tests/cloud/laz/layered_records.h"
 
 namespace alidade {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "cloud/las/las_point.h"
+#include "cloud/las/las_header.h"
+#include "cloud/laz/layer.h"
 #include "cloud/laz/laz_layout.h"
-#include "cloud/laz/point14_fields.h"
 #include "tests/cloud/laz/laz_test_support.h"
 #include "tests/support/random.h"
 

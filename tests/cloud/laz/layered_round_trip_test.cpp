@@ -3,7 +3,6 @@
 
 #include <string>
 
-#include "cloud/laz/layered_chunk.h"
 #include "cloud/laz/layered_codec.h"
 #include "tests/cloud/laz/layered_records.h"
 

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "cloud/laz/arithmetic_encoder.h"
-#include "cloud/laz/integer_compressor.h"
+#include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/layered_codec.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/pointwise_codec.h"
+#include "cloud/laz/value_coders.h"
 #include "tests/cloud/las/las_builder.h"
 #include "tests/cloud/laz/laszip_data.h"
 

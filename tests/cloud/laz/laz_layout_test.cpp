@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cloud/las/las_point.h"
+#include "cloud/las/las_header.h"
 
 namespace alidade {
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "cloud/las/las_point.h"
+#include "cloud/las/las_header.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/laz/laz_builder.h"
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cloud/las/las_records.h"
-#include "cloud/laz/laszip_record.h"
+#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_points.h"
 
 namespace alidade::test {

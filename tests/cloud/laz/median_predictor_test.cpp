@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/median_predictor.h"
+#include "cloud/laz/shared_models.h"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "cloud/las/las_point.h"
-#include "cloud/laz/corrupt_chunk.h"
+#include "cloud/las/las_header.h"
+#include "cloud/laz/laz_layout.h"
 #include "tests/cloud/laz/laz_points.h"
 #include "tests/cloud/laz/laz_test_support.h"
 

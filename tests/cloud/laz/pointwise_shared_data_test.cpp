@@ -5,8 +5,8 @@
 
 #include <array>
 
-#include "cloud/laz/point10.h"
 #include "cloud/laz/pointwise_codec.h"
+#include "cloud/laz/pointwise_rules.h"
 #include "tests/cloud/laz/sample_chunks.h"
 
 namespace alidade {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/bytes.h"
-#include "cloud/laz/integer_compressor.h"
 #include "cloud/laz/laz_layout.h"
+#include "cloud/laz/value_coders.h"
 #include "tests/cloud/cloud_test_support.h"
 
 namespace alidade::test {

@@ -7,8 +7,7 @@
 #include <cstring>
 #include <random>
 
-#include "cloud/laz/color_models.h"
-#include "cloud/laz/wave_packet_models.h"
+#include "cloud/laz/shared_models.h"
 #include "tests/cloud/laz/laz_test_support.h"
 
 namespace alidade {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/laz/write_chunk_table.h"
+#include "cloud/laz/chunk_table.h"
 
 #include <gtest/gtest.h>
 
-#include "cloud/laz/write_laszip_record.h"
+#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 namespace {

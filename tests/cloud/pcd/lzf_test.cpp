@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/pcd/lzf.h"
+#include "cloud/pcd/pcd_file.h"
 
 #include <gtest/gtest.h>
 

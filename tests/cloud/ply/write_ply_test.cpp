@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 #include "tests/cloud/cloud_test_support.h"
 #include "tests/cloud/read_alone.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "cloud/attribute_columns.h"
+#include "cloud/point_cloud.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
 #include "tests/cloud/cloud_test_support.h"
