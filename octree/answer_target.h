@@ -6,11 +6,8 @@
 #include <vector>
 
 #include "octree/octree.h"
-#include "octree/simd/box_search.h"
-#include "octree/simd/point_search.h"
+#include "octree/query_targets.h"
 #include "octree/simd/search.h"
-#include "octree/simd/traversal.h"
-#include "octree/with_tree_target.h"
 
 // How one target is answered. Algorithm 1 answers everything; lanes answer what they are tuned for. Here and
 // nowhere else it is chosen. Requires: target and query checked (octree/check_query.h).

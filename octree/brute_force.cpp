@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "octree/candidate.h"
 #include "octree/check_query.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 
 namespace alidade::brute_force {
 namespace {

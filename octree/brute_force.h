@@ -15,7 +15,7 @@
 
 namespace alidade::brute_force {
 
-/// Distance of each point to its n-th nearest neighbour as octree/point_spacing.h defines it, by point id.
+/// Distance of each point to its n-th nearest neighbour as octree/spacing.h defines it, by point id.
 /// Cost: quadratic.
 std::vector<double> spacings(const PointCloud& cloud, int neighbours);
 

@@ -5,9 +5,8 @@
 #include <span>
 
 #include "octree/distance.h"
-#include "octree/hit.h"
+#include "octree/path_index.h"
 #include "octree/query.h"
-#include "octree/segment.h"
 
 // How one point is decided, shared by brute force and index: whatever an index discards beforehand, what is
 // left goes through these functions, so answers are the same bits. One `evaluate` per family of targets: the

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "octree/octree.h"
-#include "octree/segment.h"
+#include "octree/path_index.h"
 
 namespace alidade {
 namespace {

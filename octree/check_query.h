@@ -1,8 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <span>
+#include <string>
+#include <tbb/parallel_for.h>
 #include <type_traits>
+#include <vector>
 
+#include "base/error.h"
 #include "octree/query.h"
 
 // The entrance of every query: what is refused, with what is wrong. Index and brute force ask here before
@@ -56,5 +65,92 @@ void check_spacings(const Octree& octree, const RayQuery& query);
 
 /// Errors: room for answers that is not as long as the targets.
 void check_room(std::size_t targets, std::size_t room);
+
+// Many targets at once: in parallel, answered in their order, with errors that name the target.
+
+/// What errors call a target in a batch.
+inline const char* target_name(const Ray*) {
+  return "ray";
+}
+inline const char* target_name(const Cone*) {
+  return "cone";
+}
+inline const char* target_name(const Path*) {
+  return "path";
+}
+inline const char* target_name(const HalfSpaces*) {
+  return "region";
+}
+inline const char* target_name(const Bounds*) {
+  return "box";
+}
+inline const char* target_name(const glm::dvec3*) {
+  return "point";
+}
+
+/// Checks a target; the Error names its number.
+template <class Target>
+void check_numbered(std::span<const Target> targets, std::size_t i) {
+  try {
+    check(targets[i]);
+  } catch (const Error& error) {
+    Error::Parts parts = error.parts();
+    parts.problem = std::string(target_name(targets.data())) + " " + std::to_string(i) + ": " + parts.problem;
+    throw Error(std::move(parts));
+  }
+}
+
+/// Calls work(first, last) for ranges of at most `grain` targets, in parallel, after checking these. Errors:
+/// in the first range that has any, the first target that is not good, or else what `work` throws, whatever
+/// the threads did before; answers are then incomplete.
+template <class Target, class Work>
+void for_each_range(std::span<const Target> targets, std::size_t grain, const Work& work) {
+  const std::size_t range_count = (targets.size() + grain - 1) / grain;
+  std::atomic<std::size_t> first_bad{range_count};
+  std::mutex mutex;  // of the problem, and of whoever lowers first_bad
+  std::exception_ptr problem;
+  tbb::parallel_for(std::size_t{0}, range_count, [&](std::size_t r) {
+    if (r > first_bad) return;
+    const std::size_t first = r * grain, last = std::min(first + grain, targets.size());
+    try {
+      for (std::size_t i = first; i < last; ++i) check_numbered(targets, i);
+      work(first, last);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (r > first_bad) return;
+      first_bad = r;
+      problem = std::current_exception();
+    }
+  });
+  if (problem) std::rethrow_exception(problem);
+}
+
+/// Answers of all targets. ask(i, answers) appends those of target i.
+template <class Answer, class Target, class Ask>
+Answers<Answer> answer_all(std::span<const Target> targets, std::size_t grain, const Ask& ask) {
+  Answers<Answer> result;
+  result.begin.resize(targets.size() + 1);
+  std::vector<std::vector<Answer>> parts((targets.size() + grain - 1) / grain);
+  for_each_range(targets, grain, [&](std::size_t first, std::size_t last) {
+    std::vector<Answer>& part = parts[first / grain];
+    for (std::size_t i = first; i < last; ++i) {
+      ask(i, part);
+      result.begin[i + 1] = part.size();
+    }
+  });
+  // So far `begin` counts from the start of each part.
+  std::size_t before = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    for (std::size_t i = p * grain; i < std::min((p + 1) * grain, targets.size()); ++i)
+      result.begin[i + 1] += before;
+    before += parts[p].size();
+  }
+  result.all.reserve(before);
+  for (std::vector<Answer>& part : parts) {
+    result.all.insert(result.all.end(), part.begin(), part.end());
+    std::vector<Answer>().swap(part);
+  }
+  return result;
+}
 
 }  // namespace alidade

@@ -2,15 +2,107 @@
 #pragma once
 
 #include <algorithm>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <memory>
+#include <mutex>
+#include <optional>
+#include <tbb/enumerable_thread_specific.h>
+#include <vector>
 
 #include "base/bounds.h"
-#include "octree/boxed_points.h"
-#include "octree/copc_cache.h"
+#include "base/progress.h"
+#include "cloud/copc/copc_file.h"
+#include "cloud/lattice.h"
+#include "cloud/laz/chunk_codec.h"
 
 namespace alidade {
+
+/// Points sorted along a Morton curve in blocks of 16 with a box around each, boxes around 8 of these, and so
+/// on: what makes the many points of one node quick to ask. Rows are the numbers the points had before.
+class BoxedPoints {
+ public:
+  static constexpr std::size_t k_block_points = 16;
+  static constexpr std::size_t k_fan_out = 8;
+
+  /// positions[i] is the point of row rows[i]. Cost: n log n.
+  BoxedPoints(std::vector<LatticePosition> positions, std::vector<std::uint32_t> rows);
+
+  struct Box {
+    LatticePosition min, max;  ///< inclusive
+  };
+
+  std::size_t size() const { return positions_.size(); }
+  /// Levels of boxes: 0 are the blocks. None if there are no points.
+  int levels() const { return static_cast<int>(boxes_.size()); }
+  /// The boxes of a level; those of the highest are at most 8.
+  const std::vector<Box>& boxes(int level) const { return boxes_[static_cast<std::size_t>(level)]; }
+  const std::vector<LatticePosition>& positions() const { return positions_; }
+  const std::vector<std::uint32_t>& rows() const { return rows_; }
+  /// Memory that the object takes.
+  std::size_t byte_count() const;
+
+ private:
+  std::vector<LatticePosition> positions_;
+  std::vector<std::uint32_t> rows_;
+  std::vector<std::vector<Box>> boxes_;
+};
+
+/// What was read of a COPC file so far.
+struct CopcReads {
+  std::uint64_t chunks_decoded = 0;  ///< again counts again
+  std::uint64_t points_decoded = 0;
+  std::uint64_t chunks_met = 0;  ///< decoded at least once
+};
+
+/// Points of a COPC file, node by node, decoded when they are asked for and kept while there is room. Thread
+/// safe: who asks for a node that another thread is decoding waits for it.
+class CopcCache {
+ public:
+  struct Options {
+    std::size_t byte_count = std::size_t{512} << 20;  ///< most to keep; what is in use may be more
+    std::optional<std::bitset<256>> classes{};        ///< only points of these
+    /// Asked whenever a node was decoded, by one thread at a time, in points decoded so far and points of the
+    /// file; points that are decoded again count again.
+    Progress progress{};
+  };
+
+  /// The file must outlive the cache.
+  CopcCache(const CopcFile& file, const Options& options);
+  ~CopcCache();
+
+  const CopcFile& file() const { return file_; }
+
+  /// The points of a node of the file's hierarchy; none if it has no chunk. Rows count within the node. Those
+  /// asked for least recently give way to new ones. Errors: the chunk is damaged, or a point lies outside
+  /// CopcFile::bounds() of its node. Cancelled, if the progress function says so. Cost: about 0.2
+  /// microseconds per point if they are not there.
+  std::shared_ptr<const BoxedPoints> points(std::uint32_t node) const;
+
+  CopcReads reads() const;
+
+ private:
+  struct Slot;
+  struct Workshop {  ///< of a thread
+    ChunkDecoder decoder;
+    std::vector<std::byte> bytes;
+  };
+
+  std::shared_ptr<const BoxedPoints> decode(std::uint32_t node) const;
+  std::shared_ptr<const BoxedPoints> find(std::uint32_t node) const;
+  void keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> points) const;
+
+  const CopcFile& file_;
+  Options options_;
+  std::unique_ptr<Slot[]> slots_;
+  mutable tbb::enumerable_thread_specific<Workshop> workshops_;
+  mutable std::mutex mutex_;               ///< of all that follows
+  mutable std::list<std::uint32_t> kept_;  ///< nodes, those asked for last first
+  mutable std::size_t kept_bytes_ = 0;
+  mutable CopcReads reads_;
+};
 
 /// A COPC file as tree_query.h walks it: an octree on disk, asked where it lies. Its nodes are
 /// - cubes: nodes of the file's hierarchy, whose children are cubes and their own points;

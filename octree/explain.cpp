@@ -2,7 +2,7 @@
 #include "octree/explain.h"
 
 #include "octree/check_query.h"
-#include "octree/with_tree_target.h"
+#include "octree/query_targets.h"
 
 namespace alidade {
 namespace {

@@ -8,7 +8,6 @@
 #include "octree/answer_target.h"
 #include "octree/check_query.h"
 #include "octree/octree.h"
-#include "octree/query_batch.h"
 
 namespace alidade {
 namespace {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
 #include <span>
@@ -11,10 +12,46 @@
 
 #include "base/bounds.h"
 #include "base/ray.h"
-#include "octree/cone.h"
-#include "octree/hit.h"
-#include "octree/path.h"
 #include "octree/targets.h"
+
+// Points that answer a query. A miss is an empty std::optional or list, never a special id.
+
+namespace alidade {
+
+/// A point that answers a ray or cone query.
+struct Hit {
+  std::uint64_t point_id = 0;  ///< row of the cloud
+  glm::dvec3 position{0.0};    ///< of the point, world coordinates
+  double t = 0.0;              ///< place of the point's projection on the ray, metres
+  double distance = 0.0;       ///< of the point to the ray's line, metres
+  /// Where the ray enters the sphere around the point whose radius is the query's (for a cone: the limit at
+  /// t), metres; -infinity if the radius is infinite.
+  double entry = 0.0;
+
+  bool operator==(const Hit&) const = default;
+};
+
+/// A point that answers a point, box or half-space query.
+struct PointHit {
+  std::uint64_t point_id = 0;
+  glm::dvec3 position{0.0};
+  /// To the point asked for; of half-spaces: signed distance to the first plane; of boxes: 0. Metres.
+  double distance = 0.0;
+
+  bool operator==(const PointHit&) const = default;
+};
+
+/// A point that answers a path query.
+struct PathHit {
+  std::uint64_t point_id = 0;
+  glm::dvec3 position{0.0};
+  /// The nearest one, from vertex `segment` to the next; of equally near ones the first.
+  std::size_t segment = 0;
+  double t = 0.0;         ///< place of the nearest point of the path, metres from its first vertex
+  double distance = 0.0;  ///< to the nearest point of the path, metres
+
+  bool operator==(const PathHit&) const = default;
+};
 
 // Queries on raw points. Targets (ray, cone, path, half-spaces, box, point) and conditions are chosen per
 // query; nothing of them is built into the index. All conditions hold together (conjunction).
@@ -40,8 +77,6 @@
 //   octree without spacings; Measure::entry with an infinite radius (of rays) or at all
 //   (of paths); max_level negative, or given for an octree that is not layered; room for answers not as long
 //   as the targets. A batch with Errors leaves its answers half done.
-
-namespace alidade {
 
 class Octree;
 
@@ -78,7 +113,7 @@ struct RayQuery {
   Measure measure = Measure::entry;
   /// Above 0: every point has a radius of its own, this factor times its spacing, and `radius` only limits
   /// it. So spheres close a surface where points are sparse and stay small where they are dense. Needs an
-  /// octree with spacings (octree/point_spacing.h). Order, limits and Hit::entry go by the point's radius.
+  /// octree with spacings (octree/spacing.h). Order, limits and Hit::entry go by the point's radius.
   double spacing_factor = 0.0;
   /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever stands here.
   std::size_t k = k_all;

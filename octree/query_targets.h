@@ -3,16 +3,79 @@
 
 #include <cstddef>
 #include <optional>
+#include <type_traits>
 
 #include "octree/candidate.h"
 #include "octree/octree.h"
 #include "octree/path_index.h"
+#include "octree/query.h"
 #include "octree/tree_query.h"
+#include "octree/tree_walk.h"
+
+namespace alidade {
+
+/// By what a tree tells its points apart.
+enum class PointNaming { id, place };
+
+/// An octree as tree_query.h walks it: inner nodes by their frames, leaves as nodes of their own.
+template <PointNaming naming>
+class OctreeAsTree {
+ public:
+  struct Node {
+    Bounds bounds;
+    bool inner = true;
+    Frame frame{};  ///< of an inner node
+    Leaf leaf{};    ///< otherwise
+  };
+
+  /// Of a layered octree only the levels 0 to max_level.
+  explicit OctreeAsTree(const TreeView& view, int max_level = k_all_levels)
+      : view_(view), max_level_(max_level) {}
+
+  bool empty() const { return view_.node_count == 0; }
+  Node root() const { return {.bounds = view_.bounds, .frame = root_frame(view_)}; }
+  const Bounds& bounds(const Node& node) const { return node.bounds; }
+
+  template <class Visit>
+  void for_each_point(const Node& node, const Visit& visit) const {
+    if (node.inner) return;
+    for (std::uint32_t i = 0; i < node.leaf.count; ++i) {
+      const std::uint32_t place = node.leaf.place + i;
+      if (!visit(naming == PointNaming::place ? place : point_id(view_, place),
+                 to_world(view_.lattice, position_of(view_, node.leaf, i))))
+        return;
+    }
+  }
+
+  template <class Visit>
+  void for_each_child(const Node& node, const Visit& visit) const {
+    if (!node.inner) return;
+    const bool deeper = node.frame.depth < max_level_;
+    for (int slot = 0; slot < k_node_width; ++slot) {
+      const std::uint8_t kind = view_.nodes[node.frame.node].kind[slot];
+      if (is_inner(kind)) {
+        if (!deeper) continue;
+        visit(Node{.bounds = child_bounds(view_, node.frame, slot),
+                   .frame = child_frame(view_, node.frame, slot)});
+      } else if (is_leaf(kind)) {
+        visit(Node{.bounds = child_bounds(view_, node.frame, slot),
+                   .inner = false,
+                   .leaf = child_leaf(view_, node.frame, slot)});
+      }
+    }
+  }
+
+ private:
+  const TreeView& view_;
+  int max_level_;
+};
+
+using OctreeTree = OctreeAsTree<PointNaming::id>;
+/// For targets that ask what is stored by place.
+using OctreePlaces = OctreeAsTree<PointNaming::place>;
 
 // The targets of octree/query.h as tree_query.h takes them: how near, where and in which order the points of
 // a box can be. Each keeps references to target and query, which must outlive it, and takes them as checked.
-
-namespace alidade {
 
 class RayTarget {
  public:
@@ -267,6 +330,18 @@ inline BoxTarget make_target(const Bounds& box, const PointQuery& query, std::si
 }
 inline PointTarget make_target(const glm::dvec3& point, const PointQuery& query, std::size_t query_index) {
   return {point, query, query_index};
+}
+
+/// Calls use(tree, target) with an octree and a target as Algorithm 1 (octree/tree_query.h) takes them for
+/// this query. Points with radii of their own are told by their places.
+template <class Target, class Query, class Use>
+auto with_tree_target(const TreeView& view, const Target& target, const Query& query, std::size_t query_index,
+                      const Use& use) {
+  if constexpr (std::is_same_v<Target, Ray>) {
+    if (query.spacing_factor > 0.0)
+      return use(OctreePlaces(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
+  }
+  return use(OctreeTree(view, query.max_level), make_target(target, query, query_index));
 }
 
 }  // namespace alidade

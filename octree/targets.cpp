@@ -1,14 +1,47 @@
 // SPDX-License-Identifier: MIT
-#include "octree/path.h"
-
-#include <fmt/format.h>
+#include "octree/targets.h"
 
 #include <cmath>
+#include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/unit_direction.h"
+#include "base/ray.h"
 
 namespace alidade {
+
+Cone make_cone(const glm::dvec3& apex, const glm::dvec3& direction, double half_angle, double radius,
+               double t_min, double t_max) {
+  constexpr double k_right_angle = 1.5707963267948966;
+  if (!(half_angle >= 0.0 && half_angle < k_right_angle)) {
+    throw Error({.problem = "half angle of a cone is out of range",
+                 .expected = "at least 0 and less than pi / 2",
+                 .found = fmt::format("{}", half_angle)});
+  }
+  if (!(radius >= 0.0 && std::isfinite(radius))) {
+    throw Error({.problem = "radius of a cone is out of range",
+                 .expected = "a finite number, at least 0",
+                 .found = fmt::format("{}", radius)});
+  }
+  return {make_ray(apex, direction, t_min, t_max), radius, std::tan(half_angle)};
+}
+
+Plane make_plane(const glm::dvec3& point, const glm::dvec3& normal) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!std::isfinite(point[axis])) throw Error({.problem = "point of a plane is not finite"});
+    if (!std::isfinite(normal[axis])) throw Error({.problem = "normal of a plane is not finite"});
+  }
+  if (normal == glm::dvec3(0.0)) throw Error({.problem = "normal of a plane has length zero"});
+  return {point, unit_direction(normal)};
+}
+
+HalfSpaces make_slab(const Plane& plane, double thickness) {
+  if (!(thickness >= 0.0 && std::isfinite(thickness))) {
+    throw Error({.problem = "thickness of a slab is out of range",
+                 .expected = "a finite number, at least 0",
+                 .found = fmt::format("{}", thickness)});
+  }
+  return {{plane, {plane.point + thickness * plane.normal, -plane.normal}}};
+}
 
 Path make_path(const std::vector<glm::dvec3>& vertices, double t_min, double t_max) {
   if (std::isnan(t_min) || std::isnan(t_max))

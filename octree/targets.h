@@ -2,9 +2,30 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <limits>
 #include <vector>
 
+#include "base/ray.h"
+
 namespace alidade {
+
+/// A ray that widens: the limit on the distance to its line grows with t,
+///   limit(t) = radius + slope * t,
+/// which makes it a cylinder (slope 0), a cone (radius 0) or a truncated cone. Points where limit(t) < 0 are
+/// outside. The paper leaves cones to future work (section 6).
+struct Cone {
+  Ray axis{.t_min = 0.0};  ///< from the apex; closed interval on t, by default from the apex on
+  double radius = 0.0;     ///< at the apex (t = 0), metres
+  double slope = 0.0;      ///< tangent of the half angle
+
+  double limit(double t) const { return radius + slope * t; }
+};
+
+/// The entrance for cones from outside. half_angle in radians, 0 <= half_angle < pi / 2. Errors: as
+/// make_ray; radius negative or not finite; half_angle out of range or so large that its tangent is not
+/// finite.
+Cone make_cone(const glm::dvec3& apex, const glm::dvec3& direction, double half_angle, double radius = 0.0,
+               double t_min = 0.0, double t_max = std::numeric_limits<double>::infinity());
 
 /// A plane through `point`; `normal` has length 1. Signed distance: octree/distance.h (eq. 2).
 struct Plane {
@@ -23,5 +44,20 @@ struct HalfSpaces {
 
 /// The slab of `thickness` metres on the positive side of a plane. Errors: thickness negative or not finite.
 HalfSpaces make_slab(const Plane& plane, double thickness);
+
+/// A trajectory: straight segments from vertex to vertex. Places on it are told by t, the length of the way
+/// from the first vertex, in metres.
+struct Path {
+  std::vector<glm::dvec3> vertices;                         ///< two or more; consecutive ones differ
+  std::vector<double> vertex_t;                             ///< t of every vertex, made by make_path
+  double t_min = -std::numeric_limits<double>::infinity();  ///< closed interval on t
+  double t_max = std::numeric_limits<double>::infinity();
+};
+
+/// The entrance for paths from outside. Repeated vertices in a row are joined to one. Errors: a coordinate
+/// that is not finite (the message tells the vertex), fewer than two different vertices, limits NaN.
+Path make_path(const std::vector<glm::dvec3>& vertices,
+               double t_min = -std::numeric_limits<double>::infinity(),
+               double t_max = std::numeric_limits<double>::infinity());
 
 }  // namespace alidade

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "octree/point_spacing.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
 

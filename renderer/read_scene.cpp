@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "image/image_file.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {

@@ -39,7 +39,7 @@ enum class NormalMode {
 };
 
 /// Radii that follow the density of the points: of each point, factor times the distance to its n-th nearest
-/// neighbour (octree/point_spacing.h), at most max. On a surface with so many points per square metre the
+/// neighbour (octree/spacing.h), at most max. On a surface with so many points per square metre the
 /// eighth neighbour is 1.6 / sqrt(density) away; spheres of three quarters of that leave 1 % of it open.
 struct AdaptedRadius {
   int neighbours = 8;           ///< 1 to 64

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/smooth_normals.h"
 
-#include "octree/packed_normal.h"
+#include "octree/point_surface.h"
 
 namespace alidade {
 namespace {

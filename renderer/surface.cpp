@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/exact_math.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 
 namespace alidade {
 namespace {

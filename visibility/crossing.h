@@ -7,7 +7,6 @@
 
 #include "octree/candidate.h"
 #include "octree/point_surface.h"
-#include "octree/sheet_edge.h"
 #include "visibility/occluders.h"
 #include "visibility/sight_line.h"
 

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "base/error.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 

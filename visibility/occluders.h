@@ -12,7 +12,7 @@
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
 // graze flat ground pass over it; spheres would make every surface thicker by their radius. A point without
 // a surface (foliage, wires) is a sphere, which blocks a line that passes it within a radius. Discs that
-// would reach beyond the edge of their sheet (octree/sheet_edge.h) are cut off there.
+// would reach beyond the edge of their sheet (octree/point_surface.h) are cut off there.
 
 namespace alidade {
 

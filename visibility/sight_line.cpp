@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/unit_direction.h"
-#include "octree/point_spacing.h"
+#include "base/ray.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
+#include "octree/spacing.h"
 #include "visibility/chord_lines.h"
 #include "visibility/crossing.h"
 

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
-#include "base/unit_direction.h"
+#include "base/ray.h"
 #include "camera/formats/camera_file.h"
 #include "camera/formats/image_file_size.h"
 #include "camera/rotation.h"

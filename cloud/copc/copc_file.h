@@ -42,7 +42,7 @@ class CopcFile {
   /// No point of the node or of those below it lies outside: the node's cube, enlarged by a step of the
   /// lattice on every side, because coordinates are rounded after points are sorted into cubes, and by what
   /// sums of float64 cost, so that the box of a node lies in that of its parent. Points are held to it when
-  /// they are read (octree/copc_cache.h).
+  /// they are read (octree/copc_tree.h).
   Bounds bounds(const CopcNode& node) const;
 
  private:

@@ -4,11 +4,250 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
-#include "octree/building/child_ranges.h"
-#include "octree/building/leaf_writer.h"
+#include "base/huge_memory.h"
+#include "octree/building/sorted_points.h"
+#include "octree/octree.h"
 
 namespace alidade {
+
+/// Box in lattice steps from the root's corner, inclusive; inverted when empty.
+struct StepBox {
+  Steps low{0xffffffffu, 0xffffffffu, 0xffffffffu};
+  Steps high{0, 0, 0};
+
+  void grow(const Steps& steps) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], steps[axis]);
+      high[axis] = std::max(high[axis], steps[axis]);
+    }
+  }
+  void grow(const StepBox& box) {
+    for (int axis = 0; axis < 3; ++axis) {
+      low[axis] = std::min(low[axis], box.low[axis]);
+      high[axis] = std::max(high[axis], box.high[axis]);
+    }
+  }
+};
+
+inline LatticePosition lattice_position(const LatticePosition& base, const Steps& steps) {
+  LatticePosition position;
+  for (int axis = 0; axis < 3; ++axis)
+    position[axis] = static_cast<std::int32_t>(static_cast<std::uint32_t>(base[axis]) + steps[axis]);
+  return position;
+}
+
+/// The arrays of an octree.
+struct OctreeArrays {
+  HugeArray<Node> nodes;
+  HugeArray<std::uint16_t> coordinates;
+  HugeArray<std::uint32_t> ids;
+  /// By place, as long as the cloud, but only the pages of places from TreeView::first_exact on are ever
+  /// touched.
+  HugeArray<LatticePosition> positions;
+};
+
+/// Packs points into the arrays; from many threads, for different places.
+class LeafWriter {
+ public:
+  LeafWriter(OctreeArrays& arrays, const LatticePosition& base) : arrays_(arrays), base_(base) {}
+
+  /// Writes the points of a leaf below a frame, whose places start at `place`. Their box.
+  template <class Entry>
+  StepBox write(const Entry* entries, std::uint32_t count, const Steps& corner, int frame_level,
+                std::uint32_t place) const {
+    StepBox box;
+    const int shift = coordinate_shift(frame_level);
+    std::uint16_t* const coordinates = arrays_.coordinates.data() + std::size_t{3} * place;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const Steps steps = steps_of(entries[i]);
+      for (int axis = 0; axis < 3; ++axis)
+        coordinates[axis * count + i] = static_cast<std::uint16_t>((steps[axis] - corner[axis]) >> shift);
+      arrays_.ids[place + i] = entries[i].id;
+      if (shift > 0) arrays_.positions[place + i] = lattice_position(base_, steps);
+      box.grow(steps);
+    }
+    return box;
+  }
+
+ private:
+  OctreeArrays& arrays_;
+  const LatticePosition base_;
+};
+
+// Which children a node gets: the only place where the organisations differ, but for the samples of a layered
+// one.
+
+/// Sorted points that stand below one node or in one leaf.
+struct PointRange {
+  std::uint32_t begin = 0, end = 0;
+  int bit = -1;  ///< highest bit in which their keys differ; -1 if they stand at one place
+
+  std::uint32_t count() const { return end - begin; }
+  /// Of the smallest cell around the points.
+  int level() const { return bit < 0 ? 0 : bit / 3 + 1; }
+};
+
+template <class Entry>
+PointRange point_range(const SortedPoints<Entry>& sorted, std::uint32_t begin, std::uint32_t end) {
+  return {begin, end, highest_bit(sorted[begin].key() ^ sorted[end - 1].key())};
+}
+
+struct ChildRange {
+  PointRange points;
+  bool is_leaf = false;
+};
+
+/// The children of a node in the making.
+struct ChildList {
+  std::array<ChildRange, k_node_width> items{};
+  int count = 0;
+
+  void add(const ChildRange& child) { items[count++] = child; }
+  ChildRange& operator[](int i) { return items[i]; }
+  const ChildRange& operator[](int i) const { return items[i]; }
+  auto begin() { return items.begin(); }
+  auto end() { return items.begin() + count; }
+  auto begin() const { return items.begin(); }
+  auto end() const { return items.begin() + count; }
+};
+
+/// What decides about cells.
+struct SplitRules {
+  Organisation organisation = Organisation::adaptive;
+  int leaf_size = k_max_leaf_size;
+  int cell_level = 0;  ///< fixed: level of the grid's cells; otherwise 0
+
+  /// Levels between a frame and its grid steps.
+  static constexpr int k_frame_bits = 8;
+  /// Up to so many points, exact positions take less memory than a further node.
+  static constexpr std::uint32_t k_few_points = sizeof(Node) / sizeof(LatticePosition);
+
+  bool is_small(const PointRange& range) const {
+    return range.count() <= static_cast<std::uint32_t>(leaf_size);
+  }
+
+  /// Whether a range that does not fit a leaf, or whose cell is too large for one, consists of smaller cells.
+  bool has_cells(const PointRange& range) const {
+    if (organisation == Organisation::fixed) return range.level() > cell_level;
+    return range.bit >= 0 && !is_small(range);
+  }
+
+  /// Whether a range of few points becomes a leaf under this frame. 16 bits hold positions without loss up to
+  /// frames of level 16; above, exact positions are stored where points are too sparse for smaller frames.
+  bool fits_leaf(const PointRange& range, int frame_level) const {
+    return is_small(range) && !has_cells(range) &&
+           (frame_level <= k_exact_frame_level || range.level() > k_exact_frame_level ||
+            range.count() <= k_few_points);
+  }
+
+  /// Nodes of a layered octree stay above the lowest level, except those of one place: there, equal boxes
+  /// shall mean equal places (node.h).
+  int lowest_frame_level(const PointRange& range) const {
+    return organisation == Organisation::layered && range.bit >= 0 ? k_min_frame_level + 1
+                                                                   : k_min_frame_level;
+  }
+
+  /// Whether parts of a range can be told apart by boxes on the grid of this frame, or of any frame at all.
+  bool is_resolved(const PointRange& range, int frame_level) const {
+    return range.level() > frame_level - k_frame_bits || frame_level <= lowest_frame_level(range);
+  }
+
+  bool opens(const PointRange& range, int frame_level) const {
+    return has_cells(range) && is_resolved(range, frame_level);
+  }
+
+  /// Points in one cell that are too many for a leaf are split by number.
+  bool splits_by_number(const PointRange& range, int frame_level) const {
+    return !is_small(range) && !has_cells(range) && is_resolved(range, frame_level);
+  }
+
+  /// Frame of the node for a range below a frame of this level.
+  int child_frame_level(const PointRange& range, int frame_level) const {
+    return std::max({lowest_frame_level(range), range.level(), frame_level - k_max_level_drop});
+  }
+};
+
+/// Eight equal parts; in Morton order, so that at the lowest level only parts of one place can have equal
+/// boxes: where the bit is decided in which the first and the last point of two parts differ, one of the
+/// boxes ends. Where they are not quite equal the smaller ones come first: if only these are leaves, their
+/// points, which take the places before those of inner children, are the first in the order too.
+template <class Entry>
+ChildList split_by_number(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
+                          int frame_level) {
+  ChildList parts;
+  const std::uint32_t size = range.count() / k_node_width, larger_parts = range.count() % k_node_width;
+  std::uint32_t begin = range.begin;
+  for (std::uint32_t part = 0; part < k_node_width; ++part) {
+    const std::uint32_t end = begin + size + (part + larger_parts >= k_node_width ? 1 : 0);
+    if (begin < end) {
+      const PointRange points = point_range(sorted, begin, end);
+      parts.add({points, rules.fits_leaf(points, frame_level)});
+    }
+    begin = end;
+  }
+  return parts;
+}
+
+/// The cells that a range's smallest cell consists of: its octants, or in a layered octree its halves, since
+/// beside the sample eight octants would not fit.
+template <class Entry>
+ChildList split_cell(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
+                     int frame_level) {
+  const bool halves = rules.organisation == Organisation::layered;
+  const int shift = halves ? range.bit : 3 * (range.level() - 1);
+  const auto digit = [&](std::uint32_t i) {
+    return static_cast<unsigned>(sorted[i].key() >> shift) & (halves ? 1 : 7);
+  };
+  ChildList cells;
+  for (std::uint32_t begin = range.begin; begin < range.end;) {
+    const unsigned here = digit(begin);
+    std::uint32_t low = begin, high = range.end;  // digit(low) == here; digit(high) > here or past the end
+    while (high - low > 1) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      (digit(middle) == here ? low : high) = middle;
+    }
+    const PointRange points = point_range(sorted, begin, high);
+    cells.add({points, rules.fits_leaf(points, frame_level)});
+    begin = high;
+  }
+  return cells;
+}
+
+/// At most `width` children for a range, in Morton order: cells are opened, the largest first, until the
+/// slots are used. Requires range.count() > 0.
+template <class Entry>
+ChildList choose_children(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
+                          int frame_level, int width) {
+  if (rules.splits_by_number(range, frame_level)) return split_by_number(sorted, range, rules, frame_level);
+  const auto is_larger = [&](const PointRange& a, const PointRange& b) {
+    const bool halves = rules.organisation == Organisation::layered;
+    const int size_a = halves ? a.bit : a.level(), size_b = halves ? b.bit : b.level();
+    return size_a != size_b ? size_a > size_b : a.count() > b.count();
+  };
+
+  ChildList children;
+  children.add({range, rules.fits_leaf(range, frame_level)});
+  std::array<ChildList, k_node_width> cells;  // of children[i]; empty = not asked yet
+  for (;;) {
+    int chosen = -1;
+    for (int i = 0; i < children.count; ++i) {
+      const PointRange& cell = children[i].points;
+      if (!rules.opens(cell, frame_level) || (chosen >= 0 && !is_larger(cell, children[chosen].points)))
+        continue;
+      if (cells[i].count == 0) cells[i] = split_cell(sorted, cell, rules, frame_level);
+      if (children.count - 1 + cells[i].count <= width) chosen = i;
+    }
+    if (chosen < 0) break;
+    const ChildList opened = std::exchange(cells[chosen], {});
+    children[chosen] = opened[0];
+    for (int i = 1; i < opened.count; ++i) children.add(opened[i]);
+  }
+  std::sort(children.begin(), children.end(),
+            [](const ChildRange& a, const ChildRange& b) { return a.points.begin < b.points.begin; });
+  return children;
+}
 
 /// A node in the making: its children are chosen, their boxes need not be known yet.
 struct NodeDraft {

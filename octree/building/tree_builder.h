@@ -7,9 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "octree/building/leaf_writer.h"
 #include "octree/building/node_draft.h"
-#include "octree/for_each_in_order.h"
+#include "octree/parallel_loops.h"
 
 namespace alidade {
 

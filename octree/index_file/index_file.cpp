@@ -12,7 +12,6 @@
 #include "base/huge_memory.h"
 #include "cloud/cloud_inputs.h"
 #include "octree/index_file/check_tree.h"
-#include "octree/index_file/index_metadata.h"
 #include "octree/index_file/index_sections.h"
 
 namespace alidade {

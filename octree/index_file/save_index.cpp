@@ -8,7 +8,7 @@
 #include "base/fingerprint.h"
 #include "base/output_file.h"
 #include "octree/index_file/index_file.h"
-#include "octree/index_file/index_metadata.h"
+#include "octree/index_file/index_sections.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/simd/box_search.h"
+#include "octree/simd/search.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octree/simd/box_search.cpp"
@@ -9,8 +9,8 @@
 #include "octree/simd/choose_table.h"
 #include "octree/simd/lattice_box.h"
 #include "octree/simd/ray_traversal-inl.h"
-#include "octree/simd/sort_by_id.h"
-#include "octree/simd/subtree_count.h"
+#include "octree/simd/lattice_box.h"
+#include "octree/simd/first_answers.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "octree/simd/first_answers.h"
-#include "octree/simd/float_bounds.h"
+#include "octree/simd/ray_state.h"
 #include "octree/simd/lanes-inl.h"
 #include "octree/tree_walk.h"
 

@@ -2,11 +2,78 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "octree/tree_walk.h"
+
+// How many points stand below a node, without visiting them: from frames of level k_exact_frame_level on, all
+// points below a node stand one after another, first those of its leaves, then those of its inner children in
+// slot order.
+
 namespace alidade::simd {
+
+/// Past the last place below a node whose frame's level is at most k_exact_frame_level.
+inline std::uint32_t end_place(const TreeView& tree, std::uint32_t index) {
+  for (;;) {
+    const Node& node = tree.nodes[index];
+    std::uint32_t points = node.first_point, inner = 0;
+    for (const std::uint8_t kind : node.kind) {
+      if (is_inner(kind)) {
+        ++inner;
+      } else {
+        points += kind;
+      }
+    }
+    if (inner == 0) return points;
+    index = node.first_child + inner - 1;
+  }
+}
+
+/// Points of a child and all below it.
+inline std::uint32_t subtree_count(const TreeView& tree, const Frame& parent, int slot) {
+  const Node& node = tree.nodes[parent.node];
+  if (is_leaf(node.kind[slot])) return node.kind[slot];
+  const Frame child = child_frame(tree, parent, slot);
+  if (child.level <= k_exact_frame_level)
+    return end_place(tree, child.node) - tree.nodes[child.node].first_point;
+  std::uint32_t count = 0;
+  for (int below = 0; below < k_node_width; ++below)
+    if (tree.nodes[child.node].kind[below] != 0) count += subtree_count(tree, child, below);
+  return count;
+}
+
+/// Which slots of a node need not be visited for the k first points: boxes are exact at the lowest level, so
+/// slots with equal boxes of one lattice position hold points that differ by their ids only, and node.h
+/// promises the lowest ids in the first of them. Once k points stand in the slots before, the rest cannot
+/// count. Keeps queries among a million equal points from looking at each. Requires a frame of level
+/// k_min_frame_level.
+inline unsigned slots_after_k_equal(const TreeView& tree, const Frame& frame, std::size_t k) {
+  const Node& node = tree.nodes[frame.node];
+  const auto is_one_place = [&](int slot) {
+    return node.kind[slot] != 0 && node.low[0][slot] == node.high[0][slot] &&
+           node.low[1][slot] == node.high[1][slot] && node.low[2][slot] == node.high[2][slot];
+  };
+  const auto equal = [&](int a, int b) {
+    return node.low[0][a] == node.low[0][b] && node.low[1][a] == node.low[1][b] &&
+           node.low[2][a] == node.low[2][b];
+  };
+  unsigned surplus = 0;
+  // Children stand in Morton order, so equal ones stand side by side.
+  std::size_t before = 0;
+  for (int slot = 1; slot < k_node_width; ++slot) {
+    if (!is_one_place(slot) || !is_one_place(slot - 1) || !equal(slot, slot - 1)) {
+      before = 0;
+      continue;
+    }
+    if (before < k) before += subtree_count(tree, frame, slot - 1);
+    if (before >= k) surplus |= 1u << slot;
+  }
+  return surplus;
+}
 
 /// Order of a target's answers (octree/query_targets.h), as the standard algorithms take it.
 template <class Target>

@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-#include "octree/node.h"
+#include "octree/octree.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {

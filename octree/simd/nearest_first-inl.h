@@ -9,7 +9,7 @@
 
 #include "octree/simd/collectors-inl.h"
 #include "octree/simd/ray_traversal-inl.h"
-#include "octree/simd/same_place.h"
+#include "octree/simd/first_answers.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/simd/point_search.h"
+#include "octree/simd/search.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "octree/simd/point_search.cpp"

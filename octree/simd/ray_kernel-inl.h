@@ -7,7 +7,7 @@
 #define ALIDADE_SIMD_RAY_KERNEL_INL_H
 #endif
 
-#include "octree/simd/line_from_root.h"
+#include "octree/simd/ray_state.h"
 #include "octree/simd/nearest_first-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -2,16 +2,31 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "base/ray.h"
+#include "cloud/lattice.h"
 #include "octree/candidate.h"
 #include "octree/octree.h"
 #include "octree/tree_walk.h"
 
 namespace alidade::simd {
+
+/// A float that is not below a number, nor above it by more than its rounding; of numbers beyond 1e30,
+/// infinite ones too, those of 1e30: squares of such floats are no numbers, so nothing is told by being
+/// above.
+inline float at_least(double value) {
+  const auto f = static_cast<float>(std::clamp(value, -1e30, 1e30));
+  return f + std::fabs(f) * 0x1p-23f + std::numeric_limits<float>::min();
+}
+
+inline float at_most(double value) {
+  return -at_least(-value);
+}
 
 /// 2^exponent for exponents of normal numbers, without the library call.
 inline double power_of_two(int exponent) {
@@ -168,5 +183,74 @@ struct RayBatch {
     return {asked[number], boxes[number], states[number], first_index + number};
   }
 };
+
+/// The line of a ray as seen from the corner of the octree's root, so that origins far away cost no
+/// precision.
+struct LineFromRoot {
+  double origin[3];  ///< foot of the perpendicular from the root's corner
+  double direction[3];
+  double shift = 0.0;  ///< t of that foot
+  /// Exceeds the error of all this, and that of the formulas of octree/distance.h for points of the tree.
+  double error = 0.0;
+  double away = 0.0;  ///< an upper limit of the perpendicular's length
+
+  /// Requires a direction of length 1 within 2e-15 (a rounding of its square).
+  LineFromRoot(const TreeView& tree, const Ray& ray) {
+    const glm::dvec3 corner = to_world(tree.lattice, tree.base);
+    double largest = 0.0, way = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      origin[axis] = ray.origin[axis] - corner[axis];
+      direction[axis] = ray.direction[axis];
+      shift -= origin[axis] * direction[axis];
+      largest = std::max({largest, std::fabs(ray.origin[axis]), std::fabs(corner[axis]),
+                          std::fabs(tree.bounds.max[axis]), std::fabs(tree.lattice.offset[axis])});
+      way += std::fabs(origin[axis]) + (tree.bounds.max[axis] - corner[axis]);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      origin[axis] += shift * direction[axis];
+      away += std::fabs(origin[axis]);
+    }
+    error = 0x1p-48 * (largest + way) + 1e-18;
+  }
+};
+
+struct SlotOrder {
+  std::array<std::uint8_t, k_node_width> slot;
+  int count = 0;
+};
+
+/// Every third bit.
+constexpr std::array<std::uint32_t, 256> k_spread_byte = [] {
+  std::array<std::uint32_t, 256> spread{};
+  for (std::uint32_t value = 0; value < 256; ++value) {
+    for (int bit = 0; bit < 8; ++bit) spread[value] |= (value >> bit & 1u) << (3 * bit);
+  }
+  return spread;
+}();
+
+/// The slots of a set (bits) in the order in which any ray of this octant (bit per axis: direction negative)
+/// meets them. Cells of one tree are disjoint, so their order is that of the Morton keys of any point inside,
+/// mirrored on the axes along which the ray goes down.
+inline SlotOrder front_to_back(const Node& node, unsigned octant, unsigned slots) {
+  const std::uint8_t mirror[3] = {static_cast<std::uint8_t>((octant & 1u) != 0 ? 0xff : 0),
+                                  static_cast<std::uint8_t>((octant & 2u) != 0 ? 0xff : 0),
+                                  static_cast<std::uint8_t>((octant & 4u) != 0 ? 0xff : 0)};
+  std::array<std::uint32_t, k_node_width> keys;
+  SlotOrder order;
+  for (; slots != 0; slots &= slots - 1) {
+    const int slot = std::countr_zero(slots);
+    const std::uint32_t key =
+        (k_spread_byte[node.low[0][slot] ^ mirror[0]] | k_spread_byte[node.low[1][slot] ^ mirror[1]] << 1 |
+         k_spread_byte[node.low[2][slot] ^ mirror[2]] << 2)
+            << 3 |
+        static_cast<std::uint32_t>(slot);
+    int at = order.count++;
+    for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
+    keys[at] = key;
+  }
+  for (int place = 0; place < order.count; ++place)
+    order.slot[place] = static_cast<std::uint8_t>(keys[place] & 7u);
+  return order;
+}
 
 }  // namespace alidade::simd

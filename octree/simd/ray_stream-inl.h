@@ -13,7 +13,7 @@
 #include <memory>
 #include <vector>
 
-#include "octree/simd/front_to_back.h"
+#include "octree/simd/ray_state.h"
 #include "octree/simd/leaf_group_test-inl.h"
 #include "octree/simd/ray_traversal-inl.h"
 

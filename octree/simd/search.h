@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "base/instruction_set.h"
@@ -9,6 +11,25 @@
 #include "octree/query.h"
 
 namespace alidade::simd {
+
+/// Ray queries on a tree, compiled for one instruction set. Lanes only discard, and only what double
+/// arithmetic would discard too; what remains is decided by octree/candidate.h. So all sets give the same
+/// bits. Requires: a checked query of measure t or entry, checked rays with directions of length 1 but for
+/// rounding, a tree that is not empty, no length beyond 1e15.
+struct Traversal {
+  std::optional<Hit> (*closest)(const TreeView& tree, const Ray& ray, const RayQuery& query,
+                                std::size_t query_index);
+  bool (*occluded)(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index);
+  /// Many rays on one thread, through the tree together: the faster the more of the tree they share.
+  /// first_index: query_index of rays[0].
+  void (*closest_stream)(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
+                         std::size_t first_index, std::span<std::optional<Hit>> hits);
+  void (*occluded_stream)(const TreeView& tree, std::span<const Ray> rays, const RayQuery& query,
+                          std::size_t first_index, std::span<std::uint8_t> answers);
+};
+
+/// The traversal for an available instruction set (not `best`).
+const Traversal& traversal(InstructionSet instruction_set);
 
 /// Ray queries that `Traversal` does not answer, by any measure and with any conditions, compiled for one
 /// instruction set. Lanes only discard what double arithmetic would discard too; what remains is decided by
@@ -29,5 +50,43 @@ const RaySearch& ray_search(InstructionSet instruction_set);
 /// 1 but for rounding, no lengths beyond what floats can square, and no line so far away that all points are
 /// equally near.
 bool suits_lanes(const TreeView& tree, const Ray& ray, const RayQuery& query);
+
+/// Queries by the distance to a point, compiled for one instruction set. Lanes only discard what double
+/// arithmetic would discard too; what remains is decided by octree/candidate.h. So all sets give the same
+/// bits. Requires: checked query and point; a tree and a point that suit lanes.
+struct PointSearch {
+  /// Appends the k first points in order.
+  void (*find)(const TreeView& tree, const glm::dvec3& point, const PointQuery& query, std::size_t k,
+               std::size_t query_index, std::vector<PointHit>& answers);
+  std::size_t (*count)(const TreeView& tree, const glm::dvec3& point, const PointQuery& query, std::size_t k,
+                       std::size_t query_index);
+};
+
+/// The search for an available instruction set (not `best`).
+const PointSearch& point_search(InstructionSet instruction_set);
+
+/// Whether floats can tell the points of the tree apart from there: not an empty tree, not one of lengths
+/// beyond what floats can square, and no place so far away that all points are equally near.
+bool suits_lanes(const TreeView& tree, const glm::dvec3& point, const PointQuery& query);
+
+/// Box queries, compiled for one instruction set. World coordinates grow with lattice steps, so a box in the
+/// world is a box of lattice steps, and no test needs a number that is not whole: nodes are compared byte by
+/// byte, points 16 bits at a time, and what stands wholly inside is not compared at all. Requires: checked
+/// query and box, a tree that is not empty.
+struct BoxSearch {
+  /// Appends the k first points in order, by their ids.
+  void (*find)(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
+               std::size_t query_index, std::vector<PointHit>& answers);
+  std::size_t (*count)(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
+                       std::size_t query_index);
+};
+
+/// The search for an available instruction set (not `best`).
+const BoxSearch& box_search(InstructionSet instruction_set);
+
+/// Any box.
+inline bool suits_lanes(const TreeView& tree, const Bounds&, const PointQuery&) {
+  return tree.node_count != 0;
+}
 
 }  // namespace alidade::simd

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/simd/traversal.h"
+#include "octree/simd/search.h"
 
 #include <array>
 #include <memory>

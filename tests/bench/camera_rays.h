@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/ray.h"
-#include "octree/hit.h"
+#include "octree/query.h"
 
 // The rays a renderer asks, without a renderer.
 

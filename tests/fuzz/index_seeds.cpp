@@ -6,8 +6,8 @@
 
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
+#include "octree/spacing.h"
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <atomic>
 #include <limits>
 
-#include "octree/query_batch.h"
+#include "octree/check_query.h"
 #include "tests/octree/as_brute_force.h"
 
 namespace alidade {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/segment.h"
+#include "octree/path_index.h"
 #include "tests/octree/as_brute_force.h"
 
 namespace alidade {

@@ -8,7 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/build.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 #include "tests/support/point_families.h"
 #include "tests/support/random.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "octree/sheet_edge.h"
+#include "octree/point_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "octree/build.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 #include "tests/support/random.h"
 
 namespace alidade {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "octree/tree_query.h"
 
-#include "octree/octree_tree.h"
 #include "octree/query_targets.h"
 #include "tests/octree/as_brute_force.h"
 #include "tests/support/kd_tree.h"

@@ -8,8 +8,8 @@
 #include <glm/geometric.hpp>
 #include <numbers>
 
-#include "octree/point_spacing.h"
 #include "octree/query.h"
+#include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "simulation/courtyard.h"
 #include "tests/support/random.h"

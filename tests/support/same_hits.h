@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/hit.h"
+#include "octree/query.h"
 
 // Bits, not values: a difference must show as the numbers that differ.
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "octree/build.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 #include "tests/support/known_visibility.h"
 #include "visibility/points/point_visibility.h"
 

@@ -10,7 +10,7 @@
 
 #include "octree/build.h"
 #include "octree/distance.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 #include "tests/support/random.h"
 #include "visibility/crossing.h"
 

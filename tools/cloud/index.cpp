@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 
 #include "cloud/read_cloud.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
+#include "octree/spacing.h"
 #include "tools/cloud/index.h"
 #include "tools/cloud_options.h"
 #include "tools/command.h"

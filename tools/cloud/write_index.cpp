@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 
 #include "octree/index_file/index_file.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
+#include "octree/spacing.h"
 #include "tools/message.h"
 
 namespace alidade {

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "octree/octree.h"
-#include "octree/octree_tree.h"
 #include "octree/query.h"
+#include "octree/query_targets.h"
 #include "tools/query/tree_asker.h"
 
 namespace alidade {

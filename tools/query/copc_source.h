@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "octree/copc_cache.h"
+#include "octree/copc_tree.h"
 #include "tools/query/query.h"
 
 namespace alidade {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "octree/query_batch.h"
+#include "octree/check_query.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"
 #include "tools/query/query_family.h"

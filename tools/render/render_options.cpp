@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "image/image_file.h"
-#include "octree/point_spacing.h"
+#include "octree/spacing.h"
 #include "renderer/read_scene.h"
 #include "tools/cloud_options.h"
 

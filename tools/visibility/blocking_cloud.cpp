@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
+#include "octree/spacing.h"
 #include "tools/message.h"
 #include "tools/visibility/check_map_unit.h"
 

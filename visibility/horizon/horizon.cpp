@@ -11,9 +11,9 @@
 
 #include "base/error.h"
 #include "geo/compass.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
+#include "octree/spacing.h"
 #include "visibility/crossing.h"
 
 namespace alidade {

@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/exact_math.h"
-#include "base/unit_direction.h"
+#include "base/ray.h"
 
 namespace alidade {
 namespace {

@@ -2,9 +2,9 @@
 #include "visibility/lines/line_points.h"
 
 #include "octree/distance.h"
+#include "octree/path_index.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
-#include "octree/segment.h"
 
 namespace alidade {
 namespace {

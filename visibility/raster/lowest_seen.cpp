@@ -5,8 +5,8 @@
 #include <cmath>
 #include <limits>
 
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
+#include "octree/spacing.h"
 #include "visibility/crossing.h"
 
 namespace alidade {

@@ -6,10 +6,9 @@
 #include <glm/geometric.hpp>
 
 #include "octree/index_file/index_file.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
-#include "octree/sheet_edge.h"
+#include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "tests/octree/index_file/index_test_support.h"
 #include "tests/support/point_families.h"

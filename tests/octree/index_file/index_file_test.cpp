@@ -6,9 +6,9 @@
 
 #include "cloud/read_cloud.h"
 #include "octree/index_file/indexed_cloud.h"
-#include "octree/point_spacing.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
+#include "octree/spacing.h"
 #include "octree/tree_walk.h"
 #include "tests/cloud/las/las_builder.h"
 #include "tests/octree/index_file/index_test_support.h"

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "octree/index_file/index_file.h"
-#include "octree/node.h"
+#include "octree/octree.h"
 #include "tests/octree/index_file/damaged_index.h"
 
 namespace alidade {
