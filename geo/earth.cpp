@@ -1,11 +1,42 @@
 // SPDX-License-Identifier: MIT
-#include "geo/lon_lat.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "geo/earth.h"
 #include "geo/gdal_reference.h"
 
 namespace alidade {
+namespace {
+
+std::optional<glm::dvec2> transformed(const GdalTransformation& transformation, glm::dvec2 place) {
+  if (OCTTransform(transformation.get(), 1, &place.x, &place.y, nullptr) == 0) return {};
+  if (!std::isfinite(place.x) || !std::isfinite(place.y)) return {};
+  return place;
+}
+
+}  // namespace
+
+std::optional<GroundPlace> ground_place(const Crs& crs, const glm::dvec2& place) {
+  constexpr double k_step = 1e-4;
+  const QuietGdal quiet;
+  const GdalReference map = plane_reference(crs), globe = globe_reference();
+  if (!map || !globe) return {};
+  const GdalTransformation to_globe = transformation_between(map, globe),
+                           to_map = transformation_between(globe, map);
+  if (!to_globe || !to_map) return {};
+
+  const auto there = transformed(to_globe, place);
+  if (!there || std::fabs(there->y) > 90.0) return {};
+  const auto north = transformed(to_map, {there->x, std::min(there->y + k_step, 90.0)});
+  const auto south = transformed(to_map, {there->x, std::max(there->y - k_step, -90.0)});
+  if (!north || !south || *north == *south) return {};
+  const glm::dvec2 northward = *north - *south;
+  return GroundPlace{there->y, there->x,
+                     -std::atan2(northward.x, northward.y) * 180.0 / std::numbers::pi + 0.0};
+}
+
 namespace {
 
 double rounded(double degrees) {

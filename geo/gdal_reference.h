@@ -1,16 +1,62 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <ogr_srs_api.h>
-
+#include <cpl_error.h>
+#include <cpl_vsi.h>
+#include <cstddef>
+#include <fmt/format.h>
+#include <gdal.h>
+#include <glm/vec2.hpp>
 #include <memory>
+#include <ogr_srs_api.h>
+#include <span>
+#include <string>
 
 #include "cloud/crs.h"
-#include "geo/gdal_handles.h"
+#include "geo/vector_file.h"
 
-// Reference systems as GDAL has them, given back when they are no longer used.
+// What belongs to GDAL, given back when it is no longer used.
 
 namespace alidade {
+
+/// GDAL says nothing by itself while this lives; what it would have said last is kept.
+class QuietGdal {
+ public:
+  QuietGdal() {
+    CPLPushErrorHandler(CPLQuietErrorHandler);
+    CPLErrorReset();
+  }
+  ~QuietGdal() { CPLPopErrorHandler(); }
+  QuietGdal(const QuietGdal&) = delete;
+  QuietGdal& operator=(const QuietGdal&) = delete;
+};
+
+/// A TIFF file in memory under a name of its own that is gone with this object.
+class GdalMemoryFile {
+ public:
+  GdalMemoryFile() : name_(fmt::format("/vsimem/alidade_{}.tif", static_cast<const void*>(this))) {}
+  ~GdalMemoryFile() { VSIUnlink(name_.c_str()); }
+  GdalMemoryFile(const GdalMemoryFile&) = delete;
+  GdalMemoryFile& operator=(const GdalMemoryFile&) = delete;
+
+  const char* name() const { return name_.c_str(); }
+  std::span<const std::byte> bytes() const {
+    vsi_l_offset size = 0;
+    const GByte* const data = VSIGetMemFileBuffer(name_.c_str(), &size, FALSE);
+    if (data == nullptr) return {};
+    return std::as_bytes(std::span(data, static_cast<std::size_t>(size)));
+  }
+
+ private:
+  std::string name_;
+};
+
+struct CloseGdalDataset {
+  void operator()(void* dataset) const { GDALClose(dataset); }
+};
+using GdalDataset = std::unique_ptr<void, CloseGdalDataset>;
+
+// Reference systems as GDAL has them, given back when they are no longer used.
 
 struct ReleaseGdalReference {
   void operator()(void* reference) const { OSRRelease(reference); }
@@ -34,5 +80,15 @@ GdalReference globe_reference();
 
 /// Null if there is no way from one to the other.
 GdalTransformation transformation_between(const GdalReference& from, const GdalReference& to);
+
+/// The way from a file's reference system, `own`, WKT, empty if the file says nothing, to the cloud's; null
+/// if places stay what they are, because both are the same or none is known. `source` is what an Error names.
+/// Errors: one is known and the other not; one that GDAL does not understand; there is no way.
+GdalTransformation transformation_to_cloud(const std::string& own, const ObserverReference& reference,
+                                           const std::string& source);
+
+/// A place in the cloud's reference system. Errors: it has no image there; they name `source`.
+glm::dvec2 transformed(const glm::dvec2& place, const GdalTransformation& transformation,
+                       const std::string& source);
 
 }  // namespace alidade

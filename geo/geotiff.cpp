@@ -18,7 +18,7 @@
 
 #include "base/error.h"
 #include "camera/ground_transform.h"
-#include "geo/gdal_handles.h"
+#include "geo/gdal_reference.h"
 #include "image/image_display.h"
 #include "renderer/picture_metadata.h"
 

@@ -2,12 +2,79 @@
 #include "geo/map_unit.h"
 
 #include <cassert>
+#include <cctype>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "cloud/crs.h"
-#include "geo/height_unit.h"
 
 namespace alidade {
+namespace {
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return lower;
+}
+
+/// "metre", "US survey foot", ... -> "m", "ft"; empty if it is neither, such as degree or unity.
+std::optional<std::string> length_unit(const std::string& unit_name) {
+  const std::string lower = lower_case(unit_name);
+  if (lower == "m" || lower.starts_with("metre") || lower.starts_with("meter")) return "m";
+  const bool feet = lower.find("foot") != std::string::npos || lower.find("feet") != std::string::npos ||
+                    lower == "ft" || lower == "ftus";
+  if (feet) return "ft";
+  return std::nullopt;
+}
+
+/// The last unit of length that a piece of WKT names: a projected system names its own behind those of the
+/// geographic one inside it.
+std::optional<std::string> last_unit(const std::string& wkt) {
+  constexpr std::string_view k_key = "UNIT[\"";
+  std::optional<std::string> unit;
+  for (std::size_t at = wkt.find(k_key); at != std::string::npos; at = wkt.find(k_key, at + 1)) {
+    const std::size_t begin = at + k_key.size(), end = wkt.find('"', begin);
+    if (end == std::string::npos) break;
+    if (const auto length = length_unit(wkt.substr(begin, end - begin))) unit = length;
+  }
+  return unit;
+}
+
+std::string unit_of_wkt(const std::string& wkt) {
+  for (const std::string_view vertical : {"VERT_CS[", "VERTCRS[", "VERTICALCRS["}) {
+    const std::size_t at = wkt.find(vertical);
+    if (at != std::string::npos) return last_unit(wkt.substr(at)).value_or("");
+  }
+  if (const auto unit = last_unit(wkt)) return *unit;
+  const bool geographic = wkt.starts_with("GEOGCS[") || wkt.starts_with("GEOGCRS[");
+  return geographic ? "m" : "";
+}
+
+/// EPSG code of the unit that GeoTIFF keys give in place.
+std::optional<int> unit_key(const Crs& crs, std::uint16_t key) {
+  for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
+    if (crs.geotiff_keys[i] == key && crs.geotiff_keys[i + 1] == 0) return crs.geotiff_keys[i + 3];
+  }
+  return std::nullopt;
+}
+
+std::string unit_of_keys(const Crs& crs) {
+  constexpr std::uint16_t k_vertical_units = 4099, k_projected_units = 3076;
+  constexpr int k_metre = 9001, k_foot = 9002, k_survey_foot = 9003;
+  std::optional<int> unit = unit_key(crs, k_vertical_units);
+  if (!unit) unit = unit_key(crs, k_projected_units);
+  if (unit == k_metre) return "m";
+  return unit == k_foot || unit == k_survey_foot ? "ft" : "";
+}
+
+}  // namespace
+
+std::string height_unit(const Crs& crs) {
+  if (!crs.wkt.empty()) return unit_of_wkt(crs.wkt);
+  return crs.geotiff_keys.empty() ? "m" : unit_of_keys(crs);
+}
+
 namespace {
 
 bool names_one_of(const std::string& wkt, std::initializer_list<const char*> keys) {

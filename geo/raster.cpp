@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "geo/raster.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <fstream>
 #include <string>
 
 #include "base/error.h"
+#include "base/words.h"
+#include "geo/raster_file.h"
 
 namespace alidade {
 namespace {
@@ -99,6 +100,17 @@ void check_memory(std::uint64_t bytes, const char* what) {
 void check_map_memory(const RasterGrid& grid, int bands) {
   constexpr std::uint64_t k_bytes = 12;
   check_memory(k_bytes * static_cast<std::uint64_t>(bands) * grid.size(), "the map");
+}
+
+// Apart from the writing, so that who only checks the name does not load GDAL.
+
+void check_raster_name(const std::filesystem::path& file) {
+  const std::string extension = file_ending(file);
+  if (extension == ".tif" || extension == ".tiff") return;
+  throw Error({.file = file.string(),
+               .problem = "maps are written as GeoTIFF",
+               .expected = "a name ending in .tif",
+               .found = extension.empty() ? "no extension" : extension});
 }
 
 }  // namespace alidade

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "base/output_file.h"
-#include "geo/gdal_handles.h"
+#include "geo/gdal_reference.h"
 #include "geo/geotiff.h"
 
 namespace alidade {

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "base/error.h"
-#include "geo/cloud_transformation.h"
+#include "geo/gdal_reference.h"
 #include "geo/vector_file.h"
 
 namespace alidade {

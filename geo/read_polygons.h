@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "cloud/select_points.h"
-#include "geo/observer_reference.h"
+#include "geo/vector_file.h"
 
 namespace alidade {
 

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <glm/vec2.hpp>
 #include <optional>
+#include <string>
 
 #include "base/date_time.h"
+#include "cloud/crs.h"
+#include "renderer/material.h"
+#include "renderer/scene.h"
 
 namespace alidade {
 
@@ -37,5 +42,44 @@ SunPosition sun_position(const Moment& moment, const SunObserver& observer,
 /// Terrestrial minus universal time, seconds, for a year like 2003.8. Source: Espenak and Meeus, Five
 /// Millennium Canon of Solar Eclipses, NASA/TP-2006-214141; measured up to 2005, a forecast after it.
 double delta_t(double year);
+
+/// How much air a beam from this elevation (degrees, seen through the air) crosses, as a multiple of the way
+/// straight up: 1 at the zenith, 38 at the horizon. Elevations below 0 count as 0. Source: Kasten and Young,
+/// Revised Optical Air Mass Tables and Approximation Formula, 1989.
+double air_mass(double elevation);
+
+/// Irradiance of the sun on a surface that faces it, under a clear sky: 4 in each channel above the air (so
+/// that a sun at 40 degrees is about as bright as the scene's default), dimmed by exp(-depth air_mass
+/// pressure / 1013.25). Depths at 610, 550 and 465 nm, for red, green and blue: Rayleigh's scattering as in
+/// Hansen and Travis, Light Scattering in Planetary Atmospheres, 1974, and haze as in Angstrom's formula 0.05
+/// (nm / 1000)^-1.3, which is rather clear air. Below the horizon none. Rounded to 1/10000, so that machines
+/// whose mathematical functions differ in the last bit get the same pictures.
+Rgb clear_sky_irradiance(double elevation, double pressure);
+
+/// The map a scene stands on.
+struct SceneMap {
+  Crs crs;            ///< the cloud's; empty = none
+  glm::dvec2 center;  ///< where in it the scene is: the middle of the cloud
+};
+
+/// A sun whose place in the sky has been computed.
+struct PlacedSun {
+  Sun sun;  ///< azimuth counts from +y, as everywhere in scenes; azimuth and elevation rounded to 1e-6
+            ///< degrees
+  bool is_up = false;         ///< whether its middle is above the horizon; else it lights nothing
+  double true_azimuth = 0.0;  ///< degrees clockwise from true north
+  double grid_north = 0.0;    ///< azimuth of +y, degrees clockwise from true north; 0 where no map tells it
+  bool is_map_known = false;  ///< whether grid_north comes from a map
+  double latitude = 0.0, longitude = 0.0;
+};
+
+/// Where the sun stands. Without latitude and longitude they are those of the scene on its map; with a map
+/// azimuths are turned from true north to +y, without one +y is taken for true north. An automatic irradiance
+/// is clear_sky_irradiance(). Rounding lets machines whose mathematical functions differ in the last bit
+/// agree. Errors: neither latitude and longitude nor a map that tells them.
+PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map);
+
+/// One line for people and for the metadata of pictures.
+std::string describe(const SunByTime& by_time, const PlacedSun& placed);
 
 }  // namespace alidade

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "geo/vector_file.h"
 
+#include <memory>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 #include <ogrsf_frmts.h>
 
-#include <memory>
-
 #include "base/error.h"
-#include "geo/gdal_handles.h"
+#include "geo/gdal_reference.h"
 
 namespace alidade {
 namespace {
@@ -78,6 +77,15 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   if (CPLGetLastErrorType() >= CE_Failure)
     throw Error({.file = path.string(), .problem = "is damaged", .found = CPLGetLastErrorMsg()});
   return wkt_of_layer(layer);
+}
+
+void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
+                        const ObserverReference& reference) {
+  if (observers.empty()) return;
+  const GdalTransformation transformation = transformation_to_cloud(own, reference, observers.front().source);
+  if (!transformation) return;
+  for (GivenObserver& observer : observers)
+    observer.place = transformed(observer.place, transformation, observer.source);
 }
 
 }  // namespace alidade

@@ -4,6 +4,10 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
+
+#include "cloud/crs.h"
+#include "visibility/observers.h"
 
 namespace alidade {
 
@@ -19,5 +23,22 @@ struct VectorContent {
 /// damaged, no layer or several; what `take` throws.
 std::string read_vector_file(const std::filesystem::path& path, const VectorContent& content,
                              const std::function<void(void* feature)>& take);
+
+/// Which reference system observers, or other things on the ground, are in, and which they are wanted in.
+struct ObserverReference {
+  /// What the user says, above what a file says: anything GDAL understands ("EPSG:4326", WKT, PROJ), x east
+  /// and y north whatever its axes; "cloud" for the cloud's own. Empty: what the file says.
+  std::string given{};
+  Crs cloud{};
+  std::string option = "--observers-crs";  ///< how the user says it, for messages
+  std::string whose = "observers";         ///< what they are, for messages
+};
+
+/// Turns places into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z and
+/// heights stay as they are, in the cloud's unit. Places are untouched if both systems are the same, or none
+/// is known. Errors: one is known and the other not; one that GDAL does not understand; a place that has no
+/// image.
+void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
+                        const ObserverReference& reference);
 
 }  // namespace alidade

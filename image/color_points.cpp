@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "cloud/point_cloud.h"
-#include "geo/height_unit.h"
+#include "geo/map_unit.h"
 #include "image/classification_colors.h"
 #include "image/gps_date.h"
 #include "image/point_values.h"

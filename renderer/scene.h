@@ -112,7 +112,7 @@ struct Sun {
   double angular_diameter = 0.53;    ///< degrees, [0, 180); 0 = parallel light
 };
 
-/// A sun that stands where date and place say. place_sun() (geo/place_sun.h) makes a Sun of it, once the
+/// A sun that stands where date and place say. place_sun() (geo/sun.h) makes a Sun of it, once the
 /// cloud is known.
 struct SunByTime {
   Moment moment;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "compare/batch.h"
 #include "compare/report/report.h"
-#include "geo/lon_lat.h"
-#include "geo/place_sun.h"
+#include "geo/earth.h"
 #include "geo/raster_file.h"
 #include "geo/read_polygons.h"
+#include "geo/sun.h"
 #include "image/read_picture.h"
 #include "tools/image_module.h"
 #include "visibility/horizon/skyline_picture.h"

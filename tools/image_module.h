@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "geo/place_sun.h"
+#include "geo/sun.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 #include "renderer/sky_image.h"
@@ -32,7 +32,7 @@ LegendWriter load_legend_writer();
 using SkyImageReader = void (*)(const std::filesystem::path& file, SkyPixels& pixels);
 SkyImageReader load_sky_image_reader();
 
-/// place_sun() and describe() of geo/place_sun.h.
+/// place_sun() and describe() of geo/sun.h.
 using SunPlacer = void (*)(const SunByTime& by_time, const std::optional<SceneMap>& map, PlacedSun& placed,
                            std::string& description);
 SunPlacer load_sun_placer();

@@ -11,13 +11,13 @@
 
 namespace alidade {
 
-/// lon_lat() of geo/lon_lat.h, into `answers`. Errors, here and below: those of
+/// lon_lat() of geo/earth.h, into `answers`. Errors, here and below: those of
 /// load_module_function().
 using LonLatTransformer = void (*)(const Crs& crs, const std::vector<glm::dvec3>& places,
                                    std::optional<std::vector<glm::dvec3>>& answers);
 LonLatTransformer load_lon_lat();
 
-/// metres_per_unit() of geo/lon_lat.h, into `metres`.
+/// metres_per_unit() of geo/earth.h, into `metres`.
 using UnitMeasure = void (*)(const Crs& crs, std::optional<double>& metres);
 UnitMeasure load_metres_per_unit();
 

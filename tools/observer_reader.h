@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "geo/observer_reference.h"
+#include "geo/vector_file.h"
 
 // What the commands of visibility have the module do for them (tools/load_module.h).
 
@@ -16,7 +16,7 @@ using ObserverReader = void (*)(const std::filesystem::path& path, const Observe
                                 std::vector<GivenObserver>& observers);
 ObserverReader load_observer_reader();
 
-/// to_cloud_reference() of geo/observer_reference.h, for observers that say no system themselves.
+/// to_cloud_reference() of geo/vector_file.h, for observers that say no system themselves.
 using ObserverTransformer = void (*)(const ObserverReference& reference,
                                      std::vector<GivenObserver>& observers);
 ObserverTransformer load_observer_transformer();

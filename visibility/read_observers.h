@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "geo/observer_reference.h"
+#include "geo/vector_file.h"
 #include "visibility/observers.h"
 
 namespace alidade {

@@ -25,7 +25,7 @@ struct RowFileHead {
 };
 
 /// Turns places into longitude and latitude (degrees, WGS 84) and leaves z; empty if it cannot. A function,
-/// so that programs without GDAL at hand can do without (geo/lon_lat.h).
+/// so that programs without GDAL at hand can do without (geo/earth.h).
 using ToLonLat = std::function<std::optional<std::vector<glm::dvec3>>(std::span<const glm::dvec3>)>;
 
 }  // namespace alidade

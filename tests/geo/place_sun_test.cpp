@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "geo/place_sun.h"
+#include "geo/sun.h"
 
 #include <cpl_conv.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "geo/ground_place.h"
+#include "geo/earth.h"
 
 namespace alidade::test {
 namespace {

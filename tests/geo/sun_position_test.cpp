@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "geo/clear_sky.h"
 
 // Published places and times of the sun, none of them computed by this project.
 

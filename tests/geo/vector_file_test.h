@@ -14,7 +14,6 @@
 
 #include "base/error.h"
 #include "cloud/crs.h"
-#include "geo/gdal_handles.h"
 #include "geo/gdal_reference.h"
 
 namespace alidade::test {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "geo/height_unit.h"
+#include "geo/map_unit.h"
 #include "image/gps_date.h"
 
 namespace alidade {

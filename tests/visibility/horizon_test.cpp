@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "geo/compass.h"
+#include "geo/earth.h"
 #include "tests/support/random.h"
 #include "tests/visibility/sampled_shapes.h"
 

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "geo/lon_lat.h"
+#include "geo/earth.h"
 #include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {

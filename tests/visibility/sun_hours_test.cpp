@@ -8,7 +8,7 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "geo/compass.h"
+#include "geo/earth.h"
 #include "geo/sun.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/sky/beam_irradiance.h"

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "cloud/select_points.h"
-#include "geo/observer_reference.h"
+#include "geo/vector_file.h"
 #include "tools/load_module.h"
 #include "tools/options.h"
 #include "tools/split_list.h"

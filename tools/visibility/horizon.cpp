@@ -11,7 +11,7 @@
 #include "base/output_file.h"
 #include "base/words.h"
 #include "camera/camera.h"
-#include "geo/height_unit.h"
+#include "geo/map_unit.h"
 #include "tools/cloud_options.h"
 #include "tools/commands.h"
 #include "tools/image_module.h"

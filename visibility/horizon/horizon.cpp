@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/error.h"
-#include "geo/compass.h"
+#include "geo/earth.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <optional>
 
-#include "geo/compass.h"
+#include "geo/earth.h"
 
 namespace alidade {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "geo/clear_sky.h"
+#include "geo/sun.h"
 
 namespace alidade {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "geo/compass.h"
+#include "geo/earth.h"
 
 namespace alidade {
 

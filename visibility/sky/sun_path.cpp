@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "geo/ground_place.h"
+#include "geo/earth.h"
 #include "geo/sun.h"
 
 namespace alidade {

@@ -30,7 +30,7 @@ constexpr std::size_t k_most_sun_steps = 10'000'000;
 /// steps.
 std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress = {});
 
-/// Sets latitude, longitude and grid_north of the place (x, y) of a map (geo/ground_place.h); a latitude
+/// Sets latitude, longitude and grid_north of the place (x, y) of a map (geo/earth.h); a latitude
 /// and longitude that are given stay. Without a map +y is taken for true north. Answers whether the map told
 /// grid north. Errors: neither a place nor a map that tells it.
 bool place_schedule(const Crs& crs, const glm::dvec2& center,
