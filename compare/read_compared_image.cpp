@@ -8,7 +8,7 @@
 
 #include "compare/compared_image.h"
 #include "compare/orientation.h"
-#include "image/image_trouble.h"
+#include "image/read_picture.h"
 
 namespace alidade {
 namespace {

@@ -19,7 +19,7 @@
 #include "base/error.h"
 #include "camera/ground_transform.h"
 #include "geo/gdal_reference.h"
-#include "image/image_display.h"
+#include "image/srgb.h"
 #include "renderer/picture_metadata.h"
 
 namespace alidade {

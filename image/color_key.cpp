@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "image/color_key.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
+
+#include "base/error.h"
 
 namespace alidade {
 namespace {
@@ -46,6 +47,16 @@ std::vector<std::pair<std::string, std::string>> color_metadata(const ColorKey& 
   texts.emplace_back("alidade:color_range",
                      fmt::format("{:.17g} {:.17g}", key.scale->range.low, key.scale->range.high));
   return texts;
+}
+
+void check_legend(const ColorKey& key) {
+  if (key.by == PointColor::rgb) {
+    throw Error({.problem = "a legend has nothing to explain: the colours are the points' own",
+                 .expected = "points coloured by height, intensity, classification or another attribute",
+                 .found = "rgb"});
+  }
+  if (key.by != PointColor::normal && key.point_count == key.missing_count)
+    throw Error({.problem = "a legend has nothing to explain: no point has a value of " + key.word});
 }
 
 }  // namespace alidade

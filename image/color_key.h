@@ -64,4 +64,7 @@ std::string scale_text(const ColorKey& key);
 /// alidade:color_range (low and high, 17 significant digits).
 std::vector<std::pair<std::string, std::string>> color_metadata(const ColorKey& key);
 
+/// Errors: a legend has nothing to explain, since the colours are the points' own, or there is no point.
+void check_legend(const ColorKey& key);
+
 }  // namespace alidade

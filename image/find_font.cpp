@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "image/find_font.h"
+#include "image/font.h"
 
 #include <array>
 #include <system_error>

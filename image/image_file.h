@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cloud/crs.h"
+#include "image/canvas.h"
 #include "image/film.h"
 #include "renderer/scene.h"
 
@@ -42,5 +43,9 @@ void check_image_name(const std::filesystem::path& file);
 /// other write failures, anything OpenImageIO reports. Memory: the encoded picture.
 void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
                  bool overwrite);
+
+/// Writes a canvas as PNG. The file appears whole or not at all. Errors: a name that does not end in .png; an
+/// existing file without `overwrite`; a full disk and other write failures.
+void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite);
 
 }  // namespace alidade

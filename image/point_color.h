@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,5 +81,17 @@ std::string color_word(const PointColoring& coloring);
 
 /// "#rrggbb", hexadecimal, display-referred; empty for anything else.
 std::optional<Color16> parse_hex_color(std::string_view text);
+
+/// Name and colour of one class.
+struct ClassStyle {
+  std::string name;
+  Color16 color{0};  ///< display-referred
+};
+
+/// All 256 classes: names of LAS 1.4 R15, table 17 (point formats 6 to 10); 8 and 12, reserved there, as in
+/// the formats before; "Reserved N" to 63, "User class N" from 64. Colours are the customary ones: ground
+/// brown, vegetation from light to dark green, buildings red, water blue, wires yellow. Reserved and user
+/// classes have colours of their own; no two of the 256 are equal. `changed` stands above all that.
+std::array<ClassStyle, 256> class_styles(std::span<const ClassColor> changed = {});
 
 }  // namespace alidade

@@ -1,11 +1,20 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "renderer/sky_image.h"
 
 namespace alidade {
+
+/// What OpenImageIO has to say about a failure, in one line: its lines, without those that another one
+/// repeats and says more of.
+std::string image_trouble(const std::string& said);
+
+/// Size of a picture's file in bytes. Errors: no such file, not a regular file, cannot be read.
+std::uint64_t picture_file_size(const std::filesystem::path& file);
 
 /// Reads a sky from a picture in any format that OpenImageIO knows (EXR, HDR, TIFF, PNG, JPEG, ...): the
 /// channels R, G, B, else the first three, or one as grey; alpha is not looked at. Values are taken as

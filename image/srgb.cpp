@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "image/image_display.h"
+#include "image/srgb.h"
 
 #include <algorithm>
 #include <array>
@@ -39,6 +39,22 @@ std::uint8_t srgb_code(double linear) {
   static const std::array<double, 255> thresholds = code_thresholds();
   if (!(linear > 0.0)) return 0;
   return static_cast<std::uint8_t>(std::ranges::upper_bound(thresholds, linear) - thresholds.begin());
+}
+
+CurveTable::CurveTable(double (*curve)(double)) : values_(65537) {
+  // The last entry is only there so that the value 1 has a neighbour.
+  for (std::size_t step = 0; step < values_.size(); ++step)
+    values_[step] = static_cast<float>(curve(std::min(static_cast<double>(step) / 65535.0, 1.0)));
+}
+
+const CurveTable& linear_from_srgb_table() {
+  static const CurveTable table(linear_from_srgb);
+  return table;
+}
+
+const CurveTable& srgb_from_linear_table() {
+  static const CurveTable table(srgb_from_linear);
+  return table;
 }
 
 }  // namespace alidade

@@ -8,7 +8,6 @@
 #include "cloud/cloud_inputs.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
-#include "image/choose_color.h"
 #include "image/color_points.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "cloud/cloud_inputs.h"
-#include "image/choose_color.h"
+#include "image/color_points.h"
 #include "renderer/index_cloud.h"
 #include "renderer/load_cloud.h"
 #include "renderer/nodes_in_view.h"

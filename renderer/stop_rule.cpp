@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "image/image_display.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {

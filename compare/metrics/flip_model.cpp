@@ -8,7 +8,7 @@
 #include "base/exact_math.h"
 #include "compare/metrics/pair_pixels.h"
 #include "compare/metrics/pixel_sums.h"
-#include "image/image_display.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "image/find_font.h"
+#include "image/font.h"
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {

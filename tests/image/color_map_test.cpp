@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "base/exact_math.h"
-#include "image/classification_colors.h"
+#include "image/point_color.h"
 
 namespace alidade {
 namespace {

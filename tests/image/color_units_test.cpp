@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "geo/map_unit.h"
-#include "image/gps_date.h"
+#include "image/color_points.h"
 
 namespace alidade {
 namespace {

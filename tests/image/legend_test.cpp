@@ -11,8 +11,7 @@
 #include <iterator>
 
 #include "base/error.h"
-#include "image/find_font.h"
-#include "image/round_ticks.h"
+#include "image/font.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "image/stretch.h"
+#include "image/point_values.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "cloud/las/write_las.h"
-#include "image/choose_color.h"
 #include "image/color_points.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"

@@ -8,9 +8,8 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
-#include "image/choose_color.h"
-#include "image/classification_colors.h"
-#include "image/image_display.h"
+#include "image/point_color.h"
+#include "image/srgb.h"
 #include "octree/build.h"
 #include "renderer/surface.h"
 #include "tests/renderer/color_clouds.h"

@@ -12,7 +12,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "image/image_display.h"
+#include "image/srgb.h"
 #include "renderer/picture_metadata.h"
 #include "renderer/read_scene.h"
 #include "tests/renderer/describe_scene.h"

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "image/find_font.h"
+#include "image/font.h"
 #include "visibility/raster/relief.h"
 
 namespace alidade::test {

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "image/find_font.h"
+#include "image/font.h"
 #include "tests/support/random.h"
 #include "visibility/points/coverage_picture.h"
 

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "image/find_font.h"
+#include "image/font.h"
 #include "tests/visibility/sampled_shapes.h"
 #include "visibility/horizon/horizon_file.h"
 #include "visibility/horizon/panorama.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "image/check_legend.h"
+#include "image/color_key.h"
 #include "tools/options.h"
 
 namespace alidade {

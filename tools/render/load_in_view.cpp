@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "image/choose_color.h"
+#include "image/color_points.h"
 #include "renderer/index_cloud.h"
 #include "renderer/load_cloud.h"
 #include "renderer/view_planes.h"

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/words.h"
-#include "image/find_font.h"
+#include "image/font.h"
 #include "tools/map_writer.h"
 #include "tools/message.h"
 #include "tools/options.h"

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "image/canvas_png.h"
 #include "image/color_map.h"
-#include "image/find_font.h"
-#include "image/round_ticks.h"
+#include "image/font.h"
+#include "image/image_file.h"
+#include "image/legend.h"
 
 namespace alidade {
 namespace {

@@ -17,7 +17,7 @@ Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> h
                     const SkylineTexts& texts, const Font& font);
 
 /// Writes it as PNG, with the font of find_font(). The file appears whole or not at all. Errors: as
-/// write_png() (image/canvas_png.h); no font.
+/// write_png() (image/image_file.h); no font.
 void write_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                    const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite);
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "image/canvas_png.h"
-#include "image/find_font.h"
-#include "image/round_ticks.h"
+#include "image/font.h"
+#include "image/image_file.h"
+#include "image/legend.h"
 #include "visibility/raster/relief.h"
 
 namespace alidade {
