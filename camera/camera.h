@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
@@ -43,5 +45,28 @@ Camera panorama_camera(const glm::dvec3& place, int width, int height);
 /// the resolution (metres), the rays start just above the box. Errors: a resolution that is not above 0; more
 /// pixels than an image may have; an empty box.
 Camera orthophoto_camera(const Bounds& bounds, double resolution);
+
+/// How far the columns are from length 1 at right angles: the largest entry of |R^T R - I|.
+double error_of_rotation(const glm::dmat3& rotation);
+
+/// The same matrix with columns of length 1 at right angles; for those whose error is small. The third column
+/// keeps its direction.
+glm::dmat3 orthonormal(const glm::dmat3& rotation);
+
+/// Rotation by a quaternion w, x, y, z of any length (Hamilton's convention). Empty if its length is 0, not
+/// finite, or beyond 1e-100 to 1e100.
+std::optional<glm::dmat3> rotation_from_quaternion(const std::array<double, 4>& quaternion);
+
+/// Rotation about an axis by its length in radians, counter-clockwise seen from the tip. Source: Rodrigues.
+/// Requires: finite, at most 1e6 long.
+glm::dmat3 rotation_from_axis_angle(const glm::dvec3& axis);
+
+/// From camera = rotation * world + translation, with camera axes right, down, forward.
+CameraPose pose_from_world_to_camera(const glm::dmat3& rotation, const glm::dvec3& translation);
+
+/// Where the pixels of a picture from straight above lie: world x = [0] + [1] column + [2] row, y = [3] + [4]
+/// column + [5] row, with (0, 0) the outer corner of the first pixel. Errors: the camera's rays are not
+/// parallel, or do not point straight down.
+std::array<double, 6> ground_transform(const Camera& camera);
 
 }  // namespace alidade

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud/e57/e57_file.h"
 #include "renderer/scene.h"
 
 namespace alidade {
@@ -49,5 +50,12 @@ CameraSet parse_cameras(std::string text, const std::filesystem::path& name,
 /// The camera called `name`: exactly, or if there is only one, the one whose file name without folder or
 /// without folder and extension is `name`. `source` is what messages call the file. Errors: none, or several.
 const NamedCamera& camera_called(const CameraSet& set, const std::string& name, const std::string& source);
+
+/// The camera of a picture in an E57 file: pinhole pictures, whose axes are x right, y up and -z ahead, as
+/// pinhole cameras; spherical ones, whose axes are x ahead, y left and z up and whose middle looks ahead, as
+/// equirectangular cameras. An image without a pose stands in the axes of the file. Empty for visual
+/// references, which have no camera, for cylindrical pictures, of which there is no lens, and for sizes and
+/// focal lengths that cameras cannot have.
+std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture);
 
 }  // namespace alidade

@@ -1,15 +1,50 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <variant>
 
-#include "camera/distortion_map.h"
 #include "camera/lens.h"
 
 namespace alidade {
+
+/// A distortion ready for use both ways. It holds from the middle of the film up to where its radial part
+/// stops growing: beyond that place it folds over, and what lies there would be seen twice.
+/// undistort(distort(place)) is `place` to a few units in the last place.
+class DistortionMap {
+ public:
+  /// Places beyond `largest_radius` of the ideal film do not occur.
+  DistortionMap(const Distortion& distortion, double largest_radius);
+
+  /// Place on the real film; empty beyond the fold.
+  std::optional<glm::dvec2> distort(const glm::dvec2& ideal) const;
+  /// Place on the ideal film; empty if none before the fold leads there. Method: the radial part by Newton's
+  /// method inside a bracket, then Newton's method in the plane.
+  std::optional<glm::dvec2> undistort(const glm::dvec2& film) const;
+
+  /// Where the radial part stops growing, or the largest radius: on the ideal and on the real film.
+  double ideal_limit() const { return ideal_limit_; }
+  double film_limit() const { return film_limit_; }
+
+ private:
+  struct Radial {
+    double factor, slope;  ///< factor of (x, y) at q = r^2, and its derivative by q
+  };
+  struct Moved {
+    glm::dvec2 place, by_x, by_y;  ///< the place and its derivatives
+  };
+  Radial radial_at(double q) const;
+  Moved moved(const glm::dvec2& ideal) const;
+  std::optional<double> radius_before(double film_radius) const;
+
+  Distortion distortion_;
+  std::size_t radial_count_, denominator_count_;  ///< coefficients up to the last one that is not 0
+  bool radial_only_;
+  double ideal_limit_, film_limit_;
+};
 
 /// What a place on the film sees, in the camera's axes (right, down, forward). The direction has any length.
 struct LensRay {

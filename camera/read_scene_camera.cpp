@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "camera/camera.h"
 #include "camera/projection.h"
-#include "camera/rotation.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "camera/ground_transform.h"
+#include "camera/camera.h"
 #include "geo/gdal_reference.h"
 #include "image/srgb.h"
 #include "renderer/picture_metadata.h"

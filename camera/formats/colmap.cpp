@@ -1,16 +1,185 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <fmt/format.h>
+#include <numbers>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/input_file.h"
+#include "camera/camera.h"
+#include "camera/camera_set.h"
 #include "camera/formats/camera_file.h"
-#include "camera/formats/colmap_images.h"
 
 namespace alidade {
+namespace {
+
+constexpr std::array<ColmapModel, 18> k_models = {{{"SIMPLE_PINHOLE", 0, 3},
+                                                   {"PINHOLE", 1, 4},
+                                                   {"SIMPLE_RADIAL", 2, 4},
+                                                   {"RADIAL", 3, 5},
+                                                   {"OPENCV", 4, 8},
+                                                   {"OPENCV_FISHEYE", 5, 8},
+                                                   {"FULL_OPENCV", 6, 12},
+                                                   {"FOV", 7, 5},
+                                                   {"SIMPLE_RADIAL_FISHEYE", 8, 4},
+                                                   {"RADIAL_FISHEYE", 9, 5},
+                                                   {"THIN_PRISM_FISHEYE", 10, 12},
+                                                   {"RAD_TAN_THIN_PRISM_FISHEYE", 11, 16},
+                                                   {"SIMPLE_DIVISION", 12, 4},
+                                                   {"DIVISION", 13, 5},
+                                                   {"SIMPLE_FISHEYE", 14, 3},
+                                                   {"FISHEYE", 15, 4},
+                                                   {"EUCM", 16, 6},
+                                                   {"EQUIRECTANGULAR", 17, 2}}};
+
+/// Whether the model has one focal length for both axes.
+bool has_one_focal_length(int id) {
+  return id == 0 || id == 2 || id == 3 || id == 8 || id == 9 || id == 12 || id == 14;
+}
+
+/// `k`: the parameters behind focal lengths and principal point.
+Lens lens_of(int id, std::span<const double> k) {
+  switch (id) {
+    case 0:
+    case 1:
+      return PinholeLens{};
+    case 2:
+      return BrownLens{{.radial = {k[0]}}};
+    case 3:
+      return BrownLens{{.radial = {k[0], k[1]}}};
+    case 4:
+      return BrownLens{{.radial = {k[0], k[1]}, .p1 = k[2], .p2 = k[3]}};
+    case 5:
+      return FisheyeLens{{.radial = {k[0], k[1], k[2], k[3]}}};
+    case 6:
+      return BrownLens{
+          {.radial = {k[0], k[1], k[4]}, .denominator = {k[5], k[6], k[7]}, .p1 = k[2], .p2 = k[3]}};
+    case 7:
+      return FieldOfViewLens{k[0]};
+    case 8:
+      return FisheyeLens{{.radial = {k[0]}}};
+    case 9:
+      return FisheyeLens{{.radial = {k[0], k[1]}}};
+    case 10:
+      return FisheyeLens{
+          {.radial = {k[0], k[1], k[4], k[5]}, .p1 = k[2], .p2 = k[3], .prism = {k[6], 0.0, k[7], 0.0}}};
+    case 11:
+      // Its p0 stands where all others have p2.
+      return FisheyeLens{{.radial = {k[0], k[1], k[2], k[3], k[4], k[5]},
+                          .p1 = k[7],
+                          .p2 = k[6],
+                          .prism = {k[8], k[9], k[10], k[11]},
+                          .after_radial = true}};
+    case 12:
+    case 13:
+      return DivisionLens{k[0]};
+    case 16:
+      return UnifiedLens{k[0], k[1]};
+    default:
+      return FisheyeLens{};
+  }
+}
+
+}  // namespace
+
+std::span<const ColmapModel> colmap_models() {
+  return k_models;
+}
+
+void set_size(Camera& camera, std::uint64_t width, std::uint64_t height) {
+  constexpr std::uint64_t k_side = k_max_image_side;
+  if (width < 1 || height < 1 || width > k_side || height > k_side || width * height > k_max_pixels) {
+    throw Error({.problem = "image size is out of range",
+                 .expected = "1 to 65536 pixels each way, at most 2^28 in all",
+                 .found = fmt::format("{} x {}", width, height)});
+  }
+  camera.width = static_cast<int>(width);
+  camera.height = static_cast<int>(height);
+}
+
+Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
+                        std::span<const double> parameters) {
+  assert(parameters.size() == model.parameter_count);
+  Camera camera;
+  set_size(camera, width, height);
+  if (model.id == 17) {
+    camera.fx = parameters[0] / (2.0 * std::numbers::pi);
+    camera.fy = parameters[1] / std::numbers::pi;
+    camera.cx = 0.5 * parameters[0];
+    camera.cy = 0.5 * parameters[1];
+    camera.lens = EquirectangularLens{};
+  } else {
+    const std::size_t first = has_one_focal_length(model.id) ? 0 : 1;
+    camera.fx = parameters[0];
+    camera.fy = parameters[first];
+    camera.cx = parameters[first + 1];
+    camera.cy = parameters[first + 2];
+    camera.lens = lens_of(model.id, parameters.subspan(first + 3));
+  }
+  check_camera_numbers(camera);
+  return camera;
+}
+
+/// What the binary and the text file say about an image of a COLMAP model.
+struct ColmapImage {
+  std::uint32_t id = 0;
+  std::array<double, 4> quaternion{};   ///< w, x, y, z; world to camera
+  std::array<double, 3> translation{};  ///< world to camera
+  std::uint32_t camera_id = 0;
+  std::string name;
+};
+
+/// Joins the images of a COLMAP model with their cameras. Errors, without file and place: an id that stands
+/// twice, an image of an absent camera, a rotation or translation that is none, a name that is empty.
+class ColmapImages {
+ public:
+  void add_camera(std::uint32_t id, const Camera& camera);
+  void add_image(const ColmapImage& image);
+  CameraSet take() { return std::move(set_); }
+
+ private:
+  std::unordered_map<std::uint32_t, Camera> cameras_;
+  std::unordered_set<std::uint32_t> image_ids_;
+  CameraSet set_;
+};
+
+void ColmapImages::add_camera(std::uint32_t id, const Camera& camera) {
+  if (!cameras_.emplace(id, camera).second)
+    throw Error({.problem = fmt::format("camera {} stands twice", id), .expected = "every id once"});
+}
+
+void ColmapImages::add_image(const ColmapImage& image) {
+  const auto camera = cameras_.find(image.camera_id);
+  if (camera == cameras_.end()) {
+    throw Error({.problem = fmt::format("image {} was taken by camera {}, which is not there", image.id,
+                                        image.camera_id)});
+  }
+  if (!image_ids_.insert(image.id).second)
+    throw Error({.problem = fmt::format("image {} stands twice", image.id), .expected = "every id once"});
+  if (image.name.empty()) throw Error({.problem = fmt::format("image {} has no name", image.id)});
+  const auto rotation = rotation_from_quaternion(image.quaternion);
+  if (!rotation) {
+    throw Error({.problem = fmt::format("rotation of image {} is none", image.id),
+                 .expected = "a finite quaternion that is not zero"});
+  }
+  const auto& [x, y, z] = image.translation;
+  if (!(std::fabs(x) <= 1e12 && std::fabs(y) <= 1e12 && std::fabs(z) <= 1e12)) {
+    throw Error({.problem = fmt::format("translation of image {} is out of range", image.id),
+                 .expected = "numbers within +-1e12"});
+  }
+  NamedCamera& named = set_.cameras.emplace_back(NamedCamera{image.name, camera->second});
+  named.camera.pose = pose_from_world_to_camera(*rotation, {x, y, z});
+}
+
 namespace {
 
 constexpr std::size_t k_longest_name = 4096;
@@ -125,6 +294,90 @@ CameraSet read_colmap_binary(InputFile cameras, InputFile images) {
   for (std::uint64_t left = image_reader.take_count(73, "images"); left > 0; --left)
     image_reader.record([&] { read_image(image_reader, model); });
   image_reader.expect_end();
+  return model.take();
+}
+
+namespace {
+
+/// Runs `work` and tells file and line in errors that name none.
+template <typename Work>
+void at_line(const std::string& file, const LineWalk& lines, const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (!error.parts().file.empty()) throw;
+    Error::Parts parts = error.parts();
+    parts.file = file;
+    parts.place = fmt::format("line {}", lines.number());
+    throw Error(parts);
+  }
+}
+
+bool is_remark(std::string_view line) {
+  const std::size_t first = line.find_first_not_of(" \t,\r");
+  return first == std::string_view::npos || line[first] == '#';
+}
+
+void read_camera(std::string_view line, ColmapImages& model) {
+  FieldWalk fields(line);
+  const auto id = static_cast<std::uint32_t>(fields.whole_number("camera id", UINT32_MAX));
+  const std::string_view name = fields.word("camera model");
+  const std::span<const ColmapModel> models = colmap_models();
+  const auto known = std::ranges::find(models, name, &ColmapModel::name);
+  if (known == models.end()) {
+    throw Error({.problem = fmt::format("camera {} has an unknown model", id),
+                 .expected = "a model of COLMAP such as PINHOLE or OPENCV",
+                 .found = std::string(name.substr(0, 40))});
+  }
+  const std::uint64_t width = fields.whole_number("image width", UINT64_MAX);
+  const std::uint64_t height = fields.whole_number("image height", UINT64_MAX);
+  std::vector<double> parameters;
+  for (std::size_t i = 0; i < known->parameter_count; ++i)
+    parameters.push_back(fields.number("camera parameter"));
+  if (!fields.at_end()) {
+    throw Error({.problem = fmt::format("camera {} has too many parameters", id),
+                 .expected = fmt::format("{} for {}", known->parameter_count, known->name)});
+  }
+  model.add_camera(id, camera_of_colmap(*known, width, height, parameters));
+}
+
+void read_image(std::string_view line, ColmapImages& model) {
+  FieldWalk fields(line);
+  ColmapImage image;
+  image.id = static_cast<std::uint32_t>(fields.whole_number("image id", UINT32_MAX));
+  for (double& each : image.quaternion) each = fields.number("quaternion");
+  for (double& each : image.translation) each = fields.number("translation");
+  image.camera_id = static_cast<std::uint32_t>(fields.whole_number("camera id", UINT32_MAX));
+  image.name = fields.rest();
+  model.add_image(image);
+}
+
+/// The second line of an image holds x, y and point id by turns; anything else is a line out of step.
+void check_observations(std::string_view line) {
+  std::size_t count = 0;
+  for (FieldWalk fields(line); !fields.at_end(); ++count) fields.word("observation");
+  if (count % 3 != 0) {
+    throw Error({.problem = "not a line of observations",
+                 .expected = "x, y and point id by turns, or an empty line below every image",
+                 .found = fmt::format("{} values", count)});
+  }
+}
+
+}  // namespace
+
+CameraSet read_colmap_text(std::string_view cameras, const std::string& cameras_name, std::string_view images,
+                           const std::string& images_name) {
+  ColmapImages model;
+  std::string_view line;
+  for (LineWalk lines(cameras); lines.next(line);) {
+    if (!is_remark(line)) at_line(cameras_name, lines, [&] { read_camera(line, model); });
+  }
+  for (LineWalk lines(images); lines.next(line);) {
+    if (is_remark(line)) continue;
+    at_line(images_name, lines, [&] { read_image(line, model); });
+    // The file may end without the last image's empty line.
+    if (lines.next(line)) at_line(images_name, lines, [&] { check_observations(line); });
+  }
   return model.take();
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "camera/e57_camera.h"
+#include "camera/camera_set.h"
 
 #include <cmath>
 

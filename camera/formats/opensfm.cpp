@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "camera/camera.h"
 #include "camera/formats/camera_file.h"
-#include "camera/rotation.h"
 
 namespace alidade {
 namespace {

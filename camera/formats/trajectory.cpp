@@ -7,9 +7,8 @@
 #include <glm/matrix.hpp>
 
 #include "base/error.h"
+#include "camera/camera.h"
 #include "camera/formats/camera_file.h"
-#include "camera/formats/text_fields.h"
-#include "camera/rotation.h"
 
 namespace alidade {
 namespace {

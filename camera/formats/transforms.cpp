@@ -12,9 +12,8 @@
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/ray.h"
+#include "camera/camera.h"
 #include "camera/formats/camera_file.h"
-#include "camera/formats/image_file_size.h"
-#include "camera/rotation.h"
 
 namespace alidade {
 namespace {

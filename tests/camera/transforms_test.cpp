@@ -7,7 +7,7 @@
 #include <numbers>
 #include <span>
 
-#include "camera/formats/image_file_size.h"
+#include "camera/formats/camera_file.h"
 #include "camera/projection.h"
 #include "tests/camera/camera_file_text.h"
 #include "tests/renderer/describe_scene.h"

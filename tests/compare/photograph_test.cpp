@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "camera/camera.h"
-#include "camera/rotation.h"
 #include "compare/image_mask.h"
 #include "compare/photographs/alignment.h"
 #include "compare/photographs/color_match.h"

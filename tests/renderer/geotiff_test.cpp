@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "camera/camera.h"
-#include "camera/ground_transform.h"
 #include "geo/geotiff.h"
 #include "image/image_file.h"
 

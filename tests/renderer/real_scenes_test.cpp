@@ -14,7 +14,6 @@
 #include "camera/camera.h"
 #include "camera/camera_set.h"
 #include "camera/projection.h"
-#include "camera/rotation.h"
 #include "cloud/read_cloud.h"
 #include "octree/build.h"
 #include "renderer/render.h"

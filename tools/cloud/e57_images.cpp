@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "base/output_file.h"
 #include "camera/camera_json.h"
-#include "camera/e57_camera.h"
+#include "camera/camera_set.h"
 
 namespace alidade {
 namespace {

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "base/instruction_set.h"
-#include "camera/ground_transform.h"
+#include "camera/camera.h"
 #include "image/image_file.h"
 #include "tools/command.h"
 #include "tools/image_module.h"
