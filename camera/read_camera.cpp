@@ -1,8 +1,16 @@
 // SPDX-License-Identifier: MIT
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
 #include <numbers>
 #include <utility>
 
+#include "base/error.h"
 #include "camera/camera.h"
+#include "camera/projection.h"
 #include "renderer/read_scene_parts.h"
 
 namespace alidade {
@@ -161,6 +169,142 @@ Lens read_distortion(const JsonNode& node, std::size_t model) {
   if (is_model<FieldOfViewLens>(model))
     return FieldOfViewLens{JsonFields(node, {"omega"}).require("omega").number({-3.14159, 3.14159})};
   return DivisionLens{JsonFields(node, {"k"}).require("k").number(k_coefficient)};
+}
+
+namespace {
+
+constexpr double k_rotation_tolerance = 1e-6;
+// Below this a rotation is as good as double makes it, and is taken to the bit: what a program wrote with 17
+// digits comes back.
+constexpr double k_exact_rotation = 1e-12;
+
+// The text of a file has few digits; the axes that rays are made of shall be orthonormal all the same.
+glm::dmat3 checked_rotation(const JsonNode& node, const glm::dmat3& rotation) {
+  const double error = error_of_rotation(rotation);
+  if (!(error <= k_rotation_tolerance)) {
+    node.fail("rotation is not orthonormal", "columns of length 1 at right angles, to 1e-6",
+              "an error of " + std::to_string(error));
+  }
+  if (glm::determinant(rotation) < 0.0)
+    node.fail("rotation is a mirror image", "determinant +1", "determinant -1");
+  if (error <= k_exact_rotation) return rotation;
+  return orthonormal(rotation);
+}
+
+glm::dmat3 read_quaternion(const JsonNode& node) {
+  const std::vector<JsonNode> numbers = node.elements(4, 4);
+  std::array<double, 4> q{};
+  for (std::size_t i = 0; i < 4; ++i) q[i] = numbers[i].number({-2, 2});
+  const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  if (std::fabs(length - 1.0) > k_rotation_tolerance) {
+    node.fail("quaternion is not of length 1", "w, x, y, z with a length of 1, to 1e-6",
+              "a length of " + std::to_string(length));
+  }
+  return *rotation_from_quaternion(q);
+}
+
+struct Transform {
+  glm::dmat3 rotation{1.0};
+  glm::dvec3 translation{0.0};
+};
+
+Transform transform_from_matrix(const JsonNode& node) {
+  const std::vector<JsonNode> rows = node.elements(4, 4);
+  Transform transform;
+  for (int row = 0; row < 4; ++row) {
+    const std::vector<JsonNode> numbers = rows[static_cast<std::size_t>(row)].elements(4, 4);
+    for (int column = 0; column < 4; ++column) {
+      const double value = numbers[static_cast<std::size_t>(column)].number(k_coordinate);
+      if (row < 3 && column < 3) transform.rotation[column][row] = value;
+      if (row < 3 && column == 3) transform.translation[row] = value;
+      if (row == 3 && value != (column == 3 ? 1.0 : 0.0)) {
+        rows[3].fail("not a rigid transform", "0, 0, 0, 1 as last row (a list of columns must be transposed)",
+                     "other numbers");
+      }
+    }
+  }
+  transform.rotation = checked_rotation(node, transform.rotation);
+  return transform;
+}
+
+CameraPose pose_from_transform(const JsonFields& fields, Transform transform) {
+  constexpr std::array<std::string_view, 2> conventions{"opencv", "opengl"};
+  constexpr std::array<std::string_view, 2> directions{"camera_to_world", "world_to_camera"};
+  const std::size_t convention = fields.require("convention").choice(conventions);
+  if (fields.require("direction").choice(directions) == 1) {
+    transform.rotation = glm::transpose(transform.rotation);
+    transform.translation = -(transform.rotation * transform.translation);
+  }
+  const double sign = convention == 0 ? 1.0 : -1.0;  // OpenGL's y points up and its z backward
+  return {.position = transform.translation,
+          .right = transform.rotation[0],
+          .down = sign * transform.rotation[1],
+          .forward = sign * transform.rotation[2]};
+}
+
+CameraPose read_look_at(const JsonNode& node) {
+  const JsonFields fields(node, {"eye", "target", "up"});
+  const glm::dvec3 eye = fields.require("eye").vector(k_coordinate);
+  const glm::dvec3 target = fields.require("target").vector(k_coordinate);
+  glm::dvec3 up{0.0, 0.0, 1.0};
+  if (const auto given = fields.find("up")) up = given->vector(k_coordinate);
+  try {
+    return look_at(eye, target, up);
+  } catch (const Error& error) {
+    node.fail(error.parts().problem, error.parts().expected, error.parts().found);
+  }
+}
+
+CameraPose read_pose(const JsonNode& node) {
+  const JsonFields fields(node,
+                          {"look_at", "matrix", "quaternion", "translation", "convention", "direction"});
+  const auto view = fields.find("look_at"), matrix = fields.find("matrix"),
+             quaternion = fields.find("quaternion");
+  if (int(view.has_value()) + int(matrix.has_value()) + int(quaternion.has_value()) != 1) {
+    node.fail("ambiguous pose", "exactly one of \"look_at\", \"matrix\", \"quaternion\"",
+              view || matrix || quaternion ? "several" : "none");
+  }
+  if (view) {
+    const JsonFields alone(node, {"look_at"});
+    return read_look_at(*view);
+  }
+  if (matrix) {
+    const JsonFields allowed(node, {"matrix", "convention", "direction"});
+    return pose_from_transform(allowed, transform_from_matrix(*matrix));
+  }
+  const JsonFields allowed(node, {"quaternion", "translation", "convention", "direction"});
+  const glm::dmat3 rotation = read_quaternion(*quaternion);
+  return pose_from_transform(allowed, {rotation, fields.require("translation").vector(k_coordinate)});
+}
+
+}  // namespace
+
+Camera read_camera_node(const JsonNode& node) {
+  const std::size_t model = model_of(node);
+  const bool distorts = is_distorting(model);
+  const JsonFields fields =
+      distorts
+          ? JsonFields(node, {"version", "description", "model", "width", "height", "intrinsics",
+                              "distortion", "pose"})
+          : JsonFields(node, {"version", "description", "model", "width", "height", "intrinsics", "pose"});
+  if (const auto version = fields.find("version")) read_version(*version);
+  if (const auto description = fields.find("description")) description->text();
+  const std::uint64_t width = fields.require("width").whole_number(1, k_max_image_side);
+  const std::uint64_t height = fields.require("height").whole_number(1, k_max_image_side);
+  if (width * height > k_max_pixels) {
+    node.fail("image too large", "at most 2^28 pixels", std::to_string(width * height) + " pixels");
+  }
+  Camera camera{.width = static_cast<int>(width),
+                .height = static_cast<int>(height),
+                .pose = read_pose(fields.require("pose"))};
+  read_intrinsics(fields.require("intrinsics"), model, camera);
+  if (distorts) camera.lens = read_distortion(fields.require("distortion"), model);
+  try {
+    check_camera(camera);
+  } catch (const Error& error) {
+    node.fail(error.parts().problem, error.parts().expected, error.parts().found);
+  }
+  return camera;
 }
 
 }  // namespace alidade

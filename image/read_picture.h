@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "renderer/sky_image.h"
+#include "renderer/sky.h"
 
 namespace alidade {
 

@@ -5,9 +5,16 @@
 #include <optional>
 
 #include "base/progress.h"
+#include "cloud/point_cloud.h"
 #include "renderer/render.h"
 
 namespace alidade {
+
+/// Makes points that have been read ready to be traced, but for their radii: chooses their colours, frees the
+/// columns that these do not need, builds the octree. `cloud` holds attributes_for(settings.color);
+/// `attributes` are all that its files have, for messages. Errors: as choose_color().
+LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
+                        const Progress& progress = {});
 
 /// Chooses the radii of a cloud's points as its settings say: fills radius and spacing_factor, and measures
 /// the spacings if radii adapt to the density and the octree has none for so many neighbours. `progress` is

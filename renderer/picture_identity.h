@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <string>
+
 #include "base/fingerprint.h"
 #include "renderer/render.h"
+#include "renderer/scene.h"
+
+// Parts of a scene as texts that are equal exactly if the parts are: numbers with 17 significant digits, no
+// field left out. They are for comparing, not for reading back.
 
 namespace alidade {
+
+std::string text_of(const CloudSettings& cloud);
+std::string text_of(const std::vector<Object>& objects);
+std::string text_of(const Sky& sky);
+std::string text_of(const std::optional<Sun>& sun);
 
 /// All that the samples of a picture depend on, in a fixed order: what others follow from comes before them,
 /// such as the cloud before a camera that looks at it. Numbers are written so that different ones have

@@ -1,16 +1,76 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <span>
 #include <vector>
 
-#include "renderer/render_watch.h"
-#include "renderer/stop_rule.h"
+#include "renderer/noise.h"
+#include "renderer/picture_identity.h"
+#include "renderer/picture_state.h"
+#include "renderer/render.h"
 #include "renderer/tile_tracer.h"
 
 namespace alidade {
+
+/// Looks after a render while many threads work on its state: progress, previews, checkpoints and the time.
+/// Whichever thread is at hand when something is due does it; the others go on.
+class RenderWatch {
+ public:
+  /// The options and the state must outlive it. `identity` is that of the picture, for checkpoints; `samples`
+  /// those per pixel. Time begins now.
+  RenderWatch(const RenderOptions& options, const PictureState& state, int samples, PictureIdentity identity);
+
+  /// To be held while samples are added to the state.
+  std::shared_lock<std::shared_mutex> adding() { return std::shared_lock(gate_); }
+
+  /// So many camera samples have been added. Throws Cancelled in every thread once the render is to stop.
+  void added(std::uint64_t samples);
+
+  /// Whether the time limit has been reached.
+  bool time_is_up() const { return options_.time_limit && seconds() >= *options_.time_limit; }
+
+  /// Camera samples there will be in the end, as far as can be told.
+  void expect(std::uint64_t total) { expected_ = total; }
+
+  /// Every pixel has a sample: the first preview, and from now on more.
+  void every_pixel_has_a_sample();
+
+  /// The last report and preview.
+  void finish();
+
+  /// Writes a checkpoint, if any are asked for. No thread may be at work.
+  void save();
+
+  /// Spent on the picture, before a resumption included.
+  double seconds() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void report_progress(Clock::time_point now);
+  void show_preview();
+  void write_checkpoint_if_due(Clock::time_point now);
+  std::uint64_t expected_total() const;
+
+  const RenderOptions& options_;
+  const PictureState& state_;
+  const int samples_;
+  const PictureIdentity identity_;
+  const Clock::time_point start_ = Clock::now();
+  std::shared_mutex gate_;  ///< shared: the state grows; alone: it is looked at
+  std::mutex mutex_;        ///< of all below
+  Clock::time_point next_report_ = start_, next_preview_ = start_, next_checkpoint_ = start_;
+  bool previews_ = false;
+  std::atomic<std::uint64_t> done_{0}, expected_{0};
+  std::atomic<bool> stopped_{false};
+};
 
 /// Brings a picture under way to its end, pass by pass, in parallel. Everything it is given must outlive it.
 class PictureRenderer {

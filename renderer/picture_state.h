@@ -9,7 +9,7 @@
 
 #include "image/film.h"
 #include "renderer/integrator.h"
-#include "renderer/tile_grid.h"
+#include "renderer/tile_tracer.h"
 
 namespace alidade {
 

@@ -95,7 +95,7 @@ struct RenderOptions {
   std::optional<double> time_limit{};
   /// A tile gets no more samples once it has 32 and its estimated relative error is at most this (> 0), alone
   /// and together with its up to eight neighbours; RenderSettings::samples is the most it gets. See
-  /// renderer/stop_rule.h.
+  /// renderer/noise.h.
   std::optional<double> target_noise{};
   std::optional<PreviewOptions> preview{};
   std::optional<CheckpointOptions> checkpoint{};

@@ -31,4 +31,9 @@ void trace_headlight(const World& world, const Sky& sky, std::span<const CameraP
 /// The colours themselves: for maps and masks.
 void trace_flat(const World& world, std::span<const CameraPath> paths, std::span<PathResult> results);
 
+/// What the camera paths bring back in the mode that the settings ask for. results: as many as paths.
+/// `ao_distance`: see ambient_occlusion_distance().
+void trace_samples(const World& world, const Lights& lights, const RenderSettings& settings,
+                   double ao_distance, std::span<const CameraPath> paths, std::span<PathResult> results);
+
 }  // namespace alidade

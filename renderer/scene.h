@@ -94,7 +94,7 @@ struct GradientSky {
 class SkyImage;
 
 /// Sky from a picture of everything around, laid out like a panorama: its middle column looks north if it is
-/// not turned (renderer/sky_image.h).
+/// not turned (renderer/sky.h).
 struct ImageSky {
   std::filesystem::path file;
   double scale = 1.0;     ///< radiance is the picture's values times this, [0, 1e9]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/sky_image.h"
+#include "renderer/sky.h"
 
 #include <algorithm>
 #include <cassert>

@@ -1,12 +1,86 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <glm/common.hpp>
+#include <glm/vec2.hpp>
+#include <string>
+#include <vector>
 
 #include "renderer/scene.h"
-#include "renderer/sky_image.h"
+
+// A sky from a picture of everything around (lat-long, equirectangular): column x of it looks to azimuth
+// rotation + 360 (x / width - 1/2) degrees, clockwise from north (+y), row y to elevation 180 (1/2 - y /
+// height). Without rotation that is the panorama camera's layout, so a panorama rendered here is a sky.
 
 namespace alidade {
+
+/// Pixels of a sky picture, linear, row 0 on top.
+struct SkyPixels {
+  int width = 0, height = 0;
+  std::vector<Rgb> values{};
+  std::string warning{};  ///< what was strange about the picture; empty = nothing
+};
+
+/// The most pixels a sky picture may have, inclusive: 16384 x 8192. A sky takes 20 bytes for each.
+inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
+
+/// A direction towards the sky.
+struct SkySample {
+  glm::dvec3 direction{0.0};
+  Rgb radiance{0.0f};
+  double pdf = 0.0;  ///< per solid angle
+};
+
+/// The sky prepared for tracing. Between the middles of four pixels radiance is interpolated, linearly in
+/// azimuth and in the sine of the elevation; around the poles it is that of the outermost rows. Directions
+/// are sampled exactly in proportion to the luminance of this radiance, so that a grey sky brings no noise of
+/// its own. Source of the sampling: Pharr, Jakob, Humphreys, Physically Based Rendering, appendix A (bilinear
+/// functions). Immutable, safe to use from many threads.
+class SkyImage {
+ public:
+  /// Values times `scale`; `rotation` in degrees clockwise. Pixels must be finite, not negative, and as many
+  /// as width times height, at least one. Memory: takes the pixels over and adds 8 bytes for each.
+  SkyImage(SkyPixels pixels, double scale, double rotation);
+
+  /// Its pixels, scaled: what tells it from other skies.
+  const SkyPixels& pixels() const { return pixels_; }
+
+  /// Radiance that comes along a unit direction towards the sky.
+  Rgb radiance(const glm::dvec3& direction) const { return interpolated(place_of(direction)); }
+
+  /// Whether all of it is black, so that there is nothing to sample.
+  bool is_black() const { return !(total_ > 0.0); }
+
+  /// A direction towards the sky, from two even numbers in [0, 1). Requires that it is not black.
+  SkySample sample(const glm::dvec2& u) const;
+
+  /// Density per solid angle with which `sample` chooses this unit direction; 0 for a black sky.
+  double pdf(const glm::dvec3& direction) const { return pdf_of(radiance(direction)); }
+
+ private:
+  /// A cell, which four middles of pixels bound, and a place in it, [0, 1] from left to right and from top to
+  /// bottom. Its left column is that of its number, its rows are the one above and that of its number; the
+  /// first and last row of cells reach from the outermost middles to the poles.
+  struct Place {
+    int column = 0, row = 0;
+    double x = 0.0, y = 0.0;
+  };
+
+  Place place_of(const glm::dvec3& direction) const;
+  Rgb interpolated(const Place& place) const;
+  double pdf_of(const Rgb& radiance) const;
+  const Rgb& value(int column, int row) const;
+
+  SkyPixels pixels_;
+  double turns_ = 0.0;  ///< rotation, in turns
+  std::vector<double>
+      sines_;  ///< of the elevation, from the top of the first row of cells to the last one's end
+  std::vector<double> columns_;  ///< sums of mean luminance along each row of cells
+  std::vector<double> rows_;     ///< sums of luminance times solid angle over rows of cells
+  double total_ = 0.0;           ///< the last of them
+};
 
 /// Radiance that comes from the sky along a unit direction towards it, the sun left out. A sky from a picture
 /// must have been read.

@@ -3,7 +3,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "renderer/trace_samples.h"
+#include "renderer/render_modes.h"
 
 namespace alidade {
 namespace {

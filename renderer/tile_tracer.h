@@ -1,15 +1,65 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "camera/projection.h"
 #include "image/film.h"
 #include "renderer/integrator.h"
-#include "renderer/tile_grid.h"
 
 namespace alidade {
+
+/// The pixels [x_begin, x_end) of the rows [y_begin, y_end).
+struct TileBox {
+  int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
+
+  int width() const { return x_end - x_begin; }
+  int height() const { return y_end - y_begin; }
+  std::size_t count() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
+};
+
+/// A picture cut evenly into tiles of about 16 x 16 pixels, 12 to 23 on a side where the picture is at least
+/// 12 wide and high, so that none is a sliver. Tiles are numbered row by row.
+class TileGrid {
+ public:
+  TileGrid() = default;
+  TileGrid(int width, int height)
+      : width_(width), height_(height), columns_(tiles_along(width)), rows_(tiles_along(height)) {}
+
+  int width() const { return width_; }    ///< of the picture, pixels
+  int height() const { return height_; }  ///< of the picture, pixels
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  std::size_t count() const { return static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_); }
+
+  int column_of(std::size_t tile) const {
+    return static_cast<int>(tile % static_cast<std::size_t>(columns_));
+  }
+  int row_of(std::size_t tile) const { return static_cast<int>(tile / static_cast<std::size_t>(columns_)); }
+  std::size_t tile_at(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
+           static_cast<std::size_t>(column);
+  }
+
+  TileBox box(std::size_t tile) const {
+    const int column = column_of(tile), row = row_of(tile);
+    return {width_ * column / columns_, width_ * (column + 1) / columns_, height_ * row / rows_,
+            height_ * (row + 1) / rows_};
+  }
+
+  /// All pixels of a row of tiles.
+  TileBox band(int row) const { return {0, width_, height_ * row / rows_, height_ * (row + 1) / rows_}; }
+
+ private:
+  static constexpr int k_side = 16;
+
+  static int tiles_along(int pixels) { return std::max(1, (pixels + k_side / 2) / k_side); }
+
+  int width_ = 0, height_ = 0, columns_ = 1, rows_ = 1;
+};
 
 /// Everything a pixel needs; the same for all of them.
 struct RenderTask {

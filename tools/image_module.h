@@ -7,7 +7,7 @@
 #include "geo/sun.h"
 #include "image/image_file.h"
 #include "image/legend.h"
-#include "renderer/sky_image.h"
+#include "renderer/sky.h"
 
 // What the program has the module do for it (load_module.h): writing pictures and legends, reading the
 // picture of a sky, and the reference systems (GDAL) that a sun by date and place is turned with.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "renderer/checkpoint.h"
-#include "renderer/stop_rule.h"
+#include "renderer/noise.h"
 
 // The picture whose checkpoints are fuzzed.
 

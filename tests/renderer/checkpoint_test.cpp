@@ -6,7 +6,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "renderer/scene_text.h"
+#include "renderer/picture_identity.h"
 #include "tests/renderer/mixed_scene.h"
 #include "tests/support/seal_checkpoint.h"
 

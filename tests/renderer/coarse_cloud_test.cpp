@@ -9,7 +9,7 @@
 
 #include "camera/camera.h"
 #include "cloud/cloud_reader.h"
-#include "renderer/nodes_in_view.h"
+#include "renderer/cloud_in_view.h"
 #include "tests/cloud/copc/copc_builder.h"
 
 namespace alidade {

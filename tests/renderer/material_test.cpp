@@ -7,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "renderer/material_dielectric.h"
 #include "renderer/sampling.h"
 #include "tests/support/random.h"
 

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "renderer/stop_rule.h"
+#include "renderer/noise.h"
 #include "tests/renderer/mixed_scene.h"
 
 namespace alidade {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/sky_image.h"
+#include "renderer/sky.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "renderer/integrator.h"
-#include "renderer/sky.h"
 #include "tests/renderer/tracer_scenes.h"
 #include "tests/support/random.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/smooth_normals.h"
+#include "renderer/surface.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "renderer/view_planes.h"
+#include "renderer/cloud_in_view.h"
 
 #include <gtest/gtest.h>
 

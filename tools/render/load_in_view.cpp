@@ -6,9 +6,8 @@
 #include <algorithm>
 
 #include "image/color_points.h"
-#include "renderer/index_cloud.h"
+#include "renderer/cloud_in_view.h"
 #include "renderer/load_cloud.h"
-#include "renderer/view_planes.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/message.h"
 

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "renderer/checkpoint.h"
-#include "renderer/stop_rule.h"
+#include "renderer/noise.h"
 #include "tools/message.h"
 
 namespace alidade {
