@@ -15,7 +15,7 @@
 
 namespace alidade {
 
-/// write_skyline() of visibility/horizon/skyline_picture.h. Errors, here and below: those of load_module_function().
+/// write_skyline() of visibility/horizon/skyline.h. Errors, here and below: those of load_module_function().
 using SkylineWriter = void (*)(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                                const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite);
 SkylineWriter load_skyline_writer();

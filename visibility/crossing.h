@@ -7,7 +7,6 @@
 
 #include "octree/candidate.h"
 #include "octree/point_surface.h"
-#include "visibility/occluders.h"
 #include "visibility/sight_line.h"
 
 // How one point blocks one line: the filter of the ray queries that sight lines are, and of brute force.

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/observers.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/exact_math.h"
 #include "base/text_scanner.h"
+#include "octree/point_surface.h"
+#include "octree/query.h"
+#include "visibility/crossing.h"
 
 namespace alidade {
 namespace {
@@ -156,6 +161,111 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     observers.push_back(observer);
   }
   return observers;
+}
+
+std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
+                                         const Progress& progress) {
+  if (!(width > 0.0 && std::isfinite(width)))
+    throw Error({.problem = "the observer grid has no cells", .expected = "a width above 0"});
+  // A line of points has an extent of no width, and still a cell.
+  const double columns = std::fmax(1.0, std::ceil((extent.max.x - extent.min.x) / width));
+  const double rows = std::fmax(1.0, std::ceil((extent.max.y - extent.min.y) / width));
+  if (!(columns * rows <= k_most_grid_observers)) {
+    throw Error({.problem = fmt::format("the observer grid of {} has too many places", width),
+                 .expected = fmt::format("at most {:.0f}", k_most_grid_observers),
+                 .found = fmt::format("{:.0f} by {:.0f}", columns, rows)});
+  }
+  const glm::dvec2 corner(extent.center().x - 0.5 * columns * width, extent.center().y - 0.5 * rows * width);
+  std::vector<GivenObserver> observers;
+  const auto total = static_cast<std::uint64_t>(columns * rows);
+  for (std::uint64_t row = 0; row < static_cast<std::uint64_t>(rows); ++row) {
+    for (std::uint64_t column = 0; column < static_cast<std::uint64_t>(columns); ++column) {
+      const glm::dvec2 place(corner.x + (static_cast<double>(column) + 0.5) * width,
+                             corner.y + (static_cast<double>(row) + 0.5) * width);
+      if (!ground(place)) continue;
+      observers.push_back(
+          {.source = "--observer-grid", .name = fmt::format("{}-{}", row + 1, column + 1), .place = place});
+    }
+    report(progress, (row + 1) * static_cast<std::uint64_t>(columns), total);
+  }
+  if (observers.empty())
+    throw Error({.problem = "the observer grid has no place with points of the cloud near it"});
+  return observers;
+}
+
+namespace {
+
+/// So far outside, metres, an observer of even the smallest cloud is not strange.
+constexpr double k_never_far = 100.0;
+
+/// Distance to a box, 0 inside.
+double distance_to(const Bounds& box, const glm::dvec3& place) {
+  double sum = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double outside = std::max({box.min[axis] - place[axis], place[axis] - box.max[axis], 0.0});
+    sum += outside * outside;
+  }
+  return std::sqrt(sum);
+}
+
+/// Whether there are points near a place in plan, and all of them above it.
+bool is_below_all(const Octree& octree, const glm::dvec3& place) {
+  constexpr double k_far = std::numeric_limits<double>::infinity(), k_largest_reach = 16.0;
+  for (double reach = 1.0; reach <= k_largest_reach; reach *= 2.0) {
+    Bounds column{.min = {place.x - reach, place.y - reach, -k_far},
+                  .max = {place.x + reach, place.y + reach, place.z}};
+    if (count(octree, column, {.k = 1}) > 0) return false;
+    column.max.z = k_far;
+    if (count(octree, column, {.k = 1}) > 0) return true;
+  }
+  return false;
+}
+
+/// Radius of a point's sphere; 0 if it has none.
+double sphere_radius_of(const Occluders& occluders, const PointHit& point) {
+  const OccluderOptions& options = occluders.options();
+  if (options.counts && !options.counts(point.point_id)) return 0.0;
+  if (occluders.has_surfaces()) {
+    const bool is_disc = surface_of(occluders.octree().view(), point.point_id).exists;
+    if (is_disc || options.shape == OccluderShape::disc) return 0.0;
+  }
+  if (options.radius) return *options.radius;
+  // A point's spacing is the distance to its 8th neighbour.
+  constexpr std::size_t k_with_neighbours = 9;
+  const auto neighbours = find(occluders.octree(), point.position, {.k = k_with_neighbours});
+  return sphere_of(occluders, candidate_radius(occluders, neighbours.back().distance));
+}
+
+std::string remark_on(const Occluders& occluders, const Observer& observer) {
+  const Bounds& box = occluders.octree().bounds();
+  const double outside = distance_to(box, observer.position);
+  if (outside > observer.max_distance) {
+    return fmt::format("{} sees nothing: the cloud begins {:.6g} away, and it sees {:.6g} far", observer.name,
+                       outside, observer.max_distance);
+  }
+  if (outside > std::max(glm::length(box.size()), k_never_far))
+    return fmt::format("{} is {:.6g} outside of the cloud; is it in the cloud's coordinates?", observer.name,
+                       outside);
+  if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
+    return fmt::format("{} is below all points near it, in the ground", observer.name);
+  const auto nearest = find(occluders.octree(), observer.position, {.k = 1});
+  if (!nearest.empty() && nearest[0].distance < sphere_radius_of(occluders, nearest[0])) {
+    return fmt::format("{} is inside point {}, {:.3g} from its middle; that point does not block its view",
+                       observer.name, nearest[0].point_id, nearest[0].distance);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers) {
+  std::vector<std::string> remarks;
+  if (occluders.octree().size() == 0) return remarks;
+  for (const Observer& observer : observers) {
+    std::string remark = remark_on(occluders, observer);
+    if (!remark.empty()) remarks.push_back(std::move(remark));
+  }
+  return remarks;
 }
 
 }  // namespace alidade

@@ -10,6 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "base/bounds.h"
+#include "base/progress.h"
+#include "visibility/sight_line.h"
+
 namespace alidade {
 
 /// Who looks, from where, and which way.
@@ -86,5 +90,22 @@ GivenObserver parse_observer(const std::string& text);
 /// [-360, 720], equal, or going backwards by a turn or more; no ground below an observer without z.
 std::vector<Observer> place_observers(std::span<const GivenObserver> given, const ObserverDefaults& defaults,
                                       const GroundHeight& ground);
+
+/// A grid has at most so many places.
+constexpr double k_most_grid_observers = 1e6;
+
+/// Candidates for observers: the middles of square cells of this width that cover the extent and share its
+/// middle, row by row from the south-west, where there is ground to stand on; named "ROW-COLUMN" from 1.
+/// `progress` is in cells. Errors: `width` not above 0 and finite; more than k_most_grid_observers cells; no
+/// ground anywhere.
+std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
+                                         const Progress& progress = {});
+
+/// What is strange about observers, a sentence each, in their order: one that is farther outside the cloud
+/// than the cloud is long, and than 100 metres; one that cannot reach it within its max_distance; one below
+/// all points near it (within a square of half side 1, or the first of 2, 4, 8 and 16 that holds points): in
+/// the ground, if it was not put on it; one inside the sphere of a point, which then does not block its view.
+/// Cost: some microseconds each.
+std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers);
 
 }  // namespace alidade

@@ -1,13 +1,44 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
+#include "base/input_file.h"
 #include "geo/vector_file.h"
 #include "visibility/observers.h"
 
 namespace alidade {
+
+/// A number that files can say of an observer.
+struct ObserverField {
+  std::string_view name;
+  std::string_view short_name;  ///< fits the ten letters that Shapefiles have
+  std::optional<double> GivenObserver::*value;
+
+  bool is_called(std::string_view word) const { return word == name || word == short_name; }
+};
+
+/// All but the place; a name is a text of its own.
+constexpr std::array<ObserverField, 7> k_observer_fields{{
+    {"z", "z", &GivenObserver::z},
+    {"height", "height", &GivenObserver::height},
+    {"azimuth_min", "azim_min", &GivenObserver::azimuth_min},
+    {"azimuth_max", "azim_max", &GivenObserver::azimuth_max},
+    {"elevation_min", "elev_min", &GivenObserver::elevation_min},
+    {"elevation_max", "elev_max", &GivenObserver::elevation_max},
+    {"max_distance", "max_dist", &GivenObserver::max_distance},
+}};
+
+/// Reads observers from CSV: a header with the names of the columns in any order, then a row each. `x` and
+/// `y` must be there; `z`, `name`, `height`, `azimuth_min`, `azimuth_max`, `elevation_min`, `elevation_max`
+/// and `max_distance` may, also under the short names of observer_fields.h. An empty cell is as if it were
+/// not there; blank lines are skipped. Errors, naming line and column: an unknown or repeated name, a missing
+/// place, a cell that is no number, too many or too few cells; no row at all.
+std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path);
+std::vector<GivenObserver> read_observer_table(InputFile& file);
 
 /// Reads observers from a file, in the cloud's reference system: CSV (observer_table.h) by its ending .csv or
 /// .txt, anything else as points of GeoJSON, GeoPackage or Shapefile. Attributes of the names of

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sight_line.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
+#include <string>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
@@ -16,10 +16,36 @@
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
-#include "visibility/chord_lines.h"
 #include "visibility/crossing.h"
 
 namespace alidade {
+
+Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress)
+    : octree_(octree), options_(options) {
+  constexpr double k_widest_disc = 16.0;
+  if (options.radius && !(std::isfinite(*options.radius) && *options.radius > 0.0)) {
+    throw Error({.problem = "bad radius of occluders",
+                 .expected = "a length above 0",
+                 .found = std::to_string(*options.radius)});
+  }
+  if (options.transparency < 1) {
+    throw Error({.problem = "bad transparency",
+                 .expected = "1 or more crossings that block",
+                 .found = std::to_string(options.transparency)});
+  }
+  if (has_surfaces() || !options.radius) {
+    // Spacings of other neighbours make other discs.
+    octree_ = with_spacings(octree_, k_surface_neighbours, progress);
+  }
+  if (has_surfaces()) octree_ = with_surfaces(octree_, progress);
+  if (options.radius) {
+    largest_radius_ = largest_sphere_ = *options.radius;
+  } else {
+    largest_sphere_ = automatic_radius(octree_);
+    largest_radius_ = has_surfaces() ? k_widest_disc * largest_sphere_ : largest_sphere_;
+  }
+}
+
 namespace {
 
 constexpr double k_lift = 1.0;  // thicknesses

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "base/error.h"
-#include "visibility/observer_table.h"
+#include "visibility/read_observers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;

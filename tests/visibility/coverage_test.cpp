@@ -10,7 +10,6 @@
 #include "octree/distance.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/points/thin_points.h"
 
 namespace alidade::test {
 namespace {

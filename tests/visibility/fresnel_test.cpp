@@ -8,7 +8,6 @@
 
 #include "base/error.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/lines/frequency.h"
 
 namespace alidade::test {
 namespace {

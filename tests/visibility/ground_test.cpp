@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "octree/build.h"
 #include "tests/support/random.h"
-#include "visibility/raster/fill_gaps.h"
 
 namespace alidade::test {
 namespace {

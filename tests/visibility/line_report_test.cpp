@@ -8,7 +8,6 @@
 #include "octree/distance.h"
 #include "tests/support/random.h"
 #include "tests/visibility/wall_cloud.h"
-#include "visibility/lines/line_report_bytes.h"
 
 namespace alidade::test {
 namespace {

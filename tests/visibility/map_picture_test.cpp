@@ -10,7 +10,6 @@
 
 #include "base/error.h"
 #include "image/font.h"
-#include "visibility/raster/relief.h"
 
 namespace alidade::test {
 namespace {

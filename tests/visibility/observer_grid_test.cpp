@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/observer_grid.h"
+#include "visibility/observers.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/observer_remarks.h"
+#include "visibility/observers.h"
 
 #include <gtest/gtest.h>
 

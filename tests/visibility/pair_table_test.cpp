@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/lines/pair_table.h"
+#include "visibility/lines/line_files.h"
 
 #include <gtest/gtest.h>
 

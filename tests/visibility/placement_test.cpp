@@ -9,7 +9,6 @@
 #include "base/error.h"
 #include "image/font.h"
 #include "tests/support/random.h"
-#include "visibility/points/coverage_picture.h"
 
 namespace alidade::test {
 namespace {

@@ -11,9 +11,7 @@
 #include "base/error.h"
 #include "image/font.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/horizon/horizon_file.h"
-#include "visibility/horizon/panorama.h"
-#include "visibility/horizon/skyline_picture.h"
+#include "visibility/horizon/horizon.h"
 
 namespace alidade::test {
 namespace {

@@ -11,7 +11,6 @@
 #include "geo/earth.h"
 #include "geo/sun.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/sky/beam_irradiance.h"
 #include "visibility/sky/sun_path.h"
 
 namespace alidade::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/points/thin_points.h"
+#include "visibility/points/coverage.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "visibility/raster/viewshed_area.h"
+#include "visibility/raster/map_places.h"
 
 namespace alidade::test {
 namespace {

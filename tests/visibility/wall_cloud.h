@@ -6,7 +6,7 @@
 
 #include "octree/build.h"
 #include "tests/support/point_families.h"
-#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
 
 namespace alidade::test {
 

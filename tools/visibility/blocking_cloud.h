@@ -10,7 +10,7 @@
 #include "octree/index_file/indexed_cloud.h"
 #include "tools/console.h"
 #include "tools/visibility/occluder_options.h"
-#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
 
 namespace alidade {
 

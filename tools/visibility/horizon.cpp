@@ -24,8 +24,7 @@
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/occluder_options.h"
 #include "tools/visibility/row_output.h"
-#include "visibility/horizon/horizon_file.h"
-#include "visibility/horizon/panorama.h"
+#include "visibility/horizon/skyline.h"
 #include "visibility/sky/sky_view.h"
 
 namespace alidade {

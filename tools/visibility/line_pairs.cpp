@@ -14,7 +14,7 @@
 #include "octree/distance.h"
 #include "tools/options.h"
 #include "tools/visibility/observer_options.h"
-#include "visibility/lines/pair_table.h"
+#include "visibility/lines/line_files.h"
 
 namespace alidade {
 namespace {

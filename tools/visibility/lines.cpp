@@ -15,7 +15,7 @@
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
-#include "visibility/lines/frequency.h"
+#include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_files.h"
 
 namespace alidade {

@@ -13,7 +13,7 @@
 #include "tools/options.h"
 #include "tools/picture_command.h"
 #include "tools/visibility/find_ground.h"
-#include "visibility/raster/viewshed_area.h"
+#include "visibility/raster/map_places.h"
 
 namespace alidade {
 namespace {

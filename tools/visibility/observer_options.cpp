@@ -12,8 +12,7 @@
 #include "tools/options.h"
 #include "tools/split_list.h"
 #include "tools/visibility/find_ground.h"
-#include "visibility/observer_grid.h"
-#include "visibility/observer_remarks.h"
+#include "visibility/observers.h"
 
 namespace alidade {
 namespace {

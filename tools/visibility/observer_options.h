@@ -38,7 +38,7 @@ void add_target_height(CLI::App& command, std::optional<double>& height);
 std::vector<Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
                                      Verbosity verbosity, const GroundHeight& ground = {});
 
-/// Says what is strange about observers: observer_remarks() of visibility/observer_remarks.h. Requires
+/// Says what is strange about observers: observer_remarks() of visibility/observers.h. Requires
 /// measured occluders.
 void say_observer_remarks(std::span<const Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity);

@@ -5,7 +5,7 @@
 #include <bitset>
 #include <optional>
 
-#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
 
 namespace alidade {
 

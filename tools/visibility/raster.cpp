@@ -11,7 +11,7 @@
 #include "tools/visibility/cloud_unit.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/raster_options.h"
-#include "visibility/raster/viewshed_area.h"
+#include "visibility/raster/map_places.h"
 
 namespace alidade {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/horizon/skyline_picture.h"
+#include "visibility/horizon/skyline.h"
 
 #include <fmt/format.h>
 

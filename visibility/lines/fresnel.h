@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "visibility/lines/line_curve.h"
-#include "visibility/lines/line_points.h"
 
 // How much of a radio link's first Fresnel zone is free. The zone are the places from which the way over both
 // ends is at most half a wavelength longer than the straight one; a link with wavelength w and length L has
@@ -66,5 +66,9 @@ struct FresnelClearance {
 /// obstructs.
 FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
                                    const LineOptions& options, double wavelength);
+
+/// Hertz of "5.8GHz", "868MHz", "2.4": a number with its unit, in any case of letters and with blanks between
+/// or not; GHz without one. Empty for anything else and outside of 1 MHz to 1000 GHz.
+std::optional<double> parse_frequency(std::string_view text);
 
 }  // namespace alidade

@@ -1,9 +1,223 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_files.h"
 
-#include "visibility/lines/line_row.h"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <fmt/format.h>
+#include <string_view>
+
+#include "base/error.h"
+#include "base/text_scanner.h"
+#include "visibility/row_text.h"
 
 namespace alidade {
+namespace {
+
+constexpr std::string_view k_form =
+    "from,to, or from_x,from_y,to_x,to_y[,from_z][,to_z][,from_height][,to_height][,from][,to]";
+
+/// What a column is of each end; the first end's columns stand before the second's.
+enum Column { name_column, x_column, y_column, z_column, height_column, k_end_columns };
+constexpr std::array<std::string_view, 2 * k_end_columns> k_columns{
+    "from", "from_x", "from_y", "from_z", "from_height", "to", "to_x", "to_y", "to_z", "to_height"};
+
+struct Header {
+  std::vector<std::size_t> columns;  ///< of every cell, in k_columns
+  bool has(std::size_t column) const { return std::ranges::find(columns, column) != columns.end(); }
+  bool has_places() const { return has(x_column); }
+};
+
+Header read_header(const TextScanner& scanner, std::string_view line) {
+  std::vector<std::string_view> names;
+  split_cells(line, ',', names);
+  require_few_columns(scanner, names.size());
+  Header header;
+  for (const std::string_view name : names) {
+    const auto found = std::ranges::find(k_columns, name);
+    if (found == k_columns.end()) scanner.fail("unknown column " + quote(name), std::string(k_form));
+    const auto column = static_cast<std::size_t>(found - k_columns.begin());
+    if (header.has(column)) scanner.fail(fmt::format("column {} stands twice", name));
+    header.columns.push_back(column);
+  }
+  bool any_place = false, all_places = true, all_names = true;
+  for (const std::size_t end : {std::size_t{0}, std::size_t{k_end_columns}}) {
+    all_places = all_places && header.has(end + x_column) && header.has(end + y_column);
+    all_names = all_names && header.has(end + name_column);
+    for (std::size_t column = x_column; column < k_end_columns; ++column)
+      any_place = any_place || header.has(end + column);
+  }
+  if (any_place ? !all_places : !all_names)
+    scanner.fail("columns are missing", std::string(k_form), quote(line));
+  return header;
+}
+
+void take_cell(const TextScanner& scanner, std::size_t column, std::string_view cell, GivenPair& pair) {
+  GivenObserver& end = column < k_end_columns ? pair.from : pair.to;
+  const std::size_t meaning = column % k_end_columns;
+  if (meaning == name_column) {
+    end.name = cell;
+    return;
+  }
+  if (cell.empty() && (meaning == z_column || meaning == height_column)) return;
+  const std::optional<double> number = parse_number(cell);
+  if (!number || !std::isfinite(*number))
+    scanner.fail(fmt::format("{} is not a finite number", k_columns[column]), "a number",
+                 cell.empty() ? "nothing" : quote(cell));
+  if (meaning == x_column) end.place.x = *number;
+  if (meaning == y_column) end.place.y = *number;
+  if (meaning == z_column) end.z = *number;
+  if (meaning == height_column) end.height = *number;
+}
+
+GivenPair read_row(const TextScanner& scanner, std::string_view line, const Header& header,
+                   const std::string& file) {
+  std::vector<std::string_view> cells;
+  split_cells(line, ',', cells);
+  if (cells.size() != header.columns.size()) {
+    scanner.fail(cells.size() > header.columns.size() ? "too many cells" : "too few cells",
+                 std::to_string(header.columns.size()), std::to_string(cells.size()));
+  }
+  GivenPair pair;
+  pair.from.source = pair.to.source = fmt::format("{}:line {}", file, scanner.line_number());
+  pair.has_places = header.has_places();
+  for (std::size_t i = 0; i < cells.size(); ++i) take_cell(scanner, header.columns[i], cells[i], pair);
+  if (!pair.has_places && (pair.from.name.empty() || pair.to.name.empty()))
+    scanner.fail("an end has no name", "names of places");
+  return pair;
+}
+
+}  // namespace
+
+std::vector<GivenPair> read_pair_table(const std::filesystem::path& path) {
+  InputFile file(path);
+  TextScanner scanner(file);
+  std::optional<Header> header;
+  std::vector<GivenPair> pairs;
+  while (const std::optional<std::string_view> line = scanner.next_line()) {
+    if (trim(*line).empty()) continue;
+    if (header)
+      pairs.push_back(read_row(scanner, *line, *header, path.string()));
+    else
+      header = read_header(scanner, *line);
+  }
+  if (pairs.empty()) {
+    throw Error({.file = path.string(),
+                 .problem = "holds no pairs",
+                 .expected = header ? "a row for each behind the header"
+                                    : "CSV with the header " + std::string(k_form)});
+  }
+  return pairs;
+}
+
+/// A line as a row of named values, in the order of the columns; null where there is nothing to say. All rows
+/// of a table have the same names. Lengths and places along the line from its first end, in `..._at`, are in
+/// the cloud's unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every
+/// column.
+Row line_row(const LineTable& table, std::size_t line);
+
+/// What obstructs the Fresnel zone of a line: `points` by their share of it, and `classes`; of a line without
+/// a zone empty.
+Row line_obstructions(const LineTable& table, std::size_t line);
+
+namespace {
+
+Row class_of(const LineTable& table, std::uint64_t point_id) {
+  if (table.classifications.empty()) return nullptr;
+  return table.classifications[point_id];
+}
+
+/// A class and its share of a zone.
+struct ClassShare {
+  int number;
+  double share;
+};
+
+/// The largest first, then by number; empty for a cloud without classes.
+std::vector<ClassShare> class_shares(const LineTable& table, const FresnelClearance& fresnel) {
+  std::array<double, 256> shares{};
+  if (!table.classifications.empty()) {
+    for (const Obstruction& one : fresnel.obstructions)
+      shares[table.classifications[one.point_id]] += one.share;
+  }
+  std::vector<ClassShare> classes;
+  for (int number = 0; number < 256; ++number) {
+    const double share = shares[static_cast<std::size_t>(number)];
+    if (share > 0.0) classes.push_back({number, share});
+  }
+  std::ranges::stable_sort(classes, std::greater(), &ClassShare::share);
+  return classes;
+}
+
+void add_place(Row& row, const std::string& name, const glm::dvec3& place) {
+  row[name + "_x"] = place.x;
+  row[name + "_y"] = place.y;
+  row[name + "_z"] = place.z;
+}
+
+/// Names `prefix` + at, point, class.
+void add_point(Row& row, const LineTable& table, const std::string& prefix,
+               const std::optional<LinePoint>& point) {
+  row[prefix + "_at"] = point ? Row(point->t) : Row();
+  row[prefix + "_point"] = point ? Row(point->point_id) : Row();
+  row[prefix + "_class"] = point ? class_of(table, point->point_id) : Row();
+}
+
+void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresnel) {
+  row["fresnel_radius"] = fresnel.radius;
+  row["fresnel_clear"] = fresnel.is_clear;
+  row["fresnel_obstructed"] = fresnel.obstructed;
+  row["fresnel_inner"] = fresnel.inner;
+  row["fresnel_worst"] = fresnel.worst;
+  row["fresnel_worst_at"] = fresnel.obstructions.empty() ? Row() : Row(fresnel.worst_t);
+  row["fresnel_cut_off"] = fresnel.cut_off;
+  const std::vector<ClassShare> classes = class_shares(table, fresnel);
+  row["fresnel_class"] = classes.empty() ? Row() : Row(classes.front().number);
+  row["fresnel_class_share"] = classes.empty() ? Row() : Row(classes.front().share);
+  row["fresnel_points"] = fresnel.points;
+  row["fresnel_nearest"] = fresnel.nearest ? Row(fresnel.nearest_share) : Row();
+  add_point(row, table, "fresnel_nearest", fresnel.nearest);
+}
+
+}  // namespace
+
+Row line_row(const LineTable& table, std::size_t line) {
+  const LinePair& pair = table.pairs[line];
+  const LineReport& report = table.reports[line];
+  Row row;
+  row["line"] = line;
+  row["from"] = pair.from_name;
+  row["to"] = pair.to_name;
+  add_place(row, "from", pair.from.position);
+  add_place(row, "to", pair.to.position);
+  row["length"] = report.length;
+  row["visible"] = !report.blocker;
+  const std::optional<Blocker>& blocker = report.blocker;
+  row["blocker"] = blocker ? Row(blocker->point_id) : Row();
+  row["blocker_class"] = blocker ? class_of(table, blocker->point_id) : Row();
+  row["blocker_at"] = blocker ? Row(blocker->distance) : Row();
+  for (int axis = 0; axis < 3; ++axis)
+    row[std::string("blocker_") + "xyz"[axis]] = blocker ? Row(blocker->position[axis]) : Row();
+  row["clearance"] = report.nearest ? Row(report.nearest->distance) : Row();
+  add_point(row, table, "clearance", report.nearest);
+  if (report.fresnel) add_fresnel(row, table, *report.fresnel);
+  return row;
+}
+
+Row line_obstructions(const LineTable& table, std::size_t line) {
+  const std::optional<FresnelClearance>& fresnel = table.reports[line].fresnel;
+  Row points = Row::array(), classes = Row::array();
+  if (fresnel) {
+    for (const Obstruction& one : fresnel->obstructions)
+      points.push_back(
+          {{"point", one.point_id}, {"class", class_of(table, one.point_id)}, {"share", one.share}});
+    for (const ClassShare& one : class_shares(table, *fresnel))
+      classes.push_back({{"class", one.number}, {"share", one.share}});
+  }
+  return {{"points", points}, {"classes", classes}};
+}
+
 namespace {
 
 void write_csv(const LineTable& table, OutputFile& file) {

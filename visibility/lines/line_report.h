@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,7 +11,6 @@
 #include "base/progress.h"
 #include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_curve.h"
-#include "visibility/lines/line_points.h"
 
 // Who sees whom, pair by pair, and what stands in between.
 //
@@ -51,5 +51,11 @@ void check_line_report(const LineReportOptions& options, int transparency);
 std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const LinePair> pairs,
                                      const LineReportOptions& options, const Progress& progress = {},
                                      FinishedParts* parts = nullptr);
+
+/// A report as the bytes of a part (run_parts.h).
+void put_report(const LineReport& report, PartWriter& writer);
+
+/// Gives it back. Errors: those of PartReader; points that a cloud of so many does not have.
+LineReport take_report(PartReader& reader, std::uint64_t point_count);
 
 }  // namespace alidade

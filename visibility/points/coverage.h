@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "base/checkpoint.h"
 #include "base/progress.h"
+#include "octree/octree.h"
 #include "visibility/observers.h"
 #include "visibility/sight_line.h"
 
@@ -63,5 +65,13 @@ struct PlacementTarget {
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
                      std::span<const PlacementTarget> targets, double height, const Progress& progress = {},
                      FinishedParts* parts = nullptr);
+
+/// Some points that stand for all: of every cubic cell of a grid that holds points that count, the one
+/// nearest to the cell's middle, of equally near ones the one with the lowest id. In the order of the octree,
+/// which has neighbours together. `counts`: empty for all. Cost: about 100 ns per point. Memory: 140 B per
+/// cell that holds points, of which 32 B stay. Errors: spacing not above 0 or not finite, or finer than 2^-21
+/// of the cloud's longest side; more memory than there is.
+std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
+                                         const std::function<bool(std::uint64_t point_id)>& counts = {});
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/points/coverage_picture.h"
+#include "visibility/points/placement.h"
 
 #include <fmt/format.h>
 

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <span>
 #include <vector>
 
+#include "image/canvas.h"
+#include "image/font.h"
 #include "visibility/points/coverage.h"
+#include "visibility/row_files.h"
 
 // The few places from which one sees most. Which k of n candidates see most targets together is hard to
 // answer exactly (maximum coverage is NP-hard). Taking each time the candidate that sees most of what nobody
@@ -36,5 +40,21 @@ struct Placement {
 /// over the bits, some rows more per place, and a pass for the bound after 1, 2, 4, ... places. Errors: count
 /// 0; weights not as many as targets, negative or not finite.
 Placement choose_places(const Coverage& coverage, std::size_t count, std::span<const double> weights = {});
+
+/// Writes the chosen places in their order, and with them the curve of what they cover: `place` from 1,
+/// `candidate` (its number, from 0), `name`, `x`, `y`, `z` of the eye, `gain` and `covered` (weights of
+/// targets, 1 each unless weighed), `share` (of all). CSV; JSON with the list `places`; or GeoJSON with
+/// points, which other commands read as observers. Coordinates, answer and Errors as write_lines().
+bool write_placement(const Placement& placement, std::span<const Observer> candidates, RowForm form,
+                     const RowFileHead& head, const ToLonLat& to_lon_lat, const std::filesystem::path& file,
+                     bool overwrite);
+
+/// How much more each further place covers: a bar per place in the order they were chosen, its height the
+/// share of all targets in percent, what the place adds in a darker tone; a line where no choice of as many
+/// places can be. Black on white, 900 by 560 pixels. Requires at least one place and a total above 0.
+Canvas draw_coverage(const Placement& placement, const Font& font);
+
+/// Writes it as PNG, with the font of find_font(). Errors: those of find_font() and write_png().
+void write_coverage_picture(const Placement& placement, const std::filesystem::path& file, bool overwrite);
 
 }  // namespace alidade

@@ -15,7 +15,6 @@
 #include "geo/raster.h"
 #include "octree/point_surface.h"
 #include "octree/tree_walk.h"
-#include "visibility/golden_turn.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {

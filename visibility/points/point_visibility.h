@@ -9,7 +9,7 @@
 #include "base/checkpoint.h"
 #include "base/progress.h"
 #include "visibility/observers.h"
-#include "visibility/occluders.h"
+#include "visibility/sight_line.h"
 
 // Which points of a cloud are seen from where.
 //

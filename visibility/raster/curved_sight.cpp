@@ -9,7 +9,7 @@
 #include <glm/vec2.hpp>
 
 #include "base/error.h"
-#include "visibility/chord_lines.h"
+#include "visibility/sight_line.h"
 
 namespace alidade {
 namespace {

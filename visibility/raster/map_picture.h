@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <glm/vec2.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,10 +14,30 @@
 #include "image/point_color.h"
 #include "visibility/raster/ground.h"
 
+namespace alidade {
+
+/// Shading of the ground by a light in the north-west, 45 degrees high: what makes a map of heights look like
+/// land. Heights are drawn up where the land is flat.
+class Relief {
+ public:
+  /// `step`: slopes are taken over twice this length, about a pixel of the picture. Cost: about 10 000
+  /// heights.
+  Relief(const Ground& ground, double step);
+
+  /// Brightness of a place: 1 where it is level, from 0 in the shade to about 1.4 towards the light; 1 where
+  /// there is no ground around it.
+  double light(const glm::dvec2& place) const;
+
+ private:
+  glm::dvec2 slope(const glm::dvec2& place) const;
+
+  const Ground& ground_;
+  double step_;
+  double exaggeration_ = 1.0;
+};
+
 // A map as a picture to look at: values as colours over the shaded relief of the ground, north up, with the
 // observers, a scale bar and a legend.
-
-namespace alidade {
 
 /// What one value means.
 struct MapSwatch {

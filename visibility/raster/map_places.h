@@ -2,8 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <vector>
 
+#include "base/bounds.h"
+#include "visibility/observers.h"
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
@@ -62,5 +66,46 @@ class MapTargets {
   int places_across_;
   int block_levels_;  ///< a block is 2^this cells wide
 };
+
+/// Heights above the ground, limits inclusive.
+struct HeightRange {
+  double low = 0.0, high = 0.0;
+};
+
+/// An observer ready for many lines of sight.
+class MapObserver {
+ public:
+  MapObserver(const Occluders& occluders, const Observer& observer);
+
+  const SightEnd& eye() const { return eye_; }
+
+  /// Whether it looks at a place at all.
+  bool looks_at(const glm::dvec3& place) const { return view_.reaches(place - eye_.position); }
+
+  /// The heights in `asked` above a place that it looks at: those between the lower and the upper limit of
+  /// its field of view there, not farther away than its distance. Its lower end is that of `asked` if the
+  /// observer looks at that, by looks_at(). Empty: it looks at none. The same on every machine.
+  std::optional<HeightRange> heights_in_view(const glm::dvec3& foot, const HeightRange& asked) const;
+
+ private:
+  SightEnd eye_;
+  FieldOfView view_, azimuths_;
+  double max_distance_;
+  double lower_slope_, upper_slope_;  ///< rise per length of the ground at the limits of the view
+};
+
+inline std::vector<MapObserver> map_observers(const Occluders& occluders,
+                                              std::span<const Observer> observers) {
+  std::vector<MapObserver> all;
+  for (const Observer& observer : observers) all.emplace_back(occluders, observer);
+  return all;
+}
+
+/// The part of an area that is in reach of any observer, in x and y. Errors: none is.
+Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers);
+
+/// A cell size for an area, where nobody chose one: 1, 2 or 5 times a power of ten, the smallest that gives
+/// at most 1000 cells along the longer side and is not below `finest`.
+double usual_resolution(const Bounds& area, double finest = 0.0);
 
 }  // namespace alidade
