@@ -16,7 +16,7 @@
 #include <tuple>
 
 #include "base/output_file.h"
-#include "compare/report/report.h"
+#include "compare/report/page.h"
 
 namespace alidade {
 namespace {

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "compare/compared_pair.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
-#include "compare/resize_image.h"
+#include "compare/compared_image.h"
+#include "image/srgb.h"
 
 namespace alidade {
 namespace {
@@ -86,6 +91,119 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
     pair.mask = cropped_mask(pair.mask, width, *options.crop);
   }
   return pair;
+}
+
+namespace {
+
+std::uint8_t code(float value) {
+  return static_cast<std::uint8_t>(std::lround(255.0f * (value > 0.0f ? std::min(value, 1.0f) : 0.0f)));
+}
+
+/// Calls value(pixel, channel), which answers sRGB in 0 .. 1.
+template <typename Value>
+BytePicture picture_of(const ComparedImage& image, const Value& value) {
+  BytePicture picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, image.pixels(), 1 << 16), [&](const auto& range) {
+    for (std::size_t pixel = range.begin(); pixel < range.end(); ++pixel)
+      for (std::size_t c = 0; c < 3; ++c) picture.bytes[3 * pixel + c] = code(value(pixel, c));
+  });
+  return picture;
+}
+
+}  // namespace
+
+BytePicture displayed(const ComparedImage& image, double farthest) {
+  if (!image.color.empty()) {
+    if (image.encoding == ColorEncoding::display)
+      return picture_of(image, [&](std::size_t pixel, std::size_t c) { return image.color[3 * pixel + c]; });
+    const CurveTable& curve = srgb_from_linear_table();
+    return picture_of(image,
+                      [&](std::size_t pixel, std::size_t c) { return curve.at(image.color[3 * pixel + c]); });
+  }
+  if (!image.normals.empty())
+    return picture_of(
+        image, [&](std::size_t pixel, std::size_t c) { return 0.5f + 0.5f * image.normals[3 * pixel + c]; });
+  if (!image.depth.empty()) {
+    const float scale = farthest > 0.0 ? static_cast<float>(1.0 / farthest) : 0.0f;
+    return picture_of(image,
+                      [&](std::size_t pixel, std::size_t) { return 1.0f - image.depth[pixel] * scale; });
+  }
+  return picture_of(image, [&](std::size_t pixel, std::size_t c) {
+    // Knuth's multiplicative hash spreads neighbouring ids over the colours.
+    const std::uint32_t hash = image.ids[pixel] * 2654435761u;
+    return image.ids[pixel] == 0 ? 0.0f : static_cast<float>(hash >> (8 * c) & 255u) / 255.0f;
+  });
+}
+
+double farthest_depth(const ComparedImage& image) {
+  float farthest = 0.0f;
+  for (const float depth : image.depth)
+    if (std::isfinite(depth)) farthest = std::max(farthest, depth);
+  return farthest;
+}
+
+namespace {
+
+/// Few enough that the 8-bit codes of small differences leave no gaps.
+constexpr std::size_t k_bins = 24;
+
+/// What a screen shows, from black to white: Rec. 709's weights on sRGB values.
+std::vector<float> lightness_of(const BytePicture& picture) {
+  std::vector<float> lightness(picture.bytes.size() / 3);
+  for (std::size_t i = 0; i < lightness.size(); ++i) {
+    const std::uint8_t* const rgb = &picture.bytes[3 * i];
+    lightness[i] = (0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]) / 255.0f;
+  }
+  return lightness;
+}
+
+void add_map(ComparisonPictures& pictures, std::optional<DifferenceMap>& place, DifferenceMap map,
+             const char* unit) {
+  const double low = map.range.low, high = map.range.high;
+  if (low < high)
+    pictures.histograms.push_back(
+        {map.title, unit, low, high, count_values(map.title, map.values, map.mask, low, high, k_bins)});
+  place = std::move(map);
+}
+
+}  // namespace
+
+std::vector<const DifferenceMap*> ComparisonPictures::maps() const {
+  std::vector<const DifferenceMap*> maps;
+  for (const std::optional<DifferenceMap>* map : {&flip_map, &color_map, &depth_map})
+    if (*map) maps.push_back(&**map);
+  return maps;
+}
+
+ComparisonPictures shown_pictures(const ComparedPair& pair) {
+  const double farthest = std::max(farthest_depth(pair.reference), farthest_depth(pair.test));
+  ComparisonPictures pictures;
+  pictures.reference = displayed(pair.reference, farthest);
+  pictures.test = displayed(pair.test, farthest);
+  return pictures;
+}
+
+void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps made,
+              std::vector<float> flip) {
+  const ImageMask& mask = pair.mask;
+  if (pair.have_colors()) {
+    const char* const matched = pictures.matched ? ", colours matched" : "";
+    const auto add_color_map = [&](std::optional<DifferenceMap>& place, DifferenceMap map) {
+      map.title += matched;
+      add_map(pictures, place, std::move(map), "");
+    };
+    add_color_map(pictures.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
+    add_color_map(pictures.color_map,
+                  made.color ? std::move(*made.color) : color_difference(pair.reference, pair.test, mask));
+    const BytePicture& test = pictures.matched ? *pictures.matched : pictures.test;
+    pictures.histograms.push_back(
+        {"Lightness", "", 0.0, 1.0,
+         count_values("reference", lightness_of(pictures.reference), mask, 0.0, 1.0),
+         count_values(std::string("test") + matched, lightness_of(test), mask, 0.0, 1.0)});
+  }
+  if (pair.have_depth())
+    add_map(pictures, pictures.depth_map,
+            made.depth ? std::move(*made.depth) : depth_difference(pair.reference, pair.test, mask), "m");
 }
 
 }  // namespace alidade

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "compare/compared_image.h"
 #include "compare/comparison.h"
+#include "image/encoded_picture.h"
 
 namespace alidade {
 
@@ -23,5 +25,25 @@ struct ComparedPair {
 /// crops.
 ComparedPair read_compared_pair(const std::filesystem::path& reference, const std::filesystem::path& test,
                                 const ComparisonOptions& options, std::vector<std::string>& remarks);
+
+/// A picture as a screen shows it: its colours in sRGB, cut off at black and white. Without colours its
+/// normals (x, y, z from -1 .. 1 as red, green, blue), else its depth (white at 0, black at `farthest` and
+/// beyond), else its ids (every point has a colour of its own). NaN is black.
+BytePicture displayed(const ComparedImage& image, double farthest);
+
+/// The largest finite depth; 0 without any.
+double farthest_depth(const ComparedImage& image);
+
+/// Both pictures as screens show them. To be called before colours are matched.
+ComparisonPictures shown_pictures(const ComparedPair& pair);
+
+/// Maps of a pair that were made for something else, or are still to be made.
+struct PairMaps {
+  std::optional<DifferenceMap> color, depth;
+};
+
+/// Adds maps and histograms of what the pair has; those of `made` are taken. `flip`: map of FLIP, if there
+/// are colours. If the test has matched colours (pictures.matched), titles say so.
+void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
 
 }  // namespace alidade

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,21 +13,37 @@
 #include "compare/change_regions.h"
 #include "compare/compared_image.h"
 #include "compare/difference_map.h"
-#include "compare/histogram.h"
 #include "compare/image_mask.h"
-#include "compare/metrics/error_metrics.h"
 #include "compare/metrics/errors.h"
 #include "compare/metrics/flip.h"
 #include "compare/photographs/alignment.h"
 #include "compare/photographs/color_match.h"
 #include "image/encoded_picture.h"
 
+namespace alidade {
+
+/// How often values are met: equal steps from `low` to `high`, values outside of them in the first and last.
+struct Histogram {
+  std::string name;
+  std::vector<std::uint64_t> bins;
+};
+
+/// Histograms that are drawn into one picture.
+struct HistogramPicture {
+  std::string title, unit;
+  double low = 0.0, high = 1.0;
+  Histogram first;
+  std::optional<Histogram> second{};
+};
+
+/// Counts values of pixels that count, in one pass, without NaN and infinity. Requires low < high, bins >= 1.
+Histogram count_values(std::string name, std::span<const float> values, const ImageMask& mask, double low,
+                       double high, std::size_t bins = 64);
+
 // The whole run: two files in, one result out. Thresholds, JSON and reports are made of it.
 //
 //   const Comparison comparison = compare_files("reference.png", "test.png", {});
 //   const Verdict verdict = judge(comparison, parse_thresholds("flip=0.05,psnr<30"));
-
-namespace alidade {
 
 /// In which map regions of change are looked for.
 enum class ChangeMap {

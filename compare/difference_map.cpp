@@ -1,17 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "compare/difference_map.h"
 
-#include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <utility>
 
-#include "compare/metrics/row_sums.h"
+#include "compare/metrics/pixel_sums.h"
+#include "image/color_map.h"
+#include "image/font.h"
+#include "image/image_file.h"
+#include "image/legend.h"
 #include "image/srgb.h"
 
 namespace alidade {
@@ -136,6 +140,234 @@ DifferenceMap depth_difference(const ComparedImage& reference, const ComparedIma
   if (sums.values > 0) map.notes.push_back(fmt::format("mean {:.4g} m", sums.mean(sums.sum)));
   add_notes(map, sums, " m");
   return map;
+}
+
+namespace {
+
+constexpr Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
+constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
+constexpr int k_bar_width = 24, k_bar_height = 240, k_most_ticks = 7;
+
+/// What a pixel is when it has no number.
+enum class Absence { ignored, nothing, only_reference, only_test };
+
+struct AbsenceStyle {
+  Rgb8 color{};
+  const char* label;
+};
+
+constexpr std::array<AbsenceStyle, 4> k_absences = {{{{150, 150, 158}, "does not count"},
+                                                     {{96, 96, 104}, "nothing to compare"},
+                                                     {{150, 60, 190}, "only in the reference"},
+                                                     {{40, 150, 70}, "only in the test"}}};
+
+const AbsenceStyle& style_of(Absence absence) {
+  return k_absences[static_cast<std::size_t>(absence)];
+}
+
+Rgb8 to_rgb8(const glm::dvec3& display) {
+  const auto channel = [](double value) {
+    return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
+  };
+  return {channel(display.r), channel(display.g), channel(display.b)};
+}
+
+/// Dark blue, blue, light grey, red, dark red; linear between them.
+glm::dvec3 balance_color(double place) {
+  constexpr std::array<std::array<double, 3>, 5> k_stops = {
+      {{0.03, 0.17, 0.42}, {0.25, 0.55, 0.80}, {0.95, 0.95, 0.94}, {0.86, 0.40, 0.28}, {0.45, 0.02, 0.10}}};
+  const double along = std::clamp(place, 0.0, 1.0) * (k_stops.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(along), k_stops.size() - 2);
+  const double share = along - static_cast<double>(low);
+  glm::dvec3 color{};
+  for (int channel = 0; channel < 3; ++channel) {
+    const auto i = static_cast<std::size_t>(channel);
+    color[channel] = k_stops[low][i] + share * (k_stops[low + 1][i] - k_stops[low][i]);
+  }
+  return color;
+}
+
+Rgb8 color_at(const DifferenceMap& map, double place) {
+  return to_rgb8(map.colors == DifferenceColors::balance ? balance_color(place)
+                                                         : map_color(ColorMap::inferno, place));
+}
+
+double place_of(const DifferenceMap& map, double value) {
+  const double extent = map.range.high - map.range.low;
+  return extent > 0.0 ? (value - map.range.low) / extent : 0.5;
+}
+
+/// A pixel that does not count is NaN with `is_ignored`.
+struct MapPixel {
+  float value = std::numeric_limits<float>::quiet_NaN();
+  bool is_ignored = true;
+};
+
+MapPixel pixel_of(const DifferenceMap& map, std::size_t i) {
+  return map.mask.at(i) ? MapPixel{map.values[i], false} : MapPixel{};
+}
+
+/// The one that tells more of a change.
+MapPixel stronger(const MapPixel& a, const MapPixel& b) {
+  if (std::isnan(b.value)) return std::isnan(a.value) && a.is_ignored ? b : a;
+  return std::isnan(a.value) || std::abs(b.value) > std::abs(a.value) ? b : a;
+}
+
+Rgb8 color_of(const DifferenceMap& map, const MapPixel& pixel) {
+  if (pixel.is_ignored) return style_of(Absence::ignored).color;
+  if (std::isnan(pixel.value)) return style_of(Absence::nothing).color;
+  if (std::isinf(pixel.value))
+    return style_of(pixel.value > 0.0f ? Absence::only_reference : Absence::only_test).color;
+  return color_at(map, place_of(map, static_cast<double>(pixel.value)));
+}
+
+/// A row of the legend.
+struct Swatch {
+  Rgb8 color{};
+  std::string label;
+};
+
+class DifferenceDrawer {
+ public:
+  DifferenceDrawer(const DifferenceMap& map, const Font& font, int longest_side)
+      : map_(map), font_(font), swatches_(swatches()), ticks_(round_ticks(map.range, k_most_ticks)) {
+    const int longest = std::max(map.width, map.height);
+    shrink_ = (longest + longest_side - 1) / longest_side;
+    // Small pictures are shown larger, so that the legend does not dwarf them.
+    enlarge_ = std::max(1, longest_side / 2 / longest);
+    const auto pixels = [&](int count) { return (count + shrink_ - 1) / shrink_ * enlarge_; };
+    const int top = k_margin + k_title_size + k_margin / 2 + 4;
+    box_ = {k_margin, top, k_margin + pixels(map.width), top + pixels(map.height)};
+  }
+
+  Canvas draw() const {
+    const int panel = box_.right + k_margin;
+    const int title = k_margin + font_.measure(map_.title, k_title_size).width;
+    Canvas canvas(std::max(panel + panel_width(), title) + k_margin,
+                  std::max(box_.bottom, box_.top + panel_height()) + k_margin, k_paper);
+    font_.draw(canvas, k_margin, k_margin + k_title_size, map_.title, k_title_size, k_text);
+    draw_pixels(canvas);
+    canvas.frame({box_.left - 1, box_.top - 1, box_.right + 1, box_.bottom + 1}, k_line);
+    draw_legend(canvas, panel);
+    return canvas;
+  }
+
+ private:
+  /// Those that occur, with their shares of the picture.
+  std::vector<Swatch> swatches() const {
+    std::array<std::size_t, 4> counts{};
+    for (std::size_t i = 0; i < map_.values.size(); ++i) {
+      const MapPixel pixel = pixel_of(map_, i);
+      if (pixel.is_ignored)
+        ++counts[static_cast<std::size_t>(Absence::ignored)];
+      else if (std::isnan(pixel.value))
+        ++counts[static_cast<std::size_t>(Absence::nothing)];
+      else if (std::isinf(pixel.value))
+        ++counts[static_cast<std::size_t>(pixel.value > 0.0f ? Absence::only_reference : Absence::only_test)];
+    }
+    std::vector<Swatch> rows;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      if (counts[i] == 0) continue;
+      const double percent = 100.0 * static_cast<double>(counts[i]) / static_cast<double>(map_.values.size());
+      rows.push_back(
+          {k_absences[i].color, std::string(k_absences[i].label) +
+                                    (percent < 0.1 ? "  < 0.1 %" : fmt::format("  {:.1f} %", percent))});
+    }
+    return rows;
+  }
+
+  int panel_width() const {
+    int width = font_.measure(map_.label, k_font_size).width;
+    for (const RoundTick& tick : ticks_)
+      width = std::max(width, k_bar_width + 16 + font_.measure(tick.label, k_font_size).width);
+    for (const Swatch& row : swatches_)
+      width = std::max(width, k_row + 8 + font_.measure(row.label, k_font_size).width);
+    for (const std::string& note : map_.notes)
+      width = std::max(width, font_.measure(note, k_note_size).width);
+    return width;
+  }
+
+  int panel_height() const {
+    const auto rows = static_cast<int>(swatches_.size()), notes = static_cast<int>(map_.notes.size());
+    return k_bar_height + 2 * k_row + k_row * rows + (k_row - 6) * notes;
+  }
+
+  MapPixel shown(int column, int row) const {
+    MapPixel result;
+    for (int y = row * shrink_; y < std::min((row + 1) * shrink_, map_.height); ++y) {
+      for (int x = column * shrink_; x < std::min((column + 1) * shrink_, map_.width); ++x)
+        result = stronger(
+            result, pixel_of(map_, static_cast<std::size_t>(y) * map_.width + static_cast<std::size_t>(x)));
+    }
+    return result;
+  }
+
+  void draw_pixels(Canvas& canvas) const {
+    tbb::parallel_for(0, box_.height() / enlarge_, [&](int row) {
+      for (int column = 0; column < box_.width() / enlarge_; ++column) {
+        const int left = box_.left + column * enlarge_, top = box_.top + row * enlarge_;
+        canvas.fill({left, top, left + enlarge_, top + enlarge_}, color_of(map_, shown(column, row)));
+      }
+    });
+  }
+
+  void draw_legend(Canvas& canvas, int left) const {
+    int y = box_.top;
+    font_.draw(canvas, left, y + 16, map_.label, k_font_size, k_text);
+    y += k_row + 4;
+    for (int i = 0; i < k_bar_height; ++i) {
+      const double place = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
+      canvas.fill({left, y + i, left + k_bar_width, y + i + 1}, color_at(map_, place));
+    }
+    canvas.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
+    for (const RoundTick& tick : ticks_) {
+      const int at =
+          y + static_cast<int>(std::lround((1.0 - place_of(map_, tick.value)) * (k_bar_height - 1)));
+      canvas.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
+      font_.draw(canvas, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
+    }
+    y += k_bar_height + k_row;
+    for (const Swatch& row : swatches_) {
+      const PixelBox box{left, y, left + k_row, y + k_row - 8};
+      canvas.fill(box, row.color);
+      canvas.frame(box, k_line);
+      font_.draw(canvas, box.right + 8, y + 16, row.label, k_font_size, k_text);
+      y += k_row;
+    }
+    for (const std::string& note : map_.notes) {
+      font_.draw(canvas, left, y + 14, note, k_note_size, k_note);
+      y += k_row - 6;
+    }
+  }
+
+  const DifferenceMap& map_;
+  const Font& font_;
+  std::vector<Swatch> swatches_;
+  std::vector<RoundTick> ticks_;
+  int shrink_ = 1, enlarge_ = 1;
+  PixelBox box_;
+};
+
+}  // namespace
+
+Canvas paint_difference(const DifferenceMap& map) {
+  Canvas canvas(map.width, map.height, k_paper);
+  tbb::parallel_for(0, map.height, [&](int y) {
+    for (int x = 0; x < map.width; ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * map.width + static_cast<std::size_t>(x);
+      canvas.fill({x, y, x + 1, y + 1}, color_of(map, pixel_of(map, pixel)));
+    }
+  });
+  return canvas;
+}
+
+Canvas draw_difference(const DifferenceMap& map, const Font& font, int longest_side) {
+  return DifferenceDrawer(map, font, longest_side).draw();
+}
+
+void write_difference(const DifferenceMap& map, const std::filesystem::path& file, bool overwrite) {
+  const Font font(find_font());
+  write_png(draw_difference(map, font), file, overwrite);
 }
 
 }  // namespace alidade

@@ -1,16 +1,84 @@
 // SPDX-License-Identifier: MIT
-// Without fmt, for the reason that image/read_picture.cpp gives.
-#include <OpenImageIO/imageio.h>
 
+#include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "compare/compared_image.h"
-#include "compare/orientation.h"
 #include "image/read_picture.h"
 
 namespace alidade {
+
+/// Turns all layers as the EXIF field Orientation asks for (1 to 8; others are taken as 1, upright).
+/// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the picture row 0 and column 0 are.
+void turn_upright(ComparedImage& image, int orientation);
+
+namespace {
+
+/// How to go through the stored picture so as to meet its pixels in upright order.
+struct Walk {
+  bool is_turned;                     ///< rows and columns change places
+  std::ptrdiff_t first, right, down;  ///< in pixels of the stored picture
+};
+
+Walk walk_of(int orientation, std::ptrdiff_t width, std::ptrdiff_t height) {
+  const std::ptrdiff_t last_column = width - 1, last_row = (height - 1) * width;
+  switch (orientation) {
+    case 2:
+      return {false, last_column, -1, width};
+    case 3:
+      return {false, last_row + last_column, -1, -width};
+    case 4:
+      return {false, last_row, 1, -width};
+    case 5:
+      return {true, 0, width, 1};
+    case 6:
+      return {true, last_row, -width, 1};
+    case 7:
+      return {true, last_row + last_column, -width, -1};
+    case 8:
+      return {true, last_column, width, -1};
+    default:
+      return {false, 0, 1, width};
+  }
+}
+
+template <typename Value>
+void turn(std::vector<Value>& values, const Walk& walk, std::ptrdiff_t width, std::ptrdiff_t height,
+          std::ptrdiff_t components) {
+  if (values.empty()) return;
+  std::vector<Value> turned;
+  turned.reserve(values.size());
+  for (std::ptrdiff_t y = 0; y < height; ++y) {
+    for (std::ptrdiff_t x = 0; x < width; ++x) {
+      const auto begin = values.begin() + (walk.first + x * walk.right + y * walk.down) * components;
+      turned.insert(turned.end(), begin, begin + components);
+    }
+  }
+  values = std::move(turned);
+}
+
+}  // namespace
+
+void turn_upright(ComparedImage& image, int orientation) {
+  if (orientation < 2 || orientation > 8) return;
+  const Walk walk = walk_of(orientation, image.width, image.height);
+  if (walk.is_turned) {
+    std::swap(image.width, image.height);
+    std::swap(image.origin_x, image.origin_y);
+  }
+  const std::ptrdiff_t width = image.width, height = image.height;
+  turn(image.color, walk, width, height, 3);
+  turn(image.alpha, walk, width, height, 1);
+  turn(image.depth, walk, width, height, 1);
+  turn(image.normals, walk, width, height, 3);
+  turn(image.ids, walk, width, height, 1);
+}
+
+// Without fmt, for the reason that image/read_picture.cpp gives.
+
 namespace {
 
 constexpr int k_longest_text = 4096;

@@ -1,16 +1,238 @@
 // SPDX-License-Identifier: MIT
 #include "compare/verdict.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/json.h"
 
 namespace alidade {
+namespace {
+
+using Value = std::optional<double>;
+using enum Better;
+
+/// A figure of the colours as they are.
+template <double ColorFigures::*k_figure>
+Value of_colors(const Comparison& comparison) {
+  if (!comparison.color) return {};
+  return (*comparison.color).*k_figure;
+}
+
+template <double FlipResult::*k_figure>
+Value of_flip(const Comparison& comparison) {
+  if (!comparison.color) return {};
+  return comparison.color->flip.*k_figure;
+}
+
+template <ErrorMetrics ColorFigures::*k_errors, double ErrorMetrics::*k_figure>
+Value of_errors(const Comparison& comparison) {
+  if (!comparison.color) return {};
+  return ((*comparison.color).*k_errors).*k_figure;
+}
+
+/// The same with matched colours.
+template <ErrorMetrics ColorFigures::*k_errors, double ErrorMetrics::*k_figure>
+Value of_matched_errors(const Comparison& comparison) {
+  if (!comparison.matched) return {};
+  return ((*comparison.matched).*k_errors).*k_figure;
+}
+
+/// Of a layer; NaN if no pixel has it in both pictures: nothing was measured then, which is not good.
+template <typename Layer>
+Value of_layer(const std::optional<Layer>& layer, double Layer::*figure) {
+  if (!layer) return {};
+  return layer->pixels > 0 ? (*layer).*figure : std::nan("");
+}
+
+template <double DepthMetrics::*k_figure>
+Value of_depth(const Comparison& comparison) {
+  return of_layer(comparison.layers.depth, k_figure);
+}
+
+std::optional<MetricPlace> place(int x, int y) {
+  if (x < 0) return {};
+  return MetricPlace{x, y};
+}
+
+/// Where the largest difference of a layer is.
+template <auto k_layer>
+std::optional<MetricPlace> place_of_layer(const Comparison& comparison) {
+  const auto& layer = comparison.layers.*k_layer;
+  if (!layer) return {};
+  return place(layer->max_x, layer->max_y);
+}
+
+std::optional<MetricPlace> place_of_colors(const Comparison& comparison) {
+  if (!comparison.color) return {};
+  return place(comparison.color->stored.max_x, comparison.color->stored.max_y);
+}
+
+template <double AlphaMetrics::*k_figure>
+Value of_alpha(const Comparison& comparison) {
+  return of_layer(comparison.layers.alpha, k_figure);
+}
+
+template <double NormalMetrics::*k_figure>
+Value of_normals(const Comparison& comparison) {
+  return of_layer(comparison.layers.normals, k_figure);
+}
+
+Value one_sided_depth(const Comparison& comparison) {
+  if (!comparison.layers.depth) return {};
+  const DepthMetrics& depth = *comparison.layers.depth;
+  return 100.0 * static_cast<double>(depth.only_reference + depth.only_test) /
+         static_cast<double>(comparison.counted);
+}
+
+Value flip_of_matched(const Comparison& comparison) {
+  if (!comparison.matched) return {};
+  return comparison.matched->flip.mean;
+}
+
+Value ssim_of_matched(const Comparison& comparison) {
+  if (!comparison.matched) return {};
+  return comparison.matched->ssim;
+}
+
+Value equal_ids(const Comparison& comparison) {
+  return of_layer(comparison.layers.ids, &IdMetrics::percent_equal);
+}
+
+Value shift(const Comparison& comparison) {
+  if (!comparison.alignment) return {};
+  // A shift that nobody can rely on is none that was measured.
+  if (!comparison.alignment->is_certain) return std::nan("");
+  return std::hypot(comparison.alignment->shift_x, comparison.alignment->shift_y);
+}
+
+Value edges(const Comparison& comparison) {
+  if (!comparison.alignment) return {};
+  return comparison.alignment->score_unshifted;
+}
+
+Value changed(const Comparison& comparison) {
+  if (!comparison.changes) return {};
+  return 100.0 * static_cast<double>(comparison.changes->changed_pixels) /
+         static_cast<double>(comparison.counted);
+}
+
+Value regions(const Comparison& comparison) {
+  if (!comparison.changes) return {};
+  return static_cast<double>(comparison.changes->regions.size());
+}
+
+using Colors = ColorFigures;
+using Errors = ErrorMetrics;
+constexpr std::string_view k_colors = "Colours", k_linear = "Colours in linear light",
+                           k_display = "Colours as shown on a screen", k_matched = "Matched colours",
+                           k_pose = "Alignment", k_changes = "Change";
+constexpr auto k_kinds = std::to_array<MetricKind>({
+    {"flip", k_colors, "FLIP, mean", "", lower,
+     "what people see who switch between both: 0 nothing, 1 all there is", of_flip<&FlipResult::mean>},
+    {"flip_median", k_colors, "FLIP, weighted median", "", lower,
+     "half of all that is seen is seen at pixels up to this", of_flip<&FlipResult::weighted_median>},
+    {"flip_q1", k_colors, "FLIP, weighted first quartile", "", lower, "the same for a quarter",
+     of_flip<&FlipResult::weighted_first_quartile>},
+    {"flip_q3", k_colors, "FLIP, weighted third quartile", "", lower, "the same for three quarters",
+     of_flip<&FlipResult::weighted_third_quartile>},
+    {"flip_max", k_colors, "FLIP, largest", "", lower, "of any pixel", of_flip<&FlipResult::max>},
+    {"ssim", k_colors, "SSIM", "", higher, "likeness of structure: 1 equal, 0 nothing in common",
+     of_colors<&Colors::ssim>},
+    {"ms_ssim", k_colors, "MS-SSIM", "", higher, "the same over five scales; not a number below 161 pixels",
+     of_colors<&Colors::ms_ssim>},
+    {"psnr", k_colors, "PSNR", "dB", higher, "peak signal to noise ratio; infinite for equal pictures",
+     of_errors<&Colors::stored, &Errors::psnr>},
+    {"rmse", k_colors, "RMSE", "", lower, "root of the mean squared difference, of 1",
+     of_errors<&Colors::stored, &Errors::rmse>},
+    {"mean_abs", k_colors, "Mean absolute difference", "", lower, "of 1, over all channels",
+     of_errors<&Colors::stored, &Errors::mean_abs>},
+    {"mean", k_colors, "Mean difference, with sign", "", lower, "above 0 the test is lighter",
+     of_errors<&Colors::stored, &Errors::mean>},
+    {"p95", k_colors, "95th percentile", "", lower, "95 % of all absolute differences are at most this",
+     of_errors<&Colors::stored, &Errors::percentile_95>},
+    {"max", k_colors, "Largest difference", "", lower, "of any channel of any pixel",
+     of_errors<&Colors::stored, &Errors::max_abs>, place_of_colors},
+    {"psnr_linear", k_linear, "PSNR", "dB", higher, "with the sRGB curve undone",
+     of_errors<&Colors::linear, &Errors::psnr>},
+    {"rmse_linear", k_linear, "RMSE", "", lower, "with the sRGB curve undone",
+     of_errors<&Colors::linear, &Errors::rmse>},
+    {"psnr_display", k_display, "PSNR", "dB", higher, "of sRGB values; linear light is cut off at 0 and 1",
+     of_errors<&Colors::display, &Errors::psnr>},
+    {"rmse_display", k_display, "RMSE", "", lower, "of sRGB values",
+     of_errors<&Colors::display, &Errors::rmse>},
+    {"flip_matched", k_matched, "FLIP, mean", "", lower, "after --match", flip_of_matched},
+    {"ssim_matched", k_matched, "SSIM", "", higher, "after --match", ssim_of_matched},
+    {"psnr_matched", k_matched, "PSNR", "dB", higher, "after --match",
+     of_matched_errors<&Colors::stored, &Errors::psnr>},
+    {"rmse_matched", k_matched, "RMSE", "", lower, "after --match",
+     of_matched_errors<&Colors::stored, &Errors::rmse>},
+    {"shift", k_pose, "Shift", "px", lower, "of the test, where the edges of both fit best; needs --align",
+     shift},
+    {"edges", k_pose, "Common edges", "", higher,
+     "correlation of gradients without a shift: 1 the same edges; needs --align", edges},
+    {"depth_mean", k_depth_group, "Mean absolute difference", "m", lower,
+     "of the layers Z, where both see something", of_depth<&DepthMetrics::mean_abs>},
+    {"depth_offset", k_depth_group, "Mean difference, with sign", "m", lower,
+     "above 0 the test is farther away", of_depth<&DepthMetrics::mean>},
+    {"depth_rmse", k_depth_group, "RMSE", "m", lower, "of the layers Z", of_depth<&DepthMetrics::rmse>},
+    {"depth_p95", k_depth_group, "95th percentile", "m", lower,
+     "95 % of the absolute differences are at most this", of_depth<&DepthMetrics::percentile_95>},
+    {"depth_max", k_depth_group, "Largest difference", "m", lower, "of the layers Z",
+     of_depth<&DepthMetrics::max_abs>, place_of_layer<&LayerMetrics::depth>},
+    {"depth_relative", k_depth_group, "Mean relative difference", "", lower,
+     "absolute difference by depth of the reference", of_depth<&DepthMetrics::mean_relative>},
+    {"depth_1cm", k_depth_group, "Within 1 cm", "%", higher, "pixels whose depths differ by at most 0.01 m",
+     of_depth<&DepthMetrics::percent_within_1_cm>},
+    {"depth_5cm", k_depth_group, "Within 5 cm", "%", higher, "by at most 0.05 m",
+     of_depth<&DepthMetrics::percent_within_5_cm>},
+    {"depth_1percent", k_depth_group, "Within 1 %", "%", higher, "by at most 1 % of the depth",
+     of_depth<&DepthMetrics::percent_within_1_percent>},
+    {"depth_one_sided", k_depth_group, "In one picture only", "%", lower,
+     "pixels where only one picture sees something", one_sided_depth},
+    {"normal_mean", k_normal_group, "Mean angle", "deg", lower, "between the normals, in degrees",
+     of_normals<&NormalMetrics::mean>},
+    {"normal_p95", k_normal_group, "95th percentile", "deg", lower, "95 % of the angles are at most this",
+     of_normals<&NormalMetrics::percentile_95>},
+    {"normal_max", k_normal_group, "Largest angle", "deg", lower, "between the normals",
+     of_normals<&NormalMetrics::max>, place_of_layer<&LayerMetrics::normals>},
+    {"ids", k_id_group, "Equal ids", "%", higher, "pixels that show the same point in both", equal_ids},
+    {"alpha_mean", k_alpha_group, "Mean absolute difference", "", lower, "of 1; of the channels A",
+     of_alpha<&AlphaMetrics::mean_abs>},
+    {"alpha_max", k_alpha_group, "Largest difference", "", lower, "of 1", of_alpha<&AlphaMetrics::max_abs>,
+     place_of_layer<&LayerMetrics::alpha>},
+    {"changed", k_changes, "Changed pixels", "%", lower, "of those that count; needs --changes", changed},
+    {"regions", k_changes, "Regions", "", lower, "of changed pixels; needs --changes", regions},
+});
+
+}  // namespace
+
+std::span<const MetricKind> metric_kinds() {
+  return k_kinds;
+}
+
+const MetricKind* find_metric(std::string_view name) {
+  const auto found = std::ranges::find(k_kinds, name, &MetricKind::name);
+  return found == k_kinds.end() ? nullptr : &*found;
+}
+
+std::vector<Metric> metrics_of(const Comparison& comparison) {
+  std::vector<Metric> metrics;
+  for (const MetricKind& kind : k_kinds)
+    if (const Value value = kind.value(comparison))
+      metrics.push_back({&kind, *value, kind.place != nullptr ? kind.place(comparison) : std::nullopt});
+  return metrics;
+}
+
+std::string full_label(const MetricKind& kind) {
+  std::string label(kind.label);
+  return kind.group == k_colors ? label : std::string(kind.group) + ": " + label;
+}
+
 namespace {
 
 [[noreturn]] void fail(const std::string& problem, const std::string& found) {

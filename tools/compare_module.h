@@ -7,7 +7,7 @@
 
 #include "compare/batch.h"
 #include "compare/comparison.h"
-#include "compare/report/report.h"
+#include "compare/report/page.h"
 
 // What `alidade compare` has the module do for it (tools/load_module.h): everything that reads or writes
 // pictures.
@@ -25,7 +25,7 @@ using PairComparer = void (*)(const std::vector<ImagePair>& pairs, const BatchOp
                               const Progress& progress, std::vector<PairOutcome>& outcomes);
 PairComparer load_pair_comparer();
 
-/// report_page() of compare/report/report.h.
+/// report_page() of compare/report/page.h.
 using ReportMaker = void (*)(const Comparison& comparison, const Verdict& verdict, PicturePacking packing,
                              const Verdict& warnings, std::string& page);
 ReportMaker load_report_maker();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "compare/batch.h"
-#include "compare/report/report.h"
+#include "compare/report/page.h"
 #include "geo/earth.h"
 #include "geo/raster_file.h"
 #include "geo/read_polygons.h"

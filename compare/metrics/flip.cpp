@@ -8,10 +8,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "compare/metrics/flip_filters.h"
 #include "compare/metrics/flip_model.h"
-#include "compare/metrics/hdr_flip.h"
-#include "compare/metrics/pair_pixels.h"
 #include "compare/metrics/pixel_sums.h"
 
 namespace alidade {

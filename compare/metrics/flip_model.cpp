@@ -1,16 +1,170 @@
 // SPDX-License-Identifier: MIT
-#include "compare/metrics/hdr_flip.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
+#include "base/error.h"
 #include "base/exact_math.h"
-#include "compare/metrics/pair_pixels.h"
+#include "compare/metrics/flip_model.h"
 #include "compare/metrics/pixel_sums.h"
 #include "image/srgb.h"
 
 namespace alidade {
+namespace {
+
+/// Taps in double, as half.
+using Taps = std::vector<double>;
+
+double whole_sum(const Taps& half) {
+  double sum = 0.0;
+  for (std::size_t k = half.size() - 1; k > 0; --k) sum += 2.0 * half[k];
+  return sum + half[0];
+}
+
+HalfTaps scaled(const Taps& half, double factor) {
+  HalfTaps result;
+  for (const double tap : half) result.push_back(static_cast<float>(tap * factor));
+  return result;
+}
+
+/// Without the outer taps that no float notices.
+HalfTaps trimmed(HalfTaps half) {
+  constexpr float k_unnoticed = 1e-10f;
+  while (half.size() > 1 && half.back() < k_unnoticed) half.pop_back();
+  return half;
+}
+
+/// amplitude * exp(-pi^2 x^2 / b) with x in degrees.
+Taps sensitivity(double amplitude, double b, int radius, double pixels_per_degree) {
+  Taps half;
+  for (int k = 0; k <= radius; ++k) {
+    const double x = std::numbers::pi * k / pixels_per_degree;
+    half.push_back(amplitude * exponential(std::max(-x * x / b, -700.0)));
+  }
+  return half;
+}
+
+void add_sensitivities(FlipFilters& filters, double pixels_per_degree) {
+  constexpr double k_achromatic = 0.0047, k_red_green = 0.0053, k_blue = 0.04, k_blue_wide = 0.025;
+  constexpr double k_blue_weight = 34.1, k_blue_wide_weight = 13.5;
+  const double deviation = std::sqrt(k_blue / (2.0 * std::numbers::pi * std::numbers::pi));
+  const int radius = static_cast<int>(std::ceil(3.0 * deviation * pixels_per_degree));
+  for (const auto& [b, taps] :
+       {std::pair{k_achromatic, &filters.achromatic}, std::pair{k_red_green, &filters.red_green}}) {
+    const Taps half = sensitivity(1.0, b, radius, pixels_per_degree);
+    *taps = trimmed(scaled(half, 1.0 / whole_sum(half)));
+  }
+  // Of a two-dimensional Gaussian of weight a sqrt(pi / b) each direction takes the square root.
+  const auto blue = [&](double weight, double b) {
+    return sensitivity(std::sqrt(weight * std::sqrt(std::numbers::pi / b)), b, radius, pixels_per_degree);
+  };
+  const Taps first = blue(k_blue_weight, k_blue), second = blue(k_blue_wide_weight, k_blue_wide);
+  const double first_sum = whole_sum(first), second_sum = whole_sum(second);
+  const double factor = 1.0 / std::sqrt(first_sum * first_sum + second_sum * second_sum);
+  filters.blue_yellow = scaled(first, factor);
+  filters.blue_yellow_wide = scaled(second, factor);
+}
+
+void add_features(FlipFilters& filters, double pixels_per_degree) {
+  constexpr double k_feature_width = 0.082;  // degrees
+  const double deviation = 0.5 * k_feature_width * pixels_per_degree;
+  const int radius = static_cast<int>(std::ceil(3.0 * deviation));
+  Taps smooth, edge, point;
+  double edge_sum = 0.0, positive = 0.0, negative = 0.0;
+  for (int k = 0; k <= radius; ++k) {
+    const double squares = k / deviation * (k / deviation), bell = exponential(-0.5 * squares);
+    smooth.push_back(bell);
+    // Of the pixel to the right; the one to the left has the opposite sign.
+    edge.push_back(-k * bell);
+    edge_sum += k * bell;
+    point.push_back((squares - 1.0) * bell);
+    (point.back() > 0.0 ? positive : negative) += (k == 0 ? 1.0 : 2.0) * std::fabs(point.back());
+  }
+  // At few pixels per degree all taps but the middle one are positive or none is.
+  for (double& tap : point) tap /= std::max(tap > 0.0 ? positive : negative, 1e-300);
+  filters.smooth = scaled(smooth, 1.0 / whole_sum(smooth));
+  filters.edge = scaled(edge, 1.0 / std::max(edge_sum, 1e-300));
+  filters.point = scaled(point, 1.0);
+}
+
+}  // namespace
+
+FlipFilters flip_filters(double pixels_per_degree) {
+  if (!(pixels_per_degree >= 1.0 && pixels_per_degree <= 1000.0)) {
+    throw Error({.problem = "pixels per degree out of range",
+                 .expected = "1 to 1000",
+                 .found = std::to_string(pixels_per_degree)});
+  }
+  FlipFilters filters;
+  add_sensitivities(filters, pixels_per_degree);
+  add_features(filters, pixels_per_degree);
+  for (const HalfTaps* const taps :
+       {&filters.achromatic, &filters.red_green, &filters.blue_yellow, &filters.blue_yellow_wide,
+        &filters.smooth, &filters.edge, &filters.point})
+    filters.radius = std::max(filters.radius, static_cast<int>(taps->size()) - 1);
+  return filters;
+}
+
+namespace {
+
+constexpr double k_xyz_from_rgb[3][3] = {
+    {10135552.0 / 24577794.0, 8788810.0 / 24577794.0, 4435075.0 / 24577794.0},
+    {2613072.0 / 12288897.0, 8788810.0 / 12288897.0, 887015.0 / 12288897.0},
+    {1425312.0 / 73733382.0, 8788810.0 / 73733382.0, 70074185.0 / 73733382.0}};
+constexpr double k_rgb_from_xyz[3][3] = {{3.241003275, -1.537398934, -0.498615861},
+                                         {-0.969224334, 1.875930071, 0.041554224},
+                                         {0.055639423, -0.204011202, 1.057148933}};
+
+constexpr double white(int row) {
+  return k_xyz_from_rgb[row][0] + k_xyz_from_rgb[row][1] + k_xyz_from_rgb[row][2];
+}
+
+/// CIE 15: the cube root, a straight line near black.
+double lab_curve(double value) {
+  constexpr double k_knee = 6.0 / 29.0;
+  return value > k_knee * k_knee * k_knee ? root(value, 3) : value / (3.0 * k_knee * k_knee) + 4.0 / 29.0;
+}
+
+HuntColor of_primary(int primary) {
+  return hunt_color(k_xyz_from_rgb[0][primary] / white(0), k_xyz_from_rgb[1][primary] / white(1),
+                    k_xyz_from_rgb[2][primary] / white(2));
+}
+
+FlipColor make_flip_color() {
+  FlipColor color{};
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      color.xyz_from_rgb[row][column] = static_cast<float>(k_xyz_from_rgb[row][column] / white(row));
+      color.rgb_from_xyz[row][column] = static_cast<float>(k_rgb_from_xyz[row][column] * white(column));
+    }
+  }
+  // d^0.7 = (2 (d / 1024)^(1/10))^7; distances of colours are below 1024.
+  const double base = 2.0 * root(color_distance(of_primary(1), of_primary(2)) / 1024.0, 10);
+  const double cube = base * base * base;
+  color.largest_difference = static_cast<float>(cube * cube * base);
+  return color;
+}
+
+}  // namespace
+
+HuntColor hunt_color(double x, double y, double z) {
+  const double fx = lab_curve(x), fy = lab_curve(y), fz = lab_curve(z);
+  const double lightness = 116.0 * fy - 16.0;
+  return {lightness, 0.01 * lightness * 500.0 * (fx - fy), 0.01 * lightness * 200.0 * (fy - fz)};
+}
+
+double color_distance(const HuntColor& one, const HuntColor& other) {
+  const double a = one.a - other.a, b = one.b - other.b;
+  return std::fabs(one.lightness - other.lightness) + std::sqrt(a * a + b * b);
+}
+
+const FlipColor& flip_color() {
+  static const FlipColor color = make_flip_color();
+  return color;
+}
+
 namespace {
 
 using Coefficients = std::array<double, 6>;

@@ -9,7 +9,7 @@
 
 #include <cstddef>
 
-#include "compare/metrics/flip_filters.h"
+#include "compare/metrics/flip_model.h"
 #include "compare/metrics/flip_math-inl.h"
 
 // Filters along a row or across rows. A row's neighbours are `step` floats away: 1 along it, the pitch

@@ -5,7 +5,7 @@
 #define HWY_TARGET_INCLUDE "compare/metrics/flip_tile.cpp"
 #include <hwy/foreach_target.h>
 
-#include "compare/metrics/flip_color.h"
+#include "compare/metrics/flip_model.h"
 #include "compare/metrics/flip_rows-inl.h"
 #include "octree/simd/choose_table.h"
 

@@ -1,14 +1,70 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <utility>
 #include <vector>
+
+#include "compare/compared_image.h"
+#include "compare/image_mask.h"
+#include "image/srgb.h"
+
+namespace alidade {
+
+/// The colours of two pictures as filters read them. Where a pixel does not count, or is not finite in one of
+/// them, both give the same colour (the reference's if it is finite, else the test's, else black): what does
+/// not count makes no difference to its neighbours either.
+class PairPixels {
+ public:
+  /// The pictures must be of equal size, have colour, and outlive this; so must the mask.
+  PairPixels(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
+             ColorEncoding encoding)
+      : mask_(mask),
+        colors_{reference.color.data(), test.color.data()},
+        curves_{curve(reference, encoding), curve(test, encoding)} {}
+
+  struct Pair {
+    float color[2][3];  ///< reference, test
+  };
+
+  Pair at(std::size_t pixel) const {
+    const float* from[2] = {colors_[0] + 3 * pixel, colors_[1] + 3 * pixel};
+    const bool is_finite[2] = {finite(from[0]), finite(from[1])};
+    if (!mask_.at(pixel) || !is_finite[0] || !is_finite[1]) {
+      if (!is_finite[0] && !is_finite[1]) return {};
+      Pair same;
+      const int kept = is_finite[0] ? 0 : 1;
+      for (int i = 0; i < 3; ++i) same.color[0][i] = same.color[1][i] = converted(kept, from[kept][i]);
+      return same;
+    }
+    Pair pair;
+    for (int picture = 0; picture < 2; ++picture)
+      for (int i = 0; i < 3; ++i) pair.color[picture][i] = converted(picture, from[picture][i]);
+    return pair;
+  }
+
+ private:
+  static const CurveTable* curve(const ComparedImage& image, ColorEncoding encoding) {
+    if (image.encoding == encoding) return nullptr;
+    return encoding == ColorEncoding::linear ? &linear_from_srgb_table() : &srgb_from_linear_table();
+  }
+  static bool finite(const float* color) {
+    return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
+  }
+  float converted(int picture, float value) const {
+    return curves_[picture] ? curves_[picture]->at(value) : value;
+  }
+
+  const ImageMask& mask_;
+  const float* colors_[2];
+  const CurveTable* curves_[2];
+};
 
 // Ranks among many floats without sorting or keeping them. Floats that are not negative are in the order of
 // their bits; so two passes suffice, one over the upper, one over the lower 16 bits. All sums are of whole
@@ -16,8 +72,6 @@
 //
 // Values come from a function value_at(i), i in [0, count), called from several threads; those with the sign
 // bit set (-1.0f) are left out. None may be NaN.
-
-namespace alidade {
 
 /// How often each half of a float's bits occurs.
 struct FloatCounts {
@@ -116,6 +170,68 @@ float weighted_rank(std::size_t size, const ValueAt& value_at, const FloatCounts
     if (running > share * total) break;
   }
   return value;
+}
+
+// Sums over the rows of a picture, the same on any number of threads.
+
+/// Runs row(y, its sums) for all rows, in parallel, and adds the sums up from the top.
+template <class Sums, class Row>
+Sums sum_rows(std::size_t height, const Row& row) {
+  std::vector<Sums> rows(height);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, height, 16), [&](const auto& range) {
+    for (std::size_t y = range.begin(); y != range.end(); ++y) row(y, rows[y]);
+  });
+  Sums all;
+  for (const Sums& one : rows) all.add(one);
+  return all;
+}
+
+/// Differences in one number: whole ones are added as such, others as double.
+template <class Number>
+struct DifferenceSums {
+  std::uint64_t values = 0;
+  Number sum = 0, sum_abs = 0, sum_squares = 0;
+  Number most = 0;          ///< the largest size
+  std::size_t most_at = 0;  ///< its place, the first in reading order
+
+  void add(Number difference, std::size_t place) {
+    const Number size = difference < 0 ? -difference : difference;
+    ++values;
+    sum += difference;
+    sum_abs += size;
+    sum_squares += difference * difference;
+    if (size > most) {
+      most = size;
+      most_at = place;
+    }
+  }
+
+  /// What comes later in reading order.
+  void add(const DifferenceSums& later) {
+    values += later.values;
+    sum += later.sum;
+    sum_abs += later.sum_abs;
+    sum_squares += later.sum_squares;
+    if (later.most > most) {
+      most = later.most;
+      most_at = later.most_at;
+    }
+  }
+
+  /// A sum by the number of values; 0 without any.
+  double mean(Number of_all) const {
+    return values == 0 ? 0.0 : static_cast<double>(of_all) / static_cast<double>(values);
+  }
+};
+
+/// The smallest of the values that are not negative which at least 95 % of them do not exceed; 0 without any.
+/// `values` is how many there are; value_at(i) as in float_ranks.h.
+template <class ValueAt>
+double percentile_95(std::size_t size, const ValueAt& value_at, std::uint64_t values) {
+  if (values == 0) return 0.0;
+  // The smallest whole number that is not below 95 % of the values, counted from 0.
+  const std::uint64_t rank = values - values / 20 - 1;
+  return static_cast<double>(value_of_rank(size, value_at, count_upper_halves(size, value_at), rank));
 }
 
 }  // namespace alidade

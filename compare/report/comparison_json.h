@@ -1,17 +1,57 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "compare/batch.h"
 #include "compare/comparison.h"
 #include "compare/verdict.h"
 
+// How all JSON of comparisons is made. Keys keep their order.
+
+namespace alidade {
+
+using Json = nlohmann::ordered_json;
+
+/// A number, or the text for what JSON has no number for.
+inline Json json_number(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0.0 ? "infinity" : "-infinity";
+  return value;
+}
+
+/// The document; bytes of names that are no UTF-8 become U+FFFD.
+inline std::string json_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// What JSON for programs and that of pages have in common.
+
+/// [{"threshold", "metric", "fails_if": "below" | "above", "limit", "value", "fails"}].
+Json thresholds_json(const Verdict& verdict);
+
+/// [{"left", "top", "right", "bottom", "pixels", "strongest", "mean", "at": [x, y]}], the largest first.
+Json regions_json(const ChangeRegions& changes);
+
+// How a comparison came to its figures: what was left out, how FLIP looked, what was fitted and found. For
+// those who read a result without the command that made it.
+
+struct HowLine {
+  std::string name, text;
+};
+
+/// A line for everything that was asked for or found; of colours at least how FLIP was computed.
+std::vector<HowLine> how_lines(const Comparison& comparison);
+
+/// The options alone, for programs: those that were given, and pixels_per_degree and tone_mapper of colours.
+Json how_json(const Comparison& comparison);
+
 // Results for programs: {"metrics": {"rmse", "psnr", "ssim", "flip": {"mean", ...}}, "pass": true} and what
 // docs/compare.md says beside. JSON has no infinity and no NaN: they are the texts "infinity", "-infinity"
 // and "nan".
-
-namespace alidade {
 
 /// One comparison, as text with indentation and a line end. `warnings`: thresholds that only warn.
 std::string comparison_json(const Comparison& comparison, const Verdict& verdict,

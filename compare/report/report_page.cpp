@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "compare/report/report.h"
+#include "compare/report/page.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 
-#include "compare/report/compared_how.h"
-#include "compare/report/json_parts.h"
-#include "compare/report/page.h"
+#include "compare/report/comparison_json.h"
 
 namespace alidade {
 namespace {

@@ -11,7 +11,7 @@
 #include <functional>
 #include <string>
 
-#include "compare/metrics/error_metrics.h"
+#include "compare/metrics/errors.h"
 #include "compare/metrics/flip.h"
 #include "compare/metrics/ssim.h"
 #include "simulation/noise.h"

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "compare/tidy_pixels.h"
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {

@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "compare/photographs/robust_line.h"
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {

@@ -10,8 +10,6 @@
 #include <fstream>
 #include <limits>
 
-#include "compare/resize_image.h"
-
 namespace alidade::test {
 namespace {
 

@@ -10,7 +10,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "compare/report/compared_how.h"
 #include "compare/report/comparison_json.h"
 #include "tests/compare/picture_files.h"
 

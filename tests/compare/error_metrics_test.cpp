@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/metrics/error_metrics.h"
+#include "compare/metrics/errors.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

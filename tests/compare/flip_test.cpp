@@ -7,7 +7,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 
-#include "compare/metrics/hdr_flip.h"
+#include "compare/metrics/flip_model.h"
 #include "tests/compare/pictures.h"
 #include "tests/compare/plain_flip.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "compare/histogram.h"
+#include "compare/comparison.h"
 #include "image/encoded_picture.h"
 
 namespace alidade::test {

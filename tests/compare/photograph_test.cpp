@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "camera/camera.h"
+#include "compare/compared_image.h"
 #include "compare/image_mask.h"
 #include "compare/photographs/alignment.h"
 #include "compare/photographs/color_match.h"
-#include "compare/resize_image.h"
 #include "renderer/render.h"
 
 namespace alidade::test {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "compare/metrics/error_metrics.h"
+#include "compare/metrics/errors.h"
 #include "compare/metrics/flip.h"
 #include "compare/metrics/ssim.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "compare/report/report.h"
+#include "compare/report/page.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include <cstdlib>
 
-#include "compare/report/report.h"
+#include "compare/report/page.h"
 #include "tests/tools/run_program.h"
 
 // Pictures that must stay as they are: the last net behind the tests of light, cameras and colours. The same

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "compare/report/compared_how.h"
+#include "compare/report/comparison_json.h"
 
 namespace alidade {
 namespace {
