@@ -1,15 +1,25 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <vector>
 
 #include "base/bounds.h"
 #include "base/interval.h"
 #include "base/ray.h"
+#include "cloud/point_cloud.h"
 #include "octree/targets.h"
 
 namespace alidade {
+
+/// Some points of a cloud in a database.
+struct CloudPart {
+  PointCloud cloud;                ///< by their ids
+  std::vector<std::uint64_t> ids;  ///< of each row, the number it has in the whole cloud
+  AttributeSet attributes{};       ///< of the whole cloud
+  std::uint64_t chunks_read = 0, chunk_count = 0;
+};
 
 /// dist_ray and place along the ray of a point (octree/distance.h: project), each in a closed interval.
 struct LineCondition {

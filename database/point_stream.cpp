@@ -1,17 +1,110 @@
 // SPDX-License-Identifier: MIT
 #include "database/point_stream.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <span>
+#include <string>
+#include <tbb/parallel_for.h>
+#include <unistd.h>
 #include <utility>
+#include <vector>
 
-#include "database/morton_order.h"
+#include "base/error.h"
+#include "cloud/lattice.h"
+#include "cloud/rows.h"
+#include "octree/building/sorted_points.h"
+#include "octree/morton.h"
 
 namespace alidade {
+
+/// Where a place lies along the Morton curve.
+inline WideMortonKey morton_key_of(const LatticePosition& position) {
+  constexpr std::uint32_t k_lowest = 0x80000000u;
+  return wide_morton_key(static_cast<std::uint32_t>(position.x) ^ k_lowest,
+                         static_cast<std::uint32_t>(position.y) ^ k_lowest,
+                         static_cast<std::uint32_t>(position.z) ^ k_lowest);
+}
+
+/// The rows of a cloud along that curve, which is the same for all clouds; rows at one place as they were.
+/// Requires fewer than 2^32. Memory at the peak: 36 bytes per row.
+std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions);
+
+std::vector<ValueBlob> value_blobs(const AttributeColumns& columns) {
+  std::vector<ValueBlob> blobs;
+  for_each_column(columns, columns, [&](Attribute attribute, const auto& column, const auto&) {
+    if (!column.empty())
+      blobs.push_back({reinterpret_cast<const std::byte*>(column.data()), sizeof column.front(),
+                       ValueBlob::number_of(attribute)});
+  });
+  std::size_t number = ValueBlob::number_of(Attribute::extra_dimensions);
+  for (const ExtraColumn& column : columns.extra_dimensions) {
+    blobs.push_back({reinterpret_cast<const std::byte*>(column.values.data()),
+                     static_cast<std::size_t>(column.description.byte_count), number++});
+  }
+  return blobs;
+}
+
+namespace {
+
+template <class Entry>
+std::vector<std::uint32_t> order_of(const SortedPoints<Entry>& sorted) {
+  std::vector<std::uint32_t> order(sorted.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = sorted[i].id;
+  return order;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
+  if (positions.empty()) return {};
+  const KeySpace space = aligned_key_space(positions);
+  return space.is_narrow() ? order_of(sort_points<NarrowEntry>(space, positions))
+                           : order_of(sort_points<WideEntry>(space, positions));
+}
+
+ScratchFile::~ScratchFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void ScratchFile::fail(const char* problem) const {
+  throw Error({.file = (folder_.empty() ? std::filesystem::path(".") : folder_).string(),
+               .problem = problem,
+               .found = std::strerror(errno)});
+}
+
+void ScratchFile::open() {
+  std::string name = (folder_ / ".alidade-XXXXXX").string();
+  descriptor_ = ::mkstemp(name.data());
+  if (descriptor_ < 0) fail("no room can be made in this folder for what memory does not hold");
+  ::unlink(name.c_str());
+}
+
+void ScratchFile::append(std::span<const std::byte> bytes) {
+  if (descriptor_ < 0) open();
+  while (!bytes.empty()) {
+    const ::ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<::off_t>(size_));
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) fail("writing what memory does not hold into this folder failed");
+    bytes = bytes.subspan(static_cast<std::size_t>(count));
+    size_ += static_cast<std::uint64_t>(count);
+  }
+}
+
+void ScratchFile::read(std::uint64_t place, std::span<std::byte> into) const {
+  while (!into.empty()) {
+    const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(place));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) fail("reading back what memory does not hold failed");
+    into = into.subspan(static_cast<std::size_t>(count));
+    place += static_cast<std::uint64_t>(count);
+  }
+}
+
 namespace {
 
 constexpr std::uint64_t k_block_points = 1024;
@@ -159,6 +252,98 @@ PickedPoints PointStream::next(std::size_t count) {
     std::ranges::push_heap(heads_, std::greater<>());
   }
   return picked;
+}
+
+namespace {
+
+/// Copies `k_size` bytes per point, which the compiler then does without a call.
+template <std::size_t k_size>
+void gather(const PickedPoints& points, std::size_t blob, std::size_t, std::byte* place) {
+  for (const auto& [block, row] : points.picks) {
+    if (const std::byte* const values = block->blobs[blob].values)
+      std::memcpy(place, values + row * k_size, k_size);
+    place += k_size;
+  }
+}
+
+void gather_any(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* place) {
+  for (const auto& [block, row] : points.picks) {
+    if (const std::byte* const values = block->blobs[blob].values)
+      std::memcpy(place, values + row * size, size);
+    place += size;
+  }
+}
+
+auto gatherer(std::size_t size) {
+  switch (size) {
+    case 1:
+      return &gather<1>;
+    case 2:
+      return &gather<2>;
+    case 4:
+      return &gather<4>;
+    case 6:
+      return &gather<6>;
+    case 8:
+      return &gather<8>;
+    default:
+      return &gather_any;
+  }
+}
+
+/// Spreads values of the rows concerned, `count` to a point.
+void spread_values(const ColorSpread& spread, const PickedPoints& points, std::size_t count,
+                   std::vector<std::byte>& bytes) {
+  std::byte* place = bytes.data();
+  for (const auto& [block, row] : points.picks) {
+    const bool is_concerned = spread.concerns(block->id(row));
+    for (std::size_t i = 0; i < count; ++i, place += sizeof(std::uint16_t)) {
+      std::uint16_t value;
+      std::memcpy(&value, place, sizeof value);
+      if (is_concerned) value = ColorSpread::spread(value);
+      std::memcpy(place, &value, sizeof value);
+    }
+  }
+}
+
+}  // namespace
+
+EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points) {
+  EncodedChunks chunks;
+  const std::size_t count = points.picks.size();
+  chunks.positions.resize(count);
+  std::vector<std::byte>& ids = chunks.blobs.emplace_back(count * sizeof(std::uint64_t));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [block, row] = points.picks[i];
+    chunks.positions[i] = block->positions[row];
+    const std::uint64_t id = block->id(row);
+    std::memcpy(ids.data() + i * sizeof id, &id, sizeof id);
+    if (i % encoding.chunk_points == 0) chunks.boxes.emplace_back();
+    chunks.boxes.back().grow(to_world(encoding.lattice, chunks.positions[i]));
+  }
+  for (std::size_t blob = 0; blob < encoding.blobs.size(); ++blob) {
+    const ValueBlob& about = encoding.blobs[blob];
+    std::vector<std::byte>& bytes = chunks.blobs.emplace_back(count * about.size);
+    gatherer(about.size)(points, blob, about.size, bytes.data());
+    if (encoding.spread.colors && about.is(Attribute::color))
+      spread_values(encoding.spread, points, 3, bytes);
+    if (encoding.spread.near_infrared && about.is(Attribute::near_infrared))
+      spread_values(encoding.spread, points, 1, bytes);
+  }
+  return chunks;
+}
+
+std::vector<StoredColumn> streamed_columns(const PiecewiseCloud& whole, const PointStream& points) {
+  PointCloud cloud;
+  for (const ExtraDimension& dimension : whole.rest.extra_dimensions)
+    cloud.extra_dimensions.push_back(description_of(dimension));
+  AttributeSet attributes;
+  for (const ValueBlob& blob : points.blobs()) {
+    if (blob.number < ValueBlob::number_of(Attribute::extra_dimensions))
+      attributes.bits |= std::uint32_t{1} << blob.number;
+  }
+  append_rows(cloud, attributes, 1);
+  return stored_columns(cloud);
 }
 
 }  // namespace alidade

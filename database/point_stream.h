@@ -1,17 +1,83 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
-#include "database/point_block.h"
-#include "database/scratch_file.h"
+#include "base/bounds.h"
+#include "cloud/point_cloud.h"
+#include "cloud/read_in_pieces.h"
+#include "database/stored_column.h"
 #include "octree/morton.h"
 
 namespace alidade {
+
+/// Values of one blob (StoredColumn), by row of the cloud.
+struct ValueBlob {
+  const std::byte* values = nullptr;
+  std::size_t size = 0;    ///< bytes per point
+  std::size_t number = 0;  ///< of the attribute's bit; of extra dimensions theirs, behind all bits
+
+  bool is(Attribute attribute) const { return number == number_of(attribute); }
+  static constexpr std::size_t number_of(Attribute attribute) {
+    return static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(attribute)));
+  }
+};
+
+/// All blobs but the first, which holds ids; in the order of stored_columns(). The columns must outlive them.
+std::vector<ValueBlob> value_blobs(const AttributeColumns& columns);
+
+/// Some points of a cloud, in columns.
+struct PointBlock {
+  const LatticePosition* positions = nullptr;
+  std::uint64_t first_id = 0;
+  const std::uint32_t* rows = nullptr;  ///< the id of a point is first_id + its row; null: + its place
+  std::vector<ValueBlob> blobs{};       ///< those without values stand for zeros
+  std::vector<std::byte> memory{};      ///< where all that lies, if it is the block's own
+
+  std::uint64_t id(std::uint32_t place) const { return first_id + (rows == nullptr ? place : rows[place]); }
+};
+
+/// Points of several blocks, in some order.
+struct PickedPoints {
+  struct Pick {
+    const PointBlock* block;
+    std::uint32_t place;  ///< in the block
+  };
+  std::vector<Pick> picks;
+  std::vector<std::shared_ptr<const PointBlock>> blocks;  ///< that the picks point to
+};
+
+/// A file without a name for what memory does not hold: gone with the object, also if the program is killed.
+class ScratchFile {
+ public:
+  /// Made when the first bytes come, in this folder.
+  explicit ScratchFile(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  ~ScratchFile();
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  /// Adds bytes at the end. Errors: the folder cannot be written to; no space left.
+  void append(std::span<const std::byte> bytes);
+  /// Bytes written so far.
+  std::uint64_t size() const { return size_; }
+  /// Copies bytes that were written. Errors: reading failed.
+  void read(std::uint64_t place, std::span<std::byte> into) const;
+
+ private:
+  void open();
+  [[noreturn]] void fail(const char* problem) const;
+
+  std::filesystem::path folder_;
+  int descriptor_ = -1;
+  std::uint64_t size_ = 0;
+};
 
 /// Brings points along a Morton curve that come in pieces, of which memory holds one: pieces are sorted, put
 /// into a file without a name, and merged. Points of one place come by id. The order depends on the points
@@ -76,5 +142,26 @@ class PointStream {
   std::vector<std::uint32_t> order_;
   std::size_t next_ = 0;
 };
+
+/// Points of some chunks that follow each other, as they are stored.
+struct EncodedChunks {
+  std::vector<LatticePosition> positions;
+  std::vector<std::vector<std::byte>> blobs;  ///< the ids, then those of PointStream::blobs()
+  std::vector<Bounds> boxes;                  ///< of each chunk
+};
+
+/// How points become chunks.
+struct ChunkEncoding {
+  std::uint32_t chunk_points = 1024;
+  Lattice lattice{};
+  std::vector<ValueBlob> blobs{};  ///< their sizes
+  ColorSpread spread{};
+};
+
+/// Cost: linear.
+EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points);
+
+/// stored_columns() of a cloud that was read piece by piece: those that some piece had.
+std::vector<StoredColumn> streamed_columns(const PiecewiseCloud& whole, const PointStream& points);
 
 }  // namespace alidade

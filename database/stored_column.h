@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "cloud/point_cloud.h"
@@ -39,5 +41,13 @@ AttributeParts attribute_parts(Attribute attribute);
 /// or from one of PostgreSQL's own gets a number behind it; of long ones, 63 bytes are kept, as PostgreSQL
 /// does; control characters and what is no UTF-8 become '_'.
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud);
+
+/// What SQL sees of a number in a blob: nothing (NULL) where it is the mark for no value; a whole number, the
+/// second kind for those beyond the first; a real number, as all of a column with scale or offset are; bytes.
+using ColumnValue =
+    std::variant<std::monostate, std::int64_t, std::uint64_t, double, std::span<const std::byte>>;
+
+/// The value whose number is at `at`, or which are column.size bytes there.
+ColumnValue stored_value(const StoredColumn& column, const std::byte* at);
 
 }  // namespace alidade

@@ -9,7 +9,7 @@
 #include "base/json.h"
 #include "database/server/read_server.h"
 #include "database/server/server_name.h"
-#include "database/sqlite/read_cloud_table.h"
+#include "database/sqlite/stored_cloud.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"

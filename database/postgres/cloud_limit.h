@@ -1,9 +1,45 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "database/postgres/cloud_line.h"
+#include <cmath>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+
+#include "octree/distance.h"
 
 namespace alidade {
+
+enum class DistanceKind : std::int64_t { ray = 1, plane = 2 };
+
+/// What a distance is measured from: the line of dist_ray, or the plane of dist_plane with its normal. The
+/// values of the SQL types cloud_ray and cloud_plane, byte for byte. Numbers as they were given are kept
+/// beside what was made of them: as text they come back as the same value.
+struct CloudLine {
+  glm::dvec3 place, direction;
+  glm::dvec3 unit;  ///< direction with length 1
+};
+
+/// Errors: as make_ray() and make_plane().
+inline CloudLine make_line(DistanceKind kind, const glm::dvec3& place, const glm::dvec3& direction) {
+  const glm::dvec3 unit =
+      kind == DistanceKind::ray ? make_ray(place, direction).direction : make_plane(place, direction).normal;
+  return {place, direction, unit};
+}
+
+/// dist_ray or dist_plane of a point.
+inline double distance(DistanceKind kind, const CloudLine& line, const glm::dvec3& point) {
+  if (kind == DistanceKind::ray)
+    return project(Ray{.origin = line.place, .direction = line.unit}, point).distance;
+  return signed_distance(Plane{line.place, line.unit}, point);
+}
+
+/// Between what it lies for the points of a box. Where a point's is NaN, an end is NaN or high is infinite.
+inline Interval distance(DistanceKind kind, const CloudLine& line, const Bounds& box) {
+  if (kind == DistanceKind::ray)
+    return project(Ray{.origin = line.place, .direction = line.unit}, box).distance;
+  return signed_distance(Plane{line.place, line.unit}, box);
+}
 
 enum class Comparison { less, less_equal, equal, greater_equal, greater };
 
@@ -32,5 +68,45 @@ bool is_finite(const Bounds& box);
 
 /// The box of a point; without limits if a coordinate is not finite.
 Bounds box_of(const glm::dvec3& point);
+
+/// Number of the cell of 2^-20 units in which a coordinate lies. Coordinates farther away than 2^43 units lie
+/// in the first and last; what is not a number lies in the last.
+inline std::uint64_t morton_cell(double coordinate) {
+  const double cell = std::floor(coordinate * 0x1p20);
+  if (!(cell < 0x1p63)) return ~std::uint64_t{0};
+  if (cell < -0x1p63) return 0;
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) ^ std::uint64_t{1} << 63;
+}
+
+/// Compares numbers as PostgreSQL does, NaN above all: negative, zero or positive.
+inline int compare_numbers(double a, double b) {
+  if (std::isnan(a) || std::isnan(b)) return (std::isnan(a) ? 1 : 0) - (std::isnan(b) ? 1 : 0);
+  return a < b ? -1 : a > b ? 1 : 0;
+}
+
+/// Order along the z-order curve of cells (octree/morton.h, without making keys, which would have 192 bits),
+/// within a cell by x, y and z. Zero only for equal coordinates.
+inline int compare_morton(const glm::dvec3& a, const glm::dvec3& b) {
+  // The axis with the highest bit in which the cells differ decides; of several the last, as in the key.
+  std::uint64_t highest = 0, first = 0, second = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::uint64_t from = morton_cell(a[axis]), to = morton_cell(b[axis]), difference = from ^ to;
+    const bool is_lower = difference < highest && difference < (difference ^ highest);
+    if (difference == 0 || is_lower) continue;
+    highest = difference;
+    first = from;
+    second = to;
+  }
+  if (highest != 0) return first < second ? -1 : 1;
+  for (int axis = 0; axis < 3; ++axis)
+    if (const int order = compare_numbers(a[axis], b[axis])) return order;
+  return 0;
+}
+
+/// Estimates which share of all points keeps a limit, from the distances of a sample, in ascending order (NaN
+/// last): between the sample's distances the share grows linearly. Near a ray the sample is too thin to
+/// count: below the distance of its eighth point the share grows as the cross-section of the cylinder does,
+/// with the square. In [0, 1]. Requires a sample.
+double estimated_share(const CloudLimit& limit, std::span<const double> distances);
 
 }  // namespace alidade

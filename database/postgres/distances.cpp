@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The distances, and whether a point keeps a limit.
-#include "database/postgres/distances.h"
+#include "database/postgres/postgres_api.h"
 
 #include "database/postgres/cloud_limit.h"
 

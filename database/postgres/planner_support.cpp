@@ -3,7 +3,7 @@
 //   dist_ray(A, x,y,z)       becomes  cloud_point(x,y,z) <-> cloud_ray(A)
 //   dist_ray(A, x,y,z) <= r  becomes  cloud_point(x,y,z) <@ cloud_limit(cloud_ray(A), '<=', r)
 // which mean the same, to the last bit; an index on cloud_point(x,y,z) answers both.
-#include "database/postgres/distances.h"
+#include "database/postgres/postgres_api.h"
 
 extern "C" {
 #include <catalog/pg_collation.h>

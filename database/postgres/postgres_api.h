@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-// PostgreSQL's headers redefine names of the standard library (snprintf), so those it uses come first.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -9,6 +8,8 @@
 #include <exception>
 #include <string>
 #include <type_traits>
+
+// PostgreSQL's headers redefine names of the standard library (snprintf), so those it uses come first.
 
 // Version 15 marks what a module exports only on Windows.
 #define PGDLLEXPORT __attribute__((visibility("default")))
@@ -67,3 +68,12 @@ Datum datum_of(const Value& value) {
 }
 
 }  // namespace alidade
+
+// Functions of SQL that the planner's support recognises in expressions.
+extern "C" {
+Datum alidade_distance_to_ray(PG_FUNCTION_ARGS);
+Datum alidade_distance_to_plane(PG_FUNCTION_ARGS);
+Datum alidade_keeps_limit(PG_FUNCTION_ARGS);
+Datum alidade_breaks_limit(PG_FUNCTION_ARGS);
+Datum alidade_limit_by_plane(PG_FUNCTION_ARGS);
+}

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <string_view>
 
-#include "database/postgres/distance_share.h"
-#include "database/postgres/distances.h"
-#include "database/postgres/point_order.h"
+#include "database/postgres/cloud_limit.h"
+#include "database/postgres/postgres_api.h"
 
 extern "C" {
 #include <access/htup_details.h>

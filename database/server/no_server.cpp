@@ -3,7 +3,6 @@
 // found.
 #include "base/error.h"
 #include "database/server/read_server.h"
-#include "database/server/read_server_part.h"
 #include "database/server/store_on_server.h"
 
 namespace alidade {

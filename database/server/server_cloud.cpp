@@ -1,9 +1,203 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_cloud.h"
 
+#include <bit>
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
 #include "base/error.h"
+#include "cloud/point_cloud.h"
+#include "cloud/point_table.h"
+#include "cloud/rows.h"
+#include "database/stored_column.h"
 
 namespace alidade {
+namespace {
+
+bool is_coordinate(const std::string& name) {
+  return name == "x" || name == "y" || name == "z";
+}
+
+bool is_real(ScalarType type) {
+  return type == ScalarType::float32 || type == ScalarType::float64;
+}
+
+/// Whether the column can be a part of an attribute of that type.
+bool can_be(ScalarType type, const NumberColumn* column) {
+  return column != nullptr && (is_real(type) || column->is_whole());
+}
+
+/// The largest value of an attribute of whole numbers.
+double largest(Attribute attribute, ScalarType type) {
+  constexpr double k_most_returns = 15.0;
+  if (attribute == Attribute::returns) return k_most_returns;
+  return type == ScalarType::uint8 ? std::numeric_limits<std::uint8_t>::max()
+                                   : std::numeric_limits<std::uint16_t>::max();
+}
+
+std::int64_t least(ScalarType type) {
+  return type == ScalarType::int16   ? std::numeric_limits<std::int16_t>::min()
+         : type == ScalarType::int32 ? std::numeric_limits<std::int32_t>::min()
+                                     : std::numeric_limits<std::int64_t>::min();
+}
+
+ExtraDimension dimension_of(const NumberColumn& column) {
+  ExtraDimension dimension;
+  dimension.name = column.name;
+  dimension.type = column.type;
+  dimension.byte_count = scalar_size(column.type);
+  if (column.can_be_null && column.is_whole())
+    dimension.no_data = std::bit_cast<std::array<std::uint8_t, 8>>(least(column.type));
+  return dimension;
+}
+
+void store_whole(ScalarType type, std::int64_t value, std::byte* at) {
+  switch (type) {
+    case ScalarType::uint8:
+      return store(at, static_cast<std::uint8_t>(value));
+    case ScalarType::int16:
+    case ScalarType::uint16:
+      return store(at, static_cast<std::uint16_t>(value));
+    case ScalarType::int32:
+      return store(at, static_cast<std::int32_t>(value));
+    default:
+      return store(at, value);
+  }
+}
+
+[[noreturn]] void refuse_size(const NumberColumn& column, CopyField field) {
+  throw Error({.problem = fmt::format("the server sends another type for {}", column.name),
+               .expected = fmt::format("{} bytes", scalar_size(column.type)),
+               .found = std::to_string(field.size())});
+}
+
+}  // namespace
+
+std::int64_t whole_of(const NumberColumn& column, CopyField field) {
+  if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) refuse_size(column, field);
+  switch (column.type) {
+    case ScalarType::int16:
+      return load<std::int16_t>(field.data(), std::endian::big);
+    case ScalarType::int32:
+      return load<std::int32_t>(field.data(), std::endian::big);
+    default:
+      return load<std::int64_t>(field.data(), std::endian::big);
+  }
+}
+
+double number_of(const NumberColumn& column, CopyField field) {
+  if (column.is_whole()) return static_cast<double>(whole_of(column, field));
+  if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) refuse_size(column, field);
+  if (column.type == ScalarType::float32) return load<float>(field.data(), std::endian::big);
+  return load<double>(field.data(), std::endian::big);
+}
+
+std::vector<ValueColumn> value_columns(const ServerTable& table, bool without_id) {
+  std::vector<ValueColumn> columns;
+  for (const NumberColumn& column : table.columns) {
+    if (!is_coordinate(column.name) && !(without_id && column.name == "id")) columns.push_back({column});
+  }
+  const PointCloud any;
+  for_each_column(any, any, [&](Attribute attribute, const auto&, const auto&) {
+    const AttributeParts parts = attribute_parts(attribute);
+    for (const char* const name : parts.names) {
+      if (!can_be(parts.type, table.find(name))) return;
+    }
+    for (std::size_t part = 0; part < parts.names.size(); ++part) {
+      for (ValueColumn& column : columns) {
+        if (column.column.name != parts.names[part]) continue;
+        column.attribute = attribute;
+        column.part = part;
+      }
+    }
+  });
+  return columns;
+}
+
+AttributeSet attributes_of(std::span<const ValueColumn> columns) {
+  AttributeSet all;
+  for (const ValueColumn& column : columns)
+    all = all | column.attribute.value_or(Attribute::extra_dimensions);
+  return all;
+}
+
+std::vector<ValueColumn> kept_columns(std::span<const ValueColumn> columns, AttributeSet wanted) {
+  std::vector<ValueColumn> kept;
+  for (const ValueColumn& column : columns) {
+    if (wanted.contains(column.attribute.value_or(Attribute::extra_dimensions))) kept.push_back(column);
+  }
+  return kept;
+}
+
+CloudValues::CloudValues(PointCloud& cloud, std::vector<ValueColumn> columns) : cloud_(cloud) {
+  for (ValueColumn& column : columns) {
+    Target target{.source = std::move(column), .type = ScalarType::float64};
+    if (target.source.attribute) {
+      const Attribute attribute = *target.source.attribute;
+      target.type = attribute_parts(attribute).type;
+      target.most = largest(attribute, target.type);
+    } else {
+      target.type = target.source.column.type;
+      target.dimension = find_extra_dimension(cloud, dimension_of(target.source.column));
+    }
+    targets_.push_back(std::move(target));
+  }
+}
+
+void CloudValues::find_columns() {
+  for (Target& target : targets_) {
+    if (!target.source.attribute) {
+      target.values = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[target.dimension].values.data());
+      target.stride = static_cast<std::size_t>(scalar_size(target.type));
+      continue;
+    }
+    for_each_column(cloud_, cloud_, [&](Attribute attribute, auto& column, const auto&) {
+      if (attribute != *target.source.attribute) return;
+      const std::size_t place = target.source.part * static_cast<std::size_t>(scalar_size(target.type));
+      target.values = reinterpret_cast<std::byte*>(column.data()) + place;
+      target.stride = sizeof column.front();
+    });
+  }
+}
+
+bool CloudValues::put(const Target& target, std::size_t row, CopyField field) {
+  std::byte* const at = target.values + row * target.stride;
+  const NumberColumn& column = target.source.column;
+  if (is_real(target.type)) {
+    const double number = field.empty() ? std::numeric_limits<double>::quiet_NaN() : number_of(column, field);
+    if (target.type == ScalarType::float64) {
+      store(at, number);
+      return true;
+    }
+    constexpr double k_largest = std::numeric_limits<float>::max();
+    if (std::isfinite(number) && std::abs(number) > k_largest) return false;
+    store(at, static_cast<float>(number));
+    return true;
+  }
+  if (!target.source.attribute) {
+    store_whole(target.type, field.empty() ? least(target.type) : whole_of(column, field), at);
+    return true;
+  }
+  if (field.empty()) {
+    ++null_count_;
+    store_whole(target.type, 0, at);
+    return true;
+  }
+  const std::int64_t value = whole_of(column, field);
+  if (value < 0 || static_cast<double>(value) > target.most) return false;
+  store_whole(target.type, value, at);
+  return true;
+}
+
+void CloudValues::refuse(const Target& target, CopyField field, std::string place) {
+  const NumberColumn& column = target.source.column;
+  throw Error({.place = std::move(place),
+               .problem = fmt::format("{} is out of the attribute's range", column.name),
+               .expected = is_real(target.type) ? "a number of 32 bits" : fmt::format("0 to {}", target.most),
+               .found = fmt::format("{}", number_of(column, field))});
+}
+
 namespace {
 
 constexpr std::size_t k_axes = 3, k_first_value = 4;  // of a row's fields: x, y, z, id, values

@@ -4,15 +4,78 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "database/server/cloud_values.h"
+#include "cloud/point_cloud.h"
+#include "database/server/copy_format.h"
 #include "database/server/server_connection.h"
 #include "database/server/server_table.h"
 
 namespace alidade {
+
+/// What a column of a table on a server becomes in a cloud.
+struct ValueColumn {
+  NumberColumn column;
+  std::optional<Attribute> attribute{};  ///< none: an extra dimension
+  std::size_t part = 0;                  ///< of the attribute, as red is of color
+};
+
+/// All columns but x, y, z: attributes whose parts (attribute_parts()) are all there, of whole numbers where
+/// the attribute is; the others become extra dimensions. `id` is left out on demand.
+std::vector<ValueColumn> value_columns(const ServerTable& table, bool without_id);
+
+/// The attributes that they make.
+AttributeSet attributes_of(std::span<const ValueColumn> columns);
+
+/// Those of the wanted attributes.
+std::vector<ValueColumn> kept_columns(std::span<const ValueColumn> columns, AttributeSet wanted);
+
+/// The number of such a column; whole ones beyond 2^53 are rounded. Errors: a field of another size.
+double number_of(const NumberColumn& column, CopyField field);
+std::int64_t whole_of(const NumberColumn& column, CopyField field);
+
+/// Puts rows into the columns of a cloud. NULL becomes 0 in attributes of whole numbers, NaN in others and in
+/// extra dimensions of real numbers, the least number in those of whole ones, whose mark for "no value" it
+/// is.
+class CloudValues {
+ public:
+  /// Makes the columns, in a cloud that keeps its extra dimensions for good. The cloud must outlive it.
+  CloudValues(PointCloud& cloud, std::vector<ValueColumn> columns);
+
+  /// The cloud has other rows now.
+  void find_columns();
+
+  /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range, told
+  /// with `place`().
+  template <class Place>
+  void put(std::size_t row, std::span<const CopyField> fields, const Place& place) {
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+      if (!put(targets_[i], row, fields[i])) refuse(targets_[i], fields[i], place());
+    }
+  }
+
+  /// How many NULLs became 0.
+  std::uint64_t null_count() const { return null_count_; }
+
+ private:
+  struct Target {
+    ValueColumn source;
+    ScalarType type;            ///< in the cloud
+    std::size_t dimension = 0;  ///< of extra dimensions
+    std::byte* values = nullptr;
+    std::size_t stride = 0;
+    double most = 0.0;  ///< of whole attributes
+  };
+  bool put(const Target& target, std::size_t row, CopyField field);
+  [[noreturn]] static void refuse(const Target& target, CopyField field, std::string place);
+
+  PointCloud& cloud_;
+  std::vector<Target> targets_;
+  std::uint64_t null_count_ = 0;
+};
 
 /// Which rows of a table are wanted, and what of them.
 struct RowChoice {

@@ -1,16 +1,111 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_connection.h"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <dlfcn.h>
+#include <libpq-fe.h>
+#include <poll.h>
 
 #include "base/error.h"
-#include "database/server/server_library.h"
 
 namespace alidade {
+
+/// PostgreSQL's client library, which is loaded when a server is first asked: with what it brings along,
+/// that takes longer than the work of many commands.
+struct ServerLibrary {
+  decltype(&::PQconnectdbParams) connect = nullptr;
+  decltype(&::PQfinish) finish = nullptr;
+  decltype(&::PQstatus) status = nullptr;
+  decltype(&::PQerrorMessage) error_message = nullptr;
+  decltype(&::PQsetNoticeProcessor) set_notice_processor = nullptr;
+  decltype(&::PQtransactionStatus) transaction_status = nullptr;
+  decltype(&::PQsocket) socket = nullptr;
+  decltype(&::PQsendQueryParams) send_query = nullptr;
+  decltype(&::PQsetnonblocking) set_nonblocking = nullptr;
+  decltype(&::PQflush) flush = nullptr;
+  decltype(&::PQconsumeInput) consume_input = nullptr;
+  decltype(&::PQisBusy) is_busy = nullptr;
+  decltype(&::PQgetResult) get_result = nullptr;
+  decltype(&::PQresultStatus) result_status = nullptr;
+  decltype(&::PQresultErrorField) result_error_field = nullptr;
+  decltype(&::PQclear) clear = nullptr;
+  decltype(&::PQntuples) row_count = nullptr;
+  decltype(&::PQgetisnull) is_null = nullptr;
+  decltype(&::PQgetlength) length = nullptr;
+  decltype(&::PQgetvalue) value = nullptr;
+  decltype(&::PQgetCopyData) get_copy_data = nullptr;
+  decltype(&::PQputCopyData) put_copy_data = nullptr;
+  decltype(&::PQputCopyEnd) put_copy_end = nullptr;
+  decltype(&::PQfreemem) free_memory = nullptr;
+  decltype(&::PQgetCancel) get_cancel = nullptr;
+  decltype(&::PQcancel) cancel = nullptr;
+  decltype(&::PQfreeCancel) free_cancel = nullptr;
+};
+
+/// Stays loaded. Errors: the library is not there. Thread safe.
+const ServerLibrary& server_library();
+
+namespace {
+
+/// The version of the interface, which has been the same since PostgreSQL 8.2.
+constexpr const char* k_file = "libpq.so.5";
+
+[[noreturn]] void refuse() {
+  const char* const reason = ::dlerror();
+  throw Error({.problem = "servers cannot be asked without PostgreSQL's client library",
+               .expected = "Debian's package libpq5, or its like",
+               .found = reason != nullptr ? reason : k_file});
+}
+
+template <class Function>
+void find(void* library, const char* name, Function& function) {
+  function = reinterpret_cast<Function>(::dlsym(library, name));
+  if (function == nullptr) refuse();
+}
+
+ServerLibrary load() {
+  void* const library = ::dlopen(k_file, RTLD_NOW | RTLD_LOCAL);
+  if (library == nullptr) refuse();
+  ServerLibrary all;
+  find(library, "PQconnectdbParams", all.connect);
+  find(library, "PQfinish", all.finish);
+  find(library, "PQstatus", all.status);
+  find(library, "PQerrorMessage", all.error_message);
+  find(library, "PQsetNoticeProcessor", all.set_notice_processor);
+  find(library, "PQtransactionStatus", all.transaction_status);
+  find(library, "PQsocket", all.socket);
+  find(library, "PQsendQueryParams", all.send_query);
+  find(library, "PQsetnonblocking", all.set_nonblocking);
+  find(library, "PQflush", all.flush);
+  find(library, "PQconsumeInput", all.consume_input);
+  find(library, "PQisBusy", all.is_busy);
+  find(library, "PQgetResult", all.get_result);
+  find(library, "PQresultStatus", all.result_status);
+  find(library, "PQresultErrorField", all.result_error_field);
+  find(library, "PQclear", all.clear);
+  find(library, "PQntuples", all.row_count);
+  find(library, "PQgetisnull", all.is_null);
+  find(library, "PQgetlength", all.length);
+  find(library, "PQgetvalue", all.value);
+  find(library, "PQgetCopyData", all.get_copy_data);
+  find(library, "PQputCopyData", all.put_copy_data);
+  find(library, "PQputCopyEnd", all.put_copy_end);
+  find(library, "PQfreemem", all.free_memory);
+  find(library, "PQgetCancel", all.get_cancel);
+  find(library, "PQcancel", all.cancel);
+  find(library, "PQfreeCancel", all.free_cancel);
+  return all;
+}
+
+}  // namespace
+
+const ServerLibrary& server_library() {
+  static const ServerLibrary library = load();
+  return library;
+}
+
 namespace {
 
 /// One line, without what stands around it.

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "database/server/server_column.h"
-
-#include <fmt/format.h>
+#include "database/server/server_sql.h"
 
 #include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <span>
+#include <vector>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -93,6 +95,133 @@ std::string server_columns(const std::vector<StoredColumn>& columns) {
   for (std::size_t i = 1; i < columns.size(); ++i)
     text += ", " + sql_name(columns[i].name) + " " + type_name(server_type(columns[i]));
   return text;
+}
+
+namespace {
+
+/// Bytes as PostgreSQL reads them.
+template <class Values>
+std::string bytes_text(const Values& values) {
+  std::string text = "'\\x";
+  for (const std::byte byte : std::as_bytes(std::span(values))) text += fmt::format("{:02x}", byte);
+  return text + "'::bytea";
+}
+
+}  // namespace
+
+CloudRow cloud_row(const PiecewiseCloud& whole, const Bounds& box) {
+  return {.lattice = whole.rest.lattice,
+          .point_count = whole.point_count,
+          .box = box,
+          .crs = whole.rest.crs,
+          .gps_time_is_standard = whole.rest.gps_time_is_standard};
+}
+
+std::string cloud_row_table(const std::string& quoted_name) {
+  return "CREATE TABLE " + quoted_name +
+         "(version integer NOT NULL, scale_x double precision NOT NULL, scale_y double precision NOT NULL, "
+         "scale_z double precision NOT NULL, offset_x double precision NOT NULL, "
+         "offset_y double precision NOT NULL, offset_z double precision NOT NULL, points bigint NOT NULL, "
+         "min_x double precision, min_y double precision, min_z double precision, "
+         "max_x double precision, max_y double precision, max_z double precision, "
+         "crs text, geotiff_keys bytea, geotiff_doubles bytea, geotiff_ascii bytea, "
+         "gps_time_is_standard boolean NOT NULL)";
+}
+
+std::string cloud_row_insert(const std::string& quoted_name, const CloudRow& row) {
+  std::vector<std::string> values = {std::to_string(k_cloud_row_version)};
+  const auto add = [&](const glm::dvec3& three, bool is_there) {
+    for (int axis = 0; axis < 3; ++axis)
+      values.push_back(is_there ? fmt::format("'{}'", three[axis]) : "NULL");
+  };
+  add(row.lattice.scale, true);
+  add(row.lattice.offset, true);
+  values.push_back(std::to_string(row.point_count));
+  add(row.box.min, !row.box.empty());
+  add(row.box.max, !row.box.empty());
+  values.push_back(is_utf8(row.crs.wkt) ? sql_text(row.crs.wkt) : "NULL");
+  values.push_back(bytes_text(row.crs.geotiff_keys));
+  values.push_back(bytes_text(row.crs.geotiff_doubles));
+  values.push_back(bytes_text(row.crs.geotiff_ascii));
+  values.push_back(row.gps_time_is_standard ? "true" : "false");
+  return fmt::format("INSERT INTO {} VALUES ({})", quoted_name, fmt::join(values, ", "));
+}
+
+namespace {
+
+constexpr const char* k_never = "false";
+
+/// The largest of some coordinates, none of them NaN.
+double reach(const glm::dvec3& place) {
+  return std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+}
+
+/// Numbers are written such that reading gives the same ones.
+std::string number(double value) {
+  return fmt::format("'{}'::float8", value);
+}
+
+std::string call(const char* function, const glm::dvec3& origin, const glm::dvec3& direction) {
+  std::string text = function;
+  text += "(";
+  for (const glm::dvec3& three : {origin, direction}) {
+    for (int axis = 0; axis < 3; ++axis) text += number(three[axis]) + ",";
+  }
+  return text + "x,y,z)";
+}
+
+/// Adds the limits that say something about what is `least` or more.
+void add_limits(const std::string& value, const Interval& limits, double size, double least,
+                std::vector<std::string>& all) {
+  if (std::isnan(limits.low) || std::isnan(limits.high) || limits.low > limits.high) {
+    all.emplace_back(k_never);
+    return;
+  }
+  const auto margin = [&](double limit) { return 1e-9 * std::abs(limit) + 1e-9 + 1e-12 * size; };
+  const double low = limits.low - margin(limits.low), high = limits.high + margin(limits.high);
+  // Infinite limits make NaN of their margins, or stay infinite: of the former kind are those that exclude
+  // every point.
+  if (limits.low == std::numeric_limits<double>::infinity() ||
+      limits.high == -std::numeric_limits<double>::infinity()) {
+    all.emplace_back(k_never);
+    return;
+  }
+  if (limits.low > -std::numeric_limits<double>::infinity() && low > least)
+    all.push_back(value + " >= " + number(low));
+  if (limits.high < std::numeric_limits<double>::infinity()) all.push_back(value + " <= " + number(high));
+}
+
+std::string condition(const PointFilter& filter) {
+  constexpr double k_infinity = std::numeric_limits<double>::infinity();
+  std::vector<std::string> all;
+  for (const LineCondition& line : filter.lines) {
+    const glm::dvec3& origin = line.ray.origin;
+    const glm::dvec3& direction = line.ray.direction;
+    add_limits(call("dist_ray", origin, direction), line.distance, reach(origin), 0.0, all);
+    add_limits(call("dist_plane", origin, direction), line.t, reach(origin), -k_infinity, all);
+  }
+  for (const PlaneCondition& plane : filter.planes) {
+    add_limits(call("dist_plane", plane.plane.point, plane.plane.normal), plane.distance,
+               reach(plane.plane.point), -k_infinity, all);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 normal(0.0);
+    normal[axis] = 1.0;
+    const Interval side{filter.box.min[axis], filter.box.max[axis]};
+    const double size = std::max(std::isfinite(side.low) ? std::abs(side.low) : 0.0,
+                                 std::isfinite(side.high) ? std::abs(side.high) : 0.0);
+    // The plane through the coordinates' origin: its distances are the coordinates.
+    add_limits(call("dist_plane", glm::dvec3(0.0), normal), side, size, -k_infinity, all);
+  }
+  return all.empty() ? "true" : fmt::format("({})", fmt::join(all, " AND "));
+}
+
+}  // namespace
+
+std::string filter_condition(std::span<const PointFilter> any_of) {
+  std::vector<std::string> all;
+  for (const PointFilter& filter : any_of) all.push_back(condition(filter));
+  return all.empty() ? k_never : fmt::format("{}", fmt::join(all, " OR "));
 }
 
 }  // namespace alidade

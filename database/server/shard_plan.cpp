@@ -1,19 +1,217 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/shard_plan.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <fmt/format.h>
 #include <functional>
+#include <span>
+#include <string>
+#include <unistd.h>
+#include <vector>
 
+#include "base/bounds.h"
 #include "base/error.h"
 #include "base/output_file.h"
+#include "database/point_stream.h"
 #include "database/server/copy_format.h"
-#include "database/server/shard_script.h"
-#include "database/streamed_columns.h"
+#include "database/server/server_sql.h"
+#include "database/sql_name.h"
+#include "database/stored_column.h"
 
 namespace alidade {
+namespace {
+
+[[noreturn]] void refuse(std::string_view text, std::string problem) {
+  // What is in front of an @ may be a password, which must not stand in a message.
+  const std::size_t at = text.rfind('@');
+  const std::string found(at == std::string_view::npos ? text : text.substr(at));
+  throw Error({.problem = std::move(problem),
+               .expected = "HOST/DATABASE or HOST:PORT/DATABASE",
+               .found = (at == std::string_view::npos ? "" : "...") + found});
+}
+
+int parse_port(std::string_view text, std::string_view whole) {
+  int port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (error != std::errc() || end != text.data() + text.size() || port < 1 || port > 65535)
+    refuse(whole, "a shard's port is no number from 1 to 65535");
+  return port;
+}
+
+/// Neither what programs take for an option or a setting, nor what terminals take for a command.
+bool is_plain(std::string_view name) {
+  const auto is_strange = [](char letter) {
+    return static_cast<unsigned char>(letter) <= 0x20 || letter == 0x7f || letter == '=';
+  };
+  return !name.empty() && name.front() != '-' && std::ranges::none_of(name, is_strange);
+}
+
+}  // namespace
+
+Shard parse_shard(std::string_view text) {
+  if (text.find('@') != std::string_view::npos)
+    refuse(text, "users and passwords do not belong to the name of a shard, but to its user mapping");
+  const std::size_t slash = text.rfind('/');
+  if (slash == std::string_view::npos) refuse(text, "a shard's name has no database");
+  std::string_view host = text.substr(0, slash);
+  Shard shard{.host = {}, .database = std::string(text.substr(slash + 1))};
+
+  const std::size_t bracket = host.starts_with('[') ? host.find(']') : std::string_view::npos;
+  const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
+  if (colon != std::string_view::npos) {
+    shard.port = parse_port(host.substr(colon + 1), text);
+    host = host.substr(0, colon);
+  }
+  if (bracket != std::string_view::npos) {
+    if (bracket + 1 != host.size()) refuse(text, "a shard's host is no address");
+    host = host.substr(1, bracket - 1);
+  }
+  shard.host = host;
+  if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
+    refuse(text, "a shard's name lacks host or database");
+  return shard;
+}
+
+// What write_shard_plan() has servers do. Scripts are for psql, and run as a whole or not at all.
+
+/// "shard_1" for shard 0: the name of its files, without ending.
+std::string shard_name(std::size_t shard);
+
+/// Makes the table of a shard whose points are in a box, from the file of its rows.
+std::string shard_script(const std::string& table, const std::vector<StoredColumn>& columns,
+                         std::size_t shard, const Bounds& box);
+
+/// Makes the table over all shards, whose points are in these boxes, and what says of them all what rows
+/// cannot.
+std::string coordinator_script(const std::string& table, const std::vector<StoredColumn>& columns,
+                               std::span<const Shard> shards, std::span<const Bounds> boxes,
+                               const CloudRow& cloud);
+
+/// What to type.
+std::string plan_readme(const std::string& table, std::span<const Shard> shards,
+                        std::span<const Bounds> boxes);
+
+namespace {
+
+/// What every script begins with: an error ends it, and nothing that it did stays. Whatever the client's
+/// settings say, names and texts end where they end here.
+constexpr const char* k_head =
+    "\\set ON_ERROR_STOP on\n\\set QUIET on\n\\encoding UTF8\nSET standard_conforming_strings = on;\n"
+    "SET client_min_messages = warning;\nBEGIN;\n";
+
+/// Numbers are written such that reading gives the same ones.
+std::string box_check(const Bounds& box) {
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis) {
+    text += fmt::format("{}{} >= '{}'::float8 AND {} <= '{}'::float8", axis == 0 ? "" : " AND ", "xyz"[axis],
+                        box.min[axis], "xyz"[axis], box.max[axis]);
+  }
+  return text;
+}
+
+/// `word` as a shell takes it for a word, whatever is in it.
+std::string shell_word(const std::string& word) {
+  const auto is_plain = [](unsigned char letter) {
+    return std::isalnum(letter) != 0 || letter == '_' || letter == '-' || letter == '.' || letter == ':';
+  };
+  if (std::ranges::all_of(word, is_plain)) return word;
+  std::string quoted = "'";
+  for (const char letter : word) quoted += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  return quoted + "'";
+}
+
+std::string box_text(const Bounds& box) {
+  return fmt::format("x {} to {}, y {} to {}, z {} to {}", box.min.x, box.max.x, box.min.y, box.max.y,
+                     box.min.z, box.max.z);
+}
+
+}  // namespace
+
+std::string shard_name(std::size_t shard) {
+  return fmt::format("shard_{}", shard + 1);
+}
+
+std::string shard_script(const std::string& table, const std::vector<StoredColumn>& columns,
+                         std::size_t shard, const Bounds& box) {
+  const std::string name = sql_name(table);
+  return fmt::format(
+      "-- Run by psql in the folder of this file, connected to shard {0}.\n"
+      "{1}"
+      "CREATE EXTENSION IF NOT EXISTS alidade_pg;\n"
+      "CREATE TABLE {2}({3},\n"
+      "  CONSTRAINT box CHECK ({4}));\n"
+      "\\copy {2} FROM '{5}.copy' (FORMAT binary)\n"
+      "{6};\n"
+      "COMMIT;\n"
+      "ANALYZE {2};\n",
+      shard + 1, k_head, name, server_columns(columns), box_check(box), shard_name(shard),
+      server_index(name));
+}
+
+std::string coordinator_script(const std::string& table, const std::vector<StoredColumn>& columns,
+                               std::span<const Shard> shards, std::span<const Bounds> boxes,
+                               const CloudRow& cloud) {
+  std::string text = fmt::format(
+      "-- Run by psql, connected to the database that is to answer for all shards.\n"
+      "{0}"
+      "CREATE EXTENSION IF NOT EXISTS alidade_pg;\n"
+      "CREATE EXTENSION IF NOT EXISTS postgres_fdw;\n"
+      "-- The rows are in the tables that inherit from this one.\n"
+      "CREATE TABLE {1}({2},\n"
+      "  CONSTRAINT no_rows_here CHECK (false) NO INHERIT);\n",
+      k_head, sql_name(table), server_columns(columns));
+  for (std::size_t i = 0; i < shards.size(); ++i) {
+    const std::string name = sql_name(table + "_" + shard_name(i));
+    // extensions: conditions on distances are for the shard. async_capable: shards work at the same time.
+    // use_remote_estimate: shards say what a query will cost them.
+    text += fmt::format(
+        "CREATE SERVER {0} FOREIGN DATA WRAPPER postgres_fdw OPTIONS (host {1}, port '{2}', dbname {3},\n"
+        "  extensions 'alidade_pg', async_capable 'true', use_remote_estimate 'true', fetch_size '10000');\n"
+        "CREATE USER MAPPING FOR CURRENT_USER SERVER {0};\n"
+        "CREATE FOREIGN TABLE {0}(\n"
+        "  CONSTRAINT box CHECK ({4}))\n"
+        "  INHERITS ({5}) SERVER {0} OPTIONS (table_name {6});\n",
+        name, sql_text(shards[i].host), shards[i].port, sql_text(shards[i].database), box_check(boxes[i]),
+        sql_name(table), sql_text(table));
+  }
+  const std::string beside = sql_name(table + "_cloud");
+  return text + fmt::format("{};\n{};\nCOMMIT;\n", cloud_row_table(beside), cloud_row_insert(beside, cloud));
+}
+
+std::string plan_readme(const std::string& table, std::span<const Shard> shards,
+                        std::span<const Bounds> boxes) {
+  std::string text =
+      "A cloud for several PostgreSQL servers. All of them need the extension alidade_pg, in the same "
+      "version.\n\n"
+      "1. Fill the shards, in this folder. Each script works as a whole or not at all:\n\n";
+  for (std::size_t i = 0; i < shards.size(); ++i) {
+    text += fmt::format("   psql -h {} -p {} -d {} -f {}.sql\n", shell_word(shards[i].host), shards[i].port,
+                        shell_word(shards[i].database), shard_name(i));
+  }
+  text += fmt::format(
+      "\n2. Make the table over all of them, on the server that is asked:\n\n"
+      "   psql -d DATABASE -f coordinator.sql\n"
+      "\n   A shard that wants another user or a password gets it from there:\n\n"
+      "   ALTER USER MAPPING FOR CURRENT_USER SERVER {0}\n"
+      "     OPTIONS (ADD user 'NAME', ADD password 'PASSWORD');\n\n"
+      "   Each other role that asks needs mappings of its own (CREATE USER MAPPING FOR ROLE SERVER ...), "
+      "with a "
+      "password\n"
+      "   unless it is a superuser. A role that is none runs coordinator.sql after GRANT USAGE ON FOREIGN "
+      "DATA "
+      "WRAPPER\n"
+      "   postgres_fdw TO ROLE.\n"
+      "\n3. Ask there. EXPLAIN (VERBOSE) shows what each shard is asked:\n\n"
+      "   SELECT * FROM {1} WHERE dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) <= 1;\n\n"
+      "Where the points are:\n\n",
+      sql_name(table + "_" + shard_name(0)), sql_name(table));
+  for (std::size_t i = 0; i < shards.size(); ++i)
+    text += fmt::format("   {}: {}\n", shard_name(i), box_text(boxes[i]));
+  return text;
+}
+
 namespace {
 
 void write_text(const std::filesystem::path& path, const std::string& text) {

@@ -5,11 +5,11 @@
 
 #include <array>
 
+#include "database/point_stream.h"
 #include "database/server/copy_format.h"
 #include "database/server/server_connection.h"
 #include "database/server/server_sql.h"
 #include "database/sql_name.h"
-#include "database/streamed_columns.h"
 
 namespace alidade {
 namespace {

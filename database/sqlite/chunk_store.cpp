@@ -1,13 +1,133 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/chunk_store.h"
 
-#include <fmt/format.h>
-
+#include <algorithm>
+#include <array>
 #include <cstring>
+#include <fmt/format.h>
+#include <limits>
+#include <utility>
 
 #include "cloud/lattice.h"
+#include "database/sqlite/cloud_schema.h"
 
 namespace alidade {
+namespace {
+
+constexpr std::uint64_t k_fan_out = 64;
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+const Bounds k_everywhere{glm::dvec3(-k_infinity), glm::dvec3(k_infinity)};
+using Sides = std::array<double, 6>;
+
+std::int64_t page_id(int level, std::uint64_t page) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(level) << 32 | page);
+}
+
+std::uint64_t pages_of(std::uint64_t boxes) {
+  return (boxes + k_fan_out - 1) / k_fan_out;
+}
+
+/// False also for what is no box.
+bool lies_inside(const Bounds& box, const Bounds& around) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(around.min[axis] <= box.min[axis] && box.min[axis] <= box.max[axis] &&
+          box.max[axis] <= around.max[axis]))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void write_box_tree(sqlite3* database, const std::string& table_name, std::vector<Bounds> boxes) {
+  Statement row(database, "INSERT INTO " + table_name + " VALUES(?,?)");
+  for (int level = 0; !boxes.empty(); ++level) {
+    std::vector<Bounds> above;
+    for (std::uint64_t page = 0; page < pages_of(boxes.size()); ++page) {
+      const std::size_t begin = static_cast<std::size_t>(page * k_fan_out);
+      const std::size_t end = std::min(boxes.size(), begin + static_cast<std::size_t>(k_fan_out));
+      std::vector<Sides> sides;
+      Bounds around;
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto& [low, high] = boxes[i];
+        sides.push_back({low.x, low.y, low.z, high.x, high.y, high.z});
+        around.grow(boxes[i]);
+      }
+      row.bind(1, page_id(level, page)).bind(2, std::as_bytes(std::span(sides))).run();
+      above.push_back(around);
+    }
+    boxes = above.size() > 1 ? std::move(above) : std::vector<Bounds>();
+  }
+}
+
+BoxTree::BoxTree(sqlite3* database, const std::string& schema, const std::string& table,
+                 std::uint64_t chunk_count)
+    : file_(file_of(database, schema)),
+      table_(table),
+      page_(database, "SELECT boxes FROM " + part_name(schema, table, "bounds") + " WHERE id = ?",
+            Readable::plain_tables, schema) {
+  for (std::uint64_t count = chunk_count; count > 0; count = count > k_fan_out ? pages_of(count) : 0)
+    counts_.push_back(count);
+}
+
+std::vector<ChunkPlace> BoxTree::chunks(const std::function<bool(const Bounds&)>& wanted) {
+  std::vector<ChunkPlace> found;
+  if (!counts_.empty()) visit(static_cast<int>(counts_.size()) - 1, 0, k_everywhere, wanted, found);
+  return found;
+}
+
+std::optional<ChunkPlace> BoxTree::chunk(std::uint64_t id) {
+  if (counts_.empty() || id >= counts_[0]) return std::nullopt;
+  return ChunkPlace{id, read_page(0, id / k_fan_out, k_everywhere)[static_cast<std::size_t>(id % k_fan_out)]};
+}
+
+void BoxTree::refuse(int level, std::uint64_t page, std::string problem, std::string expected,
+                     std::string found) const {
+  throw SqliteError(SQLITE_CORRUPT_VTAB,
+                    {.file = file_,
+                     .place = fmt::format("{}, page {} of level {} of its boxes", table_, page, level),
+                     .problem = std::move(problem),
+                     .expected = std::move(expected),
+                     .found = std::move(found)});
+}
+
+std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Bounds& around) {
+  const std::uint64_t count =
+      std::min(k_fan_out, counts_[static_cast<std::size_t>(level)] - page * k_fan_out);
+  std::vector<Sides> pages(static_cast<std::size_t>(count));
+  page_.bind(1, page_id(level, page));
+  const bool is_there = page_.step();
+  const std::size_t size = is_there ? page_.bytes(0).size() : 0;
+  const bool fits = size == pages.size() * sizeof(Sides);
+  if (fits) std::memcpy(pages.data(), page_.bytes(0).data(), size);
+  page_.reset();
+  if (!fits) {
+    refuse(level, page, is_there ? "has another size than its boxes need" : "is not there",
+           fmt::format("{} bytes", pages.size() * sizeof(Sides)),
+           is_there ? fmt::format("{} bytes", size) : "");
+  }
+  std::vector<Bounds> boxes;
+  for (const auto& [x, y, z, to_x, to_y, to_z] : pages) {
+    boxes.push_back({{x, y, z}, {to_x, to_y, to_z}});
+    if (lies_inside(boxes.back(), around)) continue;
+    refuse(level, page, "has a box that cannot be", "least and greatest x, y, z inside the box of the page",
+           fmt::format("{}, {}, {} to {}, {}, {}", x, y, z, to_x, to_y, to_z));
+  }
+  return boxes;
+}
+
+void BoxTree::visit(int level, std::uint64_t page, const Bounds& around,
+                    const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkPlace>& found) {
+  std::uint64_t number = page * k_fan_out;
+  for (const Bounds& box : read_page(level, page, around)) {
+    const std::uint64_t below = number++;
+    if (!wanted(box)) continue;
+    if (level == 0)
+      found.push_back({below, box});
+    else
+      visit(level - 1, below, box, wanted, found);
+  }
+}
 
 ChunkStore::ChunkStore(sqlite3* database, const std::string& schema, const std::string& table,
                        const CloudSchema& cloud)

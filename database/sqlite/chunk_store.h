@@ -3,17 +3,59 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "base/bounds.h"
 #include "database/point_filter.h"
-#include "database/sqlite/box_tree.h"
 #include "database/sqlite/cloud_schema.h"
-#include "database/sqlite/statement.h"
+#include "database/sqlite/connection.h"
+
+// The boxes of a cloud's chunks, and boxes around 64 of these, and so on: what SQLite's own R*Tree would be,
+// but exact (that keeps floats) and asked without a function that only programs linked with SQLite can give
+// it. Chunks follow a Morton curve, so neighbours in number are neighbours in space. A page is the row with
+// the id level * 2^32 + number and has the boxes of 64 chunks (level 0) or pages below, the last page of a
+// level maybe fewer: least x, y, z, greatest x, y, z as float64 each. The topmost level has one page.
 
 namespace alidade {
+
+/// Writes the pages for the boxes of all chunks, in the order of their ids, into a table (id, boxes).
+void write_box_tree(sqlite3* database, const std::string& table_name, std::vector<Bounds> boxes);
+
+/// A chunk of a cloud and the box around its points.
+struct ChunkPlace {
+  std::uint64_t id = 0;
+  Bounds box;
+};
+
+/// Asks such a table.
+class BoxTree {
+ public:
+  /// Of the cloud `table` of one of the connection's databases.
+  BoxTree(sqlite3* database, const std::string& schema, const std::string& table, std::uint64_t chunk_count);
+
+  /// The chunks for whose box, and the boxes around it, `wanted` is true; by id. Errors: pages that are
+  /// missing or of another size; boxes that are none, or not inside that of their page. Cost: the pages that
+  /// it has to look at.
+  std::vector<ChunkPlace> chunks(const std::function<bool(const Bounds&)>& wanted);
+
+  /// The chunk of this id, if there is one. Errors: as those of the others. Cost: one page.
+  std::optional<ChunkPlace> chunk(std::uint64_t id);
+
+ private:
+  std::vector<Bounds> read_page(int level, std::uint64_t page, const Bounds& around);
+  void visit(int level, std::uint64_t page, const Bounds& around,
+             const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkPlace>& found);
+  [[noreturn]] void refuse(int level, std::uint64_t page, std::string problem, std::string expected,
+                           std::string found) const;
+
+  std::string file_, table_;
+  std::vector<std::uint64_t> counts_;  ///< boxes of every level
+  Statement page_;
+};
 
 /// Points of a chunk, as they stand in the database.
 struct StoredChunk {

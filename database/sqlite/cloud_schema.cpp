@@ -8,7 +8,7 @@
 #include <cstring>
 #include <utility>
 
-#include "database/sqlite/statement.h"
+#include "database/sqlite/connection.h"
 
 namespace alidade {
 namespace {

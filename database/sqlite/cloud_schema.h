@@ -18,7 +18,7 @@ struct sqlite3;
 //   NAME_column  what the columns are (StoredColumn), in their order
 //   NAME_chunk   positions of chunks of points in Morton order: 3 int32 lattice steps per point
 //   NAME_value   the other values: blob `blob` of chunk `chunk` has the id blob * 2^32 + chunk
-//   NAME_bounds  boxes of the chunks (database/sqlite/box_tree.h)
+//   NAME_bounds  boxes of the chunks (database/sqlite/chunk_store.h)
 //
 // Numbers in blobs are little endian.
 

@@ -8,10 +8,8 @@
 #include <utility>
 
 #include "database/sqlite/functions.h"
-#include "database/sqlite/plan.h"
 #include "database/sqlite/scan.h"
-#include "database/sqlite/sql_values.h"
-#include "database/stored_value.h"
+#include "database/stored_column.h"
 
 namespace alidade {
 namespace {

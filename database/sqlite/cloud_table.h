@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "database/sqlite/scan_reads.h"
+#include "database/sqlite/connection.h"
 
 struct sqlite3;
 

@@ -5,7 +5,6 @@
 
 #include "database/sqlite/cloud_table.h"
 #include "database/sqlite/functions.h"
-#include "database/sqlite/statement.h"
 
 namespace alidade {
 namespace {

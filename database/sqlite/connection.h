@@ -1,13 +1,141 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <span>
+#include <string>
+#include <utility>
 
-#include "database/sqlite/scan_reads.h"
+#include "base/error.h"
+#include "database/sql_name.h"
 #include "database/sqlite/sqlite_api.h"
 
 namespace alidade {
+
+/// What scans of clouds have read.
+struct ScanReads {
+  std::uint64_t scans = 0;        ///< a table in a join is scanned once for each row before it
+  std::uint64_t chunks = 0;       ///< that the clouds have, summed over the scans
+  std::uint64_t chunks_read = 0;  ///< of these
+  std::uint64_t points_read = 0;  ///< in these
+  std::uint64_t rows_given = 0;   ///< points that SQLite got to see
+
+  ScanReads& operator+=(const ScanReads& other) {
+    scans += other.scans;
+    chunks += other.chunks;
+    chunks_read += other.chunks_read;
+    points_read += other.points_read;
+    rows_given += other.rows_given;
+    return *this;
+  }
+};
+
+/// The file of one of a connection's databases, as messages name it.
+inline std::string file_of(sqlite3* database, const std::string& schema = "main") {
+  const char* const file = sqlite3_db_filename(database, schema.c_str());
+  return file == nullptr ? "" : file;
+}
+
+/// An Error for which SQLite has a code.
+class SqliteError : public Error {
+ public:
+  SqliteError(int code, Parts parts) : Error(std::move(parts)), code_(code) {}
+  int code() const { return code_; }
+
+ private:
+  int code_;
+};
+
+/// What a statement may read.
+enum class Readable {
+  everything,
+  /// No virtual tables and no views: the tables of a cloud could be made such that reading them reads the
+  /// cloud again.
+  plain_tables,
+};
+
+/// A prepared statement of SQLite. Parameters and columns are counted as SQLite does: from 1 and from 0.
+/// Errors of all members: SQLite's message, with the name of the database file.
+class Statement {
+ public:
+  /// `schema`: the database that it is about, for messages.
+  Statement(sqlite3* database, const std::string& sql, Readable readable = Readable::everything,
+            std::string schema = "main")
+      : database_(database), schema_(std::move(schema)) {
+    const unsigned flags = readable == Readable::plain_tables ? SQLITE_PREPARE_NO_VTAB : 0;
+    const int result =
+        sqlite3_prepare_v3(database, sql.c_str(), static_cast<int>(sql.size()), flags, &statement_, nullptr);
+    if (result != SQLITE_OK) fail();
+  }
+  ~Statement() { sqlite3_finalize(statement_); }
+  Statement(const Statement&) = delete;
+  Statement& operator=(const Statement&) = delete;
+
+  Statement& bind(int place, std::int64_t value) {
+    return check(sqlite3_bind_int64(statement_, place, value));
+  }
+  Statement& bind(int place, double value) { return check(sqlite3_bind_double(statement_, place, value)); }
+  Statement& bind(int place, const std::string& text) {
+    return check(
+        sqlite3_bind_text64(statement_, place, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+  }
+  Statement& bind_null(int place) { return check(sqlite3_bind_null(statement_, place)); }
+  /// The bytes must stay until the next step().
+  Statement& bind(int place, std::span<const std::byte> bytes) {
+    return check(sqlite3_bind_blob64(statement_, place, bytes.data(), bytes.size(), SQLITE_STATIC));
+  }
+  /// Whether there is another row.
+  bool step() {
+    const int result = sqlite3_step(statement_);
+    if (result != SQLITE_ROW && result != SQLITE_DONE) fail();
+    return result == SQLITE_ROW;
+  }
+  /// Runs a statement without rows, after which it can be bound and run again.
+  void run() {
+    step();
+    reset();
+  }
+  void reset() { sqlite3_reset(statement_); }
+
+  /// SQLITE_INTEGER, SQLITE_FLOAT, SQLITE_TEXT, SQLITE_BLOB or SQLITE_NULL.
+  int type(int column) const { return sqlite3_column_type(statement_, column); }
+  bool is_null(int column) const { return sqlite3_column_type(statement_, column) == SQLITE_NULL; }
+  std::int64_t whole(int column) const { return sqlite3_column_int64(statement_, column); }
+  double number(int column) const { return sqlite3_column_double(statement_, column); }
+  std::string text(int column) const {
+    const unsigned char* const start = sqlite3_column_text(statement_, column);
+    return start == nullptr ? std::string() : std::string(reinterpret_cast<const char*>(start));
+  }
+  /// Until the next step().
+  std::span<const std::byte> bytes(int column) const {
+    const void* const start = sqlite3_column_blob(statement_, column);
+    return {static_cast<const std::byte*>(start),
+            static_cast<std::size_t>(sqlite3_column_bytes(statement_, column))};
+  }
+
+ private:
+  Statement& check(int result) {
+    if (result != SQLITE_OK) fail();
+    return *this;
+  }
+  [[noreturn]] void fail() const {
+    const std::string file = file_of(database_, schema_), message = sqlite3_errmsg(database_);
+    // A cloud's own messages begin with it.
+    throw SqliteError(sqlite3_errcode(database_),
+                      {.file = message.starts_with(file + ":") ? "" : file, .problem = message});
+  }
+
+  sqlite3* database_;
+  std::string schema_;
+  sqlite3_stmt* statement_ = nullptr;
+};
+
+/// Runs SQL without parameters and rows.
+inline void run(sqlite3* database, const std::string& sql) {
+  Statement(database, sql).run();
+}
 
 /// A connection to an SQLite file with the functions and the table module of Alidade. For one thread at a
 /// time.

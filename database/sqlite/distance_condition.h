@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "database/sqlite/token_list.h"
+#include "database/sqlite/sql_tokens.h"
 
 namespace alidade {
 

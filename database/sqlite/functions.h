@@ -1,9 +1,65 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <exception>
+#include <new>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "database/point_filter.h"
+#include "database/sqlite/connection.h"
 #include "database/sqlite/sqlite_api.h"
 
+// What SQLite hands to functions and tables of the module, and what they answer.
+
 namespace alidade {
+
+/// Runs `work` for a callback of SQLite, through which no exception may pass; `fail` gets the message.
+template <class Work, class Fail>
+int guarded(const Work& work, const Fail& fail) {
+  try {
+    return work();
+  } catch (const std::bad_alloc&) {
+    return SQLITE_NOMEM;
+  } catch (const SqliteError& error) {
+    fail(error.what());
+    return error.code();
+  } catch (const std::exception& error) {
+    fail(error.what());
+    return SQLITE_ERROR;
+  }
+}
+
+/// The numbers of some arguments; empty if one of them is NULL. Errors: one is neither number nor NULL, named
+/// with `function` and counted from 1.
+template <std::size_t count>
+std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const> values,
+                                                 const char* function);
+
+extern template std::optional<std::array<double, 6>> numbers<6>(std::span<sqlite3_value* const>, const char*);
+extern template std::optional<std::array<double, 8>> numbers<8>(std::span<sqlite3_value* const>, const char*);
+extern template std::optional<std::array<double, 9>> numbers<9>(std::span<sqlite3_value* const>, const char*);
+
+/// A limit on dist_ray or dist_plane as one SQL value: what ray_limit() and plane_limit() answer and
+/// in_chunk() takes.
+struct DistanceLimit {
+  enum class Kind : unsigned char { none, ray, plane };
+  Kind kind = Kind::none;
+  /// Place and direction or normal, as they were given; least and largest distance, inclusive.
+  std::array<double, 8> numbers{};
+};
+
+std::vector<std::byte> encode(const DistanceLimit& limit);
+
+/// Errors: the bytes are not what encode() gave.
+DistanceLimit decode_distance_limit(std::span<const std::byte> bytes);
+
+/// Adds the limit to what a filter demands; none adds nothing. Errors: as make_ray() and make_plane().
+void add(const DistanceLimit& limit, PointFilter& filter);
 
 /// Gives a connection the functions
 ///   dist_ray(ox,oy,oz, dx,dy,dz, x,y,z)    distance of a point to the line through o along d (eq. 1)

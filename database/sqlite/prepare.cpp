@@ -1,15 +1,226 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/prepare.h"
 
+#include <algorithm>
 #include <fmt/format.h>
-
+#include <map>
 #include <utility>
 
 #include "base/error.h"
-#include "database/sqlite/prune_statement.h"
+#include "database/sqlite/distance_condition.h"
 #include "database/sqlite/sql_tokens.h"
 
 namespace alidade {
+namespace {
+
+/// Deeper parentheses are not looked into.
+constexpr int k_deepest = 64;
+
+/// Why a statement is left alone, whatever its conditions are; empty if there is no such reason.
+std::string reason_to_leave(const TokenList& tokens) {
+  if (!tokens.is_sound()) return "it is not understood";
+  std::size_t first = 0;
+  if (tokens.is_word(0, "explain")) first = tokens.is_word(1, "query") ? 3 : 1;
+  if (tokens.is_word(first, "with")) return "it has a WITH clause";
+  if (!tokens.is_word(first, "select")) return "it is no SELECT";
+  bool has_distance = false, has_plain = false, has_named = false;
+  for (std::size_t i = first + 1; i < tokens.size(); ++i) {
+    if (tokens.is_word(i, "select")) return "it has more than one SELECT";
+    if (tokens.is_word(i, "values")) return "it has VALUES";
+    if (tokens.is_one_of(i, {"natural", "using", "right", "full"}))
+      return "it has a NATURAL, USING, RIGHT or FULL join";
+    if (tokens.is(i, SqlTokenKind::parameter)) (tokens.text(i) == "?" ? has_plain : has_named) = true;
+    has_distance = has_distance || is_distance(tokens, i);
+  }
+  if (!has_distance) return "it has no condition on dist_ray or dist_plane";
+  if (has_plain && has_named) return "only some of its parameters are plain question marks";
+  return {};
+}
+
+/// A join whose ON is read.
+struct Join {
+  bool is_left = false;
+  std::string table;  ///< what the joined table is called, as it stands there; empty if that is not clear
+};
+
+class Pruner {
+ public:
+  explicit Pruner(std::string_view sql) : sql_(sql), tokens_(sql) {}
+
+  PrunedStatement prune() {
+    reason_ = reason_to_leave(tokens_);
+    if (!reason_.empty()) return {.text = {}, .reason = reason_};
+    number_parameters();
+    read_clauses();
+    if (before_.empty()) note("dist_ray or dist_plane stands in no condition in WHERE or ON");
+    return {.text = before_.empty() ? std::string() : text(), .reason = reason_};
+  }
+
+ private:
+  void number_parameters() {
+    int count = 0;
+    for (std::size_t i = 0; i < tokens_.size(); ++i) {
+      if (tokens_.is(i, SqlTokenKind::parameter) && tokens_.text(i) == "?")
+        numbered_[i].append(1, '?').append(std::to_string(++count));
+    }
+  }
+
+  std::string token_text(std::size_t place) const {
+    const auto numbered = numbered_.find(place);
+    return numbered == numbered_.end() ? std::string(tokens_.text(place)) : numbered->second;
+  }
+
+  std::string range_text(TokenRange range) const {
+    std::string text;
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      // Of comments and line breaks between tokens a blank is left.
+      if (i > range.begin && tokens_[i].begin > tokens_[i - 1].end) text += ' ';
+      text += token_text(i);
+    }
+    return text;
+  }
+
+  /// Looks for ON and WHERE outside parentheses.
+  void read_clauses() {
+    Join join;
+    for (std::size_t i = 0; i < tokens_.size();) {
+      if (tokens_.is_sign(i, "(")) {
+        i = tokens_.closing(i) + 1;
+      } else if (tokens_.is_word(i, "join")) {
+        join = read_join(i);
+        ++i;
+      } else if (tokens_.is_word(i, "on")) {
+        i = conditions(i + 1, join, 0);
+      } else if (tokens_.is_word(i, "where")) {
+        i = conditions(i + 1, Join{}, 0);
+      } else {
+        ++i;
+      }
+    }
+  }
+
+  Join read_join(std::size_t place) const {
+    Join join;
+    join.is_left = place > 0 && tokens_.is_one_of(place - 1, {"left", "outer"});
+    std::size_t i = place + 1;
+    if (!tokens_.is_name(i)) return join;
+    while (tokens_.is_sign(i + 1, ".") && tokens_.is_name(i + 2)) i += 2;
+    join.table = tokens_.text(i++);
+    if (tokens_.is_sign(i, "(")) i = tokens_.closing(i) + 1;
+    if (tokens_.is_word(i, "as")) ++i;
+    if (tokens_.is_name(i) && !tokens_.is_one_of(i, {"on", "indexed", "not"})) join.table = tokens_.text(i);
+    return join;
+  }
+
+  /// Conditions between AND and OR. The place behind them.
+  std::size_t conditions(std::size_t i, const Join& join, int depth) {
+    while (true) {
+      i = condition(i, join, depth);
+      if (!tokens_.is_one_of(i, {"and", "or"})) return i;
+      ++i;
+    }
+  }
+
+  std::size_t condition(std::size_t i, const Join& join, int depth) {
+    while (tokens_.is_word(i, "not")) ++i;
+    if (tokens_.is_sign(i, "(") && ends_condition(tokens_, tokens_.closing(i) + 1)) {
+      const std::size_t closing = tokens_.closing(i);
+      if (depth < k_deepest)
+        conditions(i + 1, join, depth + 1);
+      else
+        note("it has very many parentheses");
+      return closing + 1;
+    }
+    ConditionAnswer answer = read_condition(tokens_, i);
+    if (answer.condition) {
+      add_limit(*answer.condition, join);
+      return answer.condition->place.end;
+    }
+    note(answer.reason);
+    const std::size_t end = skip_condition(i);
+    for (; i < end; ++i) {
+      if (is_distance(tokens_, i)) note("a distance is part of a larger expression");
+    }
+    return end;
+  }
+
+  /// The end of a condition that is left as it is. An AND that belongs to BETWEEN does not end it.
+  std::size_t skip_condition(std::size_t i) const {
+    int between = 0, cases = 0;
+    for (; i < tokens_.size(); ++i) {
+      if (tokens_.is_sign(i, "(")) {
+        i = tokens_.closing(i);
+      } else if (tokens_.is_word(i, "case")) {
+        ++cases;
+      } else if (tokens_.is_word(i, "end") && cases > 0) {
+        --cases;
+      } else if (tokens_.is_word(i, "between") && cases == 0) {
+        ++between;
+      } else if (tokens_.is_word(i, "and") && cases == 0 && between > 0) {
+        --between;
+      } else if (ends_condition(tokens_, i) && cases == 0) {
+        break;
+      }
+    }
+    return i;
+  }
+
+  void add_limit(const DistanceCondition& condition, const Join& join) {
+    std::string table = range_text(condition.table);
+    if (join.is_left) {
+      // A limit on a table that keeps its rows must not take any away.
+      const bool is_joined = condition.table.begin == condition.table.end ||
+                             (condition.table.end - condition.table.begin == 2 &&
+                              plain_name(tokens_.text(condition.table.begin)) == plain_name(join.table));
+      if (join.table.empty() || !is_joined) {
+        note("a condition in ON of LEFT JOIN is not on the joined table");
+        return;
+      }
+      table = std::string(join.table).append(".");
+    }
+    const bool is_ray = condition.function == "dist_ray";
+    std::string limit = " AND in_chunk(";
+    limit.append(table).append("_chunk, ").append(is_ray ? "try_ray_limit(" : "try_plane_limit(");
+    for (const TokenRange& number : condition.ray) limit += range_text(number) + ", ";
+    // 1e999 is SQL for infinity; no distance to a ray is below 0.
+    limit += condition.least ? range_text(*condition.least) : is_ray ? "0" : "-1e999";
+    limit += ", " + (condition.largest ? range_text(*condition.largest) : "1e999") + "))";
+    before_[condition.place.begin] += "(";
+    behind_[condition.place.end - 1] += limit + ")";
+  }
+
+  void note(const std::string& reason) {
+    if (reason_.empty()) reason_ = reason;
+  }
+
+  std::string text() const {
+    const auto added = [](const std::map<std::size_t, std::string>& texts, std::size_t place) {
+      const auto found = texts.find(place);
+      return found == texts.end() ? std::string() : found->second;
+    };
+    std::string text;
+    std::size_t end = 0;
+    for (std::size_t i = 0; i < tokens_.size(); ++i) {
+      text += sql_.substr(end, tokens_[i].begin - end);
+      text += added(before_, i) + token_text(i) + added(behind_, i);
+      end = tokens_[i].end;
+    }
+    return text.append(sql_.substr(end));
+  }
+
+  std::string_view sql_;
+  TokenList tokens_;
+  std::map<std::size_t, std::string> numbered_;         ///< texts of plain parameters, by token
+  std::map<std::size_t, std::string> before_, behind_;  ///< what is put before and behind tokens
+  std::string reason_;
+};
+
+}  // namespace
+
+PrunedStatement prune_statement(std::string_view sql) {
+  return Pruner(sql).prune();
+}
+
 namespace {
 
 struct Parsed {

@@ -1,30 +1,75 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/store_cloud.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <span>
+#include <string>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
 #include "cloud/rows.h"
 #include "database/point_stream.h"
-#include "database/sqlite/box_tree.h"
-#include "database/sqlite/chunk_writer.h"
+#include "database/sqlite/chunk_store.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
-#include "database/sqlite/statement.h"
-#include "database/streamed_columns.h"
 
 namespace alidade {
+
+/// Writes chunk after chunk into the tables of a cloud (database/sqlite/cloud_schema.h).
+class ChunkWriter {
+ public:
+  ChunkWriter(sqlite3* database, const std::string& table, const ChunkEncoding& encoding);
+
+  void write(const EncodedChunks& chunks);
+
+  /// Of the chunks written so far.
+  std::vector<Bounds> boxes() && { return std::move(boxes_); }
+
+ private:
+  const ChunkEncoding& encoding_;
+  Statement chunk_, value_;
+  std::vector<Bounds> boxes_;
+};
+
+ChunkWriter::ChunkWriter(sqlite3* database, const std::string& table, const ChunkEncoding& encoding)
+    : encoding_(encoding),
+      chunk_(database, "INSERT INTO " + part_name("main", table, "chunk") + " VALUES(?,?,?)"),
+      value_(database, "INSERT INTO " + part_name("main", table, "value") + " VALUES(?,?)") {}
+
+void ChunkWriter::write(const EncodedChunks& chunks) {
+  const std::size_t count = chunks.positions.size();
+  const std::uint64_t first = boxes_.size();
+  const auto points_of = [&](std::size_t chunk) {
+    return std::min<std::size_t>(encoding_.chunk_points, count - chunk * encoding_.chunk_points);
+  };
+  for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {
+    const auto positions =
+        std::span(chunks.positions).subspan(chunk * encoding_.chunk_points, points_of(chunk));
+    chunk_.bind(1, static_cast<std::int64_t>(first + chunk));
+    chunk_.bind(2, static_cast<std::int64_t>(positions.size())).bind(3, std::as_bytes(positions)).run();
+  }
+  // Blob by blob, since those of one number stand beside each other.
+  for (std::size_t blob = 0; blob < chunks.blobs.size(); ++blob) {
+    const std::size_t size = count == 0 ? 0 : chunks.blobs[blob].size() / count;
+    for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {
+      value_.bind(1, value_id(static_cast<int>(blob), first + chunk));
+      value_.bind(2, std::span(chunks.blobs[blob])
+                         .subspan(chunk * encoding_.chunk_points * size, points_of(chunk) * size));
+      value_.run();
+    }
+  }
+  boxes_.insert(boxes_.end(), chunks.boxes.begin(), chunks.boxes.end());
+}
+
 namespace {
 
 constexpr const char* k_schema = "main";

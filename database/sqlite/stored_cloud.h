@@ -3,11 +3,15 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/progress.h"
+#include "cloud/cloud_inputs.h"
 #include "cloud/point_cloud.h"
+#include "database/point_filter.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/connection.h"
 
@@ -82,5 +86,16 @@ class StoredCloud {
   std::vector<const StoredColumn*> dimensions_;
   std::uint64_t file_bytes_;
 };
+
+/// Reads the points of those chunks of a cloud in SQLite that may hold one for which a filter holds, and so
+/// at least all for which one does. `progress` is in chunks. Errors: StoredCloud's and ChunkStore's; two
+/// points with one id. Cost: each filter is tested against boxes of chunks, level by level; the chunks.
+CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> any_of,
+                          AttributeSet attributes, const Progress& progress = {});
+
+/// Clouds that store_cloud() wrote, for add_cloud_database(): points come back in the rows they had, with all
+/// attributes. Names: SqliteCloudName. Errors when opened: StoredCloud's. When read: ChunkStore's; ids that
+/// are no rows.
+CloudDatabase sqlite_clouds();
 
 }  // namespace alidade

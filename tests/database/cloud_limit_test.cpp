@@ -8,8 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "database/postgres/distance_share.h"
-#include "database/postgres/point_order.h"
 #include "octree/morton.h"
 #include "tests/support/random.h"
 

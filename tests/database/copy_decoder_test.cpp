@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What servers send is read wherever it is cut, and checked: counts, lengths, its end.
-#include "database/server/copy_decoder.h"
+#include "database/server/copy_format.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,7 @@
 
 #include "base/error.h"
 #include "cloud/rows.h"
-#include "database/server/cloud_values.h"
-#include "database/server/filter_condition.h"
+#include "database/server/server_cloud.h"
 #include "database/server/server_sql.h"
 
 namespace alidade::test {

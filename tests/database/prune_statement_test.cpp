@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What limits are put into which statements, and why none into others.
-#include "database/sqlite/prune_statement.h"
+#include "database/sqlite/prepare.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
-#include "database/sqlite/read_cloud_table.h"
+#include "database/sqlite/stored_cloud.h"
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "database/sqlite/connection.h"
-#include "database/sqlite/statement.h"
 #include "database/sqlite/store_cloud.h"
 #include "tests/support/random.h"
 

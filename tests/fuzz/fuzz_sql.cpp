@@ -10,7 +10,6 @@
 
 #include "database/sqlite/functions.h"
 #include "database/sqlite/prepare.h"
-#include "database/sqlite/prune_statement.h"
 #include "database/sqlite/sql_tokens.h"
 
 namespace {

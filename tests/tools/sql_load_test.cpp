@@ -11,7 +11,6 @@
 #include "cloud/read_cloud.h"
 #include "database/sql_name.h"
 #include "database/sqlite/connection.h"
-#include "database/sqlite/statement.h"
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {

@@ -7,7 +7,6 @@
 #include <thread>
 
 #include "database/sqlite/connection.h"
-#include "database/sqlite/statement.h"
 #include "database/sqlite/store_cloud.h"
 #include "tests/tools/run_program.h"
 #include "tests/tools/sql_site.h"

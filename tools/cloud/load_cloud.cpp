@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include "cloud/cloud_inputs.h"
-#include "database/server/read_server_part.h"
+#include "database/server/read_server.h"
 #include "database/server/server_name.h"
-#include "database/sqlite/read_cloud_part.h"
+#include "database/sqlite/stored_cloud.h"
 
 namespace alidade {
 

@@ -5,7 +5,6 @@
 #include <span>
 
 #include "base/progress.h"
-#include "database/cloud_part.h"
 #include "database/point_filter.h"
 
 namespace alidade {
@@ -18,7 +17,7 @@ bool has_parts(const std::filesystem::path& name);
 const char* part_unit(const std::filesystem::path& name);
 
 /// Reads those points of a cloud in a database that are needed: at least all for which a filter holds
-/// (database/sqlite/read_cloud_part.h, database/server/read_server_part.h). Requires has_parts(name).
+/// (database/sqlite/stored_cloud.h, database/server/read_server.h). Requires has_parts(name).
 CloudPart read_database_part(const std::filesystem::path& name, std::span<const PointFilter> any_of,
                              AttributeSet attributes, const Progress& progress);
 

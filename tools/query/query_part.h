@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/progress.h"
-#include "database/cloud_part.h"
+#include "database/point_filter.h"
 #include "tools/query/query.h"
 
 namespace alidade {

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "database/sqlite/prepare.h"
-#include "database/sqlite/token_list.h"
+#include "database/sqlite/sql_tokens.h"
 #include "tools/interrupt.h"
 #include "tools/message.h"
 
