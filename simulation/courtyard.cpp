@@ -1,9 +1,224 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/courtyard.h"
 
+#include <glm/geometric.hpp>
 #include <utility>
 
+#include "cloud/las/write_las.h"
 #include "simulation/courtyard_parts.h"
+
+namespace alidade::courtyard_parts {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr dvec3 k_up(0.0, 0.0, 1.0);
+constexpr dvec3 k_iron(0.17, 0.18, 0.18);
+
+void add_fountain(Objects& objects, const dvec2& place) {
+  const dvec3 foot(place, 0.0);
+  const auto at = [&](double height) { return foot + height * k_up; };
+  const Finish stone{.material = SiteMaterial::stone, .tint = {0.72, 0.69, 0.63}, .seed = 101};
+  const Finish water{.material = SiteMaterial::water, .seed = 102};
+  objects.push_back({rod(at(-0.1), at(0.55), 2.55, 2.5), stone});
+  objects.push_back({rod(at(0.55), at(0.68), 2.68, 2.68), stone});
+  objects.push_back({shapes::Disc{at(0.55), k_up, 2.68, 2.45}, stone});
+  objects.push_back({shapes::Disc{at(0.68), k_up, 2.68, 2.2}, stone});
+  objects.push_back({rod(at(0.3), at(0.68), 2.2, 2.2), stone});
+  objects.push_back({shapes::Disc{at(0.5), k_up, 2.2, 0.0}, water});
+  objects.push_back({rod(at(0.3), at(0.8), 0.5, 0.3), stone});
+  objects.push_back({rod(at(0.8), at(1.6), 0.24, 0.2), stone});
+  objects.push_back({rod(at(1.55), at(1.95), 0.22, 1.1), stone});
+  objects.push_back({shapes::Disc{at(1.95), k_up, 1.1, 0.98}, stone});
+  objects.push_back({shapes::Disc{at(1.91), k_up, 0.99, 0.0}, water});
+  objects.push_back({rod(at(1.9), at(2.5), 0.16, 0.11), stone});
+  objects.push_back({shapes::Sphere{at(2.68), 0.24}, stone});
+}
+
+/// A slatted bench that faces `forward`.
+void add_bench(Objects& objects, const dvec2& place, const dvec2& forward) {
+  const Finish wood{.material = SiteMaterial::wood, .tint = {0.56, 0.39, 0.24}, .seed = 110};
+  const Finish iron{.material = SiteMaterial::metal, .tint = k_iron};
+  const auto at = [&](double ahead, double sideways, double height) {
+    return dvec3(place + ahead * forward + sideways * dvec2(-forward.y, forward.x), height);
+  };
+  for (const double ahead : {-0.2, -0.06, 0.08, 0.22})
+    objects.push_back({turned_box(at(ahead, 0.0, 0.45), forward, {0.06, 0.9, 0.02}), wood});
+  for (const double height : {0.62, 0.77, 0.92})
+    objects.push_back(
+        {turned_box(at(-0.30 - 0.1 * (height - 0.6), 0.0, height), forward, {0.018, 0.9, 0.055}), wood});
+  for (const double side : {-0.7, 0.7}) {
+    objects.push_back({turned_box(at(0.0, side, 0.215), forward, {0.24, 0.03, 0.215}), iron});
+    objects.push_back({turned_box(at(-0.335, side, 0.5), forward, {0.02, 0.03, 0.5}), iron});
+  }
+}
+
+void add_lamp_post(Objects& objects, const dvec2& place) {
+  const Finish iron{.material = SiteMaterial::metal, .tint = k_iron};
+  const dvec3 foot(place, 0.0);
+  const auto at = [&](double height) { return foot + height * k_up; };
+  objects.push_back({rod(at(-0.1), at(0.7), 0.13, 0.10), iron});
+  objects.push_back({rod(at(0.7), at(3.6), 0.065, 0.045), iron});
+  objects.push_back({rod(at(3.6), at(3.72), 0.05, 0.16), iron});
+  objects.push_back({rod(at(3.72), at(4.12), 0.14, 0.21),
+                     {.material = SiteMaterial::lamp_glass, .tint = {0.88, 0.86, 0.78}}});
+  objects.push_back({rod(at(4.12), at(4.36), 0.27, 0.05), iron});
+  objects.push_back({shapes::Disc{at(4.12), k_up, 0.27, 0.0}, iron});
+  objects.push_back({shapes::Sphere{at(4.4), 0.06}, iron});
+}
+
+void add_barrel(Objects& objects, const dvec2& place) {
+  const Finish wood{.material = SiteMaterial::wood, .tint = {0.50, 0.36, 0.24}, .seed = 120};
+  const Finish hoop{.material = SiteMaterial::metal, .tint = {0.30, 0.28, 0.26}};
+  const auto at = [&](double height) { return dvec3(place, height); };
+  objects.push_back({rod(at(0.0), at(0.45), 0.30, 0.36), wood});
+  objects.push_back({rod(at(0.45), at(0.90), 0.36, 0.30), wood});
+  objects.push_back({shapes::Disc{at(0.87), k_up, 0.31, 0.0}, wood});
+  for (const double height : {0.14, 0.70})
+    objects.push_back({rod(at(height), at(height + 0.06), 0.345, 0.345), hoop});
+}
+
+/// A stone ball on a low block.
+void add_stone_ball(Objects& objects, const dvec2& place) {
+  const Finish stone{.material = SiteMaterial::stone, .tint = {0.68, 0.66, 0.62}, .seed = 130};
+  objects.push_back(
+      {upright_box({place.x - 0.36, place.y - 0.36, -0.1}, {place.x + 0.36, place.y + 0.36, 0.4}), stone});
+  objects.push_back({shapes::Sphere{{place.x, place.y, 0.78}, 0.40}, stone});
+}
+
+/// The white sphere surveyors join their stations by, on a pole.
+void add_target(Objects& objects, const dvec2& place) {
+  objects.push_back({rod({place, 0.0}, {place, 1.3}, 0.02, 0.02),
+                     {.material = SiteMaterial::metal, .tint = {0.55, 0.55, 0.56}}});
+  objects.push_back(
+      {shapes::Sphere{{place, 1.4}, 0.1}, {.material = SiteMaterial::target, .tint = dvec3(0.95)}});
+}
+
+}  // namespace
+
+void add_furniture(Objects& objects) {
+  add_fountain(objects, {0.0, -0.5});
+  constexpr double k_diagonal = 0.70710678118654752;
+  for (const dvec2 direction : {dvec2(k_diagonal, k_diagonal), dvec2(-k_diagonal, k_diagonal),
+                                dvec2(-k_diagonal, -k_diagonal), dvec2(k_diagonal, -k_diagonal)})
+    add_bench(objects, dvec2(0.0, -0.5) + 6.0 * direction, -direction);
+  add_bench(objects, {-23.6, 2.0}, {1.0, 0.0});
+  for (const dvec2 place : {dvec2(-8.6, -13.0), dvec2(1.6, -13.0), dvec2(-8.0, 13.9), dvec2(8.0, 13.9),
+                            dvec2(-30.0, -31.2), dvec2(2.0, -31.2), dvec2(34.0, -31.2)})
+    add_lamp_post(objects, place);
+  for (const dvec2 place : {dvec2(-23.5, -11.6), dvec2(-22.9, -12.2), dvec2(-23.7, -12.5)})
+    add_barrel(objects, place);
+  for (const double x : {-7.9, -2.1}) {
+    add_stone_ball(objects, {x, -16.8});
+    add_stone_ball(objects, {x, -26.8});
+  }
+  for (const dvec2 place : {dvec2(5.6, 10.4), dvec2(-17.5, 0.5), dvec2(9.0, -6.0), dvec2(20.5, 1.6)})
+    add_target(objects, place);
+}
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+/// A car's own frame: x ahead, y to the left, z up from the road.
+struct CarFrame {
+  dvec3 place;
+  dvec3 ahead, left;
+
+  dvec3 direction(const dvec3& v) const { return v.x * ahead + v.y * left + dvec3(0, 0, v.z); }
+  dvec3 position(const dvec3& v) const { return place + direction(v); }
+};
+
+/// One side of the bodywork: through a place, facing along a normal of any length, both in the car's frame.
+struct Side {
+  dvec3 through, normal;
+};
+
+shapes::ConvexSolid bodywork(const CarFrame& frame, const std::vector<Side>& sides, const dvec3& min,
+                             const dvec3& max) {
+  shapes::ConvexSolid solid;
+  for (const Side& side : sides) {
+    const dvec3 normal = frame.direction(glm::normalize(side.normal));
+    solid.sides.push_back({normal, glm::dot(normal, frame.position(side.through))});
+  }
+  for (const double x : {min.x, max.x})
+    for (const double y : {min.y, max.y})
+      for (const double z : {min.z, max.z}) solid.bounds.grow(frame.position({x, y, z}));
+  return solid;
+}
+
+void add_wheel(Objects& objects, const CarFrame& frame, double x, double side) {
+  constexpr double k_radius = 0.33;
+  const auto at = [&](double y) { return frame.position({x, side * y, k_radius}); };
+  const dvec3 outward = side * frame.left;
+  const Finish tyre{.material = SiteMaterial::tyre};
+  objects.push_back({rod(at(0.66), at(0.905), k_radius, k_radius), tyre});
+  objects.push_back({shapes::Disc{at(0.905), outward, k_radius, 0.0}, tyre});
+  objects.push_back({shapes::Disc{at(0.66), outward, k_radius, 0.0},
+                     {.material = SiteMaterial::car_body, .tint = dvec3(0.08)}});
+  objects.push_back({shapes::Disc{at(0.893), outward, 0.395, 0.0},
+                     {.material = SiteMaterial::car_body, .tint = dvec3(0.07)}});
+}
+
+void add_car(Objects& objects, const dvec3& place, const dvec2& forward, const dvec3& tint) {
+  const CarFrame frame{place, dvec3(forward, 0.0), dvec3(-forward.y, forward.x, 0.0)};
+  std::vector<Side> body = {{{0, 0, 0.24}, {0, 0, -1}},        {{0, 0, 0.93}, {0, 0, 1}},
+                            {{2.18, 0, 0.5}, {1, 0, 0.10}},    {{2.18, 0, 0.45}, {0.8, 0, -0.6}},
+                            {{1.05, 0, 0.93}, {0.11, 0, 1}},   {{2.08, 0, 0.76}, {0.7, 0, 0.7}},
+                            {{-2.15, 0, 0.6}, {-1, 0, 0.06}},  {{-2.15, 0, 0.42}, {-0.8, 0, -0.6}},
+                            {{-2.08, 0, 0.88}, {-0.7, 0, 0.7}}};
+  std::vector<Side> cabin = {{{0, 0, 0.85}, {0, 0, -1}},          {{0, 0, 1.46}, {0, 0, 1}},
+                             {{1.08, 0, 0.90}, {0.70, 0, 0.714}}, {{-1.95, 0, 0.90}, {-0.84, 0, 0.54}},
+                             {{0.30, 0, 1.44}, {0.25, 0, 0.96}},  {{-1.1, 0, 1.43}, {-0.22, 0, 0.97}}};
+  for (const double side : {-1.0, 1.0}) {
+    body.push_back({{0, side * 0.89, 0.55}, {0, side, 0}});
+    body.push_back({{0, side * 0.89, 0.50}, {0, side * 0.97, -0.24}});
+    body.push_back({{0, side * 0.88, 0.80}, {0, side * 0.85, 0.52}});
+    body.push_back({{2.16, side * 0.60, 0.5}, {0.72, side * 0.69, 0}});
+    body.push_back({{-2.13, side * 0.66, 0.5}, {-0.72, side * 0.69, 0}});
+    cabin.push_back({{0, side * 0.80, 0.92}, {0, side * 0.93, 0.36}});
+    cabin.push_back({{0, side * 0.52, 1.45}, {0, side * 0.32, 0.947}});
+  }
+  objects.push_back({bodywork(frame, body, {-2.25, -0.9, 0.2}, {2.25, 0.9, 0.95}),
+                     {.material = SiteMaterial::car_body, .tint = tint}});
+  objects.push_back({bodywork(frame, cabin, {-2.0, -0.9, 0.8}, {1.2, 0.9, 1.5}),
+                     {.material = SiteMaterial::car_cabin, .tint = tint}});
+
+  const Finish paint{.material = SiteMaterial::metal, .tint = 0.97 * tint};
+  const Finish light{.material = SiteMaterial::metal, .tint = {0.88, 0.89, 0.88}},
+      rear_light{.material = SiteMaterial::metal, .tint = {0.60, 0.08, 0.08}};
+  const auto pillar = [&](const dvec3& foot, const dvec3& head, double radius) {
+    objects.push_back({rod(frame.position(foot), frame.position(head), radius, radius), paint});
+  };
+  for (const double side : {-1.0, 1.0}) {
+    add_wheel(objects, frame, 1.36, side);
+    add_wheel(objects, frame, -1.34, side);
+    pillar({1.06, side * 0.78, 0.91}, {0.50, side * 0.60, 1.42}, 0.035);
+    pillar({-0.30, side * 0.805, 0.91}, {-0.34, side * 0.61, 1.43}, 0.04);
+    pillar({-1.90, side * 0.77, 0.91}, {-1.50, side * 0.59, 1.41}, 0.06);
+    pillar({0.50, side * 0.60, 1.42}, {-1.50, side * 0.59, 1.42}, 0.03);
+    objects.push_back({shapes::Sphere{frame.position({2.03, side * 0.60, 0.66}), 0.115}, light});
+    objects.push_back({shapes::Sphere{frame.position({-2.03, side * 0.64, 0.72}), 0.105}, rear_light});
+    objects.push_back({shapes::Sphere{frame.position({0.78, side * 0.93, 0.98}), 0.085}, paint});
+  }
+  for (const double end : {2.17, -2.14})
+    objects.push_back({turned_box(frame.position({end, 0.0, 0.50}), forward, {0.03, 0.26, 0.055}),
+                       {.material = SiteMaterial::metal, .tint = dvec3(0.9)}});
+}
+
+}  // namespace
+
+void add_cars(Objects& objects, const shapes::Ground& ground) {
+  add_car(objects, {11.6, -9.0, 0.0}, {-0.6, 0.8}, {0.66, 0.12, 0.11});
+  add_car(objects, {14.8, -3.4, 0.0}, {-0.28, -0.96}, {0.17, 0.30, 0.52});
+  const dvec2 street(17.0, -33.4);
+  add_car(objects, dvec3(street, shapes::height_at(ground, street).height), {-1.0, 0.0}, {0.80, 0.80, 0.79});
+}
+
+}  // namespace alidade::courtyard_parts
 
 namespace alidade {
 
@@ -61,6 +276,47 @@ Site courtyard() {
   add_furniture(objects);
   add_cars(objects, land);
   return Site(std::move(objects), {690000.0, 5325000.0, 600.0});
+}
+
+ScanOptions courtyard_scan(std::uint64_t point_count, std::uint64_t seed) {
+  const glm::dvec3 origin(690000.0, 5325000.0, 600.0);
+  ScanOptions options;
+  options.point_count = point_count;
+  options.seed = seed;
+  const glm::dvec2 yard[] = {{-16.5, -1.5}, {-3.2, 9.5},  {8.0, 3.0},    {19.5, 9.8},
+                             {18.2, -8.4},  {5.2, -12.6}, {-11.9, -14.8}};
+  const glm::dvec2 street[] = {{-5.0, -30.5}, {28.0, -38.0}, {-36.0, -36.5}};
+  const shapes::Ground ground = courtyard_parts::ground();
+  const auto set_up = [&](const glm::dvec2& place) {
+    constexpr double k_tripod = 1.7;
+    options.stations.push_back(
+        {origin + glm::dvec3(place, shapes::height_at(ground, place).height + k_tripod)});
+  };
+  for (const glm::dvec2& place : yard) set_up(place);
+  for (const glm::dvec2& place : street) set_up(place);
+
+  constexpr double k_height = 60.0;
+  // Straight down along x; then along y looking ahead, there and back, for the walls.
+  for (const double y : {-26.0, 0.0, 26.0})
+    options.flight_lines.push_back(
+        {origin + glm::dvec3(-59.0, y, k_height), origin + glm::dvec3(59.0, y, k_height), 0.0, 46.0});
+  for (const double x : {-36.0, -12.0, 12.0, 36.0}) {
+    const double direction = x == -36.0 || x == 12.0 ? 1.0 : -1.0;
+    options.flight_lines.push_back({origin + glm::dvec3(x, -direction * 86.0, k_height),
+                                    origin + glm::dvec3(x, direction * 14.0, k_height), 30.0, 32.0});
+  }
+  return options;
+}
+
+void generate_courtyard(const std::filesystem::path& path, const GenerateOptions& options) {
+  const Site site = courtyard();
+  LasWriteOptions write_options;
+  write_options.overwrite = options.overwrite;
+  LasWriter writer(path, scan_header(site), scan_attributes(), write_options);
+  scan(
+      site, courtyard_scan(options.point_count, options.seed),
+      [&](const PointCloud& batch) { writer.write(batch); }, options.progress);
+  writer.finish();
 }
 
 }  // namespace alidade

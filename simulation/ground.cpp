@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "simulation/intersect_ground.h"
+#include "simulation/shapes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,128 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/site.h"
 
+#include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace alidade {
+
+namespace {
+
+constexpr std::size_t k_leaf_size = 3;
+constexpr int k_bin_count = 16;
+
+double half_area(const Bounds& bounds) {
+  const glm::dvec3 size = bounds.size();
+  return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
+/// A float beyond `value` in the direction of `limit`, with room for the rounding of the walk.
+float rounded_outwards(double value, float limit) {
+  const double margin = 1e-9 + std::fabs(value) * 1e-12;
+  const double beyond = limit > 0.0f ? value + margin : value - margin;
+  return std::nextafter(static_cast<float>(beyond), limit);
+}
+
+}  // namespace
+
+struct ShapeTree::Builder {
+  std::span<const Bounds> boxes;
+  std::vector<Node>& nodes;
+  std::vector<std::uint32_t>& items;
+
+  Bounds bounds_of(std::size_t begin, std::size_t end) const {
+    Bounds bounds;
+    for (std::size_t i = begin; i < end; ++i) bounds.grow(boxes[items[i]]);
+    return bounds;
+  }
+
+  /// Sorts the items of a node into two parts; where the second begins. Deep down, and where all centres are
+  /// equal, halves.
+  std::size_t split(std::size_t begin, std::size_t end, int depth) {
+    Bounds centers;
+    for (std::size_t i = begin; i < end; ++i) centers.grow(boxes[items[i]].center());
+    const glm::dvec3 size = centers.size();
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const auto first = items.begin() + static_cast<std::ptrdiff_t>(begin),
+               last = items.begin() + static_cast<std::ptrdiff_t>(end);
+    const auto halves = [&] {
+      const std::size_t middle = begin + (end - begin) / 2;
+      std::nth_element(first, items.begin() + static_cast<std::ptrdiff_t>(middle), last,
+                       [&](std::uint32_t a, std::uint32_t b) {
+                         const double x = boxes[a].center()[axis], y = boxes[b].center()[axis];
+                         return x < y || (x == y && a < b);
+                       });
+      return middle;
+    };
+    constexpr int k_depth_for_halves =
+        k_deepest - 32;  // 2^32 items at most: halving from here on stays within k_deepest
+    if (!(size[axis] > 0.0) || depth >= k_depth_for_halves) return halves();
+
+    const auto bin_of = [&](std::uint32_t item) {
+      const double place = (boxes[item].center()[axis] - centers.min[axis]) / size[axis] * k_bin_count;
+      return std::min(static_cast<int>(place), k_bin_count - 1);
+    };
+    std::array<Bounds, k_bin_count> bins;
+    std::array<std::size_t, k_bin_count> counts{};
+    for (std::size_t i = begin; i < end; ++i) {
+      const int bin = bin_of(items[i]);
+      bins[bin].grow(boxes[items[i]]);
+      ++counts[bin];
+    }
+    std::array<double, k_bin_count> cost_above{};
+    Bounds above;
+    std::size_t count_above = 0;
+    for (int bin = k_bin_count - 1; bin > 0; --bin) {
+      above.grow(bins[bin]);
+      count_above += counts[bin];
+      cost_above[bin] = half_area(above) * static_cast<double>(count_above);
+    }
+    Bounds below;
+    std::size_t count_below = 0;
+    double lowest = std::numeric_limits<double>::infinity();
+    int best = 1;
+    for (int bin = 1; bin < k_bin_count; ++bin) {
+      below.grow(bins[bin - 1]);
+      count_below += counts[bin - 1];
+      if (count_below == 0 || count_below == end - begin) continue;
+      const double cost = half_area(below) * static_cast<double>(count_below) + cost_above[bin];
+      if (cost < lowest) lowest = cost, best = bin;
+    }
+    const auto middle = std::partition(first, last, [&](std::uint32_t item) { return bin_of(item) < best; });
+    return static_cast<std::size_t>(middle - items.begin());
+  }
+
+  void build(std::uint32_t index, std::size_t begin, std::size_t end, int depth) {
+    const Bounds bounds = bounds_of(begin, end);
+    constexpr float k_infinity = std::numeric_limits<float>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      nodes[index].faces[0][axis] = rounded_outwards(bounds.min[axis], -k_infinity);
+      nodes[index].faces[1][axis] = rounded_outwards(bounds.max[axis], k_infinity);
+    }
+    if (end - begin <= k_leaf_size) {
+      nodes[index].first = static_cast<std::uint32_t>(begin);
+      nodes[index].count = static_cast<std::uint32_t>(end - begin);
+      return;
+    }
+    const std::size_t middle = split(begin, end, depth);
+    const auto children = static_cast<std::uint32_t>(nodes.size());
+    nodes.resize(nodes.size() + 2);
+    nodes[index].first = children;
+    build(children, begin, middle, depth + 1);
+    build(children + 1, middle, end, depth + 1);
+  }
+};
+
+ShapeTree::ShapeTree(std::span<const Bounds> boxes) {
+  if (boxes.empty()) return;
+  items_.resize(boxes.size());
+  std::iota(items_.begin(), items_.end(), 0u);
+  nodes_.resize(1);
+  Builder{boxes, nodes_, items_}.build(0, 0, boxes.size(), 0);
+}
 
 namespace {
 

@@ -5,7 +5,6 @@
 
 #include "cloud/las/write_las.h"
 #include "simulation/courtyard.h"
-#include "simulation/generate.h"
 
 namespace {
 

@@ -14,7 +14,6 @@
 #include "compare/region_points.h"
 #include "renderer/render.h"
 #include "simulation/courtyard.h"
-#include "simulation/generate.h"
 
 namespace alidade::test {
 namespace {

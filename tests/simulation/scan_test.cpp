@@ -11,7 +11,6 @@
 
 #include "cloud/read_cloud.h"
 #include "simulation/courtyard.h"
-#include "simulation/generate.h"
 #include "tests/support/random.h"
 
 namespace alidade {

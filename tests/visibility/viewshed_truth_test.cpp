@@ -8,7 +8,6 @@
 #include "cloud/read_cloud.h"
 #include "octree/build.h"
 #include "simulation/courtyard.h"
-#include "simulation/generate.h"
 #include "visibility/raster/viewshed.h"
 
 namespace alidade::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "simulation/generate.h"
+#include "simulation/courtyard.h"
 
 #include "tools/command.h"
 #include "tools/console.h"
