@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "tools/picture_command.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
 #include <string_view>
+
+#include "tools/command.h"
 
 namespace alidade {
 namespace {
@@ -52,6 +52,21 @@ std::string picture_command(const CommandLine& words) {
     }
   }
   return text;
+}
+
+Command add_visibility(CLI::App& program, const CommandLine& command_line) {
+  CLI::App* const visibility =
+      program.add_subcommand("visibility", "Find what is seen from where, on the cloud itself");
+  visibility->require_subcommand(1);
+  visibility->footer("'alidade visibility COMMAND --help' is the manual of a command.\n");
+  const std::vector<Command> parts = {add_visibility_points(*visibility),
+                                      add_visibility_raster(*visibility, command_line),
+                                      add_visibility_horizon(*visibility, command_line),
+                                      add_visibility_sky(*visibility, command_line),
+                                      add_visibility_sun(*visibility, command_line),
+                                      add_visibility_lines(*visibility, command_line),
+                                      add_visibility_place(*visibility, command_line)};
+  return {visibility, [parts] { return run_chosen(parts); }, parts};
 }
 
 }  // namespace alidade

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/exit_code.h"
+#include "tools/console.h"
 
 // A sub-command is one function: it declares its options on the program and returns what to do when it is
 // chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
@@ -40,5 +40,25 @@ Command add_sql(CLI::App& program);
 
 /// Runs the one of these commands that was chosen.
 ExitCode run_chosen(const std::vector<Command>& commands);
+
+/// `alidade sql load`.
+Command add_sql_load(CLI::App& sql);
+
+/// `alidade sql load`.
+Command add_sql_shard_plan(CLI::App& sql);
+
+// The commands of `alidade visibility`.
+
+Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_line);
+Command add_visibility_place(CLI::App& visibility, const CommandLine& command_line);
+Command add_visibility_points(CLI::App& visibility);
+Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_line);
+Command add_visibility_horizon(CLI::App& visibility, const CommandLine& words);
+Command add_visibility_sky(CLI::App& visibility, const CommandLine& words);
+Command add_visibility_sun(CLI::App& visibility, const CommandLine& words);
+
+/// The command line as metadata keep it: without the words that only say where the picture goes, how it is
+/// computed and who watches, so that the same picture is the same file.
+std::string picture_command(const CommandLine& words);
 
 }  // namespace alidade

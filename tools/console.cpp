@@ -1,16 +1,105 @@
 // SPDX-License-Identifier: MIT
 #include "tools/console.h"
 
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <fmt/format.h>
+#include <string>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cmath>
-
-#include "tools/interrupt.h"
-#include "tools/message.h"
+#include "base/error.h"
 
 namespace alidade {
+namespace {
+
+// The only state a signal handler may touch; nothing else in the program is global.
+volatile std::sig_atomic_t signal_came = 0;
+
+void note_signal(int signal) {
+  signal_came = signal;
+}
+
+}  // namespace
+
+void catch_interrupts() {
+  struct sigaction action = {};
+  action.sa_handler = note_signal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);
+  // A file beyond the limit of its size is a failed write, which is told and leaves nothing behind.
+  struct sigaction ignored = {};
+  ignored.sa_handler = SIG_IGN;
+  sigaction(SIGXFSZ, &ignored, nullptr);
+  // So is writing to a reader that has gone away.
+  sigaction(SIGPIPE, &ignored, nullptr);
+}
+
+void end_by_broken_pipe() {
+  std::signal(SIGPIPE, SIG_DFL);
+  std::raise(SIGPIPE);
+  // Reached only where the caller of the program has blocked the signal.
+  std::_Exit(static_cast<int>(ExitCode::failed));
+}
+
+bool interrupted() {
+  return signal_came != 0;
+}
+
+bool forget_ctrl_c() {
+  if (signal_came != 0 && signal_came != SIGINT) return false;
+  signal_came = 0;
+  catch_interrupts();
+  return true;
+}
+
+namespace {
+
+void say(std::string_view kind, std::string_view text) {
+  std::string line = "alidade: ";
+  line.append(kind).append(text).append("\n");
+  write_to_stderr(line);
+}
+
+}  // namespace
+
+void write_to_stderr(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+void say_error(std::string_view text) {
+  say("error: ", text);
+}
+void say_warning(std::string_view text) {
+  say("warning: ", text);
+}
+void say_note(std::string_view text) {
+  say("", text);
+}
+
+void write_to_stdout(std::string_view text) {
+  // Not by stdio, which goes on waiting for the reader whatever signal has come.
+  while (!text.empty()) {
+    if (interrupted()) throw Cancelled();
+    const ::ssize_t count = ::write(STDOUT_FILENO, text.data(), text.size());
+    if (count >= 0) {
+      text.remove_prefix(static_cast<std::size_t>(count));
+    } else if (errno == EPIPE) {
+      throw ReaderGone();
+    } else if (errno != EINTR) {
+      throw Error({.file = "standard output", .problem = "cannot write", .found = std::strerror(errno)});
+    }
+  }
+}
+
 namespace {
 
 // Back to the first column, and the rest of the terminal's line cleared.

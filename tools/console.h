@@ -4,10 +4,56 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "base/progress.h"
 
 namespace alidade {
+
+/// What the program answers to its caller; scripts rely on these numbers.
+enum class ExitCode {
+  done = 0,          ///< the work is done, or the answer is yes
+  no = 1,            ///< the work is done and the answer is no
+  failed = 2,        ///< anything wrong: usage, input, no space
+  sizes_differ = 3,  ///< `compare --idiff-codes` only, where 1 is a warning and 2 beyond a threshold
+  unreadable = 4,    ///< the same: anything wrong
+  interrupted = 130  ///< Ctrl-C or a termination signal; nothing half-written is left
+};
+
+/// From now on Ctrl-C, a termination signal and the end of the terminal only leave a note, so that a running
+/// task can stop at its next progress report and remove what it has begun. A second signal ends the program
+/// at once. Writing into a pipe that nobody reads is from now on a failed write and no signal.
+void catch_interrupts();
+
+/// Ends the program as that signal would have, which is what a shell expects of the middle of a pipeline.
+[[noreturn]] void end_by_broken_pipe();
+
+/// Whether such a signal has come.
+bool interrupted();
+
+/// Lets a prompt go on after Ctrl-C: from now on it has not come. False if another signal has.
+bool forget_ctrl_c();
+
+// What the program says to a person, on stderr. A stderr that cannot be written to is no reason to stop.
+
+/// The bytes as they are.
+void write_to_stderr(std::string_view text);
+
+/// "alidade: error: TEXT" on a line of its own.
+void say_error(std::string_view text);
+
+/// "alidade: warning: TEXT".
+void say_warning(std::string_view text);
+
+/// "alidade: TEXT": what was assumed or measured on the user's behalf.
+void say_note(std::string_view text);
+
+/// Thrown where stdout is a pipe whose reader has gone away: nobody wants the rest, so nothing is said.
+struct ReaderGone {};
+
+/// Data for stdout. Errors: stdout cannot take it (no space left, closed); ReaderGone; Cancelled, if the
+/// program is interrupted while it waits for the reader.
+void write_to_stdout(std::string_view text);
 
 /// How much the program says on stderr beside errors.
 enum class Verbosity { quiet, normal, verbose };

@@ -11,8 +11,7 @@
 #include "database/server/server_name.h"
 #include "database/sqlite/stored_cloud.h"
 #include "tools/command.h"
-#include "tools/interrupt.h"
-#include "tools/message.h"
+#include "tools/console.h"
 
 namespace alidade {
 namespace {

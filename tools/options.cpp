@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "tools/options.h"
 
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
 #include <fmt/format.h>
+#include <string_view>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include <charconv>
-#include <cmath>
-
 #include "base/output_file.h"
+#include "cloud/cloud_inputs.h"
 #include "renderer/scene.h"
 
 namespace alidade {
@@ -162,6 +165,34 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
     return std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
   };
   return canonical(a) == canonical(b);
+}
+
+CLI::Option* add_cloud_files(CLI::App& command, const std::string& name,
+                             std::vector<std::filesystem::path>& files, const std::string& help) {
+  return command.add_option_function<std::vector<std::string>>(
+      name,
+      [&files](const std::vector<std::string>& words) {
+        files = expand_cloud_files(std::vector<std::filesystem::path>(words.begin(), words.end()));
+      },
+      help);
+}
+
+CLI::Option* add_partial(CLI::App& command, bool& partial) {
+  return command
+      .add_flag("--partial", partial,
+                "read what is whole of damaged files, and say what is lost; without it they are errors")
+      ->option_text(" ");
+}
+
+std::size_t parse_size(const std::string& text) {
+  constexpr std::uint64_t k_most = std::uint64_t{1} << 50;
+  const std::string_view units = "kMGT";
+  const std::size_t unit = text.empty() ? units.npos : units.find(text.back());
+  if (unit == units.npos) return static_cast<std::size_t>(parse_count(text, 1, k_most));
+  const double factor = std::pow(1024.0, static_cast<double>(unit + 1));
+  const double number =
+      parse_number(text.substr(0, text.size() - 1), 0, static_cast<double>(k_most) / factor);
+  return static_cast<std::size_t>(std::max(number * factor, 1.0));
 }
 
 }  // namespace alidade

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -86,5 +88,38 @@ void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrit
 
 /// Whether two names are those of one file, which need not exist.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// What the help text says about the files of a cloud, where there is nothing else to say.
+inline constexpr const char* k_cloud_help =
+    "cloud files, folders or patterns as 'tiles/*.las', taken together as one, an index file (.alidade), or "
+    "a "
+    "table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+
+/// What other help texts about them end with.
+inline const std::string k_database_help =
+    "; a table of a database, too: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+
+/// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
+/// (expand_cloud_files()) while the command line is read. Errors then: those of expand_cloud_files().
+CLI::Option* add_cloud_files(CLI::App& command, const std::string& name,
+                             std::vector<std::filesystem::path>& files, const std::string& help);
+
+/// Declares --partial.
+CLI::Option* add_partial(CLI::App& command, bool& partial);
+
+/// What stands between the commas of a text, one word at least.
+inline std::vector<std::string> split_list(const std::string& text) {
+  std::vector<std::string> words;
+  std::size_t begin = 0;
+  while (true) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    if (end == text.size()) return words;
+    begin = end + 1;
+  }
+}
+
+/// "800000000", "512M", "2G": bytes. Errors: CLI::ValidationError.
+std::size_t parse_size(const std::string& text);
 
 }  // namespace alidade

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/batch_size.h"
+#include "tools/query/ask.h"
 
 #include <gtest/gtest.h>
 

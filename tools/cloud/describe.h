@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "cloud/point_cloud.h"
+#include "octree/index_file/index_file.h"
 
 namespace alidade {
 
@@ -17,5 +21,17 @@ std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& p
 
 /// Box of the rows [begin, end) of a cloud, of those of them that it has. Cost: linear.
 Bounds bounds_of_rows(const PointCloud& cloud, std::size_t begin, std::size_t end);
+
+/// What `alidade info` tells about the octree of a COPC file: levels, nodes and spacing, or what is wrong
+/// with it.
+std::string copc_text(const std::filesystem::path& file);
+
+using Json = nlohmann::ordered_json;
+
+/// What `alidade info --json` tells about an index file beside what its points tell.
+Json index_json(const IndexFile& index, bool verified);
+
+/// The same as lines for people.
+std::vector<std::string> index_lines(const IndexFile& index, bool verified);
 
 }  // namespace alidade

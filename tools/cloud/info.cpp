@@ -11,14 +11,9 @@
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "tools/cloud/describe.h"
-#include "tools/cloud/describe_copc.h"
-#include "tools/cloud/describe_e57.h"
-#include "tools/cloud/describe_index.h"
 #include "tools/cloud/e57_images.h"
-#include "tools/cloud_options.h"
 #include "tools/command.h"
 #include "tools/console.h"
-#include "tools/message.h"
 #include "tools/options.h"
 
 namespace alidade {

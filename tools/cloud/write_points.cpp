@@ -1,19 +1,29 @@
 // SPDX-License-Identifier: MIT
 #include "tools/cloud/write_points.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/words.h"
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "octree/tree_walk.h"
-#include "tools/cloud/cloud_description.h"
-#include "tools/message.h"
+#include "tools/console.h"
 
 namespace alidade {
+
+PointCloud description_of(const IndexedCloud& cloud) {
+  PointCloud description;
+  description.lattice = cloud.octree.lattice();
+  description.crs = cloud.cloud.crs;
+  description.records = cloud.index ? cloud.index->records() : cloud.cloud.records;
+  description.gps_time_is_standard = cloud.cloud.gps_time_is_standard;
+  description.project_id = cloud.cloud.project_id;
+  description.file_source_id = cloud.cloud.file_source_id;
+  return description;
+}
+
 namespace {
 
 constexpr std::size_t k_rows_at_once = 1 << 17;

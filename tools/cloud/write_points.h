@@ -14,6 +14,10 @@
 
 namespace alidade {
 
+/// What a copy of a cloud with other columns says of itself: lattice, reference system, LAS records and
+/// encoding. No points, no columns.
+PointCloud description_of(const IndexedCloud& cloud);
+
 /// A column that a command adds to the points of a cloud.
 struct ResultColumn {
   ExtraDimension description;  ///< its `values` are empty

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "compare/comparison.h"
+#include "compare/pair_list.h"
 #include "compare/verdict.h"
 #include "tools/options.h"
 
@@ -40,5 +41,17 @@ void add_compare_options(CLI::App& command, CompareRequest& request);
 
 /// Files that the run writes, all of them.
 std::vector<std::filesystem::path> outputs_of(const CompareRequest& request);
+
+// What can be wrong with a request before any pixel is looked at.
+
+/// Whether many pairs of pictures are asked for.
+bool is_batch(const CompareRequest& request);
+
+/// Errors that need no picture: words missing or too many, wishes that do not go together, outputs that
+/// cannot be written or would replace an input.
+void check_request(const CompareRequest& request);
+
+/// The same for the pictures of a batch. Errors: the summary would replace one of them.
+void check_pairs(const CompareRequest& request, const std::vector<ImagePair>& pairs);
 
 }  // namespace alidade

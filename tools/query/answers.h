@@ -1,17 +1,122 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <span>
+#include <string>
 #include <type_traits>
 #include <vector>
 
-#include "tools/query/answer_las.h"
-#include "tools/query/answer_row.h"
+#include "base/output_file.h"
+#include "cloud/las/write_las.h"
+#include "octree/index_file/indexed_cloud.h"
+#include "octree/query.h"
 #include "tools/query/ask.h"
 #include "tools/query/target_kind.h"
 
-// What the answers of each family look like.
-
 namespace alidade {
+
+/// A row of the answer to any query. A family fills what it has.
+struct AnswerRow {
+  std::uint64_t target_id = 0;
+  std::uint64_t rank = 0;  ///< among the target's answers, from 0
+  std::uint64_t point_id = 0;
+  glm::dvec3 position{0.0};
+  std::uint64_t segment = 0;
+  double t = 0.0, distance = 0.0, entry = 0.0;
+  std::uint64_t count = 0;  ///< where only a number was asked for; of `occluded` 0 or 1
+};
+
+/// A column of the answer as text: its name and where its value stands.
+struct AnswerColumn {
+  std::string name;
+  std::uint64_t AnswerRow::*whole = nullptr;  ///< one of these two, or else an axis of the position
+  double AnswerRow::*real = nullptr;
+  int axis = 0;
+};
+
+/// Rows of answers that are made when they are wanted, from several threads at once.
+struct AnswerRows {
+  std::size_t size = 0;
+  /// Fills `rows` with the rows [first, first + rows.size()).
+  std::function<void(std::size_t first, std::span<AnswerRow> rows)> fill;
+};
+
+/// Where answers go, in their order.
+class AnswerOutput {
+ public:
+  virtual ~AnswerOutput() = default;
+  /// Errors: no space, and other failures to write.
+  virtual void write(const AnswerRows& rows) = 0;
+  /// Ends the output; files appear under their name only here.
+  virtual void finish() = 0;
+};
+
+/// Rows of an AnswerRows for which room is made at once: bounds memory whatever the number of answers.
+constexpr std::size_t k_rows_at_once = 1 << 17;
+
+enum class TextForm {
+  csv,         ///< a header and a line per row; numbers with 17 significant digits, "inf" and "-inf"
+  json_lines,  ///< an object per row; the same numbers, null for infinite ones
+};
+
+/// Answers as text, to stdout or into a file. Rows are worded in parallel.
+class AnswerText final : public AnswerOutput {
+ public:
+  /// To stdout without a file. Errors: OutputFile's.
+  AnswerText(std::vector<AnswerColumn> columns, TextForm form, std::unique_ptr<OutputFile> file);
+
+  void write(const AnswerRows& rows) override;
+  void finish() override;
+
+ private:
+  void put(const std::string& text);
+  void put_header();
+
+  std::vector<AnswerColumn> columns_;
+  TextForm form_;
+  std::string header_;  ///< until it is written: with the first rows, so that bad targets leave stdout empty
+  std::unique_ptr<OutputFile> file_;
+};
+
+/// An extra dimension of found points: its name and the value of a row.
+struct AnswerDimension {
+  std::string name, description;
+  std::uint64_t AnswerRow::*whole = nullptr;  ///< written as uint64; or else
+  double AnswerRow::*real = nullptr;          ///< written as float64
+};
+
+/// Found points as LAS 1.4: a point for every row, with the integers, all attributes, coordinate reference
+/// system and records of the cloud, and with what the query found as extra dimensions. A dimension of the
+/// cloud's own that has one of these names is left out. Attributes are fetched in parallel.
+class AnswerLas final : public AnswerOutput {
+ public:
+  /// `cloud` must outlive this object. Errors: LasWriter's.
+  AnswerLas(const std::filesystem::path& file, bool overwrite, const IndexedCloud& cloud,
+            std::vector<AnswerDimension> dimensions);
+
+  void write(const AnswerRows& rows) override;
+  void finish() override;
+
+  /// Names of the cloud's own dimensions that are left out.
+  const std::vector<std::string>& replaced() const { return replaced_; }
+
+ private:
+  PointCloud points(std::span<const AnswerRow> rows) const;
+
+  const IndexedCloud& cloud_;
+  AttributeColumns columns_;  ///< without those that are left out
+  std::vector<AnswerDimension> dimensions_;
+  std::vector<std::string> replaced_;
+  std::unique_ptr<LasWriter> writer_;
+};
+
+// What the answers of each family look like.
 
 /// Columns of found points as text.
 template <class Target>

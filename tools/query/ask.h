@@ -2,19 +2,99 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <tbb/enumerable_thread_specific.h>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "octree/check_query.h"
+#include "octree/copc_tree.h"
 #include "octree/octree.h"
 #include "octree/query.h"
 #include "octree/query_targets.h"
-#include "tools/query/tree_asker.h"
+#include "octree/tree_query.h"
+#include "tools/query/target_kind.h"
 
 namespace alidade {
+
+/// How many targets to ask at once, so that threads have work, answers stay few enough to hold, and a batch
+/// is done soon: between batches progress is told and the program can be interrupted.
+class BatchSize {
+ public:
+  /// Targets of the next batch.
+  std::size_t targets() const { return targets_; }
+
+  /// Answers of one target that are asked for at first. A target that has more is asked again alone.
+  std::size_t answers_per_target() const { return std::max(k_most_answers / targets_, k_least_limit); }
+
+  /// Learns from a batch, which took so many seconds.
+  void learn(std::size_t targets, std::size_t answers, double seconds) {
+    if (targets == 0) return;
+    const std::size_t mean = answers / targets + 1;
+    const double in_time = k_wanted_seconds * static_cast<double>(targets) / std::max(seconds, 1e-6);
+    const auto wanted =
+        static_cast<std::size_t>(std::min(in_time, static_cast<double>(k_wanted_answers / mean)));
+    targets_ = std::clamp(wanted, k_least_targets, std::min(4 * targets_, k_most_targets));
+  }
+
+ private:
+  static constexpr std::size_t k_least_targets = 8, k_most_targets = 1 << 15;
+  static constexpr std::size_t k_wanted_answers = 1 << 18, k_most_answers = 1 << 20;
+  static constexpr std::size_t k_least_limit = 32;
+  static constexpr double k_wanted_seconds = 0.2;
+
+  std::size_t targets_ = 32;
+};
+
+/// Asks any tree many targets by Algorithm 1, in parallel, and counts its steps.
+template <class Target>
+class TreeAsker {
+ public:
+  using Query = typename Family<Target>::Query;
+  using Answer = typename Family<Target>::Answer;
+
+  /// As find() of octree/query.h.
+  template <SpatialTree Tree>
+  Answers<Answer> find(const Tree& tree, std::span<const Target> targets, const Query& query) {
+    return answer_all<Answer>(targets, k_grain, [&](std::size_t i, std::vector<Answer>& answers) {
+      const auto asked = make_target(targets[i], query, i);
+      Nearest neighbors(asked, query.k);
+      statistics_.local() += tree_query(tree, asked, neighbors);
+      const std::vector<Answer> found = neighbors.in_order();
+      answers.insert(answers.end(), found.begin(), found.end());
+    });
+  }
+
+  /// As count() of octree/query.h.
+  template <SpatialTree Tree>
+  std::vector<std::size_t> count(const Tree& tree, std::span<const Target> targets, const Query& query) {
+    std::vector<std::size_t> counts(targets.size());
+    for_each_range(targets, k_grain, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        Counter counter(query.k);
+        statistics_.local() += tree_query(tree, make_target(targets[i], query, i), counter);
+        counts[i] = counter.count();
+      }
+    });
+    return counts;
+  }
+
+  /// All work so far.
+  QueryStatistics statistics() const {
+    QueryStatistics sum;
+    for (const QueryStatistics& part : statistics_) sum += part;
+    return sum;
+  }
+
+ private:
+  static constexpr std::size_t k_grain = 4;
+
+  tbb::enumerable_thread_specific<QueryStatistics> statistics_;
+};
 
 /// Asks one octree many batches of targets: by the functions of octree/query.h, or, if work is to be
 /// explained, by Algorithm 1 with its steps counted. Answers are the same.
@@ -80,6 +160,39 @@ class Asker {
   Query query_;
   bool is_explained_;
   TreeAsker<Target> explaining_;
+};
+
+/// Asks a COPC file where it lies, as Asker asks an octree: by Algorithm 1 over the file's own hierarchy. Has
+/// the same functions, and the same answers.
+template <class Target>
+class CopcAsker {
+ public:
+  using Query = typename Family<Target>::Query;
+  using Answer = typename Family<Target>::Answer;
+
+  /// The cache must outlive this object.
+  CopcAsker(const CopcCache& cache, Query query) : tree_(cache), query_(std::move(query)) {}
+
+  std::size_t k() const { return query_.k; }
+
+  Answers<Answer> find(std::span<const Target> targets, std::size_t most) {
+    Query query = query_;
+    query.k = std::min(query.k, most);
+    return asker_.find(tree_, targets, query);
+  }
+
+  std::vector<std::size_t> count(std::span<const Target> targets, bool any_is_enough) {
+    Query query = query_;
+    if (any_is_enough) query.k = 1;
+    return asker_.count(tree_, targets, query);
+  }
+
+  QueryStatistics statistics() const { return asker_.statistics(); }
+
+ private:
+  CopcTree tree_;
+  Query query_;
+  TreeAsker<Target> asker_;
 };
 
 }  // namespace alidade

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/text_scanner.h"
-#include "tools/interrupt.h"
+#include "tools/console.h"
 
 namespace alidade {
 namespace {

@@ -1,12 +1,36 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/target_bounds.h"
+#include "tools/query/queried_cloud.h"
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <initializer_list>
+#include <type_traits>
+#include <utility>
+
+#include "base/bounds.h"
+#include "base/input_file.h"
+#include "cloud/cloud_inputs.h"
+#include "cloud/read_cloud.h"
+#include "octree/query.h"
+#include "tools/cloud/load_cloud.h"
+#include "tools/console.h"
+#include "tools/query/target_reader.h"
 
 namespace alidade {
+
+// Boxes around the points of a cloud that lies in the box `within` which can answer a target: of all points
+// at most `radius` from it. A little larger than need be, so that rounding leaves no point out; empty if
+// there are none. `radius` means nothing for cones, half-spaces and boxes.
+
+Bounds target_bounds(const Ray& ray, double radius, const Bounds& within);
+Bounds target_bounds(const Cone& cone, double radius, const Bounds& within);
+Bounds target_bounds(const Path& path, double radius, const Bounds& within);
+Bounds target_bounds(const HalfSpaces& region, double radius, const Bounds& within);
+Bounds target_bounds(const Bounds& box, double radius, const Bounds& within);
+Bounds target_bounds(const glm::dvec3& place, double radius, const Bounds& within);
+
 namespace {
 
 /// More than rounding moves a coordinate of these numbers by.
@@ -86,5 +110,162 @@ Bounds target_bounds(const Bounds& box, double, const Bounds&) {
 Bounds target_bounds(const glm::dvec3& place, double radius, const Bounds&) {
   return widened({place, place}, radius + margin_of({place}, radius));
 }
+
+bool asks_in_place(const QueryCommand& command, AnswerForm form) {
+  if (command.files.size() != 1 || command.is_loaded || command.partial || command.max_level ||
+      form == AnswerForm::las)
+    return false;
+  if (!std::filesystem::is_regular_file(command.files.front())) return false;
+  InputFile file(command.files.front());
+  return is_copc(file);
+}
+
+CopcSource open_copc(const QueryCommand& command) {
+  CopcSource source;
+  source.file = std::make_unique<CopcFile>(InputFile(command.files.front()));
+  CopcCache::Options options;
+  options.classes = command.classes;
+  if (command.memory) options.byte_count = *command.memory;
+  options.progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
+  source.cache = std::make_unique<CopcCache>(*source.file, options);
+  return source;
+}
+
+std::string copc_table(const CopcCache& cache) {
+  const auto& nodes = cache.file().hierarchy().nodes;
+  const auto chunks = static_cast<std::uint64_t>(
+      std::ranges::count_if(nodes, [](const CopcNode& node) { return node.chunk.point_count > 0; }));
+  const std::uint64_t points = cache.file().header().point_count;
+  const CopcReads reads = cache.reads();
+  const auto share = [](std::uint64_t part, std::uint64_t all) {
+    return all > 0 ? 100.0 * static_cast<double>(part) / static_cast<double>(all) : 0.0;
+  };
+  return fmt::format("{:<22}{:>16}{:>15.2f}%\n", "chunks read", reads.chunks_met,
+                     share(reads.chunks_met, chunks)) +
+         fmt::format("{:<22}{:>16}\n", "chunks decoded", reads.chunks_decoded) +
+         fmt::format("{:<22}{:>16}{:>15.2f}%\n", "points decoded", reads.points_decoded,
+                     share(reads.points_decoded, points));
+}
+
+namespace {
+
+constexpr std::size_t k_batch = 4096;
+
+bool contains(const Bounds& outer, const Bounds& inner) {
+  return outer.contains(inner.min) && outer.contains(inner.max);
+}
+
+}  // namespace
+
+bool can_be_read_twice(const GivenTargets& given) {
+  std::error_code error;
+  return given.text.empty() || std::filesystem::is_regular_file(given.text, error);
+}
+
+template <class Target>
+std::optional<Bounds> query_region(const QueryCommand& command, TargetFamily family, AnswerForm form) {
+  constexpr bool needs_radius =
+      std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
+  const bool is_bounded = needs_radius ? command.radius.has_value() : !std::is_same_v<Target, HalfSpaces>;
+  if (command.files.size() < 2 || !is_bounded || command.partial || command.max_level ||
+      form == AnswerForm::las || !can_be_read_twice(command.targets[static_cast<std::size_t>(family)]))
+    return std::nullopt;
+  const Bounds within = stated_box(command.files);
+  TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
+  TargetBatch<Target> batch;
+  Bounds region;
+  for (std::uint64_t count = 0; reader.next(k_batch, batch); count += batch.targets.size()) {
+    if (count > k_most_looked_through) return std::nullopt;
+    for (const Target& target : batch.targets)
+      region.grow(target_bounds(target, command.radius.value_or(0.0), within));
+    if (contains(region, within)) return std::nullopt;
+  }
+  return region;
+}
+
+template std::optional<Bounds> query_region<Ray>(const QueryCommand&, TargetFamily, AnswerForm);
+template std::optional<Bounds> query_region<Cone>(const QueryCommand&, TargetFamily, AnswerForm);
+template std::optional<Bounds> query_region<Path>(const QueryCommand&, TargetFamily, AnswerForm);
+template std::optional<Bounds> query_region<HalfSpaces>(const QueryCommand&, TargetFamily, AnswerForm);
+template std::optional<Bounds> query_region<Bounds>(const QueryCommand&, TargetFamily, AnswerForm);
+template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, TargetFamily, AnswerForm);
+
+void RenumberedAnswers::write(const AnswerRows& rows) {
+  output_->write({rows.size, [this, &rows](std::size_t first, std::span<AnswerRow> some) {
+                    rows.fill(first, some);
+                    for (AnswerRow& row : some) row.point_id = ids_(row.point_id);
+                  }});
+}
+
+namespace {
+
+/// More than these are asked for by one box around all.
+constexpr std::size_t k_most_filters = 4096;
+
+/// What holds for all points that can answer a target; maybe for some more.
+template <class Target>
+PointFilter filter_of(const Target& target, double radius, const Bounds& within) {
+  PointFilter filter;
+  if constexpr (std::is_same_v<Target, Ray>) {
+    filter.lines.push_back({target, {0.0, radius}, {target.t_min - radius, target.t_max + radius}});
+  } else if constexpr (std::is_same_v<Target, HalfSpaces>) {
+    for (const Plane& plane : target.planes)
+      filter.planes.push_back({plane, {0.0, std::numeric_limits<double>::infinity()}});
+  } else {
+    filter.box = target_bounds(target, radius, within);
+  }
+  return filter;
+}
+
+/// Whether the only cloud lies in a database that can be asked for a part of it.
+bool lies_in_asked_database(const QueryCommand& command) {
+  return command.files.size() == 1 && !command.partial && !command.max_level &&
+         has_parts(command.files.front());
+}
+
+}  // namespace
+
+template <class Target>
+std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
+                                         AttributeSet attributes, const Progress& progress) {
+  constexpr bool needs_radius =
+      std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
+  if (!lies_in_asked_database(command) || (needs_radius && !command.radius) ||
+      !can_be_read_twice(command.targets[static_cast<std::size_t>(family)]))
+    return std::nullopt;
+  const Bounds within = stated_box(command.files);
+  TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
+  TargetBatch<Target> batch;
+  std::vector<PointFilter> filters;
+  Bounds region;
+  std::uint64_t count = 0;
+  while (reader.next(k_most_filters, batch)) {
+    count += batch.targets.size();
+    if (count > k_most_looked_through) return std::nullopt;
+    for (const Target& target : batch.targets) {
+      const double radius = command.radius.value_or(0.0);
+      if (count <= k_most_filters) filters.push_back(filter_of(target, radius, within));
+      region.grow(target_bounds(target, radius, within));
+    }
+  }
+  if (count > k_most_filters) {
+    filters.resize(1);
+    filters.front() = PointFilter{.box = region};
+  }
+  return read_database_part(command.files.front(), filters, attributes, progress);
+}
+
+template std::optional<CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                       const Progress&);
+template std::optional<CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                        const Progress&);
+template std::optional<CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                        const Progress&);
+template std::optional<CloudPart> read_query_part<HalfSpaces>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                              const Progress&);
+template std::optional<CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                          const Progress&);
+template std::optional<CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                              const Progress&);
 
 }  // namespace alidade

@@ -5,12 +5,33 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "base/bounds.h"
-#include "tools/query/answer_row.h"
+#include "base/progress.h"
+#include "database/point_filter.h"
+#include "octree/copc_tree.h"
+#include "tools/query/answers.h"
 #include "tools/query/query.h"
 
 namespace alidade {
+
+/// A COPC file that a run asks where it lies.
+struct CopcSource {
+  std::unique_ptr<CopcFile> file;
+  std::unique_ptr<CopcCache> cache;
+};
+
+/// Whether the run asks a COPC file in place: it is the only cloud, nothing but positions and classes is
+/// needed of it, and nobody asked for it to be loaded. Errors: the file cannot be opened.
+bool asks_in_place(const QueryCommand& command, AnswerForm form);
+
+/// Opens it; only points of the command's classes are there. Reading it ends when the program is interrupted.
+/// Errors: CopcFile's.
+CopcSource open_copc(const QueryCommand& command);
+
+/// What --explain adds for a COPC file: chunks and points decoded, and how much of the file that is.
+std::string copc_table(const CopcCache& cache);
 
 /// A box outside which no point answers, from a first look through the targets and at the headers of the
 /// files; empty if there is none to be had: of one file, of half-spaces, without a radius, for targets that
@@ -47,5 +68,25 @@ class RenumberedAnswers final : public AnswerOutput {
   std::unique_ptr<AnswerOutput> output_;
   Ids ids_;
 };
+
+/// What answers can come from of a cloud that lies in a database, from a first look through the targets;
+/// empty if that is all of it, or cannot be known: without a radius, for targets that come through a pipe,
+/// and for levels. Errors: those of targets, and of the database.
+template <class Target>
+std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
+                                         AttributeSet attributes, const Progress& progress);
+
+extern template std::optional<CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily, AttributeSet,
+                                                              const Progress&);
+extern template std::optional<CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily,
+                                                               AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily,
+                                                               AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<HalfSpaces>(const QueryCommand&, TargetFamily,
+                                                                     AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily,
+                                                                 AttributeSet, const Progress&);
+extern template std::optional<CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily,
+                                                                     AttributeSet, const Progress&);
 
 }  // namespace alidade

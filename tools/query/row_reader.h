@@ -8,7 +8,6 @@
 
 #include "tools/query/line_source.h"
 #include "tools/query/target_kind.h"
-#include "tools/query/text_line.h"
 
 namespace alidade {
 

@@ -1,31 +1,49 @@
 // SPDX-License-Identifier: MIT
-#include "tools/query/run_query.h"
-
-#include <fmt/format.h>
-#include <unistd.h>
+#include "tools/query/query.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <fmt/format.h>
+#include <string>
+#include <unistd.h>
 
 #include "cloud/rows.h"
 #include "octree/check_query.h"
 #include "octree/index_file/indexed_cloud.h"
+#include "octree/tree_query.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/console.h"
-#include "tools/message.h"
-#include "tools/query/answer_las.h"
-#include "tools/query/answer_text.h"
 #include "tools/query/answers.h"
 #include "tools/query/ask.h"
-#include "tools/query/batch_size.h"
-#include "tools/query/copc_asker.h"
-#include "tools/query/copc_source.h"
-#include "tools/query/explain_table.h"
 #include "tools/query/queried_cloud.h"
-#include "tools/query/query_part.h"
+#include "tools/query/target_kind.h"
 #include "tools/query/target_reader.h"
 
 namespace alidade {
+
+/// What --explain says: the work of a run in all and for each target.
+std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
+                          std::uint64_t answers);
+
+std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
+                          std::uint64_t answers) {
+  std::string text = fmt::format("{:<22}{:>16}{:>16}\n", "", "in all", fmt::format("per {}", kind.name));
+  const auto row = [&](const char* name, std::uint64_t count) {
+    const double mean = targets > 0 ? static_cast<double>(count) / static_cast<double>(targets) : 0.0;
+    text += fmt::format("{:<22}{:>16}{:>16.2f}\n", name, count, mean);
+  };
+  row(std::string(kind.plural).c_str(), targets);
+  row("nodes visited", statistics.nodes_visited);
+  row("leaves visited", statistics.leaves_visited);
+  row("points tested", statistics.points_tested);
+  row("pruned by distance", statistics.pruned_by_distance);
+  row("pruned by interval", statistics.pruned_by_interval);
+  row("pruned by k", statistics.pruned_by_k);
+  row("rows answered", answers);
+  return text;
+}
+
 namespace {
 
 using Clock = std::chrono::steady_clock;

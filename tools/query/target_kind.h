@@ -2,16 +2,39 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "octree/query.h"
 
+namespace alidade {
+
+/// Types of a family of queries.
+template <class Target>
+struct Family {
+  using Query = PointQuery;
+  using Answer = PointHit;
+};
+template <>
+struct Family<Ray> {
+  using Query = RayQuery;
+  using Answer = Hit;
+};
+template <>
+struct Family<Cone> {
+  using Query = ConeQuery;
+  using Answer = Hit;
+};
+template <>
+struct Family<Path> {
+  using Query = PathQuery;
+  using Answer = PathHit;
+};
+
 // What `alidade query` can ask with, and how a target is written: as a row of numbers with named columns,
 // alike in CSV, in JSON lines and on the command line.
-
-namespace alidade {
 
 /// What a number in a column may be. Whatever is required, NaN never is.
 enum class ValueRule {
@@ -57,5 +80,27 @@ struct TargetKind {
 /// The kind of Ray, Cone, Path, HalfSpaces, Bounds, glm::dvec3.
 template <class Target>
 const TargetKind& target_kind();
+
+/// A line of a text, with what is needed to say where something in it is wrong.
+struct TextLine {
+  std::string_view source;  ///< what messages call the text: a file, or an option of the command line
+  bool is_command_line = false;
+  std::string_view text;
+  std::uint64_t number = 1;
+
+  /// Throws the Error for what stands at byte `offset`. It names source, line and column (in characters,
+  /// from 1); of an option instead all of its value.
+  [[noreturn]] void fail(std::size_t offset, std::string problem, std::string expected = {},
+                         std::string found = {}) const;
+};
+
+/// Errors: the value breaks the rule of its column. `found` is how it is written, `offset` where.
+void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
+                 std::string_view found);
+
+/// Errors, once all values are good: a required one was not given (NaN), a direction has length zero.
+/// offsets: where in the line each column's value stands.
+void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
+               std::span<const std::size_t> offsets);
 
 }  // namespace alidade

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "renderer/checkpoint.h"
 #include "renderer/noise.h"
-#include "tools/message.h"
+#include "tools/console.h"
 
 namespace alidade {
 namespace {

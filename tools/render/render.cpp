@@ -7,14 +7,12 @@
 #include "camera/camera.h"
 #include "image/image_file.h"
 #include "tools/command.h"
+#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/message.h"
-#include "tools/picture_command.h"
-#include "tools/render/load_in_view.h"
 #include "tools/render/load_scene.h"
 #include "tools/render/long_render.h"
-#include "tools/render/picture_names.h"
 #include "tools/render/render_options.h"
+#include "tools/render/views.h"
 
 namespace alidade {
 namespace {

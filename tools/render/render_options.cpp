@@ -9,7 +9,7 @@
 #include "image/image_file.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
-#include "tools/cloud_options.h"
+#include "tools/options.h"
 
 namespace alidade {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "renderer/scene.h"
 #include "tools/options.h"
-#include "tools/render/color_options.h"
 #include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"
 #include "tools/render/views.h"

@@ -1,21 +1,84 @@
 // SPDX-License-Identifier: MIT
-#include "tools/sql_load.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "base/words.h"
 #include "cloud/cloud_inputs.h"
+#include "cloud/read_cloud.h"
 #include "database/server/server_name.h"
+#include "database/server/shard_plan.h"
 #include "database/server/store_on_server.h"
 #include "database/sqlite/store_cloud.h"
-#include "tools/message.h"
-#include "tools/sql/load_options.h"
+#include "tools/command.h"
+#include "tools/console.h"
+#include "tools/options.h"
 
 namespace alidade {
+
+/// What commands have in common that put clouds into databases, which memory need not hold.
+struct LoadOptions {
+  bool partial = false;
+  std::optional<ColorDepth> color_depth;
+  std::uint64_t memory = std::uint64_t{1} << 30;
+  std::optional<int> threads;
+  VerbosityOptions verbosity;
+};
+
+/// Declares them.
+void add_load_options(CLI::App& command, LoadOptions& options);
+
+/// Does `work`, which reads files and then stores points, with a progress line for each; prints the warnings
+/// that it answers. `storing` is what the second line says.
+void load_with_progress(
+    const LoadOptions& options, const std::string& storing,
+    const std::function<std::vector<std::string>(const ReadOptions& reading, const Progress& storing)>& work);
+
+void add_load_options(CLI::App& command, LoadOptions& options) {
+  add_value(
+      command, "--memory", "SIZE",
+      "for points while they are sorted: bytes, or a number with k, M, G or T (default: 1G); those of a "
+      "larger cloud wait in a file without a name beside the output",
+      [&options](const std::string& text) {
+        constexpr std::size_t k_least = std::size_t{1} << 20;
+        options.memory = parse_size(text);
+        if (options.memory < k_least)
+          throw CLI::ValidationError("expected at least 1M, found '" + text + "'");
+      });
+  add_choice<ColorDepth>(command, "--color-depth",
+                         "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are stored",
+                         options.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_partial(command, options.partial);
+  add_threads(command, options.threads);
+  add_verbosity(command, options.verbosity);
+}
+
+void load_with_progress(const LoadOptions& options, const std::string& storing,
+                        const std::function<std::vector<std::string>(const ReadOptions& reading,
+                                                                     const Progress& storing)>& work) {
+  const Verbosity verbosity = options.verbosity.verbosity();
+  ProgressLine read_line("reading", "B", verbosity);
+  std::optional<ProgressLine> store_line;
+  Progress store_progress;
+  const ReadOptions reading{.color_depth = options.color_depth.value_or(ColorDepth::automatic),
+                            .partial = options.partial,
+                            .progress = read_line.callback()};
+  const std::vector<std::string> warnings = work(reading, [&](std::uint64_t done, std::uint64_t total) {
+    if (!store_line) {
+      read_line.finish();
+      store_line.emplace(storing, "points", verbosity);
+      store_progress = store_line->callback();
+    }
+    return store_progress(done, total);
+  });
+  if (store_line) store_line->finish();
+  if (verbosity == Verbosity::quiet) return;
+  for (const std::string& warning : warnings) say_warning(warning);
+}
+
 namespace {
 
 struct LoadCommand {
@@ -132,6 +195,76 @@ Command add_sql_load(CLI::App& sql) {
       "  alidade sql load tiles/ site.db --table tiles --memory 4G\n"
       "  alidade sql load site.las 'postgresql://db1/survey?table=site'\n");
   return {load, [command] {
+            ExitCode code = ExitCode::failed;
+            with_threads(command->load.threads, [&] { code = run(*command); });
+            return code;
+          }};
+}
+
+namespace {
+
+struct ShardPlanCommand {
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path output;
+  std::vector<Shard> shards;
+  std::string table = "points";
+  LoadOptions load;
+};
+
+ExitCode run(const ShardPlanCommand& command) {
+  std::uint64_t count = 0;
+  load_with_progress(command.load, "writing", [&](const ReadOptions& reading, const Progress& writing) {
+    ShardPlan plan =
+        write_shard_plan(command.output, command.files, reading, command.shards,
+                         {.table = command.table, .memory = command.load.memory, .progress = writing});
+    count = plan.point_count;
+    return std::move(plan.warnings);
+  });
+  if (!command.load.verbosity.quiet) {
+    say_note(fmt::format("{} points for {} shards in {}; {} tells what to type", count, command.shards.size(),
+                         command.output.string(), (command.output / "README.txt").string()));
+  }
+  return ExitCode::done;
+}
+
+}  // namespace
+
+Command add_sql_shard_plan(CLI::App& sql) {
+  auto command = std::make_shared<ShardPlanCommand>();
+  CLI::App* const plan =
+      sql.add_subcommand("shard-plan", "Write what puts a cloud on several PostgreSQL servers");
+  add_cloud_files(*plan, "files", command->files,
+                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one")
+      ->option_text("FILE...")
+      ->required();
+  plan->add_option("-o,--output", command->output, "folder to make")->option_text("FOLDER")->required();
+  plan->add_option_function<std::vector<std::string>>(
+          "--shard",
+          [command](const std::vector<std::string>& words) {
+            command->shards.clear();
+            for (const std::string& word : words) command->shards.push_back(parse_shard(word));
+          },
+          "databases that take a part of the points each, equally many; port 5432 if none is given. Users "
+          "and passwords belong to the servers' user mappings, not here")
+      ->option_text("HOST[:PORT]/DATABASE...")
+      ->required();
+  plan->add_option("--table", command->table, "what SQL calls the cloud (default: points)")
+      ->option_text("NAME");
+  add_load_options(*plan, command->load);
+  plan->footer(
+      "Form:\n"
+      "  alidade sql shard-plan FILE... --shard HOST[:PORT]/DATABASE... -o FOLDER [OPTIONS]\n"
+      "\n"
+      "No server is asked. The folder gets, for every shard, its part of the points along a Morton curve and "
+      "the script\n"
+      "that makes its table from it; the script of the table over all of them (postgres_fdw: the shards look "
+      "for their\n"
+      "points at the same time); and README.txt with the commands that run them. All servers need the "
+      "extension alidade_pg.\n"
+      "\n"
+      "Example:\n"
+      "  alidade sql shard-plan tiles/ --shard db1/site db2/site db3:5433/site -o plan\n");
+  return {plan, [command] {
             ExitCode code = ExitCode::failed;
             with_threads(command->load.threads, [&] { code = run(*command); });
             return code;

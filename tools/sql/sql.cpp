@@ -10,10 +10,8 @@
 #include "database/server/server_name.h"
 #include "database/sqlite/sql_tokens.h"
 #include "tools/command.h"
-#include "tools/interrupt.h"
-#include "tools/sql/prompt.h"
-#include "tools/sql_load.h"
-#include "tools/sql_shard_plan.h"
+#include "tools/console.h"
+#include "tools/sql/statements.h"
 
 namespace alidade {
 namespace {

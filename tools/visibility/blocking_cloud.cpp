@@ -1,17 +1,71 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/blocking_cloud.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
+#include <utility>
 
 #include "base/error.h"
+#include "cloud/point_cloud.h"
+#include "geo/map_unit.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
-#include "tools/message.h"
-#include "tools/visibility/check_map_unit.h"
+#include "tools/console.h"
+#include "tools/options.h"
 
 namespace alidade {
+
+/// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing
+/// has an elevation, so that all answers about sight would be wrong.
+void check_map_unit(const PointCloud& cloud);
+
+void check_map_unit(const PointCloud& cloud) {
+  if (map_unit(cloud.crs) != MapUnit::degree) return;
+  throw Error({.file = cloud.files.empty() ? "" : cloud.files.front().path.string(),
+               .problem = "x and y are degrees, over which nothing has an elevation",
+               .expected = "a cloud in a projected reference system"});
+}
+
+namespace {
+
+constexpr const char* k_group = "What blocks";
+
+/// "7,18"; "none" for no class.
+std::bitset<256> parse_classes(const std::string& text) {
+  std::bitset<256> classes;
+  if (text == "none") return classes;
+  for (const std::string& word : split_list(text))
+    classes.set(static_cast<std::size_t>(parse_count(word, 0, 255)));
+  return classes;
+}
+
+}  // namespace
+
+void add_occluder_options(CLI::App& command, OccluderRequest& request) {
+  add_choice<OccluderShape>(
+      command, "--occluder",
+      "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where there is a "
+      "surface and spheres elsewhere (foliage, wires)",
+      request.shape,
+      {{"auto", OccluderShape::automatic}, {"disc", OccluderShape::disc}, {"sphere", OccluderShape::sphere}})
+      ->group(k_group);
+  add_value(
+      command, "--radius", "R",
+      "of discs and spheres, in metres (default: each point's own, from the distance to its neighbours)",
+      [&request](const std::string& text) { request.radius = parse_number(text, 1e-6, 1e6); })
+      ->group(k_group);
+  add_value(command, "--transparency", "K",
+            "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
+            [&request](const std::string& text) {
+              request.transparency = static_cast<int>(parse_count(text, 1, 1000));
+            })
+      ->group(k_group);
+  add_value(command, "--ignore-classes", "LIST|none",
+            "points of these classes block nothing (default: 7,18, which are noise)",
+            [&request](const std::string& text) { request.ignored_classes = parse_classes(text); })
+      ->group(k_group);
+}
+
 namespace {
 
 IndexedCloud load(const std::vector<std::filesystem::path>& files, bool partial, AttributeSet attributes,
@@ -97,6 +151,14 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
   cloud.occluders.emplace(measured(cloud.cloud.octree, options, verbosity), options);
   cloud.what_blocks = description_of(*cloud.occluders, request, has_ignored);
   if (verbosity != Verbosity::quiet) say_note(cloud.what_blocks);
+}
+
+Ground find_ground(const VisibilityCloud& cloud, GroundOptions options, Verbosity verbosity) {
+  ProgressLine line("finding the ground", "points", verbosity);
+  options.progress = line.callback();
+  Ground ground = make_ground(cloud.octree(), cloud.columns.classifications, options);
+  line.finish();
+  return ground;
 }
 
 }  // namespace alidade

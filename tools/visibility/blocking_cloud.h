@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <CLI/CLI.hpp>
+#include <bitset>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,10 +11,22 @@
 
 #include "octree/index_file/indexed_cloud.h"
 #include "tools/console.h"
-#include "tools/visibility/occluder_options.h"
+#include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {
+
+/// What may block sight, as it was asked for on the command line.
+struct OccluderRequest {
+  std::optional<OccluderShape> shape;
+  std::optional<double> radius;
+  int transparency = 1;
+  /// Classes whose points block nothing, if the cloud has classes. At first the noise of ASPRS.
+  std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
+};
+
+/// Declares the options in a group of their own; they fill `request`.
+void add_occluder_options(CLI::App& command, OccluderRequest& request);
 
 /// A cloud, and what of it blocks sight.
 struct VisibilityCloud {
@@ -33,5 +47,8 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesys
 /// Measures what the cloud lacks, shows progress, and says what blocks. May take long, so what else can be
 /// wrong is better found before. Errors: as Occluders.
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
+
+/// make_ground() below a cloud, with its progress shown. Occluders need not be measured.
+Ground find_ground(const VisibilityCloud& cloud, GroundOptions options, Verbosity verbosity);
 
 }  // namespace alidade

@@ -4,11 +4,9 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "tools/cloud_options.h"
 #include "tools/command.h"
-#include "tools/commands.h"
-#include "tools/map_reference.h"
-#include "tools/message.h"
+#include "tools/console.h"
+#include "tools/image_module.h"
 #include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/line_pairs.h"

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -11,10 +12,25 @@
 #include "geo/raster.h"
 #include "tools/console.h"
 #include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/checkpoint_options.h"
 #include "visibility/observers.h"
 
 namespace alidade {
+
+/// Whether and where to keep what is finished of a long run.
+struct CheckpointRequest {
+  std::filesystem::path file;  ///< --checkpoint; empty: nothing is kept
+  double interval = 60.0;      ///< --checkpoint-interval, seconds
+  bool resume = false;         ///< --resume
+};
+
+/// Declares the options in a group of their own; they fill `request`.
+void add_checkpoint_options(CLI::App& command, CheckpointRequest& request);
+
+/// Lets a run fail before it starts. Errors: the checkpoint is one of the outputs or inputs, exists and may
+/// neither be gone on from nor replaced, is another kind of file, or cannot be written.
+void check_checkpoint(const CheckpointRequest& request, bool overwrite,
+                      std::span<const std::filesystem::path> outputs,
+                      std::span<const std::filesystem::path> inputs);
 
 /// What the answers of a command depend on: its name, all its options but those that cannot change them
 /// (outputs, threads, and how it is watched), the points, surfaces, classes and reference system of the cloud

@@ -1,21 +1,46 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/map_options.h"
 
-#include <fmt/format.h>
-
 #include <array>
+#include <cmath>
+#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/words.h"
+#include "geo/map_unit.h"
 #include "image/font.h"
-#include "tools/map_writer.h"
-#include "tools/message.h"
+#include "tools/command.h"
+#include "tools/console.h"
+#include "tools/image_module.h"
 #include "tools/options.h"
-#include "tools/picture_command.h"
-#include "tools/visibility/find_ground.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/map_places.h"
 
 namespace alidade {
+namespace {
+
+/// Feet of all countries are one word to people.
+std::string name_of(double metres) {
+  constexpr double k_foot = 0.3048, k_rounding = 1e-5;
+  if (std::fabs(metres - 1.0) < k_rounding) return "m";
+  return std::fabs(metres - k_foot) < k_rounding ? "ft" : "";
+}
+
+}  // namespace
+
+CloudUnit cloud_unit(const Crs& crs) {
+  if (crs.empty()) return {};
+  CloudUnit unit;
+  load_metres_per_unit()(crs, unit.metres);
+  if (!unit.metres) {
+    const MapUnit told = map_unit(crs);
+    if (told == MapUnit::unknown) return {};
+    unit.metres = metres_per_unit(told);
+  }
+  unit.name = name_of(*unit.metres);
+  return unit;
+}
+
 namespace {
 
 Bounds parse_area(const std::string& text) {

@@ -9,14 +9,25 @@
 #include <utility>
 #include <vector>
 
+#include "cloud/crs.h"
 #include "geo/raster.h"
 #include "tools/command.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/ground.h"
 
-// What all maps of the ground share, be they of what is seen, of the sky or of the sun.
-
 namespace alidade {
+
+/// What x and y of a cloud are counted in.
+struct CloudUnit {
+  std::string name{};              ///< "m", "ft", or empty if it is another one or not known
+  std::optional<double> metres{};  ///< of one of them; empty if that is not known
+};
+
+/// Asks GDAL, which knows systems by their codes, and where it does not know one, the system's own words
+/// (geo/map_unit.h). Requires: not degrees. Errors: those of load_module_function().
+CloudUnit cloud_unit(const Crs& crs);
+
+// What all maps of the ground share, be they of what is seen, of the sky or of the sun.
 
 /// What is asked of a map, whatever it shows.
 struct MapOptions {

@@ -7,11 +7,10 @@
 #include <utility>
 
 #include "base/error.h"
-#include "tools/message.h"
-#include "tools/observer_reader.h"
+#include "tools/console.h"
+#include "tools/image_module.h"
 #include "tools/options.h"
-#include "tools/split_list.h"
-#include "tools/visibility/find_ground.h"
+#include "tools/visibility/blocking_cloud.h"
 #include "visibility/observers.h"
 
 namespace alidade {

@@ -7,15 +7,12 @@
 #include "base/output_file.h"
 #include "base/words.h"
 #include "tools/cloud/write_points.h"
-#include "tools/cloud_options.h"
 #include "tools/command.h"
-#include "tools/commands.h"
-#include "tools/message.h"
+#include "tools/console.h"
 #include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
-#include "tools/visibility/occluder_options.h"
 #include "visibility/points/point_visibility.h"
 
 namespace alidade {

@@ -2,9 +2,9 @@
 #include "tools/visibility/row_output.h"
 
 #include "base/error.h"
-#include "tools/map_reference.h"
-#include "tools/message.h"
-#include "tools/picture_command.h"
+#include "tools/command.h"
+#include "tools/console.h"
+#include "tools/image_module.h"
 
 namespace alidade {
 

@@ -1,12 +1,154 @@
 // SPDX-License-Identifier: MIT
+#include "tools/visibility/sky.h"
+
+#include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 
-#include "tools/commands.h"
-#include "tools/message.h"
-#include "tools/visibility/sky.h"
+#include "base/error.h"
+#include "base/fingerprint.h"
+#include "base/words.h"
+#include "tools/command.h"
+#include "tools/console.h"
+#include "tools/image_module.h"
+#include "tools/options.h"
+#include "tools/visibility/map_options.h"
+#include "tools/visibility/observer_options.h"
 #include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade {
+namespace {
+
+constexpr const char* k_group = "Answers";
+
+/// Errors that need no cloud: the output's name or place; options that mean nothing for this kind of output.
+void check_sky_request(const SkyRequest& request) {
+  const auto refuse = [](const std::string& option, const std::string& kind) {
+    throw Error({.problem = "option " + option + " means nothing for this output", .expected = kind});
+  };
+  if (request.is_map()) {
+    if (request.receiver) refuse("--receiver", "points (.las, .laz, .ply); cells of a map lie horizontally");
+  } else {
+    const std::string ending = file_ending(request.output);
+    if (ending != ".las" && ending != ".laz" && ending != ".ply") {
+      throw Error({.file = request.output.string(),
+                   .problem = "the name tells no format",
+                   .expected = "a name ending in .las, .laz, .ply or .tif"});
+    }
+    if (const std::string option = given_map_option(request.map); !option.empty())
+      refuse(option, "a map (.tif)");
+  }
+  check_writable(request.output, request.overwrite, request.files);
+  check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}},
+                   request.files);
+  if (!request.is_map()) return;
+  std::vector<std::filesystem::path> others = request.files;
+  others.push_back(request.output);
+  check_map_writing(request.map, request.overwrite, others);
+}
+
+}  // namespace
+
+bool SkyRequest::is_map() const {
+  const std::string ending = file_ending(output);
+  return ending == ".tif" || ending == ".tiff";
+}
+
+void add_sky_request(CLI::App& command, SkyRequest& request) {
+  add_cloud_files(command, "cloud", request.files, k_cloud_help)->option_text("CLOUD...")->required();
+  command
+      .add_option("-o,--output", request.output,
+                  "LAS 1.4 or PLY: the cloud with a value for every point; GeoTIFF: a map of the ground")
+      ->option_text("FILE.las|FILE.laz|FILE.ply|FILE.tif")
+      ->required()
+      ->group(k_group);
+  command.add_flag("--overwrite", request.overwrite, "replace existing files")->group(k_group);
+  add_choice<SkyReceiver>(command, "--receiver",
+                          "what the light falls on at each point: its surface (default), or a horizontal one",
+                          request.receiver,
+                          {{"surface", SkyReceiver::surface}, {"horizontal", SkyReceiver::horizontal}})
+      ->group(k_group);
+  add_value(command, "--max-distance", "LENGTH", "nothing farther blocks (default: inf)",
+            [&request](const std::string& text) {
+              request.max_distance =
+                  parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
+            })
+      ->group(k_group);
+  add_map_options(command, request.map);
+  add_target_height(command, request.map.target_height);
+  command.get_option("--target-height")->group(k_map_group);
+  add_occluder_options(command, request.occluders);
+  add_checkpoint_options(command, request.checkpoint);
+  add_partial(command, request.partial);
+  add_threads(command, request.threads);
+  add_verbosity(command, request.verbosity);
+}
+
+SkySite load_sky_site(const SkyRequest& request, int bands) {
+  check_sky_request(request);
+  const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
+  const Verbosity verbosity = request.verbosity.verbosity();
+  SkySite site{load_cloud_alone(request.files, request.partial, attributes, verbosity), {}, {}, {}};
+  if (!request.is_map()) return site;
+  site.ground = find_map_ground(request.map, *site.cloud, verbosity);
+  site.unit = cloud_unit(site.cloud->cloud.cloud.crs).name;
+  site.grid =
+      map_grid(request.map, map_area(request.map, *site.cloud), *site.ground, bands, site.unit, verbosity);
+  return site;
+}
+
+Identity sky_identity(const CLI::App& given, const SkySite& site) {
+  Identity identity = run_identity(given, *site.cloud);
+  if (site.ground) add_to_identity(site.grid, identity);
+  const std::span<const glm::vec3> normals = site.cloud->columns.normals;
+  identity.push_back({"normals", fmt::format("{:016x}", checksum(std::as_bytes(normals)))});
+  return identity;
+}
+
+void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,
+                   std::span<const SkyBand> bands, const MapMetadata& metadata, const SkyPicture& picture) {
+  const Crs& crs = site.cloud->cloud.cloud.crs;
+  if (!request.map.preview.empty()) {
+    MapPicture map;
+    map.title = picture.title;
+    map.values = bands.front().values;
+    map.scale = MapScale{picture.colors, {0.0, picture.highest}, picture.label};
+    map.unit = site.unit;
+    map.notes = picture.notes;
+    load_map_drawer()(map, *site.ground, request.map.preview, request.overwrite);
+  }
+  RasterContents contents;
+  contents.grid = site.grid;
+  for (const SkyBand& band : bands) {
+    std::ranges::replace_if(
+        band.values.values, [](float value) { return std::isnan(value); }, static_cast<float>(k_no_float));
+    contents.bands.push_back(
+        {std::span<const float>(band.values.values), k_no_float, band.description, band.unit});
+  }
+  contents.crs = crs;
+  contents.metadata = map_metadata(words, request.files, *site.cloud, *site.ground);
+  contents.metadata.insert(contents.metadata.end(), metadata.begin(), metadata.end());
+  contents.metadata.emplace_back("alidade_target_height",
+                                 fmt::format("{:g}", request.map.target_height.value_or(0.0)));
+  contents.metadata.emplace_back("alidade_max_distance", fmt::format("{:g}", request.max_distance));
+  load_raster_writer()(request.output, contents, request.overwrite);
+}
+
+std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count) {
+  double low = std::numeric_limits<double>::infinity(), high = -low, sum = 0.0;
+  std::size_t numbers = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double number = value(i);
+    if (std::isnan(number)) continue;
+    low = std::min(low, number);
+    high = std::max(high, number);
+    sum += number;
+    ++numbers;
+  }
+  if (numbers == 0) return "nowhere";
+  return fmt::format("{:.4g} to {:.4g}, mean {:.4g}", low, high, sum / static_cast<double>(numbers));
+}
+
 namespace {
 
 struct SkyCommand {

@@ -11,10 +11,8 @@
 #include "tools/cloud/write_points.h"
 #include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/checkpoint_options.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
-#include "tools/visibility/occluder_options.h"
 #include "visibility/raster/ground.h"
 #include "visibility/sky/sky_view.h"
 

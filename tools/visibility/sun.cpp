@@ -1,17 +1,78 @@
 // SPDX-License-Identifier: MIT
-#include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <fmt/format.h>
 #include <numeric>
+#include <string>
 
-#include "tools/commands.h"
-#include "tools/message.h"
-#include "tools/sky_module.h"
+#include "base/date_time.h"
+#include "base/error.h"
+#include "tools/command.h"
+#include "tools/console.h"
+#include "tools/image_module.h"
 #include "tools/visibility/sky.h"
-#include "tools/visibility/sun_date.h"
 #include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade {
+
+/// A date as people give it for sunshine: a whole day, or a moment.
+struct SunDate {
+  Moment moment;  ///< of a day: its begin in UTC, whatever the place
+  bool is_day = false;
+};
+
+/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may stand for the T).
+/// Errors: CLI::ValidationError for anything else.
+SunDate parse_sun_date(const std::string& text);
+
+/// When a range that begins with the date begins, and when one that ends with it ends. Days begin and end at
+/// the middle of the night: midnight of mean solar time, 4 minutes earlier per degree to the east.
+Moment begin_of(const SunDate& date, double longitude);
+Moment end_of(const SunDate& date, double longitude);
+
+namespace {
+
+constexpr double k_seconds_per_day = 86400.0;
+
+Moment midnight(const Moment& utc, double longitude) {
+  const double seconds = utc.seconds - std::round(longitude / 360.0 * k_seconds_per_day);
+  const double days = std::floor(seconds / k_seconds_per_day);
+  return {utc.day + std::chrono::days(static_cast<int>(days)), seconds - days * k_seconds_per_day};
+}
+
+}  // namespace
+
+SunDate parse_sun_date(const std::string& text) {
+  constexpr std::size_t k_date_length = 10;
+  SunDate date;
+  date.is_day = text.size() == k_date_length;
+  std::string full = text;
+  if (date.is_day) full += "T00:00Z";
+  if (full.size() > k_date_length && full[k_date_length] == ' ') full[k_date_length] = 'T';
+  try {
+    date.moment = parse_date_time(full);
+  } catch (const Error& error) {
+    // What was added to a day is nothing that the user wrote.
+    if (!date.is_day) throw CLI::ValidationError(error.what());
+    throw CLI::ValidationError("expected a day such as 2026-06-21, found '" + text + "'");
+  }
+  return date;
+}
+
+Moment begin_of(const SunDate& date, double longitude) {
+  return date.is_day ? midnight(date.moment, longitude) : date.moment;
+}
+
+Moment end_of(const SunDate& date, double longitude) {
+  if (!date.is_day) return date.moment;
+  Moment next = date.moment;
+  next.day += std::chrono::days(1);
+  return midnight(next, longitude);
+}
+
 namespace {
 
 struct SunCommand {
