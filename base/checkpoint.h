@@ -38,9 +38,6 @@
 
 namespace alidade {
 
-/// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
-constexpr int k_answers_version = 3;
-
 struct PartsOptions {
   std::filesystem::path file{};
   double interval = 60.0;  ///< seconds after which what is finished is written, > 0

@@ -56,23 +56,13 @@ inline SineCosine sine_cosine(double radians) {
 // from machine to machine; these cannot, as long as contraction is off, so scans are the same bytes
 // everywhere.
 
-inline constexpr double k_pi = 3.14159265358979323846;
-
-inline constexpr double radians(double degrees) {
-  return degrees * (k_pi / 180.0);
-}
-
-struct SineCosine {
-  double sine = 0.0, cosine = 1.0;
-};
-
 /// Of an angle in radians, |angle| <= 1e5; absolute error below 1e-15 up to |angle| = 100.
 /// Method: subtract the nearest multiple of pi/2 in two parts (Cody and Waite), then the Taylor series on
 /// [-pi/4, pi/4], whose first omitted terms are below 5e-17.
-inline SineCosine sine_cosine(double angle) {
+inline SineCosine sine_cosine_by_quarters(double angle) {
   constexpr double k_high = 1.57079632673412561417;     // the first 33 bits of pi/2: multiples stay exact
   constexpr double k_low = 6.07710050650619224932e-11;  // the rest
-  const double quarter_turns = std::floor(angle * (2.0 / k_pi) + 0.5);
+  const double quarter_turns = std::floor(angle * (2.0 / std::numbers::pi) + 0.5);
   const double x = (angle - quarter_turns * k_high) - quarter_turns * k_low;
   const double y = x * x;
   const double sine =
@@ -146,24 +136,8 @@ inline double root(double x, int degree) {
   }
 }
 
-/// Display-referred value in [0, 1] -> linear, by the curve of IEC 61966-2-1 (sRGB).
-inline double linear_from_srgb(double value) {
-  if (value <= 0.04045) return value / 12.92;
-  const double base = (value + 0.055) / 1.055;
-  const double fifth_root = root(base, 5);
-  return base * base * fifth_root * fifth_root;  // base^2.4
-}
-
-/// Linear value in [0, 1] -> display-referred, the inverse of the above.
-inline double srgb_from_linear(double value) {
-  if (value <= 0.0031308) return value * 12.92;
-  const double twelfth_root = root(value, 12);
-  const double sq = twelfth_root * twelfth_root;
-  return 1.055 * (sq * sq * twelfth_root) - 0.055;  // value^(5/12)
-}
-
-// As in base/exact_math.h: from operations that IEEE 754 rounds exactly, so that filters and
-// exposures are the same bits on every machine.
+// From operations that IEEE 754 rounds exactly as well, so that filters and exposures are the same bits on
+// every machine.
 
 /// e^x for x in [-700, 0]. Relative error below 1e-12. Source: Taylor series of x / 1024, squared ten times.
 inline double exponential(double x) {

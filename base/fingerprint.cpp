@@ -19,6 +19,12 @@ std::uint64_t checksum(std::span<const std::byte> bytes) {
   return XXH3_64bits(bytes.data(), bytes.size());
 }
 
+void append_checksums(std::initializer_list<std::span<const std::byte>> arrays,
+                      std::vector<std::uint64_t>& sums) {
+  for (const std::span<const std::byte> array : arrays)
+    sums.push_back(array.data() == nullptr ? 0 : checksum(array));
+}
+
 namespace {
 
 constexpr std::size_t k_lengths = 8;
@@ -42,11 +48,6 @@ std::pair<std::string, std::string> telling_parts(const std::string& a, const st
     return (begin > 0 ? "..." : "") + text.substr(begin, end - begin) + (end < text.size() ? "..." : "");
   };
   return {part(a), part(b)};
-}
-
-template <class Value>
-void append_checksum(const Value* values, std::size_t count, std::vector<std::uint64_t>& sums) {
-  sums.push_back(values == nullptr ? 0 : checksum(std::as_bytes(std::span(values, count))));
 }
 
 }  // namespace
@@ -101,13 +102,6 @@ Identity read_identity(std::span<const std::byte> bytes, std::size_t place, cons
     place += size;
   }
   return identity;
-}
-
-void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_t>& sums) {
-  append_checksum(tree.nodes, tree.node_count, sums);
-  append_checksum(tree.coordinates, 3 * std::size_t{tree.point_count}, sums);
-  append_checksum(tree.ids, tree.point_count, sums);
-  append_checksum(tree.positions, tree.exact_count(), sums);
 }
 
 }  // namespace alidade

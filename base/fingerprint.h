@@ -3,11 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <vector>
-
-#include "octree/octree.h"
 
 namespace alidade {
 
@@ -15,6 +14,10 @@ namespace alidade {
 /// instructions of its own to choose, and its bytes are fixed since version 0.8.0. It finds damage; it does
 /// not withstand forgers. Source: https://github.com/Cyan4973/xxHash, doc/xxhash_spec.md.
 std::uint64_t checksum(std::span<const std::byte> bytes);
+
+/// Appends the checksum of each array; of one that is not there (null) 0.
+void append_checksums(std::initializer_list<std::span<const std::byte>> arrays,
+                      std::vector<std::uint64_t>& sums);
 
 /// Sections of a file are summed in blocks, so that threads can share the work and damage has a place.
 inline constexpr std::size_t k_checksum_block = std::size_t{1} << 20;
@@ -62,9 +65,5 @@ void append_identity(const Identity& identity, std::vector<std::byte>& bytes);
 /// Reads them back from bytes of `file` that begin at its byte `place`. Errors: they do not end where an
 /// entry does.
 Identity read_identity(std::span<const std::byte> bytes, std::size_t place, const std::string& file);
-
-/// Appends checksums of all that tells the points of a tree. Cost: as fast as memory delivers, about 16 bytes
-/// per point.
-void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_t>& sums);
 
 }  // namespace alidade

@@ -3,9 +3,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <fmt/format.h>
+#include <fstream>
 #include <limits>
 #include <new>
+#include <optional>
+#include <string>
 #include <sys/mman.h>
+
+#include "base/error.h"
 
 namespace alidade {
 namespace {
@@ -17,7 +23,27 @@ std::size_t whole_pages(std::size_t byte_count) {
   return (byte_count + k_huge_page - 1) / k_huge_page * k_huge_page;
 }
 
+/// Bytes that can be had without swapping; empty where /proc does not tell.
+std::optional<std::uint64_t> available_memory() {
+  constexpr std::uint64_t k_kibibyte = 1024;
+  std::ifstream file("/proc/meminfo");
+  std::string key, unit;
+  for (std::uint64_t value = 0; file >> key >> value; std::getline(file, unit)) {
+    if (key == "MemAvailable:") return k_kibibyte * value;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+void check_memory(std::uint64_t bytes, const char* what) {
+  constexpr double k_gigabyte = 1e9;
+  const std::optional<std::uint64_t> available = available_memory();
+  if (!available || bytes <= *available) return;
+  throw Error({.problem = fmt::format("not enough memory for {}", what),
+               .expected = fmt::format("{:.1f} GB", static_cast<double>(bytes) / k_gigabyte),
+               .found = fmt::format("{:.1f} GB free", static_cast<double>(*available) / k_gigabyte)});
+}
 
 void* take_pages(std::size_t byte_count) {
   if (byte_count < k_huge_page) return ::operator new(byte_count, k_small_alignment);

@@ -5,9 +5,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
 #include <new>
 #include <sys/mman.h>
 #include <sys/stat.h>
+#include <system_error>
 #include <unistd.h>
 #include <utility>
 
@@ -125,6 +127,26 @@ std::span<const std::byte> InputFile::view(std::uint64_t place, std::size_t coun
 std::span<const std::byte> InputFile::view_up_to(std::uint64_t place, std::size_t count) {
   const std::uint64_t left = place < size_ ? size_ - place : 0;
   return view(std::min(place, size_), static_cast<std::size_t>(std::min<std::uint64_t>(count, left)));
+}
+
+std::string read_text_file(const std::filesystem::path& file, std::uintmax_t largest) {
+  std::error_code error;
+  const auto status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status)) throw Error({.file = file.string(), .problem = "no such file"});
+  if (!std::filesystem::is_regular_file(status))
+    throw Error({.file = file.string(), .problem = "not a regular file"});
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error || size > largest) {
+    throw Error({.file = file.string(),
+                 .problem = "too large for a scene or camera",
+                 .expected = "at most " + std::to_string(largest >> 20) + " MiB"});
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(size, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(size));
+  if (!stream && !stream.eof()) throw Error({.file = file.string(), .problem = "cannot be read"});
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  return text;
 }
 
 namespace {

@@ -66,6 +66,12 @@ class InputFile {
   std::size_t window_size_ = 0;
 };
 
+/// What scene files and our camera files may have in bytes.
+inline constexpr std::uintmax_t k_largest_scene_file = 4u << 20;
+
+/// A text file of at most so many bytes. Errors: missing, not a regular file, too large, unreadable.
+std::string read_text_file(const std::filesystem::path& file, std::uintmax_t largest = k_largest_scene_file);
+
 /// Walks forward through the bytes of a file. Errors: those of InputFile, when the file ends early.
 class ByteCursor {
  public:

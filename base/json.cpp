@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {
@@ -397,35 +398,8 @@ JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> k
   return JsonFields(node, known).require("type");
 }
 
-std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words) {
-  // More typing errors than a third of the letters are another word; the limit also bounds the cost for
-  // hostile input.
-  std::string_view nearest;
-  std::size_t nearest_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
-  for (const std::string_view candidate : words) {
-    if (word.size() > candidate.size() + nearest_distance) continue;
-    std::vector<std::size_t> before(candidate.size() + 1), previous(candidate.size() + 1),
-        row(candidate.size() + 1);
-    for (std::size_t j = 0; j <= candidate.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= word.size(); ++i) {
-      before.swap(previous);
-      previous.swap(row);
-      row[0] = i;
-      for (std::size_t j = 1; j <= candidate.size(); ++j) {
-        const std::size_t change = previous[j - 1] + (word[i - 1] == candidate[j - 1] ? 0 : 1);
-        row[j] = std::min({previous[j] + 1, row[j - 1] + 1, change});
-        const bool swapped =
-            i > 1 && j > 1 && word[i - 1] == candidate[j - 2] && word[i - 2] == candidate[j - 1];
-        if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
-      }
-    }
-    // A distance as long as the candidate means that nothing of it is left.
-    if (row.back() < nearest_distance && row.back() < candidate.size()) {
-      nearest = candidate;
-      nearest_distance = row.back();
-    }
-  }
-  return nearest;
+void read_version(const JsonNode& version) {
+  if (version.number({-1e9, 1e9}) != 1) version.fail("unknown version", "1");
 }
 
 }  // namespace alidade

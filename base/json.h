@@ -63,6 +63,12 @@ struct NumberRange {
   std::string describe() const;  ///< "from 0 to 1", "greater than 0 and at most 10"
 };
 
+/// Coordinates and lengths: beyond any place on or near Earth, and squares stay far from the limits of
+/// double.
+inline constexpr double k_largest_length = 1e12;
+inline constexpr NumberRange k_coordinate{-k_largest_length, k_largest_length};
+inline constexpr NumberRange k_length{0.0, k_largest_length, true};
+
 /// A value of a document that knows its JSON pointer: every check that fails throws an Error with file, line,
 /// column, pointer, what was expected and found. Cheap to copy; the document must outlive it.
 class JsonNode {
@@ -130,8 +136,7 @@ class JsonFields {
 /// The "type" of an object of which several kinds exist; `known` are the keys of all kinds.
 JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> known);
 
-/// The word of `words` that was probably meant, by edit distance (swapped letters count once); empty if none
-/// is near.
-std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words);
+/// "version" of our own files must be 1.
+void read_version(const JsonNode& version);
 
 }  // namespace alidade

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace alidade {
 
@@ -23,5 +27,39 @@ inline std::string file_ending(const std::filesystem::path& file) {
   }
   return ending;
 }
+
+/// UTF-8 for U+FEFF, which some programs put before a text.
+inline constexpr std::string_view k_byte_order_mark = "\xEF\xBB\xBF";
+
+/// Blank, tab or carriage return.
+bool is_blank(char letter);
+
+/// The text without is_blank() letters at its ends.
+std::string_view trim(std::string_view text);
+
+/// The number a whole word stands for: decimal or scientific, with an optional sign, "nan", "inf"; empty if
+/// it is none. Never depends on the locale. Too large a number is infinite, too small a one is zero.
+std::optional<double> parse_number(std::string_view word);
+
+/// The same for whole numbers without exponent; empty also if it does not fit.
+std::optional<std::uint64_t> parse_count(std::string_view word);
+
+/// How many digits after the decimal point a number is written with: 2 for "1.25", 4 for "1.25e-2", 0 for
+/// "12", -3 for "1e3".
+int written_decimals(std::string_view word);
+
+/// Fills `words` with what stands between blanks, tabs and carriage returns.
+void split_words(std::string_view line, std::vector<std::string_view>& words);
+
+/// Fills `words` with what stands between `separator`s, without blanks and double quotes around it; between
+/// double quotes a separator is part of the word.
+void split_cells(std::string_view line, char separator, std::vector<std::string_view>& words);
+
+/// Text of a file as an error message can show it: in quotes, unprintable bytes as "?", cut after 40 bytes.
+std::string quote(std::string_view text);
+
+/// The word of `words` that was probably meant, by edit distance (swapped letters count once); empty if none
+/// is near.
+std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words);
 
 }  // namespace alidade

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -9,13 +10,44 @@
 
 #include "base/bounds.h"
 #include "base/ray.h"
-#include "renderer/scene.h"
+#include "camera/lens.h"
 
 namespace alidade {
 
+/// Where the optical axis of a camera points and which axes its own frame has.
+enum class AxisConvention {
+  opencv,  ///< +x right, +y down, +z forward
+  opengl,  ///< +x right, +y up, +z backward
+};
+
+/// Camera frame -> world, right-handed, rotation orthonormal: columns right, down, forward (opencv), then the
+/// place.
+struct CameraPose {
+  glm::dvec3 position{0.0};
+  glm::dvec3 right{1.0, 0.0, 0.0};
+  glm::dvec3 down{0.0, 0.0, -1.0};
+  glm::dvec3 forward{0.0, 1.0, 0.0};
+};
+
+/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film place
+/// (x, y), which is pixel place (cx + fx x, cy + fy y); see camera/lens.h.
+struct Camera {
+  int width = 600, height = 400;
+  double fx = 0.0, fy = 0.0;  ///< focal lengths in pixels; orthographic: pixels per metre; equirectangular:
+                              ///< pixels per radian
+  double cx = 0.0, cy = 0.0;  ///< where the axis meets the film, pixels
+  CameraPose pose;
+  Lens lens = PinholeLens{};
+};
+
+// Largest values that scene files and command lines may ask for, inclusive.
+
+inline constexpr int k_max_image_side = 1 << 16;         ///< pixels
+inline constexpr std::uint64_t k_max_pixels = 1u << 28;  ///< width times height
+
 /// Ray through a place on the film, in pixels ((0.5, 0.5) = centre of the top left pixel). Starts at the
-/// camera, t_min = 0. Unit direction. For many rays of one camera make a Projection (renderer/camera/
-/// projection.h). Errors: the lens has no view through this place.
+/// camera, t_min = 0. Unit direction. For many rays of one camera make a Projection
+/// (camera/projection.h). Errors: the lens has no view through this place.
 Ray camera_ray(const Camera& camera, const glm::dvec2& film_position);
 
 /// Film position of a world point in pixels (may lie outside the image); empty if the lens does not see it,

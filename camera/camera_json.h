@@ -1,13 +1,26 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <filesystem>
 #include <string>
+#include <string_view>
 
-#include "renderer/scene.h"
+#include "base/json.h"
+#include "camera/camera.h"
 
 namespace alidade {
 
 /// The camera as a camera file on one line; parse_camera gives back the same camera, bit for bit.
 std::string camera_json(const Camera& camera);
+
+/// Reads a camera file of our own (scenes/schema/camera.schema.json). Errors: Error with file, line:column,
+/// JSON pointer, what was expected and found; unknown keys name the nearest known one.
+Camera read_camera(const std::filesystem::path& file);
+
+/// The same from text; `name` is used in messages.
+Camera parse_camera(std::string_view text, const std::filesystem::path& name);
+
+/// The same from a node; its "version" may be left out when it stands inside a scene.
+Camera read_camera_node(const JsonNode& node);
 
 }  // namespace alidade

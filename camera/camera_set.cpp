@@ -5,10 +5,11 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "base/json.h"
+#include "base/words.h"
+#include "camera/camera_json.h"
 #include "camera/formats/camera_file.h"
-#include "renderer/read_scene.h"
-#include "renderer/read_scene_parts.h"
 
 namespace alidade {
 namespace {

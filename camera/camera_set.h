@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "camera/camera.h"
 #include "cloud/e57/e57_file.h"
-#include "renderer/scene.h"
 
 namespace alidade {
 

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "base/ray.h"
+#include "camera/camera.h"
 #include "camera/lens_map.h"
-#include "renderer/scene.h"
 
 namespace alidade {
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "camera/camera_json.h"
 
 #include <array>
 #include <cmath>
@@ -6,12 +7,15 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <numbers>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/error.h"
+#include "base/input_file.h"
+#include "base/json.h"
 #include "camera/camera.h"
 #include "camera/projection.h"
-#include "renderer/read_scene_parts.h"
 
 namespace alidade {
 namespace {
@@ -133,8 +137,7 @@ DualLens read_dual(const JsonNode& node) {
           .distortion = {.radial = {coefficient(fields, "k1"), coefficient(fields, "k2")}}};
 }
 
-}  // namespace
-
+/// Which of k_lens_names a camera's "model" is.
 std::size_t model_of(const JsonNode& camera) {
   if (const auto model = camera.find("model")) return model->choice(k_lens_names);
   const JsonFields fields(
@@ -142,11 +145,14 @@ std::size_t model_of(const JsonNode& camera) {
   return fields.require("model").choice(k_lens_names);
 }
 
+/// Whether cameras of that model have a "distortion".
 bool is_distorting(std::size_t model) {
   return !is_model<PinholeLens>(model) && !is_model<OrthographicLens>(model) &&
          !is_model<EquirectangularLens>(model);
 }
 
+/// "intrinsics" of a camera of that model: sets its focal lengths, principal point and, without distortion,
+/// lens. Needs its size.
 void read_intrinsics(const JsonNode& node, std::size_t model, Camera& camera) {
   if (is_model<PinholeLens>(model) || is_model<BrownLens>(model)) {
     read_perspective(node, camera);
@@ -161,6 +167,7 @@ void read_intrinsics(const JsonNode& node, std::size_t model, Camera& camera) {
   }
 }
 
+/// "distortion" of a camera of a distorting model.
 Lens read_distortion(const JsonNode& node, std::size_t model) {
   if (is_model<BrownLens>(model)) return read_brown(node);
   if (is_model<FisheyeLens>(model)) return read_fisheye(node);
@@ -170,8 +177,6 @@ Lens read_distortion(const JsonNode& node, std::size_t model) {
     return FieldOfViewLens{JsonFields(node, {"omega"}).require("omega").number({-3.14159, 3.14159})};
   return DivisionLens{JsonFields(node, {"k"}).require("k").number(k_coefficient)};
 }
-
-namespace {
 
 constexpr double k_rotation_tolerance = 1e-6;
 // Below this a rotation is as good as double makes it, and is taken to the bit: what a program wrote with 17
@@ -305,6 +310,18 @@ Camera read_camera_node(const JsonNode& node) {
     node.fail(error.parts().problem, error.parts().expected, error.parts().found);
   }
   return camera;
+}
+
+Camera parse_camera(std::string_view text, const std::filesystem::path& name) {
+  const JsonDocument document = parse_json(std::string(text), name.string());
+  const JsonNode node(document);
+  const Camera camera = read_camera_node(node);
+  if (!node.find("version")) node.fail("missing key \"version\"", "the key", "an object without it");
+  return camera;
+}
+
+Camera read_camera(const std::filesystem::path& file) {
+  return parse_camera(read_text_file(file), file);
 }
 
 }  // namespace alidade

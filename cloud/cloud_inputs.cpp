@@ -10,8 +10,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "base/text_scanner.h"
-#include "octree/index_file/index_header.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {
@@ -253,7 +252,7 @@ std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage) {
   std::string_view start = copy;
   if (start.empty()) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
   if (start.starts_with("LASF")) return open_las(std::move(file), damage);
-  if (is_index_file(std::as_bytes(std::span(start)))) return open_index_cloud(std::move(file));
+  if (start.starts_with(std::string_view("ALIDADE\0", 8))) return open_index_cloud(std::move(file));
   if (start.starts_with("ASTM-E57")) return open_e57(std::move(file));
   if (const CloudDatabase* const database = find_database_begun_by(copy)) return database->open(file.name());
   // Every reader of text skips a byte order mark.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <string_view>
 
@@ -176,7 +177,7 @@ bool is_float(ScalarType type) {
 
 }  // namespace
 
-ValueScaling color_scaling(ScalarType type, const ValueRange& range) {
+ValueScaling color_scaling(ScalarType type, const ColumnRange& range) {
   if (range.max <= 0.0) return {};
   if (type == ScalarType::uint8 || type == ScalarType::int8) return {.factor = 257.0, .assumption = {}};
   if (is_float(type) && range.max <= 1.0)
@@ -188,7 +189,7 @@ ValueScaling color_scaling(ScalarType type, const ValueRange& range) {
   return {};
 }
 
-ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, IntensityScale scale) {
+ValueScaling intensity_scaling(ScalarType type, const ColumnRange& range, IntensityScale scale) {
   if (type == ScalarType::uint8) return {.factor = 257.0, .assumption = {}};
   if (type == ScalarType::uint16 || !(range.min <= range.max)) return {};
   if (range.min >= 0.0) {
@@ -256,6 +257,23 @@ bool TableSurvey::add(std::span<const Cell> row) {
   bounds_.grow(position);
   for (const Watched& watched : watched_) (this->*watched.range).grow(row[watched.column].number);
   return true;
+}
+
+Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType type) {
+  if (type == ScalarType::uint64 || type == ScalarType::int64) {
+    std::int64_t whole = 0;
+    const char* const end = word.data() + word.size();
+    if (type == ScalarType::uint64) {
+      if (const auto count = parse_count(word)) return {static_cast<double>(*count), *count};
+    } else if (const auto result = std::from_chars(word.data(), end, whole);
+               result.ptr == end && result.ec == std::errc{}) {
+      return {static_cast<double>(whole), static_cast<std::uint64_t>(whole)};
+    }
+    scanner.fail("not a whole number of 64 bits", "a whole number", quote(word));
+  }
+  const auto number = parse_number(word);
+  if (!number) scanner.fail("not a number", "a number", quote(word));
+  return {*number, 0};
 }
 
 }  // namespace alidade

@@ -10,10 +10,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/bounds.h"
 #include "base/bytes.h"
+#include "base/text_scanner.h"
 #include "cloud/attributes.h"
 
 namespace alidade {
@@ -60,6 +62,10 @@ struct Cell {
   double number = 0.0;
   std::uint64_t integer = 0;
 };
+
+/// The cell for a word of the line last given. Errors: the word is no number, or, for the 64-bit types, no
+/// whole number that fits.
+Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType type);
 
 /// Which names stand for coordinates: x, y, z only, or also easting, latitude, height, ... and `i` for
 /// intensity.
@@ -122,7 +128,7 @@ inline Cell cell_from(const std::byte* place, ScalarType type, std::endian order
 }
 
 /// Smallest and largest of the values seen; NaN is none. Inverted when there was none.
-struct ValueRange {
+struct ColumnRange {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
 
@@ -131,7 +137,7 @@ struct ValueRange {
     max = value > max ? value : max;
   }
   /// Takes in what another one saw, maybe nothing.
-  void grow(const ValueRange& other) {
+  void grow(const ColumnRange& other) {
     min = other.min < min ? other.min : min;
     max = other.max > max ? other.max : max;
   }
@@ -152,7 +158,7 @@ struct ValueScaling {
 
 /// Colour channels: 8-bit integers times 257. Other types by the largest value of the whole file: floats up
 /// to 1 times 65535, values up to 255 times 257, larger ones as they are.
-ValueScaling color_scaling(ScalarType type, const ValueRange& range);
+ValueScaling color_scaling(ScalarType type, const ColumnRange& range);
 
 /// What a format says about its intensities.
 enum class IntensityScale {
@@ -165,7 +171,7 @@ enum class IntensityScale {
 /// of the whole file: floats within 0 .. 1 times 65535; within 0 .. 255 times 257; within 0 .. 65535 as they
 /// are; within -2048 .. 2047 (the scale of PTS files, IntensityScale::signed_12_bit only) linearly from that
 /// interval; anything else linearly from the smallest to the largest value.
-ValueScaling intensity_scaling(ScalarType type, const ValueRange& range, IntensityScale scale);
+ValueScaling intensity_scaling(ScalarType type, const ColumnRange& range, IntensityScale scale);
 
 /// How finely coordinates of a type are rounded whose largest one is `largest`: CoordinateSurvey::resolution.
 double type_resolution(ScalarType type, double largest);
@@ -195,20 +201,20 @@ class TableSurvey {
   const Bounds& bounds() const { return bounds_; }
   std::uint64_t finite_count() const { return finite_count_; }
   std::uint64_t dropped_count() const { return dropped_count_; }
-  const ValueRange& colors() const { return colors_; }
-  const ValueRange& near_infrared() const { return near_infrared_; }
-  const ValueRange& intensities() const { return intensities_; }
+  const ColumnRange& colors() const { return colors_; }
+  const ColumnRange& near_infrared() const { return near_infrared_; }
+  const ColumnRange& intensities() const { return intensities_; }
 
  private:
   struct Watched {
     std::size_t column;
-    ValueRange TableSurvey::*range;
+    ColumnRange TableSurvey::*range;
   };
   PositionColumns positions_;
   std::vector<Watched> watched_;
   Bounds bounds_;
   std::uint64_t finite_count_ = 0, dropped_count_ = 0;
-  ValueRange colors_, near_infrared_, intensities_;
+  ColumnRange colors_, near_infrared_, intensities_;
 };
 
 }  // namespace alidade

@@ -195,7 +195,6 @@ void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progr
 namespace {
 
 constexpr std::size_t k_at_once = 1 << 20;
-constexpr std::size_t k_grain = 4096;
 constexpr std::uint64_t k_most = std::numeric_limits<std::uint32_t>::max();
 
 /// A point and its cube, counted from the lowest one of the cloud.

@@ -11,13 +11,16 @@ add_library(alidade_flags INTERFACE)
 target_compile_features(alidade_flags INTERFACE cxx_std_20)
 target_compile_options(alidade_flags INTERFACE -ffp-contract=off -Wall -Wextra -Wshadow -Wno-psabi)
 target_include_directories(alidade_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# The version that files, pictures and pages name.
+target_compile_definitions(alidade_flags INTERFACE ALIDADE_VERSION="${PROJECT_VERSION}")
 
 # alidade_library(NAME SOURCES...) declares the library alidade_NAME with its alias alidade::NAME, and has it installed.
 # Whoever includes the headers compiles their formulas, so the rule on contraction holds for users of the library too.
 function(alidade_library name)
   add_library(alidade_${name} STATIC ${ARGN})
   add_library(alidade::${name} ALIAS alidade_${name})
-  set_target_properties(alidade_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(alidade_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
+                        UNITY_BUILD "${ALIDADE_UNITY}" UNITY_BUILD_BATCH_SIZE 6)
   target_compile_features(alidade_${name} PUBLIC cxx_std_20)
   target_compile_options(alidade_${name} PUBLIC -ffp-contract=off)
   target_include_directories(alidade_${name} PUBLIC
@@ -26,13 +29,12 @@ function(alidade_library name)
   set_property(GLOBAL APPEND PROPERTY ALIDADE_LIBRARIES alidade_${name})
 endfunction()
 
-# alidade_compile_together(TARGET [files...]) has the sanitizers' builds (ALIDADE_COMPILE_TOGETHER) compile several files of
-# a target in one go, which halves their time; all but these, whose helpers have names that others have too. The release
-# build compiles every file alone, and so finds missing includes. Other targets are never compiled so: who links one file
-# of a library would link its neighbours, and the program would load OpenImageIO and GDAL at every start.
-function(alidade_compile_together target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD "${ALIDADE_COMPILE_TOGETHER}")
-  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+# alidade_compile_alone(FILES...), named from the root: left out of unity builds (ALIDADE_UNITY), in which several files of a
+# library are compiled in one go. The release build of ./dev test compiles every file alone, and so finds missing includes.
+function(alidade_compile_alone)
+  foreach(file IN LISTS ARGN)
+    set_source_files_properties(${PROJECT_SOURCE_DIR}/${file} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  endforeach()
 endfunction()
 
 # alidade_choose_lanes(TARGET) compiles a target that has lanes as ALIDADE_SCALAR says.
@@ -54,15 +56,29 @@ function(alidade_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:Debug>:-O0>)
 endfunction()
 
-# alidade_test(NAME LIBRARIES... SOURCES files...) declares one GoogleTest program, one CTest entry per test program.
-function(alidade_test name)
-  cmake_parse_arguments(TEST "" "" "LIBRARIES;SOURCES" ${ARGN})
-  add_executable(${name} ${TEST_SOURCES})
-  target_link_libraries(${name} PRIVATE alidade_flags ${TEST_LIBRARIES} GTest::gtest GTest::gtest_main)
-  alidade_compile_quickly(${name})
-  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
-    target_sources(${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/thread_sanitizer_tbb.cpp)
-    target_link_libraries(${name} PRIVATE TBB::tbb)
+# alidade_room_tests(ROOM [SHARDS N] LIBRARIES libraries... SOURCES files...) declares the test program of a room, ROOM_test,
+# which CTest runs as N processes, each with its share of the tests and a folder of its own for temporary files.
+function(alidade_room_tests room)
+  cmake_parse_arguments(TEST "" "SHARDS" "LIBRARIES;SOURCES" ${ARGN})
+  if(NOT TEST_SHARDS)
+    set(TEST_SHARDS 1)
   endif()
-  add_test(NAME ${name} COMMAND ${name})
+  set(program ${room}_test)
+  add_executable(${program} ${TEST_SOURCES})
+  target_link_libraries(${program} PRIVATE
+    alidade_flags ${TEST_LIBRARIES} alidade_test_support fmt::fmt TBB::tbb GTest::gtest GTest::gtest_main)
+  target_compile_definitions(${program} PRIVATE
+    ALIDADE_SOURCE_FOLDER="${PROJECT_SOURCE_DIR}" ALIDADE_BUILD_FOLDER="${PROJECT_BINARY_DIR}"
+    ALIDADE_SHARED_DATA="${PROJECT_SOURCE_DIR}/../shared/data")
+  alidade_compile_quickly(${program})
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=thread")
+    target_sources(${program} PRIVATE ${PROJECT_SOURCE_DIR}/tests/support/thread_sanitizer_tbb.cpp)
+  endif()
+  math(EXPR last "${TEST_SHARDS} - 1")
+  foreach(shard RANGE ${last})
+    math(EXPR number "${shard} + 1")
+    add_test(NAME ${room}_${number} COMMAND ${PROJECT_SOURCE_DIR}/tests/support/run_test.sh $<TARGET_FILE:${program}>)
+    set_tests_properties(${room}_${number} PROPERTIES
+      LABELS ${room} ENVIRONMENT "GTEST_TOTAL_SHARDS=${TEST_SHARDS};GTEST_SHARD_INDEX=${shard}")
+  endforeach()
 endfunction()

@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

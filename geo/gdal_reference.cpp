@@ -1,15 +1,93 @@
 // SPDX-License-Identifier: MIT
 #include "geo/gdal_reference.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <fmt/format.h>
+#include <gdal_frmts.h>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
-#include "geo/geotiff.h"
 
 namespace alidade {
+namespace {
+
+/// Appends values of a TIFF file, little endian.
+class TiffBytes {
+ public:
+  template <typename Value>
+  void add(Value value) {
+    const auto bytes = std::as_bytes(std::span(&value, 1));
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  }
+  /// An entry of the directory: tag, type (2 text, 3 short, 4 long, 12 double), count, value or its place.
+  void entry(std::uint16_t tag, std::uint16_t type, std::size_t count, std::size_t value) {
+    add(tag);
+    add(type);
+    add(static_cast<std::uint32_t>(count));
+    add(static_cast<std::uint32_t>(value));
+  }
+  std::vector<std::byte>& bytes() { return bytes_; }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+/// The smallest TIFF file, of one pixel, with these GeoTIFF keys: GDAL explains keys only in such a file.
+/// Source: TIFF 6.0, OGC GeoTIFF 1.1.
+std::vector<std::byte> tiff_with_keys(const Crs& crs) {
+  constexpr std::size_t k_entries = 11, k_directory = 8, k_pixel = k_directory + 2 + 12 * k_entries + 4;
+  constexpr std::size_t k_keys = k_pixel + 8;
+  const std::size_t doubles = k_keys + 2 * crs.geotiff_keys.size();
+  // Values of up to four bytes would have to stand in the entry itself.
+  std::vector<double> numbers = crs.geotiff_doubles;
+  if (numbers.empty()) numbers.push_back(0.0);
+  std::string text = crs.geotiff_ascii;
+  text.resize(std::max<std::size_t>(text.size() + 1, 8));
+  TiffBytes tiff;
+  tiff.add(std::uint32_t{0x002A4949});
+  tiff.add(static_cast<std::uint32_t>(k_directory));
+  tiff.add(static_cast<std::uint16_t>(k_entries));
+  tiff.entry(256, 3, 1, 1);        // width
+  tiff.entry(257, 3, 1, 1);        // height
+  tiff.entry(258, 3, 1, 8);        // bits
+  tiff.entry(259, 3, 1, 1);        // not compressed
+  tiff.entry(262, 3, 1, 1);        // black is 0
+  tiff.entry(273, 4, 1, k_pixel);  // the pixel
+  tiff.entry(278, 3, 1, 1);        // rows in it
+  tiff.entry(279, 4, 1, 1);        // its bytes
+  tiff.entry(34735, 3, crs.geotiff_keys.size(), k_keys);
+  tiff.entry(34736, 12, numbers.size(), doubles);
+  tiff.entry(34737, 2, text.size(), doubles + 8 * numbers.size());
+  tiff.add(std::uint32_t{0});
+  tiff.add(std::uint64_t{0});
+  for (const std::uint16_t key : crs.geotiff_keys) tiff.add(key);
+  for (const double number : numbers) tiff.add(number);
+  for (const char letter : text) tiff.add(letter);
+  return std::move(tiff.bytes());
+}
+
+}  // namespace
+
+std::string wkt_of(const Crs& crs) {
+  constexpr std::size_t k_most_keys = 65535;
+  if (!crs.wkt.empty() || crs.geotiff_keys.empty()) return crs.wkt;
+  if (crs.geotiff_keys.size() > k_most_keys || crs.geotiff_doubles.size() > k_most_keys) return "";
+  const QuietGdal quiet;
+  GDALRegister_GTiff();
+  const GdalMemoryFile file;
+  std::vector<std::byte> bytes = tiff_with_keys(crs);
+  VSIFCloseL(VSIFileFromMemBuffer(file.name(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
+  const GdalDataset dataset(GDALOpen(file.name(), GA_ReadOnly));
+  if (!dataset) return "";
+  const char* const wkt = GDALGetProjectionRef(dataset.get());
+  return wkt != nullptr ? wkt : "";
+}
 
 void make_plane(const GdalReference& reference) {
   OSRStripVertical(reference.get());

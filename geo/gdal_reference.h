@@ -68,6 +68,10 @@ struct DestroyGdalTransformation {
 };
 using GdalTransformation = std::unique_ptr<void, DestroyGdalTransformation>;
 
+/// The reference system as WKT: what the file gave, or what its GeoTIFF keys mean, as GDAL reads them. Empty
+/// if there is none or nothing can be made of it.
+std::string wkt_of(const Crs& crs);
+
 /// Leaves x and y of a system, x before y whatever its axes. Heights do not move a place, and their grids may
 /// not be installed.
 void make_plane(const GdalReference& reference);

@@ -84,7 +84,7 @@ bool names_one_of(const std::string& wkt, std::initializer_list<const char*> key
   return false;
 }
 
-bool is_geographic(const Crs& crs) {
+bool is_in_degrees(const Crs& crs) {
   if (!crs.wkt.empty()) {
     return names_one_of(crs.wkt, {"GEOGCS[", "GEOGCRS["}) && !names_one_of(crs.wkt, {"PROJCS[", "PROJCRS["});
   }
@@ -113,7 +113,7 @@ Crs plane_part(const Crs& crs) {
 
 MapUnit map_unit(const Crs& crs) {
   if (crs.empty()) return MapUnit::unknown;
-  if (is_geographic(crs)) return MapUnit::degree;
+  if (is_in_degrees(crs)) return MapUnit::degree;
   const std::string unit = height_unit(plane_part(crs));
   if (unit == "m") return MapUnit::metre;
   return unit == "ft" ? MapUnit::foot : MapUnit::unknown;

@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
 #include <string>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "base/words.h"
-#include "geo/raster_file.h"
 
 namespace alidade {
 namespace {
@@ -24,17 +23,6 @@ CellRange cells_over(double low, double high, double cell_size) {
   CellRange range{std::floor(low / cell_size), std::ceil(high / cell_size)};
   if (range.count() < 1.0) range.end = range.begin + 1.0;
   return range;
-}
-
-/// Bytes that can be had without swapping; empty where /proc does not tell.
-std::optional<std::uint64_t> available_memory() {
-  constexpr std::uint64_t k_kibibyte = 1024;
-  std::ifstream file("/proc/meminfo");
-  std::string key, unit;
-  for (std::uint64_t value = 0; file >> key >> value; std::getline(file, unit)) {
-    if (key == "MemAvailable:") return k_kibibyte * value;
-  }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -86,15 +74,6 @@ Bounds cropped(const Bounds& area, const Bounds& to) {
     if (!(common.min[axis] <= common.max[axis])) return {};
   }
   return common;
-}
-
-void check_memory(std::uint64_t bytes, const char* what) {
-  constexpr double k_gigabyte = 1e9;
-  const std::optional<std::uint64_t> available = available_memory();
-  if (!available || bytes <= *available) return;
-  throw Error({.problem = fmt::format("not enough memory for {}", what),
-               .expected = fmt::format("{:.1f} GB", static_cast<double>(bytes) / k_gigabyte),
-               .found = fmt::format("{:.1f} GB free", static_cast<double>(*available) / k_gigabyte)});
 }
 
 void check_map_memory(const RasterGrid& grid, int bands) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <glm/vec2.hpp>
 #include <optional>
 #include <vector>
@@ -62,12 +63,11 @@ std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& plac
 /// The common part of two areas, in x and y; empty if there is none. z is that of `area`.
 Bounds cropped(const Bounds& area, const Bounds& to);
 
-/// Lets a large task fail before it starts. Errors: this many bytes are more than the machine can give at the
-/// moment; `what` they are for is named. Where the system does not tell, nothing is refused.
-void check_memory(std::uint64_t bytes, const char* what);
-
-/// The same for a map of so many bands of up to 4 bytes, with what making and writing it takes: 12 B per cell
-/// and band.
+/// check_memory() for a map of so many bands of up to 4 bytes, with what making and writing it takes: 12 B
+/// per cell and band.
 void check_map_memory(const RasterGrid& grid, int bands);
+
+/// Errors: the name does not end in .tif or .tiff.
+void check_raster_name(const std::filesystem::path& file);
 
 }  // namespace alidade

@@ -11,7 +11,6 @@
 #include "base/error.h"
 #include "base/output_file.h"
 #include "geo/gdal_reference.h"
-#include "geo/geotiff.h"
 
 namespace alidade {
 namespace {

@@ -32,9 +32,6 @@ struct RasterContents {
   std::vector<std::pair<std::string, std::string>> metadata{};  ///< key and text; a key has no '=' or ':'
 };
 
-/// Errors: the name does not end in .tif or .tiff.
-void check_raster_name(const std::filesystem::path& file);
-
 /// Writes a cloud-optimised GeoTIFF: tiles of 512 cells, compressed without loss, with overviews (nearest
 /// cell of whole numbers, mean of float ones) where it is larger than a tile. A reference system that GDAL
 /// does not understand is left out. The file appears whole or not at all; the same contents give the same

@@ -5,12 +5,30 @@
 #include <optional>
 #include <string>
 
+#include "base/color.h"
 #include "base/date_time.h"
 #include "cloud/crs.h"
-#include "renderer/material.h"
-#include "renderer/scene.h"
 
 namespace alidade {
+
+/// The sun: a disc of even radiance, infinitely far away.
+struct Sun {
+  double azimuth = 135.0;            ///< degrees, clockwise from north (+y), so 90 is east (+x)
+  double elevation = 40.0;           ///< degrees above the horizon, (-90, 90]
+  Rgb irradiance{3.0f, 2.9f, 2.7f};  ///< on a surface that faces it
+  double angular_diameter = 0.53;    ///< degrees, [0, 180); 0 = parallel light
+};
+
+/// A sun that stands where date and place say. place_sun() makes a Sun of it, once the cloud is known.
+struct SunByTime {
+  Moment moment;
+  std::optional<double> latitude{}, longitude{};  ///< degrees; both or none: those of the cloud
+  double height = 0.0;                            ///< metres above the sea, [-1000, 100000]
+  double pressure = 1013.25;                      ///< of the air there, hPa = mbar, [0, 2000]
+  double temperature = 10.0;                      ///< of the air there, degrees Celsius, [-150, 100]
+  std::optional<Rgb> irradiance{};                ///< empty = that of a clear sky, by elevation
+  double angular_diameter = 0.53;                 ///< as Sun's
+};
 
 /// Where on Earth one stands, and the air there.
 struct SunObserver {

@@ -79,13 +79,4 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   return wkt_of_layer(layer);
 }
 
-void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
-                        const ObserverReference& reference) {
-  if (observers.empty()) return;
-  const GdalTransformation transformation = transformation_to_cloud(own, reference, observers.front().source);
-  if (!transformation) return;
-  for (GivenObserver& observer : observers)
-    observer.place = transformed(observer.place, transformation, observer.source);
-}
-
 }  // namespace alidade

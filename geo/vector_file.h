@@ -4,10 +4,8 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <vector>
 
 #include "cloud/crs.h"
-#include "visibility/observers.h"
 
 namespace alidade {
 
@@ -33,12 +31,5 @@ struct ObserverReference {
   std::string option = "--observers-crs";  ///< how the user says it, for messages
   std::string whose = "observers";         ///< what they are, for messages
 };
-
-/// Turns places into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z and
-/// heights stay as they are, in the cloud's unit. Places are untouched if both systems are the same, or none
-/// is known. Errors: one is known and the other not; one that GDAL does not understand; a place that has no
-/// image.
-void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
-                        const ObserverReference& reference);
 
 }  // namespace alidade

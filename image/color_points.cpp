@@ -12,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/words.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/point_cloud.h"
 #include "geo/map_unit.h"
@@ -320,11 +321,12 @@ ColoredPoints by_normal() {
   return points;
 }
 
-ColoredPoints colored(const PointColoring& coloring, const AttributeColumns& columns, const TreeView& tree) {
+ColoredPoints colored(const PointColoring& coloring, const AttributeColumns& columns,
+                      const PointValues& heights) {
   if (coloring.by == PointColor::rgb) return {};
   if (coloring.by == PointColor::normal) return by_normal();
   // A cloud without points needs no columns.
-  const PointValues values = tree.point_count == 0 ? heights(tree) : values_of(coloring, columns, tree);
+  const PointValues values = heights.count == 0 ? heights : values_of(coloring, columns, heights);
   switch (coloring.by) {
     case PointColor::classification:
       return by_class(coloring, values);
@@ -339,10 +341,10 @@ ColoredPoints colored(const PointColoring& coloring, const AttributeColumns& col
 }  // namespace
 
 ColoredPoints color_points(const PointColoring& coloring, const AttributeColumns& columns,
-                           const PointCloud& facts, const TreeView& tree) {
-  ColoredPoints points = colored(coloring, columns, tree);
+                           const PointCloud& facts, const PointValues& heights) {
+  ColoredPoints points = colored(coloring, columns, heights);
   points.key.by = coloring.by;
-  points.key.point_count = tree.point_count;
+  points.key.point_count = heights.count;
   describe(coloring, facts, points.key);
   return points;
 }

@@ -12,7 +12,7 @@
 #include "cloud/point_cloud.h"
 #include "image/color_key.h"
 #include "image/point_color.h"
-#include "octree/octree.h"
+#include "image/point_values.h"
 
 namespace alidade {
 
@@ -57,11 +57,12 @@ struct ColoredPoints {
 };
 
 /// Colours the points of a cloud. `coloring` comes from choose_color(); `columns` has what it needs, in rows
-/// by point id; `facts` tells reference system, files and the kind of GPS time, and has no points. Points
-/// without a value get k_no_value_color. Rgb is left as it lies, and a normal's colour is known only where
-/// its surface is shaded: for both there are no colours, only the key. Memory: 6 bytes per point. Cost: up to
-/// six passes over the values, in parallel; the result does not depend on the number of threads.
+/// by point id; `heights` are those of all points; `facts` tells reference system, files and the kind of GPS
+/// time, and has no points. Points without a value get k_no_value_color. Rgb is left as it lies, and a
+/// normal's colour is known only where its surface is shaded: for both there are no colours, only the key.
+/// Memory: 6 bytes per point. Cost: up to six passes over the values, in parallel; the result does not depend
+/// on the number of threads.
 ColoredPoints color_points(const PointColoring& coloring, const AttributeColumns& columns,
-                           const PointCloud& facts, const TreeView& tree);
+                           const PointCloud& facts, const PointValues& heights);
 
 }  // namespace alidade

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "renderer/material.h"
-#include "renderer/scene.h"
+#include "base/color.h"
+#include "image/output_settings.h"
 
 namespace alidade {
 

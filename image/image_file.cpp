@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and whoever links the
+// library and uses fmt would get OpenImageIO along with them.
+
 #include "image/image_file.h"
 
 #include <Imath/half.h>
@@ -6,7 +9,9 @@
 #include <OpenImageIO/imageio.h>
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <filesystem>
 #include <span>
@@ -17,7 +22,6 @@
 #include "base/output_file.h"
 #include "geo/geotiff.h"
 #include "image/srgb.h"
-#include "renderer/picture_metadata.h"
 
 namespace alidade {
 
@@ -68,7 +72,8 @@ std::vector<Channel> exr_channels(const OutputSettings& output);
 /// Size of a pixel of these channels in bytes, each value in its own type, without gaps.
 std::size_t pixel_bytes(std::span<const Channel> channels);
 
-/// Row `y` of the film as such pixels. `offset`: see position_offset(). `bytes` holds width * pixel_bytes.
+/// Row `y` of the film as such pixels. `offset`: ImageFacts::position_offset. `bytes` holds width *
+/// pixel_bytes.
 void pack_row(const Film& film, int y, std::span<const Channel> channels, const glm::dvec3& offset,
               std::span<std::byte> bytes);
 
@@ -171,8 +176,7 @@ namespace {
 
 constexpr int k_longest_jpeg_side = 65500;
 
-void write_exr(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
-               OutputFile& file) {
+void write_exr(const Film& film, const OutputSettings& output, const ImageFacts& facts, OutputFile& file) {
   const std::vector<Channel> channels = exr_channels(output);
   if (channels.empty()) fail_image(output.file, "no layer is asked for");
   for (const NamedLayer& known : k_layers) {
@@ -192,13 +196,13 @@ void write_exr(const Film& film, const OutputSettings& output, const ImageMetada
   spec.attribute("compression", "zip");
   // Left out, OpenImageIO writes the time: the same film would not give the same bytes.
   spec.attribute("DateTime", "");
-  for (const auto& [key, text] : metadata_texts(metadata)) spec.attribute(key, text);
-  const glm::dvec3 offset = position_offset(metadata.camera);
-  write_rows("openexr", output.file, file, spec,
-             [&](int y, std::span<std::byte> bytes) { pack_row(film, y, channels, offset, bytes); });
+  for (const auto& [key, text] : facts.texts) spec.attribute(key, text);
+  write_rows("openexr", output.file, file, spec, [&](int y, std::span<std::byte> bytes) {
+    pack_row(film, y, channels, facts.position_offset, bytes);
+  });
 }
 
-void write_display(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
+void write_display(const Film& film, const OutputSettings& output, const ImageFacts& facts,
                    ImageFormat format, OutputFile& file) {
   OIIO::ImageSpec spec(film.width, film.height, 3, OIIO::TypeUInt8);
   spec.attribute("oiio:ColorSpace", "sRGB");
@@ -209,7 +213,7 @@ void write_display(const Film& film, const OutputSettings& output, const ImageMe
     spec.attribute("Compression", "jpeg:95");
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
-  for (const auto& [key, text] : metadata_texts(metadata)) spec.attribute(key, text);
+  for (const auto& [key, text] : facts.texts) spec.attribute(key, text);
   const double scale = exposure_scale(output.exposure);
   write_rows(format == ImageFormat::png ? "png" : "jpeg", output.file, file, spec,
              [&](int y, std::span<std::byte> bytes) {
@@ -221,20 +225,42 @@ void write_display(const Film& film, const OutputSettings& output, const ImageMe
              });
 }
 
+std::uint8_t alpha_code(float alpha) {
+  return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(alpha, 0.0f, 1.0f)));
+}
+
+/// As GeoTIFF.
+void write_on_ground(const Film& film, const OutputSettings& output, const ImageFacts& facts,
+                     OutputFile& file) {
+  assert(facts.ground);
+  const double scale = exposure_scale(output.exposure);
+  const auto fill = [&](int first_row, int rows, std::span<std::uint8_t> rgba) {
+    auto value = rgba.begin();
+    for (int y = first_row; y < first_row + rows; ++y) {
+      for (int x = 0; x < film.width; ++x) {
+        const std::size_t index = film.index(x, y);
+        for (int channel = 0; channel < 3; ++channel)
+          *value++ = srgb_code(film.color[index][channel] * scale);
+        *value++ = alpha_code(film.alpha[index]);
+      }
+    }
+  };
+  write_geotiff(output.file, {film.width, film.height, *facts.ground, facts.crs, facts.texts}, fill, file);
+}
+
 }  // namespace
 
-void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
-                 bool overwrite) {
+void write_image(const Film& film, const OutputSettings& output, const ImageFacts& facts, bool overwrite) {
   check_image_name(output.file);
   const ImageFormat format = *image_format(output.file);
   assert(film.width > 0 && film.height > 0);
   OutputFile file(output.file, overwrite);
   if (format == ImageFormat::exr)
-    write_exr(film, output, metadata, file);
+    write_exr(film, output, facts, file);
   else if (format == ImageFormat::geotiff)
-    write_geotiff(film, output, metadata, file);
+    write_on_ground(film, output, facts, file);
   else
-    write_display(film, output, metadata, format, file);
+    write_display(film, output, facts, format, file);
   file.commit();
 }
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: MIT
+#include "image/output_settings.h"
+
 #include <algorithm>
+#include <string>
 
 #include "base/error.h"
-#include "image/image_file.h"
 
 // Apart from the writing, so that who only asks for the format does not load OpenImageIO.
 

@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "cloud/point_table.h"
-#include "octree/tree_walk.h"
 
 namespace alidade {
 namespace {
@@ -91,34 +90,6 @@ PointValues of_attribute(const std::string& name, const AttributeColumns& column
   return of_extra(*extra);
 }
 
-/// Calls visit(leaf) for every leaf, on many threads at a time.
-template <class Visit>
-void for_each_leaf_in_parallel(const TreeView& tree, const Visit& visit) {
-  constexpr std::size_t k_enough_subtrees = 256;
-  if (tree.node_count == 0) return;
-  const auto look_into = [&](const Frame& frame, std::vector<Frame>& below) {
-    for (int slot = 0; slot < k_node_width; ++slot) {
-      const std::uint8_t kind = tree.nodes[frame.node].kind[slot];
-      if (is_inner(kind)) below.push_back(child_frame(tree, frame, slot));
-      if (is_leaf(kind)) visit(child_leaf(tree, frame, slot));
-    }
-  };
-  std::vector<Frame> subtrees{root_frame(tree)};
-  while (!subtrees.empty() && subtrees.size() < k_enough_subtrees) {
-    std::vector<Frame> below;
-    for (const Frame& frame : subtrees) look_into(frame, below);
-    subtrees.swap(below);
-  }
-  tbb::parallel_for(std::size_t{0}, subtrees.size(), [&](std::size_t i) {
-    std::vector<Frame> stack{subtrees[i]};
-    while (!stack.empty()) {
-      const Frame frame = stack.back();
-      stack.pop_back();
-      look_into(frame, stack);
-    }
-  });
-}
-
 }  // namespace
 
 bool has_numbers(const ExtraColumn& column) {
@@ -132,20 +103,8 @@ const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_vie
   return found == columns.extra_dimensions.end() ? nullptr : &*found;
 }
 
-PointValues heights(const TreeView& tree) {
-  return {.count = tree.point_count, .for_each_block = [&tree](const VisitBlock& visit) {
-            for_each_leaf_in_parallel(tree, [&](const Leaf& leaf) {
-              std::array<double, 256> values;
-              for (std::uint32_t i = 0; i < leaf.count; ++i)
-                values[i] = value_or_none(to_world(tree.lattice, position_of(tree, leaf, i)).z);
-              ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.place, .ids = {}};
-              if (tree.ids != nullptr) block.ids = {tree.ids + leaf.place, leaf.count};
-              visit(block);
-            });
-          }};
-}
-
-PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns, const TreeView& tree) {
+PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns,
+                      const PointValues& heights) {
   const std::span<const ReturnNumbers> returns = columns.returns;
   switch (coloring.by) {
     case PointColor::intensity:
@@ -162,7 +121,7 @@ PointValues values_of(const PointColoring& coloring, const AttributeColumns& col
       return of_attribute(coloring.attribute, columns);
     default:
       assert(coloring.by == PointColor::height);
-      return heights(tree);
+      return heights;
   }
 }
 

@@ -8,9 +8,8 @@
 
 #include "cloud/point_cloud.h"
 #include "image/point_color.h"
-#include "octree/octree.h"
 
-// One number per point, wherever it lies: in a column of a cloud, in an index file's map, or in the tree.
+// One number per point, wherever it lies: in a column of a cloud, in an index file's map, or in an octree.
 
 namespace alidade {
 
@@ -34,19 +33,17 @@ struct PointValues {
   std::function<void(const VisitBlock& visit)> for_each_block;
 };
 
-/// World z of every point. The tree must outlive it.
-PointValues heights(const TreeView& tree);
-
 /// Whether the values of an extra dimension are numbers, not bytes without meaning.
 bool has_numbers(const ExtraColumn& column);
 
 /// The extra dimension of that name that has numbers; null if there is none.
 const ExtraColumn* find_numbers(const AttributeColumns& columns, std::string_view name);
 
-/// The values that this coloring shows; columns and tree must outlive it. Requires that it shows numbers and
-/// that the cloud has them (image/color_points.h). A number of returns of 0, which stands for none
-/// given, is NaN.
-PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns, const TreeView& tree);
+/// The values that this coloring shows, `heights` if it is the height; the columns must outlive it. Requires
+/// that it shows numbers and that the cloud has them (image/color_points.h). A number of returns of 0, which
+/// stands for none given, is NaN.
+PointValues values_of(const PointColoring& coloring, const AttributeColumns& columns,
+                      const PointValues& heights);
 
 /// What there is in a column of numbers. Values that are NaN count nowhere.
 struct ValueExtent {

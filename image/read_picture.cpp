@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and whoever links the
+// library and uses fmt would get OpenImageIO along with them.
+
 #include "image/read_picture.h"
 
 #include <OpenImageIO/imageio.h>
@@ -8,8 +11,8 @@
 #include <system_error>
 #include <vector>
 
+#include "base/color.h"
 #include "base/error.h"
-#include "base/exact_math.h"
 
 namespace alidade {
 
@@ -38,9 +41,6 @@ std::uint64_t picture_file_size(const std::filesystem::path& file) {
   if (error) fail("cannot be read");
   return size;
 }
-
-// Without fmt: OpenImageIO's headers would put fmt's own functions into this file, and whoever links the
-// library and uses fmt would get OpenImageIO along with them.
 
 namespace {
 

@@ -4,8 +4,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
-#include "renderer/sky.h"
+#include "base/color.h"
 
 namespace alidade {
 
@@ -15,6 +16,16 @@ std::string image_trouble(const std::string& said);
 
 /// Size of a picture's file in bytes. Errors: no such file, not a regular file, cannot be read.
 std::uint64_t picture_file_size(const std::filesystem::path& file);
+
+/// Pixels of a sky picture, linear, row 0 on top.
+struct SkyPixels {
+  int width = 0, height = 0;
+  std::vector<Rgb> values{};
+  std::string warning{};  ///< what was strange about the picture; empty = nothing
+};
+
+/// The most pixels a sky picture may have, inclusive: 16384 x 8192. A sky takes 20 bytes for each.
+inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
 
 /// Reads a sky from a picture in any format that OpenImageIO knows (EXR, HDR, TIFF, PNG, JPEG, ...): the
 /// channels R, G, B, else the first three, or one as grey; alpha is not looked at. Values are taken as

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "base/exact_math.h"
+#include "base/color.h"
 
 namespace alidade {
 namespace {

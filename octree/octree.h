@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "base/bounds.h"
+#include "base/fingerprint.h"
 #include "base/instruction_set.h"
 #include "cloud/lattice.h"
 
@@ -120,6 +123,18 @@ struct TreeView {
   /// Length of `positions`.
   std::uint32_t exact_count() const { return positions ? point_count - first_exact : 0; }
 };
+
+/// Appends checksums of all that tells the points of a tree. Cost: as fast as memory delivers, about 16 bytes
+/// per point.
+inline void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_t>& sums) {
+  const auto bytes_of = [](const auto* values, std::size_t count) {
+    return values == nullptr ? std::span<const std::byte>() : std::as_bytes(std::span(values, count));
+  };
+  append_checksums(
+      {bytes_of(tree.nodes, tree.node_count), bytes_of(tree.coordinates, 3 * std::size_t{tree.point_count}),
+       bytes_of(tree.ids, tree.point_count), bytes_of(tree.positions, tree.exact_count())},
+      sums);
+}
 
 constexpr int k_coordinate_padding = 32;
 

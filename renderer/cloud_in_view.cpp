@@ -13,7 +13,6 @@
 #include "camera/projection.h"
 #include "cloud/cloud_inputs.h"
 #include "image/color_points.h"
-#include "renderer/load_cloud.h"
 
 namespace alidade {
 namespace {

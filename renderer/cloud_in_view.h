@@ -8,7 +8,7 @@
 
 #include "cloud/copc/copc_file.h"
 #include "octree/targets.h"
-#include "renderer/render.h"
+#include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
 namespace alidade {

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/load_cloud.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "base/fingerprint.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/point_cloud.h"
+#include "cloud/point_table.h"
 #include "cloud/read_cloud.h"
 #include "image/color_points.h"
 #include "octree/build.h"
 #include "octree/index_file/index_file.h"
+#include "octree/parallel_loops.h"
 #include "octree/query.h"
 #include "octree/spacing.h"
-#include "renderer/render.h"
 
 namespace alidade {
 namespace {
@@ -69,6 +72,22 @@ std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::d
   return nearest;
 }
 
+PointValues heights(const TreeView& tree) {
+  return {.count = tree.point_count, .for_each_block = [&tree](const VisitBlock& visit) {
+            const auto visit_leaf = [&](const Leaf& leaf) {
+              std::array<double, 256> values;
+              for (std::uint32_t i = 0; i < leaf.count; ++i) {
+                const double z = to_world(tree.lattice, position_of(tree, leaf, i)).z;
+                values[i] = std::fabs(z) <= k_largest_value ? z : std::numeric_limits<double>::quiet_NaN();
+              }
+              ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.place, .ids = {}};
+              if (tree.ids != nullptr) block.ids = {tree.ids + leaf.place, leaf.count};
+              visit(block);
+            };
+            for_each_leaf_in_parallel(tree, Progress(), [&] { return visit_leaf; });
+          }};
+}
+
 namespace {
 
 /// Frees the column, which clear() alone would not.
@@ -118,7 +137,8 @@ LoadedCloud map_cloud(const CloudSettings& settings, const Progress& progress) {
                    loaded.warnings);
   loaded.octree = index.octree(progress);
   loaded.index_checksum = checksum(encode_index_header(index.header()));
-  take(color_points(coloring, index.columns(), index.description(), loaded.octree.view()), loaded, settings);
+  take(color_points(coloring, index.columns(), index.description(), heights(loaded.octree.view())), loaded,
+       settings);
   if (coloring.by == PointColor::rgb) loaded.mapped_colors = index.columns().colors;
   return loaded;
 }
@@ -143,7 +163,7 @@ LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const Cloud
       settings.color, {columns_of(cloud), attributes, cloud.size(), names(settings.files)}, cloud.warnings);
   keep_columns(cloud, coloring);
   loaded.octree = build(std::move(cloud), {.progress = progress});
-  ColoredPoints points = color_points(coloring, columns_of(cloud), cloud, loaded.octree.view());
+  ColoredPoints points = color_points(coloring, columns_of(cloud), cloud, heights(loaded.octree.view()));
   if (coloring.by == PointColor::rgb) points.colors = std::move(cloud.colors);
   describe(loaded, settings, std::move(cloud), loaded.octree.size());
   take(std::move(points), loaded, settings);

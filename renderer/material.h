@@ -6,10 +6,9 @@
 #include <optional>
 #include <variant>
 
-namespace alidade {
+#include "base/color.h"
 
-/// Colours in scene structs and in the tracer are linear Rec. 709, per channel; albedos lie in [0, 1].
-using Rgb = glm::vec3;
+namespace alidade {
 
 /// Diffuse reflection, equal in all directions. Without an albedo the colour of the hit point is used.
 struct Lambertian {

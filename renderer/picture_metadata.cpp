@@ -63,4 +63,12 @@ std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetad
   return texts;
 }
 
+ImageFacts image_facts(const ImageMetadata& metadata, const OutputSettings& output) {
+  ImageFacts facts{.texts = metadata_texts(metadata),
+                   .position_offset = position_offset(metadata.camera),
+                   .crs = metadata.crs};
+  if (image_format(output.file) == ImageFormat::geotiff) facts.ground = ground_transform(metadata.camera);
+  return facts;
+}
+
 }  // namespace alidade

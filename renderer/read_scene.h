@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "camera/camera_json.h"
 #include "renderer/scene.h"
 
 namespace alidade {
@@ -15,11 +16,7 @@ namespace alidade {
 /// nearest known one.
 Scene read_scene(const std::filesystem::path& file);
 
-/// Reads a camera file of its own (scenes/schema/camera.schema.json). Errors: as read_scene.
-Camera read_camera(const std::filesystem::path& file);
-
 /// The same from text; `name` is used in messages and relative paths are taken relative to its folder.
 Scene parse_scene(std::string_view text, const std::filesystem::path& name);
-Camera parse_camera(std::string_view text, const std::filesystem::path& name);
 
 }  // namespace alidade

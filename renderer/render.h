@@ -10,47 +10,12 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "base/ray.h"
-#include "cloud/point_cloud.h"
-#include "image/color_key.h"
 #include "image/film.h"
-#include "octree/octree.h"
+#include "renderer/load_cloud.h"
 #include "renderer/scene.h"
+#include "renderer/surface.h"
 
 namespace alidade {
-
-/// The cloud of a scene, ready to be traced.
-struct LoadedCloud {
-  Octree octree;
-  std::vector<Color16> colors;               ///< display-referred, one per point id; none for normals
-  std::span<const Color16> mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
-  double radius = 0.0;          ///< metres, the one used; the greatest one where each point has its own
-  double spacing_factor = 0.0;  ///< above 0: each point has its own, see RayQuery::spacing_factor
-  ColorKey color;               ///< what the colours show
-  Crs crs;
-  std::vector<CloudFile> files;
-  std::vector<std::string> warnings;
-  /// Of all in the index file that octree and mapped colours lie in; empty for a cloud that was built.
-  std::optional<std::uint64_t> index_checksum;
-
-  /// The colours by point id, wherever they lie.
-  std::span<const Color16> point_colors() const { return colors.empty() ? mapped_colors : colors; }
-};
-
-/// Reads the files, keeps only what the picture needs, builds the octree, measures the radius if it is
-/// "auto". `progress` is in bytes read, as read_cloud's; while the octree is built it repeats the last
-/// numbers. Errors: as read_cloud. Peak memory: about 20 bytes per point, or 46 for clouds that span more
-/// than 2^21 lattice steps on an axis.
-/// A single index file is used where it lies: octree and rgb colours in its map, nothing is built, and the
-/// picture has the same bytes. It keeps the colour depth it was made with. Other colours take 6 bytes per
-/// point (image/color_points.h).
-/// `measuring` is in points whose spacing was measured, if radii adapt to it and no index file has them.
-LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress = {},
-                       const Progress& measuring = {});
-
-/// Box around the spheres of the cloud's points but for strays (the outermost half percent on either side of
-/// an axis, where they lie far out): what overview_camera should show. Empty for a cloud without points.
-Bounds visible_bounds(const LoadedCloud& cloud);
 
 /// Changes whenever the same scene gives other bytes, so that no checkpoint goes on with samples of another
 /// kind.
@@ -79,10 +44,6 @@ struct CheckpointOptions {
   /// render.
   std::function<void(const Error&)> failed{};
 };
-
-/// Sees the rays that a render asks the octree about, in the batches in which it asks: for the closest hit,
-/// or whether there is any. Called from many threads at once.
-using RayWatch = std::function<void(std::span<const Ray> rays, bool occlusion)>;
 
 struct RenderOptions {
   /// In camera samples (pixels * samples per pixel); called from one thread at a time. With a time limit or a

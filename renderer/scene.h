@@ -13,9 +13,10 @@
 #include <variant>
 #include <vector>
 
-#include "base/date_time.h"
-#include "camera/lens.h"
+#include "camera/camera.h"
 #include "cloud/read_cloud.h"
+#include "geo/sun.h"
+#include "image/output_settings.h"
 #include "image/point_color.h"
 #include "renderer/material.h"
 
@@ -104,58 +105,10 @@ struct ImageSky {
 
 using Sky = std::variant<ConstantSky, GradientSky, ImageSky>;
 
-/// The sun: a disc of even radiance, infinitely far away.
-struct Sun {
-  double azimuth = 135.0;            ///< degrees, clockwise from north (+y), so 90 is east (+x)
-  double elevation = 40.0;           ///< degrees above the horizon, (-90, 90]
-  Rgb irradiance{3.0f, 2.9f, 2.7f};  ///< on a surface that faces it
-  double angular_diameter = 0.53;    ///< degrees, [0, 180); 0 = parallel light
-};
-
-/// A sun that stands where date and place say. place_sun() (geo/sun.h) makes a Sun of it, once the
-/// cloud is known.
-struct SunByTime {
-  Moment moment;
-  std::optional<double> latitude{}, longitude{};  ///< degrees; both or none: those of the cloud
-  double height = 0.0;                            ///< metres above the sea, [-1000, 100000]
-  double pressure = 1013.25;                      ///< of the air there, hPa = mbar, [0, 2000]
-  double temperature = 10.0;                      ///< of the air there, degrees Celsius, [-150, 100]
-  std::optional<Rgb> irradiance{};                ///< empty = that of a clear sky, by elevation
-  double angular_diameter = 0.53;                 ///< as Sun's
-};
-
-/// Where the optical axis of a camera points and which axes its own frame has.
-enum class AxisConvention {
-  opencv,  ///< +x right, +y down, +z forward
-  opengl,  ///< +x right, +y up, +z backward
-};
-
-/// Camera frame -> world, right-handed, rotation orthonormal: columns right, down, forward (opencv), then the
-/// place.
-struct CameraPose {
-  glm::dvec3 position{0.0};
-  glm::dvec3 right{1.0, 0.0, 0.0};
-  glm::dvec3 down{0.0, 0.0, -1.0};
-  glm::dvec3 forward{0.0, 1.0, 0.0};
-};
-
-/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film place
-/// (x, y), which is pixel place (cx + fx x, cy + fy y); see camera/lens.h.
-struct Camera {
-  int width = 600, height = 400;
-  double fx = 0.0, fy = 0.0;  ///< focal lengths in pixels; orthographic: pixels per metre; equirectangular:
-                              ///< pixels per radian
-  double cx = 0.0, cy = 0.0;  ///< where the axis meets the film, pixels
-  CameraPose pose;
-  Lens lens = PinholeLens{};
-};
-
 // Largest values that scene files and command lines may ask for, inclusive.
 
-inline constexpr int k_max_samples = 1 << 24;            ///< paths per pixel
-inline constexpr int k_max_bounces = 1000;               ///< path vertices after the first
-inline constexpr int k_max_image_side = 1 << 16;         ///< pixels
-inline constexpr std::uint64_t k_max_pixels = 1u << 28;  ///< width times height
+inline constexpr int k_max_samples = 1 << 24;  ///< paths per pixel
+inline constexpr int k_max_bounces = 1000;     ///< path vertices after the first
 
 /// What a picture shows.
 enum class RenderMode {
@@ -183,32 +136,6 @@ struct RenderSettings {
   std::uint64_t seed = 1;
   RenderMode mode = RenderMode::path;
   std::optional<double> ao_distance{};  ///< metres that count as near; empty = ambient_occlusion_distance()
-};
-
-/// One group of image channels.
-enum class Layer { color, depth, distance, normal, position, albedo, id, variance };
-
-/// A layer and the word for it in scene files and on command lines.
-struct NamedLayer {
-  std::string_view name;
-  Layer layer;
-};
-
-/// Every layer, in the order of the enum.
-inline constexpr std::array<NamedLayer, 8> k_layers = {{{"color", Layer::color},
-                                                        {"depth", Layer::depth},
-                                                        {"distance", Layer::distance},
-                                                        {"normal", Layer::normal},
-                                                        {"position", Layer::position},
-                                                        {"albedo", Layer::albedo},
-                                                        {"id", Layer::id},
-                                                        {"variance", Layer::variance}}};
-
-struct OutputSettings {
-  std::filesystem::path file;               ///< .exr, .png, .jpg, .tif; may be empty in a scene file
-  std::vector<Layer> layers{Layer::color};  ///< EXR only
-  double exposure = 0.0;                    ///< stops: PNG, JPEG and GeoTIFF show color * 2^exposure, sRGB
-  bool half = true;  ///< EXR: colour, normal and albedo as half; all others are always float or uint
 };
 
 struct Scene {

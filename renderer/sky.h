@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "image/read_picture.h"
 #include "renderer/scene.h"
 
 // A sky from a picture of everything around (lat-long, equirectangular): column x of it looks to azimuth
@@ -15,16 +16,6 @@
 // height). Without rotation that is the panorama camera's layout, so a panorama rendered here is a sky.
 
 namespace alidade {
-
-/// Pixels of a sky picture, linear, row 0 on top.
-struct SkyPixels {
-  int width = 0, height = 0;
-  std::vector<Rgb> values{};
-  std::string warning{};  ///< what was strange about the picture; empty = nothing
-};
-
-/// The most pixels a sky picture may have, inclusive: 16384 x 8192. A sky takes 20 bytes for each.
-inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
 
 /// A direction towards the sky.
 struct SkySample {

@@ -7,7 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include "base/exact_math.h"
+#include "base/color.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 

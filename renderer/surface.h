@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
@@ -13,7 +14,7 @@
 #include "octree/local_plane.h"
 #include "octree/octree.h"
 #include "octree/query.h"
-#include "renderer/render.h"
+#include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
 namespace alidade {
@@ -33,6 +34,10 @@ class SmoothNormals {
   const Octree* octree_;
   mutable std::vector<std::atomic<std::uint32_t>> kept_;  ///< packed; 0 = not asked for yet
 };
+
+/// Sees the rays that a render asks the octree about, in the batches in which it asks: for the closest hit,
+/// or whether there is any. Called from many threads at once.
+using RayWatch = std::function<void(std::span<const Ray> rays, bool occlusion)>;
 
 // What rays meet: the spheres around the cloud's points, and the scene's objects. Everything here is in
 // double, since a micrometre at UTM coordinates is the tenth digit.

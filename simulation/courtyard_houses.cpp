@@ -264,9 +264,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr dvec3 k_rose(0.86, 0.64, 0.53), k_cream(0.91, 0.865, 0.76), k_white(0.90, 0.885, 0.84),
-    k_ochre(0.85, 0.70, 0.46);
-constexpr dvec3 k_red_tile(0.605, 0.375, 0.285), k_brown_tile(0.50, 0.335, 0.275), k_slate(0.40, 0.405, 0.43);
+constexpr dvec3 k_ochre(0.85, 0.70, 0.46), k_slate(0.40, 0.405, 0.43);
 
 /// A plain house with windows on all sides.
 void add_house(Objects& objects, const dvec2& min, const dvec2& max, bool ridge_along_x, double eaves,

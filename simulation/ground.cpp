@@ -78,7 +78,7 @@ GroundHeight height_at(const Ground& ground, const glm::dvec2& position) {
   glm::dvec2 slope(0.0);
   for (const Wave& wave : ground.waves) {
     const SineCosine turn =
-        sine_cosine(wave.frequency.x * position.x + wave.frequency.y * position.y + wave.phase);
+        sine_cosine_by_quarters(wave.frequency.x * position.x + wave.frequency.y * position.y + wave.phase);
     sum += wave.amplitude * turn.sine;
     slope += wave.amplitude * turn.cosine * wave.frequency;
   }

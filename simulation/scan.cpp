@@ -7,6 +7,7 @@
 #include <exception>
 #include <glm/geometric.hpp>
 #include <memory>
+#include <numbers>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/parallel_reduce.h>
@@ -14,6 +15,13 @@
 #include "simulation/noise.h"
 
 namespace alidade {
+namespace {
+
+constexpr double radians(double degrees) {
+  return degrees * (std::numbers::pi / 180.0);
+}
+
+}  // namespace
 
 StationBeams::StationBeams(const TerrestrialScanner& scanner, double steps_per_degree) : scanner_(scanner) {
   const double height = scanner.elevation_max - scanner.elevation_min;
@@ -21,14 +29,14 @@ StationBeams::StationBeams(const TerrestrialScanner& scanner, double steps_per_d
   rows_.resize(static_cast<std::size_t>(std::max(1.0, std::floor(height * steps_per_degree + 0.5))));
   for (std::size_t row = 0; row < rows_.size(); ++row) {
     const double share = (static_cast<double>(row) + 0.5) / static_cast<double>(rows_.size());
-    rows_[row] = sine_cosine(radians(scanner.elevation_min + height * share));
+    rows_[row] = sine_cosine_by_quarters(radians(scanner.elevation_min + height * share));
   }
 }
 
 Beam StationBeams::beam(const Station& station, std::uint64_t index) const {
   const std::uint64_t column = index / rows_.size(), row = index % rows_.size();
   const SineCosine azimuth =
-      sine_cosine(radians(360.0) * ((static_cast<double>(column) + 0.5) / static_cast<double>(columns_)));
+      sine_cosine_by_quarters(radians(360.0) * ((static_cast<double>(column) + 0.5) / static_cast<double>(columns_)));
   const SineCosine& elevation = rows_[row];
   const double share = (static_cast<double>(row) + 0.5) / static_cast<double>(rows_.size());
   const double degrees_from_nadir =
@@ -63,8 +71,8 @@ FlightBeams::FlightBeams(const DroneScanner& scanner, const std::vector<FlightLi
     if (!(strip.length > 0.0)) throw Error({.problem = "flight line has no length"});
     strip.ahead = run / strip.length;
     strip.side = {strip.ahead.y, -strip.ahead.x, 0.0};
-    const SineCosine pitch = sine_cosine(radians(line.pitch)),
-                     half = sine_cosine(radians(0.5 * line.field_of_view));
+    const SineCosine pitch = sine_cosine_by_quarters(radians(line.pitch)),
+                     half = sine_cosine_by_quarters(radians(0.5 * line.field_of_view));
     strip.down = pitch.sine * strip.ahead - glm::dvec3(0.0, 0.0, pitch.cosine);
     const double swath = 2.0 * height / pitch.cosine * (half.sine / half.cosine);
     strip.sweeps = swath;
@@ -104,7 +112,7 @@ Beam FlightBeams::beam(std::uint64_t index) const {
   const double share = (static_cast<double>(index - strip.begin) + 0.5) / static_cast<double>(strip.count);
   const double sweeps = share * strip.sweeps + shift_;
   const double degrees = strip.line.field_of_view * (sweeps - std::floor(sweeps) - 0.5);
-  const SineCosine across = sine_cosine(radians(degrees));
+  const SineCosine across = sine_cosine_by_quarters(radians(degrees));
   const glm::dvec3 origin = strip.line.start + share * strip.length * strip.ahead;
   return {make_ray(origin, across.cosine * strip.down + across.sine * strip.side, 0.0, scanner_.range_max),
           static_cast<float>(degrees), strip.seconds_begin + share * strip.length / scanner_.speed};

@@ -195,8 +195,6 @@ std::optional<double> intersect(const Shape& shape, const Ray& ray) {
 
 namespace {
 
-constexpr double k_infinity = std::numeric_limits<double>::infinity();
-
 glm::dvec3 normal_of(const Polygon& polygon) {
   return glm::normalize(
       glm::cross(polygon.corners[1] - polygon.corners[0], polygon.corners[2] - polygon.corners[0]));

@@ -18,8 +18,10 @@
 #include "geo/vector_file.h"
 #include "image/image_file.h"
 #include "image/legend.h"
+#include "renderer/picture_metadata.h"
 #include "renderer/sky.h"
 #include "visibility/horizon/skyline.h"
+#include "visibility/observers.h"
 #include "visibility/points/placement.h"
 #include "visibility/raster/map_picture.h"
 #include "visibility/sky/sun_path.h"
@@ -103,7 +105,7 @@ using ObserverReader = void (*)(const std::filesystem::path& path, const Observe
                                 std::vector<GivenObserver>& observers);
 ObserverReader load_observer_reader();
 
-/// to_cloud_reference() of geo/vector_file.h, for observers that say no system themselves.
+/// to_cloud_reference() of visibility/read_observers.h, for observers that say no system themselves.
 using ObserverTransformer = void (*)(const ObserverReference& reference,
                                      std::vector<GivenObserver>& observers);
 ObserverTransformer load_observer_transformer();

@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
+#include "base/words.h"
 #include "database/server/read_server.h"
 #include "database/server/server_name.h"
 #include "database/sqlite/stored_cloud.h"

@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 #include "base/exact_math.h"
-#include "base/text_scanner.h"
+#include "base/words.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
 #include "visibility/crossing.h"

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/text_scanner.h"
 #include "base/words.h"
+#include "geo/gdal_reference.h"
 #include "geo/vector_file.h"
 
 namespace alidade {
@@ -108,6 +109,15 @@ std::vector<GivenObserver> read_observer_table(InputFile& file) {
                                              : "a row for each behind the header"});
   }
   return observers;
+}
+
+void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
+                        const ObserverReference& reference) {
+  if (observers.empty()) return;
+  const GdalTransformation transformation = transformation_to_cloud(own, reference, observers.front().source);
+  if (!transformation) return;
+  for (GivenObserver& observer : observers)
+    observer.place = transformed(observer.place, transformation, observer.source);
 }
 
 namespace {

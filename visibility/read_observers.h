@@ -40,6 +40,13 @@ constexpr std::array<ObserverField, 7> k_observer_fields{{
 std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path);
 std::vector<GivenObserver> read_observer_table(InputFile& file);
 
+/// Turns places into the cloud's reference system: those in `own`, WKT, empty if the file says nothing. z and
+/// heights stay as they are, in the cloud's unit. Places are untouched if both systems are the same, or none
+/// is known. Errors: one is known and the other not; one that GDAL does not understand; a place that has no
+/// image.
+void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
+                        const ObserverReference& reference);
+
 /// Reads observers from a file, in the cloud's reference system: CSV (observer_table.h) by its ending .csv or
 /// .txt, anything else as points of GeoJSON, GeoPackage or Shapefile. Attributes of the names of
 /// observer_fields.h and `name` are taken, in any case of letters; others are passed over. A point with z, or

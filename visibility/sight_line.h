@@ -24,6 +24,9 @@ inline double golden_turns(int i) {
   return turns - std::floor(turns);
 }
 
+/// Raised by whoever changes the answers of sight lines; checkpoints are checked against it.
+constexpr int k_answers_version = 3;
+
 // What blocks sight. A point of a surface is a disc: it blocks a line that crosses the plane of its sheet
 // (octree/point_surface.h) within a radius of the point. So a surface is as thick as it is, and lines that
 // graze flat ground pass over it; spheres would make every surface thicker by their radius. A point without

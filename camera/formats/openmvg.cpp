@@ -14,7 +14,6 @@
 namespace alidade {
 namespace {
 
-constexpr NumberRange k_coordinate{-1e12, 1e12};
 constexpr NumberRange k_coefficient{-1e6, 1e6};
 constexpr std::uint64_t k_undefined = UINT32_MAX;
 /// Set in an id where a type or an object is written for the first time.

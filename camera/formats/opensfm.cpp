@@ -13,7 +13,6 @@
 namespace alidade {
 namespace {
 
-constexpr NumberRange k_coordinate{-1e12, 1e12};
 constexpr NumberRange k_coefficient{-1e6, 1e6};
 constexpr NumberRange k_rotation{-1e3, 1e3};
 

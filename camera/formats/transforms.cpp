@@ -18,7 +18,6 @@
 namespace alidade {
 namespace {
 
-constexpr NumberRange k_coordinate{-1e12, 1e12};
 constexpr NumberRange k_pixels{-1e9, 1e9};
 constexpr NumberRange k_coefficient{-1e6, 1e6};
 constexpr NumberRange k_angle{0.0, std::numbers::pi, true, true};

@@ -28,7 +28,7 @@ ValueScaling from_range(const Range& range) {
 }
 
 /// Floats that were rounded when limits were written as text do not leave them.
-bool goes_beyond(const ValueRange& values, const Range& range) {
+bool goes_beyond(const ColumnRange& values, const Range& range) {
   const double slack = 1e-5 * (range[1] - range[0]);
   return values.min <= values.max && (values.max > range[1] + slack || values.min < range[0] - slack);
 }
@@ -81,7 +81,7 @@ class Scalings {
   }
 
   void warn_of_values_beyond(const char* kind, std::size_t scan, const char* what, const Range& range,
-                             const ValueRange& values, const std::string& consequence) {
+                             const ColumnRange& values, const std::string& consequence) {
     oddities_.add(kind,
                   fmt::format("scan {}: {} go from {} to {}, beyond the range of {} to {} that is stated: {}",
                               scan + 1, what, values.min, values.max, range[0], range[1], consequence));
@@ -91,7 +91,7 @@ class Scalings {
     std::array<std::optional<Range>, 3> ranges;
     for (std::size_t channel = 0; channel < 3; ++channel)
       ranges[channel] = color_range(scans_[scan].color_limits[channel], field(scan, k_channels[channel]));
-    const ValueRange& values = values_[scan].colors;
+    const ColumnRange& values = values_[scan].colors;
     if (!ranges[0] || !ranges[1] || !ranges[2]) {
       free_colors_.push_back(scan);
       colors_.grow(values);
@@ -119,7 +119,7 @@ class Scalings {
   }
 
   void scale_intensities(std::size_t scan) {
-    const ValueRange& values = values_[scan].intensities;
+    const ColumnRange& values = values_[scan].intensities;
     const E57Limits& own = scans_[scan].intensity_limits;
     const E57Limits& limits = is_usable(own) ? own : field(scan, E57Role::intensity).range;
     if (!is_usable(limits)) {
@@ -155,7 +155,7 @@ class Scalings {
   E57Oddities& oddities_;
   std::vector<E57Scaling> scalings_;
   std::vector<std::size_t> free_colors_, free_intensities_;
-  ValueRange colors_, intensities_;  ///< of the scans in those lists
+  ColumnRange colors_, intensities_;  ///< of the scans in those lists
 };
 
 }  // namespace

@@ -23,7 +23,7 @@ struct E57Scaling {
 
 /// What the first pass met in one scan, without what is flagged as invalid.
 struct E57Values {
-  ValueRange colors, intensities;
+  ColumnRange colors, intensities;
 };
 
 /// Decides for every scan. Each has a scale of its own:

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "base/text_scanner.h"
+#include "base/words.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/e57/e57_columns.h"
 #include "cloud/e57/e57_file.h"
@@ -125,7 +125,7 @@ CoordinateSurvey E57Reader::survey(const Progress& progress) {
   survey.resolution = glm::dvec3(std::numeric_limits<double>::infinity());
   values_.assign(scans().size(), {});
   left_out_ = {};
-  const auto grow = [](ValueRange& range, const E57Points& points, E57Role role, std::size_t i) {
+  const auto grow = [](ColumnRange& range, const E57Points& points, E57Role role, std::size_t i) {
     if (points.has(role) && std::isfinite(points.value(role, i))) range.grow(points.value(role, i));
   };
   for (std::size_t scan = 0; scan < scans().size(); ++scan) {

@@ -166,15 +166,15 @@ void LayeredDecoder::State::start(std::span<const std::byte> chunk, std::size_t 
 /// An attribute that changes must have a layer, whether it is wanted or not.
 void LayeredDecoder::State::check_changes(std::span<const LayeredPoint> block,
                                           std::size_t first_point) const {
-  struct Attribute {
+  struct ChangedAttribute {
     LayeredPoint::Change change;
     std::size_t layer;
     std::string_view name;
   };
-  constexpr std::array<Attribute, 3> k_attributes = {{{LayeredPoint::k_scan_angle, 5, "scan angle"},
+  constexpr std::array<ChangedAttribute, 3> k_attributes = {{{LayeredPoint::k_scan_angle, 5, "scan angle"},
                                                       {LayeredPoint::k_point_source, 7, "point source"},
                                                       {LayeredPoint::k_gps_time, 8, "GPS time"}}};
-  for (const Attribute& attribute : k_attributes) {
+  for (const ChangedAttribute& attribute : k_attributes) {
     if (head.layer_sizes()[attribute.layer] != 0) continue;
     const auto changed = std::find_if(block.begin(), block.end(),
                                       [&](const LayeredPoint& point) { return point.has(attribute.change); });

@@ -44,11 +44,11 @@ double median(std::vector<double> values) {
 
 class LineFitter {
  public:
-  LineFitter(std::span<const LinePair> pairs, LineKind kind)
+  LineFitter(std::span<const FitPair> pairs, LineKind kind)
       : pairs_(pairs), kind_(kind), weights_(pairs.size()), residuals_(pairs.size()) {
     std::vector<double> heights;
     heights.reserve(pairs.size());
-    for (const LinePair& pair : pairs) heights.push_back(std::abs(pair.y));
+    for (const FitPair& pair : pairs) heights.push_back(std::abs(pair.y));
     const double middle = median(heights);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const double sum = heights[i] + middle;
@@ -107,7 +107,7 @@ class LineFitter {
   /// The line through one or two pairs, as the random numbers choose them.
   std::optional<Line> through(std::uint64_t first, std::uint64_t second) const {
     const std::size_t a = first % pairs_.size(), b = second % pairs_.size();
-    const LinePair &one = pairs_[a], &two = pairs_[b];
+    const FitPair &one = pairs_[a], &two = pairs_[b];
     if (kind_ == LineKind::through_zero) {
       if (one.x == 0.0) return {};
       return Line{one.y / one.x, 0.0};
@@ -169,14 +169,14 @@ class LineFitter {
                       static_cast<double>(inliers) / static_cast<double>(pairs_.size())};
   }
 
-  std::span<const LinePair> pairs_;
+  std::span<const FitPair> pairs_;
   LineKind kind_;
   std::vector<double> weights_, residuals_, sorted_;
 };
 
 }  // namespace
 
-std::optional<RobustLine> fit_robust_line(std::span<const LinePair> pairs, LineKind kind) {
+std::optional<RobustLine> fit_robust_line(std::span<const FitPair> pairs, LineKind kind) {
   if (pairs.size() < k_least_pairs) return {};
   return LineFitter(pairs, kind).fit();
 }
@@ -252,7 +252,7 @@ std::optional<ColorMatch> match_color(const ComparedImage& reference, const Comp
   if (blocks.size() < k_least_blocks) return {};
   std::array<std::optional<RobustLine>, 3> lines;
   tbb::parallel_for(std::size_t{0}, std::size_t{3}, [&](std::size_t channel) {
-    std::vector<LinePair> pairs;
+    std::vector<FitPair> pairs;
     pairs.reserve(blocks.size());
     for (const Block& block : blocks) pairs.push_back({block.test[channel], block.reference[channel]});
     lines[channel] =

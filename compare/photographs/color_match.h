@@ -10,7 +10,7 @@
 
 namespace alidade {
 
-struct LinePair {
+struct FitPair {
   double x = 0.0, y = 0.0;
 };
 
@@ -31,7 +31,7 @@ struct RobustLine {
 /// in the half that fits best. The same for the same pairs in the same order. Cost: some microseconds per
 /// pair. Source: P. J. Rousseeuw, K. Van Driessen, Computing LTS Regression for Large Data Sets, Data Mining
 /// and Knowledge Discovery 12 (2006).
-std::optional<RobustLine> fit_robust_line(std::span<const LinePair> pairs, LineKind kind);
+std::optional<RobustLine> fit_robust_line(std::span<const FitPair> pairs, LineKind kind);
 
 // A photograph has another exposure and another white balance than a render. What is left when both are
 // fitted tells whether the scene differs or only the camera did.

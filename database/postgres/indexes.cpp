@@ -1,10 +1,20 @@
 // SPDX-License-Identifier: MIT
-
+// Indexes: the order of points for btree, boxes of points for BRIN (the paper's chunk statistics, section 4.2) and GiST.
 #include <algorithm>
 #include <limits>
 
 #include "database/postgres/cloud_limit.h"
 #include "database/postgres/postgres_api.h"
+
+extern "C" {
+#include <access/brin_internal.h>
+#include <access/brin_tuple.h>
+#include <access/gist.h>
+#include <access/skey.h>
+#include <catalog/pg_type.h>
+#include <utils/sortsupport.h>
+#include <utils/typcache.h>
+}
 
 namespace alidade {
 
@@ -23,10 +33,6 @@ inline bool may_match(int symbol, Datum argument, const Bounds& box) {
 }  // namespace alidade
 
 // Points in Morton order, for btree and ORDER BY.
-
-extern "C" {
-#include <utils/sortsupport.h>
-}
 
 namespace alidade {
 namespace {
@@ -71,14 +77,6 @@ ALIDADE_SQL_FUNCTION(alidade_point_sort_support) {
 
 // BRIN: the box of the points of each range of pages. These are the paper's chunk statistics (section 4.2).
 
-extern "C" {
-#include <access/brin_internal.h>
-#include <access/brin_tuple.h>
-#include <access/skey.h>
-#include <catalog/pg_type.h>
-#include <utils/typcache.h>
-}
-
 namespace alidade {
 namespace {
 
@@ -115,8 +113,6 @@ BrinValues& range_in(FunctionCallInfo fcinfo, int argument) {
 }  // namespace
 }  // namespace alidade
 
-using namespace alidade;
-
 ALIDADE_SQL_FUNCTION(alidade_brin_columns) {
   auto* const info = static_cast<BrinOpcInfo*>(palloc0(MAXALIGN(SizeofBrinOpcInfo(k_faces))));
   info->oi_nstored = k_faces;
@@ -141,12 +137,6 @@ ALIDADE_SQL_FUNCTION(alidade_brin_consistent) {
 }
 
 // GiST: a tree of boxes; in its leaves those of single points.
-
-extern "C" {
-#include <access/gist.h>
-#include <access/skey.h>
-#include <utils/sortsupport.h>
-}
 
 namespace alidade {
 namespace {
@@ -196,8 +186,6 @@ double least_distance(DistanceKind kind, const CloudLine& line, const Bounds& bo
 
 }  // namespace
 }  // namespace alidade
-
-using namespace alidade;
 
 ALIDADE_SQL_FUNCTION(alidade_gist_compress) {
   GISTENTRY& entry = entry_in(fcinfo, 0);

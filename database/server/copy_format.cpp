@@ -165,7 +165,6 @@ CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)
 }
 
 std::vector<std::byte> CopyRows::head() {
-  constexpr std::string_view k_signature{"PGCOPY\n\377\r\n\0", 11};
   std::vector<std::byte> bytes;
   for (const char letter : k_signature) bytes.push_back(static_cast<std::byte>(letter));
   append_number(std::int32_t{0}, bytes);  // flags

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "base/color.h"
 #include "tests/support/random.h"
 
 namespace alidade {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/checkpoint.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -15,7 +16,7 @@ constexpr std::uint64_t k_count = 5;
 class FinishedPartsTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    file_ = std::filesystem::path(::testing::TempDir()) /
+    file_ = std::filesystem::temp_directory_path() /
             (std::string("parts_") + ::testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::remove(file_);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "base/input_file.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 
 #include <array>
@@ -21,7 +22,7 @@ class InputFileTest : public ::testing::TestWithParam<bool> {
  protected:
   InputFile open() {
     if (GetParam()) return InputFile(std::as_bytes(std::span(content_)), "memory");
-    const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "input_file_test.txt";
+    const std::filesystem::path path = std::filesystem::temp_directory_path() / "input_file_test.txt";
     test::write_text(path, content_);
     return InputFile(path);
   }
@@ -74,7 +75,7 @@ INSTANTIATE_TEST_SUITE_P(, InputFileTest, ::testing::Bool(),
 TEST(InputFileErrorTest, a_missing_file_and_a_folder_are_errors) {
   EXPECT_NE(error_of([] { InputFile(std::filesystem::path("/no/such/file")); }).find("cannot be opened"),
             std::string::npos);
-  EXPECT_NE(error_of([] { InputFile{std::filesystem::path(::testing::TempDir())}; }).find("found a folder"),
+  EXPECT_NE(error_of([] { InputFile{std::filesystem::temp_directory_path()}; }).find("found a folder"),
             std::string::npos);
 }
 

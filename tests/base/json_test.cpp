@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "base/error.h"
+#include "base/words.h"
 
 namespace alidade {
 namespace {

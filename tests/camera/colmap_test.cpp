@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -258,7 +259,7 @@ TEST(Colmap, damaged_texts_are_errors_with_their_line) {
 class ColmapFolderTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(::testing::TempDir()) / "alidade_colmap";
+    folder_ = std::filesystem::temp_directory_path() / "alidade_colmap";
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
@@ -145,7 +146,7 @@ TEST(TransformsJson, damage_is_an_error_at_its_place) {
 }
 
 TEST(TransformsJson, a_size_that_is_not_told_is_the_images) {
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "alidade_transforms";
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_transforms";
   std::filesystem::create_directories(folder);
   const auto image = OIIO::ImageOutput::create((folder / "r_0.png").string());
   const OIIO::ImageSpec spec(30, 20, 3, OIIO::TypeUInt8);
@@ -164,7 +165,7 @@ TEST(TransformsJson, a_size_that_is_not_told_is_the_images) {
 }
 
 TEST(ImageFileSizeTest, png_and_jpeg_tell_their_size) {
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "alidade_image_size";
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_image_size";
   std::filesystem::create_directories(folder);
   for (const std::string name : {"a.png", "a.jpg"}) {
     const auto image = OIIO::ImageOutput::create((folder / name).string());

@@ -22,7 +22,7 @@ namespace alidade::test {
 inline std::filesystem::path test_folder() {
   const ::testing::TestInfo* const info = ::testing::UnitTest::GetInstance()->current_test_info();
   const std::filesystem::path folder =
-      std::filesystem::path(::testing::TempDir()) / "alidade" / info->test_suite_name() / info->name();
+      std::filesystem::temp_directory_path() / "alidade" / info->test_suite_name() / info->name();
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

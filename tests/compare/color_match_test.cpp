@@ -181,7 +181,7 @@ TEST(ColorMatch, is_the_same_on_any_number_of_threads) {
 }
 
 TEST(RobustLine, wrong_pairs_up_to_two_fifths_do_not_bend_it) {
-  std::vector<LinePair> pairs;
+  std::vector<FitPair> pairs;
   for (int i = 0; i < 500; ++i) {
     const double x = hashed(static_cast<std::uint64_t>(i));
     const bool is_wrong = i % 5 < 2;
@@ -198,9 +198,9 @@ TEST(RobustLine, wrong_pairs_up_to_two_fifths_do_not_bend_it) {
 
 TEST(RobustLine, too_few_pairs_and_pairs_of_one_x_tell_nothing) {
   EXPECT_FALSE(fit_robust_line({}, LineKind::free));
-  const std::vector<LinePair> three = {{0, 0}, {1, 1}, {2, 2}};
+  const std::vector<FitPair> three = {{0, 0}, {1, 1}, {2, 2}};
   EXPECT_FALSE(fit_robust_line(three, LineKind::free));
-  const std::vector<LinePair> same(10, {1.0, 2.0}), zero(10, {0.0, 2.0}), none(10, {0.0, 0.0});
+  const std::vector<FitPair> same(10, {1.0, 2.0}), zero(10, {0.0, 2.0}), none(10, {0.0, 0.0});
   EXPECT_FALSE(fit_robust_line(same, LineKind::free));
   EXPECT_FALSE(fit_robust_line(zero, LineKind::through_zero));
   EXPECT_FALSE(fit_robust_line(none, LineKind::through_zero));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "compare/compared_image.h"
 
+#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -16,7 +17,7 @@ namespace {
 class ComparedImageTest : public ::testing::Test {
  protected:
   ComparedImageTest()
-      : folder_(std::filesystem::path(::testing::TempDir()) /
+      : folder_(std::filesystem::temp_directory_path() /
                 ("compared_image_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);

@@ -136,7 +136,7 @@ TEST(DifferenceMap, of_large_pictures_shows_the_strongest_value_of_each_square) 
 }
 
 TEST(DifferenceMap, is_written_as_png_with_a_legend_beside_it) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "difference.png";
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "difference.png";
   const DifferenceMap map = flip_difference(std::vector<float>(200 * 100, 0.5f), 200, {});
   EXPECT_EQ(map.range, (ValueRange{0.0, 1.0}));
   write_difference(map, file, true);
@@ -144,7 +144,7 @@ TEST(DifferenceMap, is_written_as_png_with_a_legend_beside_it) {
   EXPECT_GT(picture.spec().width, 200 + 100);
   EXPECT_GE(picture.spec().height, 100);
   EXPECT_THROW(write_difference(map, file, false), Error);
-  EXPECT_THROW(write_difference(map, std::filesystem::path(::testing::TempDir()) / "difference.jpg", true),
+  EXPECT_THROW(write_difference(map, std::filesystem::temp_directory_path() / "difference.jpg", true),
                Error);
 }
 

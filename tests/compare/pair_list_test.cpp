@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "compare/pair_list.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -16,7 +17,7 @@ class PairListTest : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ =
-        fs::path(::testing::TempDir()) /
+        std::filesystem::temp_directory_path() /
         ("alidade_pairs_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
     fs::create_directories(folder_);

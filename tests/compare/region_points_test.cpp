@@ -64,7 +64,7 @@ PointCloud small_cloud() {
 }
 
 TEST(RegionPoints, are_written_as_las_with_all_attributes_and_the_number_of_their_region) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "region_points.las";
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "region_points.las";
   const PointCloud cloud = small_cloud();
   write_las(file, points_of_regions(cloud, std::vector<RegionPoint>{{2, 1}, {6, 300}}), {.overwrite = true});
   const PointCloud read = read_cloud(file);

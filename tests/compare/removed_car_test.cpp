@@ -34,7 +34,7 @@ Site without_car(const Site& full) {
 }
 
 std::filesystem::path scanned(const Site& site, const std::string& name, std::uint64_t seed) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / name;
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / name;
   LasWriteOptions options;
   options.overwrite = true;
   LasWriter writer(file, scan_header(site), scan_attributes(), options);
@@ -98,7 +98,7 @@ void expect_the_car(const ChangeRegions& changes) {
 
   const TwoScans& scans = two_scans();
   const PointCloud before = read_cloud(scans.before), after = read_cloud(scans.after);
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "car.las";
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "car.las";
   const std::vector<RegionPoint> points = region_points(scans.reference.ids, changes, before.size());
   write_las(file, points_of_regions(before, points), {.overwrite = true});
   const PointCloud car = read_cloud(file);

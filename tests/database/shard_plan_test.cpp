@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What servers are told about a cloud: names of shards, rows as COPY takes them, scripts that no name can
 // leave.
+#include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -29,7 +30,7 @@ std::string error_of(const Work& work) {
 }
 
 std::filesystem::path parent_path() {
-  return std::filesystem::path(::testing::TempDir()) / fmt::format("shard_plan_{}", ::getpid());
+  return std::filesystem::temp_directory_path() / fmt::format("shard_plan_{}", ::getpid());
 }
 
 TEST(Shard, is_named_by_host_port_and_database) {

@@ -19,7 +19,7 @@ namespace alidade::test {
 class SqliteTest : public ::testing::Test {
  protected:
   SqliteTest()
-      : folder_(std::filesystem::path(::testing::TempDir()) /
+      : folder_(std::filesystem::temp_directory_path() /
                 fmt::format("sqlite_{}_{}", ::testing::UnitTest::GetInstance()->current_test_info()->name(),
                             ::getpid())),
         file_(folder_ / "site.db") {

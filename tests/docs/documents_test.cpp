@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -35,7 +36,7 @@ class DocumentsTest : public ::testing::TestWithParam<std::string> {
 class ReadersFolder {
  public:
   explicit ReadersFolder(const std::string& name)
-      : path_(fs::path(::testing::TempDir()) / ("alidade_reader_" + name)) {
+      : path_(std::filesystem::temp_directory_path() / ("alidade_reader_" + name)) {
     fs::remove_all(path_);
     fs::create_directories(path_ / "build");
     fs::create_directories(path_ / "output");

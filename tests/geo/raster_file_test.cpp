@@ -18,7 +18,7 @@ class RasterFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
     GDALAllRegister();
-    folder_ = std::filesystem::path(::testing::TempDir()) / "alidade_raster_file";
+    folder_ = std::filesystem::temp_directory_path() / "alidade_raster_file";
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 
 namespace alidade::test {
 namespace {

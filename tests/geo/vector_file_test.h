@@ -39,7 +39,7 @@ class VectorFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const ::testing::TestInfo* const info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(::testing::TempDir()) /
+    folder_ = std::filesystem::temp_directory_path() /
               fmt::format("alidade_{}_{}", info->test_suite_name(), info->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include <filesystem>
 #include <cstdlib>
 
 #include "compare/report/page.h"
@@ -46,7 +47,7 @@ class GoldenTest : public ProgramTest {
     const Comparison comparison = compare_files(golden, folder / picture, options);
     const Verdict verdict = judge(comparison, parse_thresholds(thresholds));
     if (verdict.pass()) return;
-    const fs::path report = fs::path(::testing::TempDir()) / ("golden_" + picture + ".html");
+    const fs::path report = std::filesystem::temp_directory_path() / ("golden_" + picture + ".html");
     write_page(report_page(comparison, verdict, PicturePacking::png), report, true);
     std::string failures;
     for (const JudgedThreshold& judged : verdict.judged)

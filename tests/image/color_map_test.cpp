@@ -7,7 +7,7 @@
 #include <set>
 #include <tuple>
 
-#include "base/exact_math.h"
+#include "base/color.h"
 #include "image/point_color.h"
 
 namespace alidade {

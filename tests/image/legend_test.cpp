@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "image/legend.h"
 
+#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -171,7 +172,7 @@ const LegendText& text_of(const LegendLayout& layout, const std::string& text) {
 
 class LegendTest : public ::testing::Test {
  protected:
-  LegendTest() : folder_(fs::path(::testing::TempDir()) / ("legend_test_" + std::to_string(::getpid()))) {
+  LegendTest() : folder_(std::filesystem::temp_directory_path() / ("legend_test_" + std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

@@ -12,8 +12,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/color.h"
 #include "base/error.h"
-#include "base/exact_math.h"
 #include "tests/support/random.h"
 
 namespace alidade::test {
@@ -22,7 +22,7 @@ namespace {
 class ReadSkyImageTest : public ::testing::Test {
  protected:
   ReadSkyImageTest()
-      : folder_(std::filesystem::path(::testing::TempDir()) / ("alidade_sky_" + std::to_string(::getpid()))) {
+      : folder_(std::filesystem::temp_directory_path() / ("alidade_sky_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

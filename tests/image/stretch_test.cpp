@@ -85,7 +85,7 @@ TEST(StretchTest, intensities_use_all_of_sixteen_bits) {
   for (std::size_t i = 0; i < intensities.size(); ++i) intensities[i] = static_cast<std::uint16_t>(65535 - i);
   AttributeColumns columns;
   columns.intensities = intensities;
-  const PointValues values = values_of({.by = PointColor::intensity}, columns, TreeView());
+  const PointValues values = values_of({.by = PointColor::intensity}, columns, PointValues());
   const ValueExtent extent = extent_of(values);
   EXPECT_EQ(extent.range, (ValueRange{0, 65535}));
   EXPECT_EQ(extent.count, 65536u);
@@ -99,7 +99,7 @@ TEST(StretchTest, number_of_threads_changes_nothing) {
   for (float& angle : angles) angle = static_cast<float>(random.between(-90, 90));
   AttributeColumns columns;
   columns.scan_angles = angles;
-  const PointValues values = values_of(coloring_by("scan_angle"), columns, TreeView());
+  const PointValues values = values_of(coloring_by("scan_angle"), columns, PointValues());
   const ValueRange first = percentiles_of(values, extent_of(values), {1, 99});
   for (const int threads : {1, 2, 7}) {
     tbb::task_arena arena(threads);

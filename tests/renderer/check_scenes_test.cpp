@@ -18,7 +18,7 @@ namespace alidade::test {
 namespace {
 
 Scene check_scene(const std::string& name) {
-  return read_scene(std::filesystem::path(ALIDADE_SOURCE_DIR) / "scenes/check" / (name + ".json"));
+  return read_scene(std::filesystem::path(ALIDADE_SOURCE_FOLDER) / "scenes/check" / (name + ".json"));
 }
 
 glm::dvec3 mean_color(const Film& film) {
@@ -83,7 +83,7 @@ std::optional<double> distance_to_sphere(const Ray& ray, const glm::dvec3& cente
 TEST(CheckScenesTest, sphere_of_points_is_seen_between_the_exact_spheres_and_loses_no_light) {
   const glm::dvec3 center(690000, 5325000, 500);
   Scene scene = check_scene("sphere_of_points");
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) /
+  const std::filesystem::path file = std::filesystem::temp_directory_path() /
                                      ("sphere_of_points_" + std::to_string(::getpid()) + ".ply");
   write_ply(file, points_on_sphere(200000, 10.0, center), {.overwrite = true, .progress = {}});
   scene.cloud->files = {file};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/checkpoint.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -22,7 +23,7 @@ class CheckpointTest : public ::testing::Test {
   void SetUp() override {
     const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
     folder_ =
-        std::filesystem::path(::testing::TempDir()) / (std::string("alidade_checkpoint_") + test->name());
+        std::filesystem::temp_directory_path() / (std::string("alidade_checkpoint_") + test->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
     file_ = folder_ / "picture.state";

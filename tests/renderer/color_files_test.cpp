@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 class ColorFiles : public ::testing::Test {
  protected:
-  ColorFiles() : folder_(fs::path(::testing::TempDir()) / ("color_files_" + std::to_string(::getpid()))) {
+  ColorFiles() : folder_(std::filesystem::temp_directory_path() / ("color_files_" + std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

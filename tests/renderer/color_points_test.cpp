@@ -6,11 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/color.h"
 #include "base/error.h"
-#include "base/exact_math.h"
 #include "image/point_color.h"
 #include "image/srgb.h"
 #include "octree/build.h"
+#include "renderer/load_cloud.h"
 #include "renderer/surface.h"
 #include "tests/renderer/color_clouds.h"
 #include "tests/renderer/tracer_scenes.h"
@@ -25,7 +26,7 @@ ColoredPoints colored(const PointCloud& cloud, const PointColoring& coloring) {
   const PointColoring chosen =
       choose_color(coloring, {columns, cloud.attributes(), cloud.size(), "site.las"}, warnings);
   const Octree octree = build(cloud);
-  return color_points(chosen, columns, cloud, octree.view());
+  return color_points(chosen, columns, cloud, heights(octree.view()));
 }
 
 std::string error_of(const PointCloud& cloud, const PointColoring& coloring) {

@@ -9,8 +9,8 @@
 
 #include "base/error.h"
 #include "camera/camera.h"
-#include "geo/geotiff.h"
-#include "image/image_file.h"
+#include "geo/gdal_reference.h"
+#include "renderer/picture_metadata.h"
 
 namespace alidade::test {
 namespace {
@@ -19,7 +19,7 @@ class GeotiffTest : public ::testing::Test {
  protected:
   void SetUp() override {
     GDALAllRegister();
-    folder_ = std::filesystem::path(::testing::TempDir()) / "alidade_geotiff";
+    folder_ = std::filesystem::temp_directory_path() / "alidade_geotiff";
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "image/image_file.h"
 
+#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -66,7 +67,7 @@ ImageMetadata metadata() {
 class ImageTest : public ::testing::Test {
  protected:
   ImageTest()
-      : folder_(std::filesystem::path(::testing::TempDir()) / ("image_test_" + std::to_string(::getpid()))) {
+      : folder_(std::filesystem::temp_directory_path() / ("image_test_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }
@@ -184,7 +185,7 @@ TEST_F(ImageTest, layer_that_the_film_lacks_is_an_error) {
 TEST_F(ImageTest, half_never_becomes_infinite) {
   Film film(1, 1);
   film.color[0] = {1e6f, 65504.0f, 1e-30f};
-  write_image(film, output("bright.exr"), {}, false);
+  write_image(film, output("bright.exr"), ImageMetadata(), false);
   Picture picture(folder_ / "bright.exr");
   EXPECT_EQ(picture.channel<float>("R")[0], 65504.0f);
   EXPECT_EQ(picture.channel<float>("G")[0], 65504.0f);
@@ -253,7 +254,7 @@ TEST_F(ImageTest, png_and_jpeg_show_the_colour_with_exposure_and_srgb_curve) {
   film.color = {Rgb(0.0f), Rgb(0.25f, 0.5f, 1.0f), Rgb(-1.0f, 3.0f, std::nanf("")), Rgb(0.0909f),
                 Rgb(0.2140f)};
   OutputSettings settings = output("codes.png");
-  write_image(film, settings, {}, false);
+  write_image(film, settings, ImageMetadata(), false);
   Picture png(settings.file);
   EXPECT_EQ(png.spec().nchannels, 3);
   // IEC 61966-2-1 by hand: 0.25 -> 136.96, 0.5 -> 187.52, 0.0909 -> 84.96, 0.2140 -> 127.5
@@ -263,13 +264,13 @@ TEST_F(ImageTest, png_and_jpeg_show_the_colour_with_exposure_and_srgb_curve) {
   EXPECT_EQ(png.channel<std::uint8_t>("B")[1], 255);
   EXPECT_EQ(png.channel<std::uint8_t>("B")[2], 0);
   settings.exposure = 1.0;
-  write_image(film, settings, {}, true);
+  write_image(film, settings, ImageMetadata(), true);
   EXPECT_EQ(Picture(settings.file).channel<std::uint8_t>("R")[1], 188);
 
   Film grey(16, 16);
   for (Rgb& color : grey.color) color = Rgb(0.25f);
   for (const std::string name : {"grey.jpg", "grey.jpeg", "GREY.JPG"}) {
-    write_image(grey, output(name), {}, false);
+    write_image(grey, output(name), ImageMetadata(), false);
     for (const std::uint8_t code : Picture(folder_ / name).channel<std::uint8_t>("G"))
       EXPECT_NEAR(code, 137, 1);
   }
@@ -295,7 +296,7 @@ TEST(DisplayTest, exposure_is_a_power_of_two) {
 }
 
 TEST_F(ImageTest, an_existing_file_is_kept_unless_overwriting_is_asked_for) {
-  write_image(Film(2, 2), output("kept.png"), {}, false);
+  write_image(Film(2, 2), output("kept.png"), ImageMetadata(), false);
   const std::string before = bytes_of(folder_ / "kept.png");
   EXPECT_NE(error_of(colorful_film(), output("kept.png")), "no error");
   EXPECT_EQ(bytes_of(folder_ / "kept.png"), before);

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 class LoadCloud : public ::testing::Test {
  protected:
   LoadCloud()
-      : folder_(fs::path(::testing::TempDir()) /
+      : folder_(std::filesystem::temp_directory_path() /
                 (std::string("load_cloud_") +
                  ::testing::UnitTest::GetInstance()->current_test_info()->name() + "_" +
                  std::to_string(::getpid()))) {

@@ -238,7 +238,7 @@ TEST(ReadSceneTest, a_long_unknown_key_gives_a_short_message) {
 class SceneFileTest : public ::testing::Test {
  protected:
   SceneFileTest()
-      : folder_(std::filesystem::path(::testing::TempDir()) /
+      : folder_(std::filesystem::temp_directory_path() /
                 ("read_scene_test_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_ / "cameras");

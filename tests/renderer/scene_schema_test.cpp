@@ -18,7 +18,7 @@
 namespace alidade::test {
 namespace {
 
-const std::filesystem::path k_scenes = std::filesystem::path(ALIDADE_SOURCE_DIR) / "scenes";
+const std::filesystem::path k_scenes = std::filesystem::path(ALIDADE_SOURCE_FOLDER) / "scenes";
 
 struct Sample {
   std::string schema;
@@ -333,7 +333,7 @@ TEST_F(SceneSchemaTest, all_scenes_here_are_valid_and_read) {
 }
 
 std::string manual_text(const char* page) {
-  std::ifstream stream(std::filesystem::path(ALIDADE_SOURCE_DIR) / "docs" / page);
+  std::ifstream stream(std::filesystem::path(ALIDADE_SOURCE_FOLDER) / "docs" / page);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 

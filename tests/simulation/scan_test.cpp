@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/scan.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -264,7 +265,7 @@ TEST(Scan, ColumnsAreFilledAsDocumented) {
 
 TEST(GenerateCourtyard, WritesWhatTheScanGives) {
   const std::filesystem::path path =
-      std::filesystem::path(::testing::TempDir()) / "alidade_simulation_courtyard.las";
+      std::filesystem::temp_directory_path() / "alidade_simulation_courtyard.las";
   GenerateOptions options;
   options.point_count = 40000;
   options.overwrite = true;

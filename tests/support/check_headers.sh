@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
-# Checks the architecture as the includes tell it: header_order.txt lists all headers in reading order, and a header
-# includes none that stands later; no room knows a room beside it; raw intrinsics stay in octree/simd.
+# Checks the architecture by the includes: header_order.txt lists all headers in reading order, and a header includes none
+# that is listed later; a room includes only from the rooms that stand below it in rooms.txt; the libraries that only one
+# room may talk to stay there.
 set -euo pipefail
 cd -- "$(dirname -- "$0")/../.."
 order=tests/support/header_order.txt
@@ -12,54 +13,49 @@ complain() {
   problems=$((problems + 1))
 }
 
-declare -A place=()
+declare -A position=()
 while read -r header; do
-  place[$header]=${#place[@]}
+  position[$header]=${#position[@]}
   if [[ ! -f $header ]]; then complain "$order: $header does not exist"; fi
 done < <(grep -v -e '^#' -e '^$' "$order")
 
-# includes FILE: what it includes from this repository
-includes() { sed -nE 's/^ *# *include "([^"]+)".*/\1/p' "$1"; }
+declare -A allowed=()
+rooms=()
+while IFS=: read -r room below; do
+  rooms+=("$room")
+  allowed[$room]=" $room $below "
+done < <(grep -v -e '^#' -e '^$' tests/support/rooms.txt)
+
+# FILE:INCLUDED for every include of the repository's own files
+while IFS=: read -r file included; do
+  room=${file%%/*}
+  # Generated headers are listed nowhere.
+  if [[ ${allowed[$room]} != *" ${included%%/*} "* && -n ${allowed[${included%%/*}]:-} ]]; then
+    complain "$file: includes $included; $room may include only from:${allowed[$room]}"
+  fi
+  if [[ $file != *.h ]]; then continue; fi
+  if [[ -n ${position[$included]:-} && -n ${position[$file]:-} ]] && ((position[$included] >= position[$file])); then
+    complain "$file: includes $included, which is listed later in $order"
+  fi
+done < <(grep -rHoE '^ *# *include "[^"]+"' "${rooms[@]}" --include='*.h' --include='*.cpp' | sed -E 's/: *# *include "([^"]+)"/:\1/')
 
 while read -r header; do
-  if [[ -z ${place[$header]:-} ]]; then
-    complain "$header: not in $order; add it behind the headers it includes"
-    continue
-  fi
-  while read -r included; do
-    # Generated headers stand in no list.
-    if [[ -z ${place[$included]:-} ]]; then continue; fi
-    if ((place[$included] >= place[$header])); then complain "$header: includes $included, which stands later in $order"; fi
-  done < <(includes "$header")
-done < <(find octree simulation renderer visibility compare tools database -name '*.h' | sort)
+  if [[ -z ${position[$header]:-} ]]; then complain "$header: not in $order; add it behind the headers it includes"; fi
+done < <(find "${rooms[@]}" -name '*.h' | sort)
 
-# room FOLDER ALLOWED...: sources of FOLDER include only from the allowed folders
-room() {
-  local folder=$1 file included
-  shift
+# only WHERE WHAT PATTERN: headers that match the pattern are included in no other room
+only() {
   while read -r file; do
-    while read -r included; do
-      local allowed=no name
-      for name in "$@"; do
-        if [[ $included == "$name"/* ]]; then allowed=yes; fi
-      done
-      if [[ $allowed == no ]]; then complain "$file: includes $included; $folder may include only: $*"; fi
-    done < <(includes "$file")
-  done < <(find "$folder" \( -name '*.h' -o -name '*.cpp' \) | sort)
+    complain "$file: $2 belongs into $1"
+  done < <(grep -rlE "include *<($3)" "${rooms[@]}" tests docs --include='*.h' --include='*.cpp' | grep -vE "^($1|tests)/" || true)
 }
-room octree octree
-room simulation octree simulation
-room renderer octree renderer
-room visibility octree renderer visibility
-room compare octree renderer compare
-room database octree database
-
-while read -r file; do
-  complain "$file: raw intrinsics belong into octree/simd"
-done < <(grep -rlE 'include *<(imm|xmm|emm|tmm|smm|avx)[a-z0-9]*intrin\.h>' octree simulation renderer visibility compare tools database tests docs --include='*.h' --include='*.cpp' | grep -v '^octree/simd/')
+only octree/simd 'raw intrinsics' '(imm|xmm|emm|tmm|smm|avx)[a-z0-9]*intrin\.h>'
+only geo 'GDAL' '(gdal|ogr|cpl|gdalwarper)[a-z_]*\.h>'
+only 'image|compare' 'OpenImageIO' 'OpenImageIO/'
+only 'tools' 'CLI11' 'CLI/'
 
 if ((problems > 0)); then
   echo "$problems problems with includes" >&2
   exit 1
 fi
-echo "includes: ${#place[@]} headers in order, rooms apart"
+echo "includes: ${#position[@]} headers in order, ${#rooms[@]} rooms apart"

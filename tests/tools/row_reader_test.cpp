@@ -17,7 +17,7 @@ namespace {
 class RowReaderTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    file_ = std::filesystem::path(::testing::TempDir()) / ("alidade_rows_" + std::to_string(::getpid()));
+    file_ = std::filesystem::temp_directory_path() / ("alidade_rows_" + std::to_string(::getpid()));
   }
   void TearDown() override { std::filesystem::remove(file_); }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tests/tools/run_program.h"
 
+#include <filesystem>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
@@ -104,7 +105,7 @@ ProgramResult Program::wait() {
 
 void ProgramTest::SetUp() {
   const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-  folder = std::filesystem::path(::testing::TempDir()) /
+  folder = std::filesystem::temp_directory_path() /
            fmt::format("alidade_{}_{}_{}", test->test_suite_name(), test->name(), ::getpid());
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

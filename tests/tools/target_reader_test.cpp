@@ -13,7 +13,7 @@ namespace {
 class TargetReaderTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    file_ = std::filesystem::path(::testing::TempDir()) / ("alidade_targets_" + std::to_string(::getpid()));
+    file_ = std::filesystem::temp_directory_path() / ("alidade_targets_" + std::to_string(::getpid()));
   }
   void TearDown() override { std::filesystem::remove(file_); }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_files.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -21,7 +22,7 @@ using Json = nlohmann::json;
 class LineFilesTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(::testing::TempDir()) / ("line_files_" + std::to_string(::getpid()));
+    folder = std::filesystem::temp_directory_path() / ("line_files_" + std::to_string(::getpid()));
     fs::remove_all(folder);
     fs::create_directories(folder);
   }

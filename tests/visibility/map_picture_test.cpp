@@ -120,7 +120,7 @@ TEST(MapPictureTest, the_same_map_gives_the_same_pixels) {
 }
 
 TEST(MapPictureTest, the_file_appears_whole_or_not_at_all) {
-  const std::filesystem::path folder = std::filesystem::path(::testing::TempDir()) / "alidade_map_picture";
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "alidade_map_picture";
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   write_map_picture(picture(), ground(), folder / "map.png", false);

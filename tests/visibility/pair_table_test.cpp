@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_files.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -11,7 +12,7 @@ namespace alidade::test {
 namespace {
 
 std::filesystem::path written(const std::string& text) {
-  const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / "pair_table_test.csv";
+  const std::filesystem::path path = std::filesystem::temp_directory_path() / "pair_table_test.csv";
   std::ofstream(path) << text;
   return path;
 }

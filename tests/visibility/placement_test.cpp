@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/points/placement.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -196,7 +197,7 @@ TEST(CoveragePicture, bars_rise_as_the_curve_does) {
 
 TEST(CoveragePicture, is_written_as_png_and_nothing_else) {
   const Placement placement{{{0, 1.0, 1.0}}, 1.0, 1.0};
-  const std::filesystem::path folder = ::testing::TempDir();
+  const std::filesystem::path folder = std::filesystem::temp_directory_path();
   write_coverage_picture(placement, folder / "coverage.png", true);
   EXPECT_GT(std::filesystem::file_size(folder / "coverage.png"), 1000u);
   EXPECT_THROW(write_coverage_picture(placement, folder / "coverage.png", false), Error);

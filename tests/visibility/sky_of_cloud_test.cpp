@@ -74,7 +74,7 @@ TEST(PointSunHours, are_those_of_single_targets_by_point_id) {
 /// Runs work that is stopped after half of its points, then goes on with it.
 template <class Work>
 auto stopped_and_gone_on_with(const Work& work) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "sky_of_cloud.state";
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "sky_of_cloud.state";
   std::filesystem::remove(file);
   const Identity identity{{"command", "sky"}};
   {

@@ -42,7 +42,7 @@ TEST(ViewshedRunTest, the_map_is_the_same_on_any_number_of_threads) {
 /// A map that is stopped on one thread after half of the work, then gone on with.
 std::vector<float> stopped_and_gone_on_with(Place& place, std::span<const Observer> eyes,
                                             ViewshedOptions options, const RasterGrid& grid) {
-  const std::filesystem::path file = std::filesystem::path(::testing::TempDir()) / "viewshed.state";
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "viewshed.state";
   std::filesystem::remove(file);
   const Identity identity{{"command", "raster"}};
   {

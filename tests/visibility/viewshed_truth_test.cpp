@@ -40,7 +40,7 @@ bool is_inside(const Raster<float>& raster, int column, int row) {
 
 TEST(ViewshedTruthTest, the_map_of_a_scanned_yard_is_that_of_the_yard_itself) {
   const std::filesystem::path file =
-      std::filesystem::path(::testing::TempDir()) / "alidade_viewshed_truth.las";
+      std::filesystem::temp_directory_path() / "alidade_viewshed_truth.las";
   GenerateOptions options;
   options.point_count = 500'000;
   options.overwrite = true;

@@ -15,7 +15,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_grain = 1024;
+constexpr std::size_t k_rows_per_text = 1024;
 
 void add(std::string& text, std::uint64_t value) {
   char digits[20];
@@ -76,10 +76,10 @@ void AnswerText::write(const AnswerRows& rows) {
   put_header();
   for (std::size_t begin = 0; begin < rows.size; begin += k_rows_at_once) {
     const std::size_t end = std::min(begin + k_rows_at_once, rows.size);
-    std::vector<std::string> parts((end - begin + k_grain - 1) / k_grain);
+    std::vector<std::string> parts((end - begin + k_rows_per_text - 1) / k_rows_per_text);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
-      const std::size_t first = begin + p * k_grain;
-      std::vector<AnswerRow> part_rows(std::min(k_grain, end - first));
+      const std::size_t first = begin + p * k_rows_per_text;
+      std::vector<AnswerRow> part_rows(std::min(k_rows_per_text, end - first));
       rows.fill(first, part_rows);
       parts[p].reserve(part_rows.size() * 24 * columns_.size());
       for (const AnswerRow& row : part_rows) add_row(parts[p], columns_, row, form_);
@@ -95,7 +95,7 @@ void AnswerText::finish() {
 
 namespace {
 
-constexpr std::size_t k_grain = 4096;
+constexpr std::size_t k_rows_per_task = 4096;
 
 ExtraDimension described(const AnswerDimension& dimension) {
   ExtraDimension extra;
@@ -108,8 +108,8 @@ ExtraDimension described(const AnswerDimension& dimension) {
 /// Calls work(i) for every row, in parallel.
 template <class Work>
 void for_each_row(std::size_t count, const Work& work) {
-  tbb::parallel_for(std::size_t{0}, (count + k_grain - 1) / k_grain, [&](std::size_t part) {
-    for (std::size_t i = part * k_grain; i < std::min((part + 1) * k_grain, count); ++i) work(i);
+  tbb::parallel_for(std::size_t{0}, (count + k_rows_per_task - 1) / k_rows_per_task, [&](std::size_t part) {
+    for (std::size_t i = part * k_rows_per_task; i < std::min((part + 1) * k_rows_per_task, count); ++i) work(i);
   });
 }
 

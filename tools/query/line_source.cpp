@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/text_scanner.h"
+#include "base/words.h"
 #include "tools/console.h"
 
 namespace alidade {

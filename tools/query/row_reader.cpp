@@ -15,7 +15,7 @@
 
 #include "base/error.h"
 #include "base/json.h"
-#include "base/text_scanner.h"
+#include "base/words.h"
 #include "tools/query/target_kind.h"
 
 namespace alidade {

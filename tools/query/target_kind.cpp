@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "base/error.h"
-#include "base/text_scanner.h"
+#include "base/words.h"
 
 namespace alidade {
 

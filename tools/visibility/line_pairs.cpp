@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "geo/raster.h"
 #include "octree/distance.h"
 #include "tools/options.h"

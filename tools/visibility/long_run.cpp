@@ -12,6 +12,7 @@
 #include "base/fingerprint.h"
 #include "tools/console.h"
 #include "tools/options.h"
+#include "visibility/sight_line.h"
 
 namespace alidade {
 

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/text_scanner.h"
+#include "base/words.h"
 #include "visibility/sight_line.h"
 
 namespace alidade {

@@ -10,6 +10,7 @@
 
 #include "base/checkpoint.h"
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "cloud/lattice.h"
 #include "geo/raster.h"
 #include "octree/distance.h"

@@ -12,6 +12,7 @@
 #include "base/checkpoint.h"
 #include "base/error.h"
 #include "base/exact_math.h"
+#include "base/huge_memory.h"
 #include "geo/raster.h"
 #include "octree/point_surface.h"
 #include "octree/tree_walk.h"

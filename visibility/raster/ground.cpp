@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "visibility/raster/ground_samples.h"
 
 namespace alidade {

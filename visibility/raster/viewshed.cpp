@@ -12,6 +12,7 @@
 
 #include "base/checkpoint.h"
 #include "base/error.h"
+#include "base/huge_memory.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // LAS files that other programs wrote. Expected values were taken from the files' bytes with a few lines of
 // Python.
+#include <filesystem>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,7 +52,7 @@ TEST_P(LasSharedDataTest, written_and_read_again_it_is_the_same_cloud) {
   if (path.empty()) GTEST_SKIP() << k_no_shared_data;
   const PointCloud cloud = read_cloud(path);
   const std::filesystem::path copy =
-      std::filesystem::path(::testing::TempDir()) / ("written_" + path.filename().string());
+      std::filesystem::temp_directory_path() / ("written_" + path.filename().string());
   write_las(copy, cloud, {.overwrite = true});
   const PointCloud again = read_cloud(copy);
   std::filesystem::remove(copy);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "octree/index_file/index_file.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -153,7 +154,7 @@ class IndexOfLas : public ::testing::TestWithParam<int> {};
 
 TEST_P(IndexOfLas, holds_what_the_las_file_held) {
   const auto folder =
-      std::filesystem::path(::testing::TempDir()) / ("index_of_las_" + std::to_string(GetParam()));
+      std::filesystem::temp_directory_path() / ("index_of_las_" + std::to_string(GetParam()));
   std::filesystem::create_directories(folder);
   for (int version = test::oldest_las_version(GetParam()); version <= 4; ++version) {
     SCOPED_TRACE(version);

@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+# Prints files and lines of each room, the longest sources and the shortest: a file is a module worth a name, 100 to 400
+# lines are normal. Fails where a production file has more than 450 lines.
+set -euo pipefail
+cd -- "$(dirname -- "$0")/../.."
+rooms=(base cloud octree geo image camera renderer visibility compare database simulation tools)
+lengths=$(find "${rooms[@]}" \( -name '*.h' -o -name '*.cpp' \) -exec wc -l {} + | grep -v ' total$' | sort -rn)
+awk '{ split($2, path, "/"); files[path[1]]++; lines[path[1]] += $1; all += $1 }
+     END { for (room in files) printf "  %-12s %4d files %6d lines\n", room, files[room], lines[room]
+           printf "  %-12s %4d files %6d lines\n", "together", NR, all }' <<<"$lengths" | sort
+echo "longest:"
+sed -n '1,6p' <<<"$lengths"
+echo "shortest:"
+tail -n 6 <<<"$lengths"
+if ((10#$(awk 'NR == 1 { print $1 }' <<<"$lengths") > 450)); then
+  echo "a file has more than 450 lines; split it" >&2
+  exit 1
+fi
