@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <map>
 #include <optional>
@@ -81,14 +81,22 @@ bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
 
 namespace {
 
-constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_projected_type = 3072;
+constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_projected_type = 3072,
+                        k_vertical_type = 4096;
 constexpr std::uint16_t k_geographic_model = 2, k_geocentric_model = 3;
 
-/// Value of a GeoTIFF key that is stored in place.
-std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key) {
-  for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4)
-    if (crs.geotiff_keys[i] == key && crs.geotiff_keys[i + 1] == 0) return crs.geotiff_keys[i + 3];
+/// The first value of a GeoTIFF key, of those that are stored in place, that is accepted.
+template <class Accepts>
+std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key, const Accepts& accepts) {
+  for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
+    const std::uint16_t value = crs.geotiff_keys[i + 3];
+    if (crs.geotiff_keys[i] == key && crs.geotiff_keys[i + 1] == 0 && accepts(value)) return value;
+  }
   return std::nullopt;
+}
+
+std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key) {
+  return value_of_key(crs, key, [](std::uint16_t) { return true; });
 }
 
 bool has_any(const std::string& text, const auto& words) {
@@ -153,17 +161,10 @@ std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds)
 
 namespace {
 
-constexpr std::uint16_t k_geographic = 2048, k_projected = 3072, k_vertical = 4096;
-
 /// EPSG code that the keys give in place; empty if there is none.
 std::optional<int> code_of_key(const Crs& crs, std::uint16_t key) {
   constexpr std::uint16_t k_user_defined = 32767;
-  for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
-    const std::uint16_t value = crs.geotiff_keys[i + 3];
-    const bool stored_in_place = crs.geotiff_keys[i + 1] == 0;
-    if (crs.geotiff_keys[i] == key && stored_in_place && value != 0 && value != k_user_defined) return value;
-  }
-  return std::nullopt;
+  return value_of_key(crs, key, [](std::uint16_t value) { return value != 0 && value != k_user_defined; });
 }
 
 /// Name of the system, which is the first quoted word of a WKT.
@@ -213,12 +214,12 @@ std::optional<int> code_of_wkt(const std::string& wkt, std::initializer_list<con
 std::optional<int> plane_code(const Crs& crs) {
   if (!crs.wkt.empty())
     return code_of_wkt(crs.wkt, {"PROJCS[", "PROJCRS[", "PROJECTEDCRS[", "GEOGCS[", "GEOGCRS[", "GEODCRS["});
-  const std::optional<int> projected = code_of_key(crs, k_projected);
-  return projected ? projected : code_of_key(crs, k_geographic);
+  const std::optional<int> projected = code_of_key(crs, k_projected_type);
+  return projected ? projected : code_of_key(crs, k_geographic_type);
 }
 
 std::optional<int> vertical_code(const Crs& crs) {
-  return crs.wkt.empty() ? code_of_key(crs, k_vertical)
+  return crs.wkt.empty() ? code_of_key(crs, k_vertical_type)
                          : code_of_wkt(crs.wkt, {"VERT_CS[", "VERTCRS[", "VERTICALCRS["});
 }
 
@@ -230,8 +231,8 @@ std::vector<std::string> epsg_codes(const Crs& crs) {
     const std::uint16_t key = crs.geotiff_keys[i];
     const std::optional<int> code = code_of_key(crs, key);
     if (!code || *code != crs.geotiff_keys[i + 3]) continue;
-    if (key == k_geographic || key == k_projected) codes.push_back(fmt::format("EPSG:{}", *code));
-    if (key == k_vertical) codes.push_back(fmt::format("vertical EPSG:{}", *code));
+    if (key == k_geographic_type || key == k_projected_type) codes.push_back(fmt::format("EPSG:{}", *code));
+    if (key == k_vertical_type) codes.push_back(fmt::format("vertical EPSG:{}", *code));
   }
   return codes;
 }
