@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <numeric>
 
 #include "cloud/e57/e57_xml.h"
@@ -99,6 +100,24 @@ E57Document read_document(E57Pages& pages) {
 }
 
 }  // namespace
+
+int E57Field::bits() const {
+  switch (kind) {
+    case E57FieldKind::float32:
+      return 32;
+    case E57FieldKind::float64:
+      return 64;
+    case E57FieldKind::text:
+      return 8;
+    default:
+      return std::bit_width(static_cast<std::uint64_t>(maximum) - static_cast<std::uint64_t>(minimum));
+  }
+}
+
+const char* name_of(E57Projection projection) {
+  constexpr const char* k_names[] = {"visual reference", "pinhole", "spherical", "cylindrical"};
+  return k_names[static_cast<int>(projection)];
+}
 
 E57File::E57File(InputFile file) : pages_(std::move(file)), document_(read_document(pages_)) {}
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/e57/e57_xml.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <numbers>
 #include <string_view>
@@ -244,19 +244,6 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
 
 }  // namespace
 
-int E57Field::bits() const {
-  switch (kind) {
-    case E57FieldKind::float32:
-      return 32;
-    case E57FieldKind::float64:
-      return 64;
-    case E57FieldKind::text:
-      return 8;
-    default:
-      return std::bit_width(static_cast<std::uint64_t>(maximum) - static_cast<std::uint64_t>(minimum));
-  }
-}
-
 E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
   E57Scan scan;
   scan.name = parent.child("name").text();
@@ -351,11 +338,6 @@ std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projec
 }
 
 }  // namespace
-
-const char* name_of(E57Projection projection) {
-  constexpr const char* k_names[] = {"visual reference", "pinhole", "spherical", "cylindrical"};
-  return k_names[static_cast<int>(projection)];
-}
 
 E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
   E57Image image;
