@@ -335,8 +335,6 @@ class ExtraByteModels {
   SymbolModel changes_{256};
 };
 
-inline constexpr std::size_t k_color_size = 6, k_near_infrared_size = 2;
-
 class ColorLayer final : public ItemLayer<ColorModels, k_color_size> {
  public:
   using ItemLayer::ItemLayer;

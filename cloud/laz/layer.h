@@ -43,6 +43,9 @@ inline void put_channel(std::byte* record, unsigned channel) {
 
 namespace alidade {
 
+/// Bytes of the items RGB14 and of what RGBNIR14 adds.
+inline constexpr std::size_t k_color_size = 6, k_near_infrared_size = 2;
+
 /// What the first layer of a layered LAZ chunk, that of returns and positions, tells all others about a
 /// point.
 struct LayeredPoint {
