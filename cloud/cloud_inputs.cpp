@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/cloud_inputs.h"
 
+#include <fmt/format.h>
+#include <fnmatch.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fmt/format.h>
-#include <fnmatch.h>
 #include <string>
 #include <string_view>
 
@@ -63,17 +63,10 @@ namespace fs = std::filesystem;
 constexpr std::array<std::string_view, 10> k_endings = {"las", "laz", "ply", "pcd", "e57",
                                                         "pts", "ptx", "xyz", "txt", "csv"};
 
-std::string lower_case(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return text;
-}
-
 /// The letters behind the last '.', in lower case.
 std::string ending_of(const fs::path& path) {
-  const std::string extension = path.extension().string();
-  return extension.empty() ? extension : lower_case(extension.substr(1));
+  const std::string ending = file_ending(path);
+  return ending.empty() ? ending : ending.substr(1);
 }
 
 bool has_cloud_ending(const fs::path& path) {
@@ -253,7 +246,7 @@ std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage) {
   if (start.empty()) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
   if (start.starts_with("LASF")) return open_las(std::move(file), damage);
   if (start.starts_with(std::string_view("ALIDADE\0", 8))) return open_index_cloud(std::move(file));
-  if (start.starts_with("ASTM-E57")) return open_e57(std::move(file));
+  if (start.starts_with("ASTM-E57")) return open_e57(std::move(file), damage);
   if (const CloudDatabase* const database = find_database_begun_by(copy)) return database->open(file.name());
   // Every reader of text skips a byte order mark.
   if (start.starts_with(k_byte_order_mark)) start.remove_prefix(k_byte_order_mark.size());

@@ -4,14 +4,14 @@
 #include <algorithm>
 #include <glm/common.hpp>
 
-#include "cloud/point_cloud.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 namespace {
 
 std::uint64_t bytes_per_point(PointCloud& cloud, AttributeSet attributes) {
   std::uint64_t bytes = sizeof(LatticePosition);
-  for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
+  for_each_column(cloud, [&](Attribute attribute, const auto& column) {
     if (attributes.contains(attribute)) bytes += sizeof column[0];
   });
   for (const ExtraDimension& dimension : cloud.extra_dimensions)
@@ -28,6 +28,13 @@ std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t 
   const std::uint64_t most = std::clamp<std::uint64_t>(pieces.most_bytes / bytes, 1, UINT32_MAX);
   if (cloud.size() >= most) pieces.take(cloud);
   return static_cast<std::size_t>(std::min(wanted, most - cloud.size()));
+}
+
+void RowsToFill::make_rows() {
+  const std::size_t count = room_in_piece(cloud_, filled_, left_, pieces_);
+  next_ = cloud_.size();
+  left_ -= count;
+  append_rows(cloud_, filled_, count);
 }
 
 std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,7 +14,6 @@
 #include "base/progress.h"
 #include "cloud/damage.h"
 #include "cloud/point_cloud.h"
-#include "cloud/read_cloud.h"
 
 namespace alidade {
 
@@ -34,16 +32,39 @@ struct CloudPieces {
 std::size_t room_in_piece(PointCloud& cloud, AttributeSet coming, std::uint64_t wanted,
                           const CloudPieces& pieces);
 
-/// What a first pass over a file without a lattice tells, so that a lattice can be chosen.
-struct CoordinateSurvey {
-  Bounds bounds;  ///< of the finite points, world coordinates
-  std::uint64_t finite_count = 0;
-  std::uint64_t dropped_count = 0;  ///< points with a NaN or infinite coordinate
-  /// How finely the file's own numbers are rounded, per axis: half an ulp of the largest float32, half of the
-  /// last written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in
-  /// binary. Per axis, because float32 northings are rounded to decimetres while heights beside them keep
-  /// micrometres.
-  glm::dvec3 resolution{0.0};
+/// Rows of a cloud that a reader fills one by one.
+class RowsToFill {
+ public:
+  /// Whether as many rows came as were announced.
+  bool complete() const { return next_ == cloud_.size() && left_ == 0; }
+
+ protected:
+  /// Rows for `count` points to come, with the columns of `filled`. `pieces` must outlive the object.
+  RowsToFill(PointCloud& cloud, AttributeSet filled, std::uint64_t count, const CloudPieces& pieces)
+      : cloud_(cloud), filled_(filled), pieces_(pieces), next_(cloud.size()), left_(count) {}
+
+  /// Makes rows of zeros for the points to come, as far as a piece has room; to be called once at the start.
+  void make_rows();
+
+  /// Goes on to the next row and gives it its position. False if the cloud's lattice cannot hold it or more
+  /// rows come than were announced: the file is not what the first pass saw.
+  bool begin_row(const glm::dvec3& world) {
+    const auto position = to_lattice(cloud_.lattice, world);
+    if (!position || complete()) return false;
+    if (next_ == cloud_.size()) make_rows();
+    row_ = next_++;
+    cloud_.positions[row_] = *position;
+    return true;
+  }
+
+  PointCloud& cloud_;
+  std::size_t row_ = 0;  ///< the one to be filled
+
+ private:
+  AttributeSet filled_;
+  const CloudPieces& pieces_;
+  std::size_t next_;
+  std::uint64_t left_;  ///< rows that have not been made yet
 };
 
 /// What a file says about all of its points at once.
@@ -120,54 +141,16 @@ class CloudReader {
 
 /// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
 std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage = Damage::refuse);
-inline std::unique_ptr<CloudReader> open_cloud(const std::filesystem::path& path) {
-  return open_cloud(InputFile(path));
-}
-
-/// read_cloud() over files already opened, also in memory.
-PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options);
 
 /// One function per format; each throws Error if the content is not of that format. Each lives in
 /// read_<format>.cpp.
-std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage);
-inline std::unique_ptr<CloudReader> open_las(InputFile file) {
-  return open_las(std::move(file), Damage::refuse);
-}
-std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage);
-std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage);
-std::unique_ptr<CloudReader> open_text(InputFile file, Damage damage);  ///< XYZ, CSV with header names, PTS
-std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage);
-std::unique_ptr<CloudReader> open_e57(InputFile file);
+std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage = Damage::refuse);
+std::unique_ptr<CloudReader> open_ply(InputFile file, Damage damage = Damage::refuse);
+std::unique_ptr<CloudReader> open_pcd(InputFile file, Damage damage = Damage::refuse);
+std::unique_ptr<CloudReader> open_text(InputFile file,
+                                       Damage damage = Damage::refuse);  ///< XYZ, CSV with header names, PTS
+std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage = Damage::refuse);
+std::unique_ptr<CloudReader> open_e57(InputFile file, Damage = Damage::refuse);
 std::unique_ptr<CloudReader> open_index_cloud(InputFile file);  ///< octree/index_file/index_file.h
-inline std::unique_ptr<CloudReader> open_ply(InputFile file) {
-  return open_ply(std::move(file), Damage::refuse);
-}
-inline std::unique_ptr<CloudReader> open_pcd(InputFile file) {
-  return open_pcd(std::move(file), Damage::refuse);
-}
-inline std::unique_ptr<CloudReader> open_text(InputFile file) {
-  return open_text(std::move(file), Damage::refuse);
-}
-inline std::unique_ptr<CloudReader> open_ptx(InputFile file) {
-  return open_ptx(std::move(file), Damage::refuse);
-}
-inline std::unique_ptr<CloudReader> open_las(const std::filesystem::path& path) {
-  return open_las(InputFile(path));
-}
-inline std::unique_ptr<CloudReader> open_ply(const std::filesystem::path& path) {
-  return open_ply(InputFile(path));
-}
-inline std::unique_ptr<CloudReader> open_pcd(const std::filesystem::path& path) {
-  return open_pcd(InputFile(path));
-}
-inline std::unique_ptr<CloudReader> open_text(const std::filesystem::path& path) {
-  return open_text(InputFile(path));
-}
-inline std::unique_ptr<CloudReader> open_ptx(const std::filesystem::path& path) {
-  return open_ptx(InputFile(path));
-}
-inline std::unique_ptr<CloudReader> open_e57(const std::filesystem::path& path) {
-  return open_e57(InputFile(path));
-}
 
 }  // namespace alidade

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/joined_files.h"
 
-#include <algorithm>
 #include <fmt/format.h>
-#include <set>
 #include <sys/stat.h>
+#include <algorithm>
+#include <set>
 #include <tuple>
 #include <utility>
 
 #include "base/error.h"
 #include "cloud/crs.h"
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 
 namespace alidade {
 namespace {
@@ -30,40 +30,62 @@ std::string text_of(const glm::dvec3& value) {
        .found = fmt::format("scale {} and offset {}", text_of(own.scale), text_of(own.offset))});
 }
 
-/// Errors: of the files with points and a lattice, one does not share that of `first`.
-void check_lattices(const std::vector<CloudSource>& sources, const CloudSource& first) {
-  const Lattice lattice = *first.reader->lattice();
+bool has_lattice(const CloudSource& source) {
+  return source.has_lattice;
+}
+
+bool has_crs(const CloudSource& source) {
+  return !source.facts.crs.empty();
+}
+
+/// The first source that has what all are to share; one without points binds nobody, unless there is no
+/// other.
+template <class Has>
+const CloudSource* first_that_binds(const std::vector<CloudSource>& sources, const Has& has) {
+  const CloudSource* first = nullptr;
+  for (const CloudSource& source : sources) {
+    if (!has(source) || (first && (first->point_count() > 0 || source.point_count() == 0))) continue;
+    first = &source;
+  }
+  return first;
+}
+
+/// Calls refuse(odd, other) if a source with points has something else than the first: agrees(source). The
+/// odd one is the first that differs, or the first of all if more differ from it than agree.
+template <class Has, class Agrees, class Refuse>
+void check_agreement(const std::vector<CloudSource>& sources, const CloudSource& first, const Has& has,
+                     const Agrees& agrees, const Refuse& refuse) {
   std::size_t agreeing = 0, differing = 0;
   const CloudSource* odd = nullptr;
   for (const CloudSource& source : sources) {
-    if (!source.has_lattice || source.point_count() == 0) continue;
-    if (steps_between(*source.reader->lattice(), lattice)) {
+    if (!has(source) || source.point_count() == 0) continue;
+    if (agrees(source)) {
       ++agreeing;
     } else if (differing++ == 0) {
       odd = &source;
     }
   }
   if (odd == nullptr) return;
-  if (agreeing < differing) refuse_lattice(first, *odd);
-  refuse_lattice(*odd, first);
+  if (agreeing < differing) refuse(first, *odd);
+  refuse(*odd, first);
 }
 
 }  // namespace
 
 Lattice common_lattice(const std::vector<CloudSource>& sources) {
-  const CloudSource* first = nullptr;
-  for (const CloudSource& source : sources) {
-    // The lattice of a file without points binds nobody, unless there is no other.
-    if (!source.has_lattice || (first && (first->point_count() > 0 || source.point_count() == 0))) continue;
-    first = &source;
-  }
+  const CloudSource* const first = first_that_binds(sources, has_lattice);
   if (!first) {
     std::vector<CoordinateSurvey> surveys;
     for (const CloudSource& source : sources) surveys.push_back(source.survey);
     return fit_lattice(surveys);
   }
-  check_lattices(sources, *first);
   const Lattice lattice = *first->reader->lattice();
+  check_agreement(
+      sources, *first, has_lattice,
+      [&](const CloudSource& source) {
+        return steps_between(*source.reader->lattice(), lattice).has_value();
+      },
+      refuse_lattice);
   for (const CloudSource& source : sources) {
     if (source.has_lattice || source.point_count() == 0) continue;
     const Bounds& bounds = source.survey.bounds;
@@ -88,27 +110,16 @@ namespace {
 }  // namespace
 
 Crs common_crs(const std::vector<CloudSource>& sources) {
-  const CloudSource* first = nullptr;
-  for (const CloudSource& source : sources) {
-    // What a file without points says binds nobody, unless there is no other.
-    if (source.facts.crs.empty() || (first && (first->point_count() > 0 || source.point_count() == 0)))
-      continue;
-    first = &source;
-  }
+  const CloudSource* const first = first_that_binds(sources, has_crs);
   if (first == nullptr) return {};
-  std::size_t agreeing = 0, differing = 0;
-  const CloudSource* odd = nullptr;
-  for (const CloudSource& source : sources) {
-    if (source.facts.crs.empty() || source.point_count() == 0) continue;
-    if (compare_crs(source.facts.crs, first->facts.crs) != CrsAgreement::different) {
-      ++agreeing;
-    } else if (differing++ == 0) {
-      odd = &source;
-    }
-  }
-  if (odd == nullptr) return first->facts.crs;
-  if (agreeing < differing) refuse_crs(*first, *odd);
-  refuse_crs(*odd, *first);
+  const Crs& crs = first->facts.crs;
+  check_agreement(
+      sources, *first, has_crs,
+      [&](const CloudSource& source) {
+        return compare_crs(source.facts.crs, crs) != CrsAgreement::different;
+      },
+      refuse_crs);
+  return crs;
 }
 
 bool JoinedRecords::Order::operator()(std::size_t a, std::size_t b) const {

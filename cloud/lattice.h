@@ -6,6 +6,10 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <optional>
+#include <span>
+#include <string>
+
+#include "base/bounds.h"
 
 namespace alidade {
 
@@ -53,6 +57,54 @@ struct LatticeExtent {
     grow(other.low);
     grow(other.high);
   }
+};
+
+/// What a first pass over a file without a lattice tells, so that a lattice can be chosen.
+struct CoordinateSurvey {
+  Bounds bounds;  ///< of the finite points, world coordinates
+  std::uint64_t finite_count = 0;
+  std::uint64_t dropped_count = 0;  ///< points with a NaN or infinite coordinate
+  /// How finely the file's own numbers are rounded, per axis: half an ulp of the largest float32, half of the
+  /// last written digit for text (of the number with the most decimals), 0.5 for integers, 0 for float64 in
+  /// binary. Per axis, because float32 northings are rounded to decimetres while heights beside them keep
+  /// micrometres.
+  glm::dvec3 resolution{0.0};
+};
+
+/// A lattice for points of free coordinates. Scales are powers of ten, whole numbers are the offset. Rounding
+/// to the lattice stays within the files' own resolution wherever 32 bits reach that far; otherwise, and for
+/// resolution 0, the scale is the finest power of ten that 32 bits hold. All axes share one scale if they
+/// can. Errors: coordinates beyond 1e300.
+Lattice fit_lattice(std::span<const CoordinateSurvey> surveys);
+
+/// How many steps to add to positions on `from` so that they stand on `to`; empty if the lattices differ in
+/// scale or by a fraction of a step. A fraction up to 1e-5 steps, or up to twice the distance from the larger
+/// offset to the next double, is none: more than that the offsets cannot say. Where the scale is finer than
+/// such doubles, all offsets agree, and world coordinates are no finer either.
+std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to);
+
+/// Brings positions of a file from its lattice onto that of the cloud it is joined to.
+class LatticeShift {
+ public:
+  /// Errors: steps_between() finds no way.
+  LatticeShift(const Lattice& from, const Lattice& to, std::string file);
+
+  /// Errors: 32 bits do not hold the new position.
+  LatticePosition operator()(const LatticePosition& position) const {
+    const glm::i64vec3 steps = glm::i64vec3(position) + steps_;
+    const LatticePosition shifted(steps);
+    if (glm::i64vec3(shifted) != steps) refuse(steps);
+    return shifted;
+  }
+
+  /// Whether positions stay what they are.
+  bool is_none() const { return steps_ == glm::i64vec3(0); }
+
+ private:
+  [[noreturn]] void refuse(const glm::i64vec3& steps) const;
+
+  std::string file_;
+  glm::i64vec3 steps_{0};
 };
 
 }  // namespace alidade

@@ -142,6 +142,12 @@ void for_each_column(CloudA& a, CloudB& b, const Visit& visit) {
   visit(Attribute::normal, a.normals, b.normals);
 }
 
+/// The same for the columns of one cloud: visit(attribute, column).
+template <class Cloud, class Visit>
+void for_each_column(Cloud& cloud, const Visit& visit) {
+  for_each_column(cloud, cloud, [&](Attribute attribute, auto& column, auto&) { visit(attribute, column); });
+}
+
 /// The columns of a cloud, which must outlive them and keep its size.
 AttributeColumns columns_of(const PointCloud& cloud);
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 
 namespace alidade {
@@ -126,47 +127,35 @@ AttributeSet attributes_of(std::span<const TableColumn> columns) {
 }
 
 std::optional<Attribute> attribute_of(ColumnRole role) {
-  switch (role) {
-    case ColumnRole::x:
-    case ColumnRole::y:
-    case ColumnRole::z:
-    case ColumnRole::ignored:
-      return std::nullopt;
-    case ColumnRole::normal_x:
-    case ColumnRole::normal_y:
-    case ColumnRole::normal_z:
-      return Attribute::normal;
-    case ColumnRole::red:
-    case ColumnRole::green:
-    case ColumnRole::blue:
-    case ColumnRole::packed_color:
-      return Attribute::color;
-    case ColumnRole::near_infrared:
-      return Attribute::near_infrared;
-    case ColumnRole::intensity:
-      return Attribute::intensity;
-    case ColumnRole::classification:
-      return Attribute::classification;
-    case ColumnRole::return_number:
-    case ColumnRole::return_count:
-      return Attribute::returns;
-    case ColumnRole::class_flags:
-    case ColumnRole::scanner_channel:
-    case ColumnRole::scan_direction:
-    case ColumnRole::edge_of_flight_line:
-      return Attribute::flags;
-    case ColumnRole::scan_angle:
-      return Attribute::scan_angle;
-    case ColumnRole::user_data:
-      return Attribute::user_data;
-    case ColumnRole::point_source_id:
-      return Attribute::point_source_id;
-    case ColumnRole::gps_time:
-      return Attribute::gps_time;
-    case ColumnRole::extra:
-      return Attribute::extra_dimensions;
-  }
-  return std::nullopt;
+  using enum Attribute;
+  // In the order of the roles.
+  static constexpr std::optional<Attribute> k_attributes[] = {{},
+                                                              {},
+                                                              {},
+                                                              normal,
+                                                              normal,
+                                                              normal,
+                                                              color,
+                                                              color,
+                                                              color,
+                                                              color,
+                                                              near_infrared,
+                                                              intensity,
+                                                              classification,
+                                                              returns,
+                                                              returns,
+                                                              flags,
+                                                              flags,
+                                                              flags,
+                                                              flags,
+                                                              scan_angle,
+                                                              user_data,
+                                                              point_source_id,
+                                                              gps_time,
+                                                              extra_dimensions,
+                                                              {}};
+  static_assert(std::size(k_attributes) == static_cast<std::size_t>(ColumnRole::ignored) + 1);
+  return k_attributes[static_cast<std::size_t>(role)];
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/bounds.h"
@@ -94,37 +95,49 @@ Value load(const std::byte* at, std::endian order) {
   return std::bit_cast<Value>(bytes);
 }
 
-/// The cell for the scalar_size(type) bytes at `place`.
-inline Cell cell_from(const std::byte* place, ScalarType type, std::endian order) {
+/// Calls visit(Value()) with the C++ type of a type; ScalarType::bytes has none, and nothing is called for
+/// it.
+template <class Visit>
+auto with_type(ScalarType type, const Visit& visit) {
+  using Result = decltype(visit(0.0));
   switch (type) {
     case ScalarType::uint8:
-      return {static_cast<double>(load<std::uint8_t>(place, order)), 0};
+      return visit(std::uint8_t());
     case ScalarType::int8:
-      return {static_cast<double>(load<std::int8_t>(place, order)), 0};
+      return visit(std::int8_t());
     case ScalarType::uint16:
-      return {static_cast<double>(load<std::uint16_t>(place, order)), 0};
+      return visit(std::uint16_t());
     case ScalarType::int16:
-      return {static_cast<double>(load<std::int16_t>(place, order)), 0};
+      return visit(std::int16_t());
     case ScalarType::uint32:
-      return {static_cast<double>(load<std::uint32_t>(place, order)), 0};
+      return visit(std::uint32_t());
     case ScalarType::int32:
-      return {static_cast<double>(load<std::int32_t>(place, order)), 0};
-    case ScalarType::uint64: {
-      const auto value = load<std::uint64_t>(place, order);
-      return {static_cast<double>(value), value};
-    }
-    case ScalarType::int64: {
-      const auto value = load<std::int64_t>(place, order);
-      return {static_cast<double>(value), static_cast<std::uint64_t>(value)};
-    }
+      return visit(std::int32_t());
+    case ScalarType::uint64:
+      return visit(std::uint64_t());
+    case ScalarType::int64:
+      return visit(std::int64_t());
     case ScalarType::float32:
-      return {static_cast<double>(load<float>(place, order)), 0};
+      return visit(float());
     case ScalarType::float64:
-      return {load<double>(place, order), 0};
+      return visit(double());
     case ScalarType::bytes:
       break;
   }
-  return {};
+  return Result();
+}
+
+/// Whether a type is one of those that a double does not hold: Cell::integer.
+template <class Value>
+inline constexpr bool k_is_wide = std::is_integral_v<Value> && sizeof(Value) == sizeof(std::uint64_t);
+
+/// The cell for the scalar_size(type) bytes at `place`.
+inline Cell cell_from(const std::byte* place, ScalarType type, std::endian order) {
+  return with_type(type, [&](auto none) {
+    using Value = decltype(none);
+    const Value value = load<Value>(place, order);
+    return Cell{static_cast<double>(value), k_is_wide<Value> ? static_cast<std::uint64_t>(value) : 0};
+  });
 }
 
 /// Smallest and largest of the values seen; NaN is none. Inverted when there was none.

@@ -2,9 +2,18 @@
 #include "cloud/read_in_pieces.h"
 
 #include <fmt/format.h>
-
+#include <tbb/task_arena.h>
 #include <algorithm>
+#include <iterator>
+#include <memory>
+#include <optional>
 #include <utility>
+
+#include "base/bounds.h"
+#include "base/parallel.h"
+#include "cloud/crs.h"
+#include "cloud/joined_files.h"
+#include "cloud/rows.h"
 
 namespace alidade {
 namespace {
@@ -78,6 +87,227 @@ void apply(const ColorSpread& spread, PointCloud& cloud) {
     spread_rows(cloud.colors, file);
     if (spread.near_infrared) spread_rows(cloud.near_infrared, file);
   }
+}
+
+namespace {
+
+/// Points of such pieces at once, if that is more than an eighth of all.
+constexpr std::uint64_t k_few_points = 1 << 22;
+
+/// Opens files of which each is to be read, skipped, or to be looked through for its lattice.
+std::vector<CloudSource> open_sources(std::vector<InputFile> files, const ReadOptions& options) {
+  const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
+  std::vector<CloudSource> sources(files.size());
+  in_turns(files.size(), k_most_files_at_once, [&](std::size_t i) {
+    CloudSource& source = sources[i];
+    source.bytes = files[i].size();
+    source.reader = open_cloud(std::move(files[i]), damage);
+    source.work = std::max(source.bytes, source.reader->work());
+    source.has_lattice = source.reader->lattice().has_value();
+    source.facts = source.reader->facts();
+    source.is_skipped = options.region && !options.partial && source.has_lattice && source.facts.box &&
+                        !meet(*source.facts.box, *options.region);
+    source.reader->rest();
+  });
+  return sources;
+}
+
+/// Joins sources one by one, in their order.
+class Joining {
+ public:
+  Joining(PointCloud& cloud, const ReadOptions& options, const CloudPieces& pieces)
+      : cloud_(cloud), options_(options), given_pieces_(pieces) {
+    if (!pieces.take) return;
+    pieces_ = {pieces.most_bytes, pieces.bytes_beside, [this](PointCloud&) { hand_over(); }};
+  }
+
+  /// Takes the next file: its points from `piece` if they have been read into one, else from the file.
+  void add(CloudSource& source, PointCloud* piece, const Progress& progress) {
+    const std::size_t first_record = cloud_.records.size();
+    const std::uint64_t first_row = row_count();
+    join_facts(source);
+    const AttributeSet attributes = source.reader->attributes();
+    const bool is_colored =
+        is_las(source.reader->file()) && (attributes & options_.attributes).contains(Attribute::color);
+    if (is_colored) colored_.push_back({source.path().string(), first_row});
+    if (piece == nullptr) {
+      source.reader->read_in_pieces(cloud_, options_.attributes, pieces_, progress);
+    } else {
+      append_cloud(cloud_, std::move(*piece));
+    }
+    records_.join(first_record);
+    if (is_colored) colored_.back().end = row_count();
+    const CloudFile& file = source.reader->file();
+    given_.push_back({file.path.string(), file.point_count, attributes});
+    if (row_count() > first_row)
+      attributes_ = attributes_ | cloud_.attributes() | (attributes & options_.attributes);
+    warn_of_rounding(source, cloud_);
+    std::vector<CloudFile> files = source.reader->sources();
+    warn_of_losses(*source.reader, files, cloud_);
+    std::ranges::move(files, std::back_inserter(cloud_.files));
+    source.reader.reset();
+  }
+
+  void skip(CloudSource& source) {
+    join_facts(source);
+    CloudFile file = source.reader->file();
+    file.skipped_count = source.point_count();
+    file.point_count = 0;
+    cloud_.files.push_back(std::move(file));
+    source.reader.reset();
+  }
+
+  /// What is to be said of all files, and to be done with their colours.
+  ColorSpread finish() {
+    measure();
+    ColorSpread spread = choose_spread(std::move(colored_), options_.color_depth, cloud_.warnings);
+    warn_of_gaps(given_, attributes_, cloud_.warnings);
+    if (is_geographic(cloud_.crs) || is_geocentric(cloud_.crs)) {
+      bounds_.grow(cloud_.bounds());
+      if (const auto problem = implausible_crs(cloud_.crs, bounds_)) cloud_.warnings.push_back(*problem);
+    }
+    return spread;
+  }
+
+  std::uint64_t row_count() const { return taken_ + cloud_.size(); }
+  AttributeSet attributes() const { return attributes_; }
+
+ private:
+  void measure() {
+    if (options_.color_depth != ColorDepth::bits_16) measure_colors(cloud_, taken_, colored_);
+  }
+  void hand_over() {
+    measure();
+    bounds_.grow(cloud_.bounds());
+    taken_ += cloud_.size();
+    given_pieces_.take(cloud_);
+  }
+  void join_facts(const CloudSource& source);
+  void join_time(const CloudSource& source);
+
+  PointCloud& cloud_;
+  const ReadOptions& options_;
+  const CloudPieces& given_pieces_;
+  CloudPieces pieces_{};
+  std::uint64_t taken_ = 0;  ///< points handed over
+  Bounds bounds_;            ///< of these
+  AttributeSet attributes_;
+  std::string timed_file_;  ///< the first that has GPS times
+  JoinedRecords records_{cloud_.records};
+  std::vector<GivenRows> given_;
+  std::vector<ColoredRows> colored_;
+};
+
+/// Takes over what the first file says about its points.
+void Joining::join_facts(const CloudSource& source) {
+  if (cloud_.files.empty()) {
+    cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);
+    cloud_.project_id = source.facts.project_id;
+    cloud_.file_source_id = source.facts.file_source_id;
+  }
+  join_time(source);
+}
+
+/// How times are counted, the first file says that has some and can say; tells which other one counts another
+/// way.
+void Joining::join_time(const CloudSource& source) {
+  const std::optional<bool> is_standard = source.facts.gps_time_is_standard;
+  const bool has_times =
+      source.point_count() > 0 && source.reader->attributes().contains(Attribute::gps_time);
+  if (!is_standard || !has_times) return;
+  if (timed_file_.empty()) {
+    timed_file_ = source.path().string();
+    cloud_.gps_time_is_standard = *is_standard;
+  } else if (cloud_.gps_time_is_standard != *is_standard &&
+             options_.attributes.contains(Attribute::gps_time)) {
+    cloud_.warnings.push_back(
+        fmt::format("{}: counts GPS time another way (week or standard) than {}; the times do not compare",
+                    source.path().string(), timed_file_));
+  }
+}
+
+/// Where the files end that are read into pieces at once, from `first` on: at least one.
+std::size_t end_of_lot(const std::vector<CloudSource>& sources, std::size_t first,
+                       std::uint64_t most_points) {
+  std::uint64_t points = sources[first].is_skipped ? 0 : sources[first].point_count();
+  std::size_t end = first + 1;
+  while (end < sources.size() && end - first < k_most_files_at_once) {
+    points += sources[end].is_skipped ? 0 : sources[end].point_count();
+    if (points > most_points) break;
+    ++end;
+  }
+  return end;
+}
+
+/// Reads a lot of files at once, each into a cloud of its own; empty for files that are skipped.
+std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sources, std::size_t first,
+                                                   std::size_t end, const Lattice& lattice,
+                                                   AttributeSet wanted, JoinedProgress& progress) {
+  std::vector<std::optional<PointCloud>> pieces(end - first);
+  at_once(first, end, [&](std::size_t i) {
+    if (sources[i].is_skipped) return;
+    PointCloud& piece = pieces[i - first].emplace();
+    piece.lattice = lattice;
+    piece.positions.reserve(static_cast<std::size_t>(std::min(sources[i].point_count(), sources[i].bytes)));
+    sources[i].reader->read(piece, wanted, progress.pass(sources[i].work));
+    sources[i].reader->rest();
+  });
+  return pieces;
+}
+
+}  // namespace
+
+PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& options,
+                              const CloudPieces& pieces) {
+  std::vector<CloudSource> sources = open_sources(std::move(files), options);
+  std::uint64_t work = 0;
+  for (const CloudSource& source : sources)
+    work += source.is_skipped ? 0 : source.has_lattice ? source.work : 2 * source.work;
+  JoinedProgress progress(options.progress, work);
+  in_turns(sources.size(), k_most_files_at_once, [&](std::size_t i) {
+    if (sources[i].has_lattice) return;
+    sources[i].survey = sources[i].reader->survey(progress.pass(sources[i].work));
+    sources[i].reader->rest();
+  });
+
+  PiecewiseCloud whole;
+  PointCloud& cloud = whole.rest;
+  cloud.lattice = common_lattice(sources);
+  cloud.crs = common_crs(sources);
+  std::uint64_t point_count = 0;
+  for (const CloudSource& source : sources) {
+    // Packed points rarely take less than a byte each; more of them are believed when they are there.
+    point_count += source.is_skipped ? 0 : std::min(source.point_count(), source.bytes);
+  }
+  const std::uint64_t most_in_piece = pieces.most_bytes / (sizeof(LatticePosition) + pieces.bytes_beside);
+  cloud.positions.reserve(static_cast<std::size_t>(std::min(point_count, most_in_piece)));
+  warn_of_missing_crs(sources, cloud);
+  warn_of_other_crs(sources, cloud);
+
+  Joining joining(cloud, options, pieces);
+  const bool is_parallel = !pieces.take && tbb::this_task_arena::max_concurrency() > 1;
+  const std::uint64_t most_points = std::max(k_few_points, point_count / 8);
+  for (std::size_t first = 0; first < sources.size();) {
+    const std::size_t end = is_parallel ? end_of_lot(sources, first, most_points) : first + 1;
+    std::vector<std::optional<PointCloud>> lot(1);
+    if (end - first > 1) lot = read_pieces(sources, first, end, cloud.lattice, options.attributes, progress);
+    for (std::size_t i = first; i < end; ++i) {
+      std::optional<PointCloud>& piece = lot[i - first];
+      if (sources[i].is_skipped) {
+        joining.skip(sources[i]);
+      } else {
+        joining.add(sources[i], piece ? &*piece : nullptr,
+                    piece ? Progress() : progress.pass(sources[i].work));
+      }
+      piece.reset();
+    }
+    first = end;
+  }
+  whole.spread = joining.finish();
+  whole.point_count = joining.row_count();
+  whole.attributes = joining.attributes();
+  report(options.progress, work, work);
+  return whole;
 }
 
 }  // namespace alidade

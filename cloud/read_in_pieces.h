@@ -68,7 +68,11 @@ struct PiecewiseCloud {
 PiecewiseCloud read_in_pieces(std::span<const std::filesystem::path> files, const ReadOptions& options,
                               const CloudPieces& pieces);
 
-/// The same over files already opened, also in memory.
+/// Files that are open, or read into pieces of their own, at once.
+inline constexpr std::size_t k_most_files_at_once = 32;
+
+/// Both over files already opened, also in memory.
+PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options);
 PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& options,
                               const CloudPieces& pieces);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/rows.h"
 
+#include <tbb/parallel_for_each.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -8,7 +9,6 @@
 #include <cstring>
 #include <functional>
 #include <iterator>
-#include <tbb/parallel_for_each.h>
 #include <vector>
 
 #include "cloud/point_cloud.h"
@@ -42,26 +42,15 @@ void append_rows(PointCloud& cloud, AttributeSet filled, std::size_t count) {
   const std::size_t size = cloud.size() + count;
   const std::size_t room = std::max(size, cloud.positions.capacity());
   std::vector<std::function<void()>> columns;
-  const auto grow = [&](auto& column, Attribute attribute) {
+  columns.emplace_back([&cloud, size] { cloud.positions.resize(size, LatticePosition(0)); });
+  for_each_column(cloud, [&](Attribute attribute, auto& column) {
     if (column.empty() && !filled.contains(attribute)) return;
     columns.emplace_back([&column, size, room] {
       // A column that starts now takes all the room the positions have, so that it is not moved either.
       if (column.empty()) column.reserve(room);
       column.resize(size);
     });
-  };
-  columns.emplace_back([&cloud, size] { cloud.positions.resize(size, LatticePosition(0)); });
-  grow(cloud.gps_times, Attribute::gps_time);
-  grow(cloud.normals, Attribute::normal);
-  grow(cloud.colors, Attribute::color);
-  grow(cloud.scan_angles, Attribute::scan_angle);
-  grow(cloud.near_infrared, Attribute::near_infrared);
-  grow(cloud.intensities, Attribute::intensity);
-  grow(cloud.returns, Attribute::returns);
-  grow(cloud.point_source_ids, Attribute::point_source_id);
-  grow(cloud.classifications, Attribute::classification);
-  grow(cloud.flags, Attribute::flags);
-  grow(cloud.user_data, Attribute::user_data);
+  });
   for (ExtraDimension& dimension : cloud.extra_dimensions) {
     columns.emplace_back([&dimension, size] {
       dimension.values.resize(size * static_cast<std::size_t>(dimension.byte_count));
@@ -111,11 +100,8 @@ void append_cloud(PointCloud& cloud, PointCloud&& piece) {
   const std::size_t room = cloud.positions.capacity();
   for (std::size_t i = 0; i < piece.extra_dimensions.size(); ++i) {
     const ExtraDimension& own = piece.extra_dimensions[i];
-    const auto equal = std::count_if(
-        piece.extra_dimensions.begin(), piece.extra_dimensions.begin() + static_cast<std::ptrdiff_t>(i),
-        [&](const ExtraDimension& earlier) { return same_meaning(earlier, own); });
-    ExtraDimension& column =
-        cloud.extra_dimensions[find_extra_dimension(cloud, own, static_cast<std::size_t>(equal))];
+    const std::size_t occurrence = occurrence_of(piece.extra_dimensions, i);
+    ExtraDimension& column = cloud.extra_dimensions[find_extra_dimension(cloud, own, occurrence)];
     lengthen(column.values, own.values, before, after, room, static_cast<std::size_t>(own.byte_count));
   }
   for (ExtraDimension& dimension : cloud.extra_dimensions)
@@ -159,12 +145,11 @@ template <class Next>
 void keep(PointCloud& cloud, std::size_t first, const Next& next) {
   const std::size_t size = cloud.size();
   count_points(cloud, first, next);
-  const auto move_values = [&](auto& column) {
+  for_each_column(cloud, [&](Attribute, auto& column) {
     assert(column.empty() || column.size() == size);
     if (!column.empty())
       close_up(first, size, next, [&](std::size_t from, std::size_t to) { column[to] = column[from]; });
-  };
-  for_each_column(cloud, cloud, [&](Attribute, auto& column, const auto&) { move_values(column); });
+  });
   for (ExtraDimension& dimension : cloud.extra_dimensions) {
     const auto bytes = static_cast<std::size_t>(dimension.byte_count);
     assert(dimension.values.size() == size * bytes);
@@ -220,17 +205,7 @@ void reorder(ExtraDimension& dimension, std::span<const std::uint32_t> order) {
 }  // namespace
 
 void reorder_attributes(PointCloud& cloud, std::span<const std::uint32_t> order) {
-  reorder(cloud.colors, order);
-  reorder(cloud.near_infrared, order);
-  reorder(cloud.intensities, order);
-  reorder(cloud.classifications, order);
-  reorder(cloud.returns, order);
-  reorder(cloud.flags, order);
-  reorder(cloud.scan_angles, order);
-  reorder(cloud.user_data, order);
-  reorder(cloud.point_source_ids, order);
-  reorder(cloud.gps_times, order);
-  reorder(cloud.normals, order);
+  for_each_column(cloud, [&](Attribute, auto& column) { reorder(column, order); });
   for (ExtraDimension& dimension : cloud.extra_dimensions) reorder(dimension, order);
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,18 @@ std::size_t find_extra_dimension(PointCloud& cloud, const ExtraDimension& like, 
 
 /// Whether two extra dimensions can share a column: equal in name, type, scale, offset and "no value" mark.
 bool same_meaning(const ExtraDimension& a, const ExtraDimension& b);
+
+/// How many of the dimensions before the i-th mean the same as that one: its `occurrence`. `description`
+/// leads from an element to its ExtraDimension.
+template <class Dimensions, class Description = std::identity>
+std::size_t occurrence_of(const Dimensions& dimensions, std::size_t i, Description description = {}) {
+  const auto same = [&](std::size_t other) {
+    return same_meaning(std::invoke(description, dimensions[other]), std::invoke(description, dimensions[i]));
+  };
+  std::size_t count = 0;
+  for (std::size_t other = 0; other < i; ++other) count += same(other) ? 1 : 0;
+  return count;
+}
 
 /// The dimension without its values.
 ExtraDimension description_of(const ExtraDimension& dimension);

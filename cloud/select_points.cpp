@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/select_points.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <limits>
 #include <span>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <vector>
 
 #include "base/error.h"
@@ -210,16 +210,11 @@ struct Entry {
 class Grid {
  public:
   Grid(const PointCloud& cloud, double edge) : lattice_(cloud.lattice), edge_(edge) {
-    LatticePosition low = cloud.positions.front(), high = low;
-    for (const LatticePosition& position : cloud.positions) {
-      for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::min(low[axis], position[axis]);
-        high[axis] = std::max(high[axis], position[axis]);
-      }
-    }
+    LatticeExtent extent;
+    for (const LatticePosition& position : cloud.positions) extent.grow(position);
     // The number of a cube never falls when a coordinate grows, so the first and last are those of the box.
-    first_ = cube_of(low);
-    const glm::dvec3 count = cube_of(high) - first_;
+    first_ = cube_of(extent.low);
+    const glm::dvec3 count = cube_of(extent.high) - first_;
     for (int axis = 0; axis < 3; ++axis) {
       if (count[axis] < static_cast<double>(k_most)) continue;
       throw Error({.problem = "spacing is too fine for a cloud of this size",

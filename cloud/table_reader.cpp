@@ -21,7 +21,7 @@
 namespace alidade {
 
 /// The second pass over the rows of a point table: puts them into the columns of a cloud.
-class TableAppender {
+class TableAppender : public RowsToFill {
  public:
   /// Makes new rows of zeros in `cloud` for the `count` rows to come, as far as a piece has room, and the
   /// columns that they need: those of `columns` that are in `wanted`. `pieces` must outlive the object.
@@ -32,12 +32,8 @@ class TableAppender {
   void scale_near_infrared(const ValueScaling& scaling) { near_infrared_ = scaling; }
   void scale_intensities(const ValueScaling& scaling) { intensities_ = scaling; }
 
-  /// Takes the next row; a position that is not finite is left out. Returns false if the cloud's lattice
-  /// cannot hold the position or more rows come than were announced: the file is not what the first pass saw.
+  /// Takes the next row; a position that is not finite is left out. False as begin_row().
   bool add(std::span<const Cell> row);
-
-  /// Whether as many rows came as were announced.
-  bool complete() const { return next_ == cloud_.size() && left_ == 0; }
 
  private:
   struct Target {
@@ -46,17 +42,11 @@ class TableAppender {
     ScalarType type;
     std::size_t dimension;  ///< of the cloud, for ColumnRole::extra
   };
-  void make_rows();
   void put(const Target& target, const Cell& cell);
 
-  PointCloud& cloud_;
-  const CloudPieces& pieces_;
-  AttributeSet filled_;
   PositionColumns positions_;
   std::vector<Target> targets_;
   ValueScaling colors_, near_infrared_, intensities_;
-  std::size_t next_;
-  std::uint64_t left_;  ///< rows that have not been made yet
 };
 
 namespace {
@@ -78,29 +68,18 @@ float to_float(double value) {
 }
 
 void store_as(ScalarType type, const Cell& cell, std::byte* place) {
-  switch (type) {
-    case ScalarType::uint8:
-      return store(place, nearest<std::uint8_t>(cell.number));
-    case ScalarType::int8:
-      return store(place, nearest<std::int8_t>(cell.number));
-    case ScalarType::uint16:
-      return store(place, nearest<std::uint16_t>(cell.number));
-    case ScalarType::int16:
-      return store(place, nearest<std::int16_t>(cell.number));
-    case ScalarType::uint32:
-      return store(place, nearest<std::uint32_t>(cell.number));
-    case ScalarType::int32:
-      return store(place, nearest<std::int32_t>(cell.number));
-    case ScalarType::uint64:
-    case ScalarType::int64:
-      return store(place, cell.integer);
-    case ScalarType::float32:
-      return store(place, to_float(cell.number));
-    case ScalarType::float64:
-      return store(place, cell.number);
-    case ScalarType::bytes:
-      return;
-  }
+  with_type(type, [&](auto none) {
+    using Value = decltype(none);
+    if constexpr (std::is_same_v<Value, double>) {
+      store(place, cell.number);
+    } else if constexpr (std::is_same_v<Value, float>) {
+      store(place, to_float(cell.number));
+    } else if constexpr (k_is_wide<Value>) {
+      store(place, cell.integer);
+    } else {
+      store(place, nearest<Value>(cell.number));
+    }
+  });
 }
 
 std::uint8_t bits_from(double value, int mask, int shift) {
@@ -111,12 +90,7 @@ std::uint8_t bits_from(double value, int mask, int shift) {
 
 TableAppender::TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
                              std::uint64_t count, const CloudPieces& pieces)
-    : cloud_(cloud),
-      pieces_(pieces),
-      filled_(attributes_of(columns) & wanted),
-      positions_(columns),
-      next_(cloud.size()),
-      left_(count) {
+    : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces), positions_(columns) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const TableColumn& column = columns[i];
     const auto attribute = attribute_of(column.role);
@@ -134,22 +108,11 @@ TableAppender::TableAppender(PointCloud& cloud, std::span<const TableColumn> col
   make_rows();
 }
 
-void TableAppender::make_rows() {
-  const std::size_t count = room_in_piece(cloud_, filled_, left_, pieces_);
-  next_ = cloud_.size();
-  left_ -= count;
-  append_rows(cloud_, filled_, count);
-}
-
 bool TableAppender::add(std::span<const Cell> row) {
   const glm::dvec3 world = positions_.position(row);
   if (!(std::isfinite(world.x) && std::isfinite(world.y) && std::isfinite(world.z))) return true;
-  const auto position = to_lattice(cloud_.lattice, world);
-  if (!position || complete()) return false;
-  if (next_ == cloud_.size()) make_rows();
-  cloud_.positions[next_] = *position;
+  if (!begin_row(world)) return false;
   for (const Target& target : targets_) put(target, row[target.column]);
-  ++next_;
   return true;
 }
 
@@ -157,70 +120,70 @@ void TableAppender::put(const Target& target, const Cell& cell) {
   const double number = cell.number;
   switch (target.role) {
     case ColumnRole::red:
-      cloud_.colors[next_].x = colors_.apply(number);
+      cloud_.colors[row_].x = colors_.apply(number);
       return;
     case ColumnRole::green:
-      cloud_.colors[next_].y = colors_.apply(number);
+      cloud_.colors[row_].y = colors_.apply(number);
       return;
     case ColumnRole::blue:
-      cloud_.colors[next_].z = colors_.apply(number);
+      cloud_.colors[row_].z = colors_.apply(number);
       return;
     case ColumnRole::packed_color:
-      cloud_.colors[next_] = {(cell.integer >> 16 & 255) * 257, (cell.integer >> 8 & 255) * 257,
-                              (cell.integer & 255) * 257};
+      cloud_.colors[row_] = {(cell.integer >> 16 & 255) * 257, (cell.integer >> 8 & 255) * 257,
+                             (cell.integer & 255) * 257};
       return;
     case ColumnRole::normal_x:
-      cloud_.normals[next_].x = to_float(number);
+      cloud_.normals[row_].x = to_float(number);
       return;
     case ColumnRole::normal_y:
-      cloud_.normals[next_].y = to_float(number);
+      cloud_.normals[row_].y = to_float(number);
       return;
     case ColumnRole::normal_z:
-      cloud_.normals[next_].z = to_float(number);
+      cloud_.normals[row_].z = to_float(number);
       return;
     case ColumnRole::near_infrared:
-      cloud_.near_infrared[next_] = near_infrared_.apply(number);
+      cloud_.near_infrared[row_] = near_infrared_.apply(number);
       return;
     case ColumnRole::intensity:
-      cloud_.intensities[next_] = intensities_.apply(number);
+      cloud_.intensities[row_] = intensities_.apply(number);
       return;
     case ColumnRole::classification:
-      cloud_.classifications[next_] = nearest<std::uint8_t>(number);
+      cloud_.classifications[row_] = nearest<std::uint8_t>(number);
       return;
     case ColumnRole::return_number:
-      cloud_.returns[next_].number = nearest<std::uint8_t>(number);
+      cloud_.returns[row_].number = nearest<std::uint8_t>(number);
       return;
     case ColumnRole::return_count:
-      cloud_.returns[next_].count = nearest<std::uint8_t>(number);
+      cloud_.returns[row_].count = nearest<std::uint8_t>(number);
       return;
     case ColumnRole::class_flags:
-      cloud_.flags[next_] |= bits_from(number, 15, 0);
+      cloud_.flags[row_] |= bits_from(number, 15, 0);
       return;
     case ColumnRole::scanner_channel:
-      cloud_.flags[next_] |= bits_from(number, 3, 4);
+      cloud_.flags[row_] |= bits_from(number, 3, 4);
       return;
     case ColumnRole::scan_direction:
-      cloud_.flags[next_] |= bits_from(number, 1, 6);
+      cloud_.flags[row_] |= bits_from(number, 1, 6);
       return;
     case ColumnRole::edge_of_flight_line:
-      cloud_.flags[next_] |= bits_from(number, 1, 7);
+      cloud_.flags[row_] |= bits_from(number, 1, 7);
       return;
     case ColumnRole::scan_angle:
-      cloud_.scan_angles[next_] = to_float(number);
+      cloud_.scan_angles[row_] = to_float(number);
       return;
     case ColumnRole::user_data:
-      cloud_.user_data[next_] = nearest<std::uint8_t>(number);
+      cloud_.user_data[row_] = nearest<std::uint8_t>(number);
       return;
     case ColumnRole::point_source_id:
-      cloud_.point_source_ids[next_] = nearest<std::uint16_t>(number);
+      cloud_.point_source_ids[row_] = nearest<std::uint16_t>(number);
       return;
     case ColumnRole::gps_time:
-      cloud_.gps_times[next_] = number;
+      cloud_.gps_times[row_] = number;
       return;
     case ColumnRole::extra: {
       ExtraDimension& dimension = cloud_.extra_dimensions[target.dimension];
       const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
-      store_as(target.type, cell, reinterpret_cast<std::byte*>(dimension.values.data() + next_ * bytes));
+      store_as(target.type, cell, reinterpret_cast<std::byte*>(dimension.values.data() + row_ * bytes));
       return;
     }
     case ColumnRole::x:
@@ -229,6 +192,20 @@ void TableAppender::put(const Target& target, const Cell& cell) {
     case ColumnRole::ignored:
       return;
   }
+}
+
+void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage) {
+  // In text, a value takes two bytes with the blank after it; the very last one may lack that.
+  const std::uint64_t left = input.size() - rows.place, room = rows.is_text ? (left + 1) / 2 : left;
+  if (rows.count == 0 || (rows.smallest_row > 0 && rows.count <= room / rows.smallest_row)) return;
+  if (rows.smallest_row > 0 && damage == Damage::read_over) return;
+  const std::string name = rows.name;
+  throw DamagedFile({.file = input.name(),
+                     .place = "byte " + std::to_string(rows.place),
+                     .problem = "the file is too short for its " + name,
+                     .expected = std::to_string(rows.count) + " " + name,
+                     .found = rows.smallest_row > 0 ? "room for " + std::to_string(room / rows.smallest_row)
+                                                    : name + " without " + rows.value_name});
 }
 
 TableReader::TableReader(InputFile input, std::string format, Damage damage)

@@ -48,6 +48,18 @@ class WrittenResolution {
   std::optional<int> decimals_[3];
 };
 
+/// The rows that the header of a file of points announces.
+struct AnnouncedRows {
+  std::uint64_t place = 0;  ///< of the first
+  std::uint64_t count = 0;
+  std::uint64_t smallest_row = 0;  ///< values of a row as text, else its bytes, at least
+  bool is_text = false;
+  const char *name = "points", *value_name = "values";  ///< what the format calls them
+};
+
+/// Checks that the file has room for them. Errors: rows without values; more rows than that, which is damage.
+void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage);
+
 /// What PLY, PCD and the text formats share: a file is a table of points with free coordinates, its columns
 /// have names or an agreed order. A format tells its columns and walks over the rows; survey and read are
 /// done here.

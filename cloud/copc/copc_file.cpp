@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/copc/copc_file.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
-#include <limits>
-#include <optional>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/parallel.h"
-#include "cloud/fit_lattice.h"
 #include "cloud/las/read_las.h"
+#include "cloud/lattice.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/laz/chunk_table.h"
 #include "cloud/laz/laz_layout.h"
@@ -164,11 +164,8 @@ PointCloud read_copc_nodes(std::span<const ChosenNodes> parts, const ReadOptions
       cloud.lattice = file.header().lattice;
       cloud.crs = file.records().crs;
     }
-    const std::optional<glm::i64vec3> shift = steps_between(file.header().lattice, cloud.lattice);
-    if (!shift)
-      throw Error({.file = file.name(), .problem = "does not share the lattice of the files before it"});
     const LasColumns columns(file.name(), file.header(), file.records().extra_dimensions);
-    const LasColumns::Choice choice = columns.choose(options.attributes, *shift, cloud);
+    const LasColumns::Choice choice = columns.choose(options.attributes, cloud);
     const std::size_t first_row = cloud.size();
     append_rows(cloud, choice.kept, static_cast<std::size_t>(point_count_of(part)));
     unpack(part, columns, choice, first_row, cloud, progress);

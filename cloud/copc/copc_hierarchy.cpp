@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/copc/copc_hierarchy.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <map>
 #include <set>
 #include <utility>
 
 #include "base/bytes.h"
-#include "base/error.h"
+#include "cloud/damage.h"
 
 namespace alidade {
 
@@ -62,32 +62,26 @@ class Entries {
   }
 
  private:
-  [[noreturn]] void fail(std::uint64_t byte, std::string problem, std::string expected,
-                         std::string found) const {
-    throw Error({.file = file_.name(),
-                 .place = fmt::format("byte {}", byte),
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = std::move(found)});
-  }
-
   /// Checks a page that the bytes at `from` point to; it is read later.
   void announce(const Page& page, std::uint64_t from) {
     const std::string said = from == 0 ? "the COPC record" : fmt::format("byte {}", from);
     const bool inside = page.place <= file_.size() && page.size <= file_.size() - page.place;
     if (!inside || page.size == 0 || page.size % k_entry_size != 0) {
-      fail(page.place, fmt::format("bad page of the COPC hierarchy, which {} points to", said),
-           fmt::format("a multiple of {} bytes inside the file", k_entry_size), std::to_string(page.size));
+      fail_at_byte(
+          file_.name(), page.place, fmt::format("bad page of the COPC hierarchy, which {} points to", said),
+          fmt::format("a multiple of {} bytes inside the file", k_entry_size), std::to_string(page.size));
     }
     if (!places_.insert(page.place).second) {
-      fail(page.place, fmt::format("a page of the COPC hierarchy is met twice, from {} again", said),
-           "one entry that points to it", "another");
+      fail_at_byte(file_.name(), page.place,
+                   fmt::format("a page of the COPC hierarchy is met twice, from {} again", said),
+                   "one entry that points to it", "another");
     }
     // Pages that overlap could be many more than the file has room for.
     bytes_ += page.size;
     if (bytes_ > file_.size()) {
-      fail(page.place, "the pages of the COPC hierarchy take more bytes than the file has",
-           fmt::format("at most {}", file_.size()), std::to_string(bytes_));
+      fail_at_byte(file_.name(), page.place,
+                   "the pages of the COPC hierarchy take more bytes than the file has",
+                   fmt::format("at most {}", file_.size()), std::to_string(bytes_));
     }
     pages_.push_back(page);
   }
@@ -111,12 +105,12 @@ class Entries {
     const std::int64_t end = level_exists ? std::int64_t{1} << key.level : 0;
     const auto on_level = [end](std::int32_t number) { return number >= 0 && number < end; };
     if (!level_exists || !on_level(key.x) || !on_level(key.y) || !on_level(key.z)) {
-      fail(place, "bad key in the COPC hierarchy",
-           fmt::format("a level from 0 to {} and places on it", k_deepest_copc_level), key.name());
+      fail_at_byte(file_.name(), place, "bad key in the COPC hierarchy",
+                   fmt::format("a level from 0 to {} and places on it", k_deepest_copc_level), key.name());
     }
     if (count < k_page_entry) {
-      fail(place + 28, fmt::format("bad number of points of COPC node {}", key.name()), "-1 or more",
-           std::to_string(count));
+      fail_at_byte(file_.name(), place + 28, fmt::format("bad number of points of COPC node {}", key.name()),
+                   "-1 or more", std::to_string(count));
     }
     if (count == k_page_entry) {
       announce({target, static_cast<std::uint64_t>(std::max(size, 0))}, place);
@@ -125,8 +119,8 @@ class Entries {
     LazChunk& chunk = nodes_[key];
     if (count == 0) return;
     if (chunk.point_count != 0) {
-      fail(place, fmt::format("the COPC hierarchy has two nodes {}", key.name()), "one with points",
-           fmt::format("{} and {} points", chunk.point_count, count));
+      fail_at_byte(file_.name(), place, fmt::format("the COPC hierarchy has two nodes {}", key.name()),
+                   "one with points", fmt::format("{} and {} points", chunk.point_count, count));
     }
     chunk = {target, static_cast<std::uint64_t>(std::max(size, 0)), static_cast<std::uint64_t>(count)};
   }
@@ -176,25 +170,21 @@ void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, s
   std::uint64_t row = 0;
   for (std::size_t i = 0; i < in_file.size(); ++i) {
     if (i >= chunks.size() || in_file[i]->chunk != chunks[i]) {
-      throw Error({.file = file_name,
-                   .place = fmt::format("byte {}", in_file[i]->chunk.place),
-                   .problem = fmt::format("the COPC node {} is no chunk of the file", in_file[i]->key.name()),
-                   .expected = i < chunks.size()
-                                   ? fmt::format("{} points in {} bytes from byte {} on",
-                                                 chunks[i].point_count, chunks[i].byte_count, chunks[i].place)
-                                   : "no more chunks",
-                   .found = fmt::format("{} points in {} bytes", in_file[i]->chunk.point_count,
-                                        in_file[i]->chunk.byte_count)});
+      const LazChunk& chunk = in_file[i]->chunk;
+      fail_at_byte(file_name, chunk.place,
+                   fmt::format("the COPC node {} is no chunk of the file", in_file[i]->key.name()),
+                   i < chunks.size()
+                       ? fmt::format("{} points in {} bytes from byte {} on", chunks[i].point_count,
+                                     chunks[i].byte_count, chunks[i].place)
+                       : "no more chunks",
+                   fmt::format("{} points in {} bytes", chunk.point_count, chunk.byte_count));
     }
     in_file[i]->first_row = row;
     row += chunks[i].point_count;
   }
   if (in_file.size() < chunks.size()) {
-    throw Error({.file = file_name,
-                 .place = fmt::format("byte {}", chunks[in_file.size()].place),
-                 .problem = "the COPC hierarchy leaves out a chunk of the file",
-                 .expected = fmt::format("{} nodes with points", chunks.size()),
-                 .found = std::to_string(in_file.size())});
+    fail_at_byte(file_name, chunks[in_file.size()].place, "the COPC hierarchy leaves out a chunk of the file",
+                 fmt::format("{} nodes with points", chunks.size()), std::to_string(in_file.size()));
   }
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/e57/e57_columns.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <optional>
 #include <string>
@@ -192,19 +192,6 @@ float to_float(double value) {
 
 }  // namespace
 
-E57Appender::E57Appender(PointCloud& cloud, AttributeSet filled, std::uint64_t count,
-                         const CloudPieces& pieces)
-    : cloud_(cloud), filled_(filled), pieces_(pieces), next_(cloud.size()), left_(count) {
-  make_rows();
-}
-
-void E57Appender::make_rows() {
-  const std::size_t count = room_in_piece(cloud_, filled_, left_, pieces_);
-  next_ = cloud_.size();
-  left_ -= count;
-  append_rows(cloud_, filled_, count);
-}
-
 void E57Appender::begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin) {
   scan_ = &scan;
   scaling_ = &scaling;
@@ -214,12 +201,8 @@ void E57Appender::begin_scan(const E57Scan& scan, const E57Scaling& scaling, dou
 bool E57Appender::add(const E57Points& points) {
   for (std::size_t i = 0; i < points.positions.size(); ++i) {
     if (points.is_left_out(i)) continue;
-    const auto position = to_lattice(cloud_.lattice, points.positions[i]);
-    if (!position || complete()) return false;
-    if (next_ == cloud_.size()) make_rows();
-    cloud_.positions[next_] = *position;
+    if (!begin_row(points.positions[i])) return false;
     put(points, i);
-    ++next_;
   }
   return true;
 }
@@ -234,33 +217,33 @@ void E57Appender::put_index(std::optional<std::size_t>& dimension, const char* n
                             double value) {
   if (!dimension) dimension = index_dimension(cloud_, name, description);
   auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[*dimension].values.data());
-  store(bytes + next_ * sizeof(std::uint32_t), nearest<std::uint32_t>(value));
+  store(bytes + row_ * sizeof(std::uint32_t), nearest<std::uint32_t>(value));
 }
 
 void E57Appender::put(const E57Points& points, std::size_t i) {
   const auto value = [&](E57Role role) { return points.value(role, i); };
   if (points.has(E57Role::red) && !is_invalid(points, E57Role::color_invalid, i, 0)) {
-    cloud_.colors[next_] = {scaling_->colors[0].apply(value(E57Role::red)),
-                            scaling_->colors[1].apply(value(E57Role::green)),
-                            scaling_->colors[2].apply(value(E57Role::blue))};
+    cloud_.colors[row_] = {scaling_->colors[0].apply(value(E57Role::red)),
+                           scaling_->colors[1].apply(value(E57Role::green)),
+                           scaling_->colors[2].apply(value(E57Role::blue))};
   }
   if (points.has(E57Role::intensity) && !is_invalid(points, E57Role::intensity_invalid, i, 1))
-    cloud_.intensities[next_] = scaling_->intensities.apply(value(E57Role::intensity));
+    cloud_.intensities[row_] = scaling_->intensities.apply(value(E57Role::intensity));
   if (points.has(E57Role::time) && !is_invalid(points, E57Role::time_invalid, i, 2))
-    cloud_.gps_times[next_] = time_origin_ + value(E57Role::time);
+    cloud_.gps_times[row_] = time_origin_ + value(E57Role::time);
   if (points.has(E57Role::row))
     put_index(row_dimension_, "rowIndex", "row of the scanner's grid", value(E57Role::row));
   if (points.has(E57Role::column))
     put_index(column_dimension_, "columnIndex", "column of the scanner's grid", value(E57Role::column));
   // Counted from 0 in the file.
   if (points.has(E57Role::return_index))
-    cloud_.returns[next_].number = nearest<std::uint8_t>(value(E57Role::return_index) + 1.0);
+    cloud_.returns[row_].number = nearest<std::uint8_t>(value(E57Role::return_index) + 1.0);
   if (points.has(E57Role::return_count))
-    cloud_.returns[next_].count = nearest<std::uint8_t>(value(E57Role::return_count));
+    cloud_.returns[row_].count = nearest<std::uint8_t>(value(E57Role::return_count));
   if (points.has(E57Role::normal_x)) {
     glm::dvec3 normal(value(E57Role::normal_x), value(E57Role::normal_y), value(E57Role::normal_z));
     if (scan_->pose && scan_->pose->is_rotated) normal = scan_->pose->rotation * normal;
-    cloud_.normals[next_] = {to_float(normal.x), to_float(normal.y), to_float(normal.z)};
+    cloud_.normals[row_] = {to_float(normal.x), to_float(normal.y), to_float(normal.z)};
   }
 }
 

@@ -246,7 +246,7 @@ void E57Reader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const Clo
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_e57(InputFile file) {
+std::unique_ptr<CloudReader> open_e57(InputFile file, Damage) {
   return std::make_unique<E57Reader>(std::move(file));
 }
 

@@ -20,39 +20,27 @@ constexpr std::size_t k_shortest_header = 227;    // versions 1.0 to 1.2
 constexpr std::uint8_t k_laz_mark = 0x80;         // what is written
 constexpr std::uint8_t k_compressed_bits = 0xc0;  // of the point format: how LASzip marks its files
 
-/// What a header field must be, and an Error if it is not.
-void require(bool holds, const InputFile& file, int byte, std::string problem, std::string expected,
-             std::string found) {
-  if (holds) return;
-  throw Error({.file = file.name(),
-               .place = fmt::format("byte {}", byte),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
-}
-
-Lattice read_lattice(const InputFile& file, const std::byte* bytes) {
+Lattice read_lattice(const HeaderFields& fields) {
   Lattice lattice;
   for (int axis = 0; axis < 3; ++axis) {
-    const int scale_place = 131 + 8 * axis, offset_place = 155 + 8 * axis;
-    const double scale = load<double>(bytes + scale_place), offset = load<double>(bytes + offset_place);
-    require(std::isfinite(scale) && scale > 0, file, scale_place,
-            fmt::format("bad scale of the {} coordinates", "xyz"[axis]), "a positive number",
-            fmt::format("{}", scale));
-    require(std::isfinite(std::abs(offset) + scale * 2147483648.0), file, offset_place,
-            fmt::format("bad offset of the {} coordinates", "xyz"[axis]), "a finite number",
-            fmt::format("{}", offset));
+    const std::size_t step = 8 * static_cast<std::size_t>(axis), scale_place = 131 + step,
+                      offset_place = 155 + step;
+    const double scale = fields.get<double>(scale_place), offset = fields.get<double>(offset_place);
+    fields.require(std::isfinite(scale) && scale > 0, scale_place,
+                   fmt::format("bad scale of the {} coordinates", "xyz"[axis]), "a positive number", scale);
+    fields.require(std::isfinite(std::abs(offset) + scale * 2147483648.0), offset_place,
+                   fmt::format("bad offset of the {} coordinates", "xyz"[axis]), "a finite number", offset);
     lattice.scale[axis] = scale;
     lattice.offset[axis] = offset;
   }
   return lattice;
 }
 
-Bounds read_bounds(const std::byte* bytes) {
+Bounds read_bounds(const HeaderFields& fields) {
   Bounds bounds;
   for (int axis = 0; axis < 3; ++axis) {
-    bounds.max[axis] = load<double>(bytes + 179 + 16 * axis);
-    bounds.min[axis] = load<double>(bytes + 187 + 16 * axis);
+    bounds.max[axis] = fields.get<double>(179 + 16 * static_cast<std::size_t>(axis));
+    bounds.min[axis] = fields.get<double>(187 + 16 * static_cast<std::size_t>(axis));
     if (!(std::isfinite(bounds.min[axis]) && std::isfinite(bounds.max[axis])) ||
         bounds.min[axis] > bounds.max[axis])
       return {};
@@ -60,16 +48,16 @@ Bounds read_bounds(const std::byte* bytes) {
   return bounds;
 }
 
-int place_of_count(const LasHeader& header) {
+std::size_t place_of_count(const LasHeader& header) {
   return header.version_minor >= 4 ? 247 : 107;
 }
 
-void read_point_count(LasHeader& header, const InputFile& file, const std::byte* bytes,
+void read_point_count(LasHeader& header, const InputFile& file, const HeaderFields& fields,
                       std::vector<std::string>& warnings, Damage damage) {
-  const std::uint32_t legacy_count = load<std::uint32_t>(bytes + 107);
+  const auto legacy_count = fields.get<std::uint32_t>(107);
   header.point_count = legacy_count;
   if (header.version_minor >= 4) {
-    const std::uint64_t count = load<std::uint64_t>(bytes + 247);
+    const auto count = fields.get<std::uint64_t>(247);
     if (count != 0) header.point_count = count;
     if (legacy_count != 0 && legacy_count != count) {
       warnings.push_back(
@@ -79,10 +67,10 @@ void read_point_count(LasHeader& header, const InputFile& file, const std::byte*
   }
   if (header.compressed) {
     const std::uint64_t stream_bytes = file.size() - header.points_place;
-    require(header.point_count <= most_laz_points(stream_bytes), file, place_of_count(header),
-            "the file is too small for the points it counts",
-            fmt::format("at most {} in {} bytes", most_laz_points(stream_bytes), stream_bytes),
-            std::to_string(header.point_count));
+    fields.require(header.point_count <= most_laz_points(stream_bytes), place_of_count(header),
+                   "the file is too small for the points it counts",
+                   fmt::format("at most {} in {} bytes", most_laz_points(stream_bytes), stream_bytes),
+                   header.point_count);
     return;
   }
   keep_points_inside(file, header, damage);
@@ -95,59 +83,60 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   const std::byte* const bytes = copy.data();
   const std::span<const std::byte> start = file.view_up_to(0, copy.size());
   std::copy(start.begin(), start.end(), copy.begin());
-  require(las_text(bytes, 4) == "LASF", file, 0, "is not a LAS file", "the letters LASF", "something else");
-  require(start.size() >= k_shortest_header, file, 0, "the file ends inside its header",
-          fmt::format("at least {} bytes", k_shortest_header), std::to_string(start.size()));
+  const HeaderFields fields(copy, file.name());
+  fields.require(las_text(bytes, 4) == "LASF", 0, "is not a LAS file", "the letters LASF", "something else");
+  fields.require(start.size() >= k_shortest_header, 0, "the file ends inside its header",
+                 fmt::format("at least {} bytes", k_shortest_header), start.size());
 
   LasHeader header;
-  const int major = load<std::uint8_t>(bytes + 24);
-  header.version_minor = load<std::uint8_t>(bytes + 25);
-  require(major == 1 && header.version_minor <= 4, file, 24, "unknown LAS version", "1.0 to 1.4",
-          fmt::format("{}.{}", major, header.version_minor));
+  const int major = fields.get<std::uint8_t>(24);
+  header.version_minor = fields.get<std::uint8_t>(25);
+  fields.require(major == 1 && header.version_minor <= 4, 24, "unknown LAS version", "1.0 to 1.4",
+                 fmt::format("{}.{}", major, header.version_minor));
 
-  header.header_size = load<std::uint16_t>(bytes + 94);
+  header.header_size = fields.get<std::uint16_t>(94);
   const std::size_t smallest = header.version_minor >= 4 ? k_las_header_size : k_shortest_header;
-  require(header.header_size >= smallest && header.header_size <= file.size(), file, 94,
-          "bad size of the header", fmt::format("{} or more, inside the file", smallest),
-          std::to_string(header.header_size));
+  fields.require(header.header_size >= smallest && header.header_size <= file.size(), 94,
+                 "bad size of the header", fmt::format("{} or more, inside the file", smallest),
+                 header.header_size);
   // The fields before version 1.1 and 1.2 are reserved space with any content.
-  if (header.version_minor >= 1) header.file_source_id = load<std::uint16_t>(bytes + 4);
-  if (header.version_minor >= 2) header.global_encoding = load<std::uint16_t>(bytes + 6);
+  if (header.version_minor >= 1) header.file_source_id = fields.get<std::uint16_t>(4);
+  if (header.version_minor >= 2) header.global_encoding = fields.get<std::uint16_t>(6);
   std::copy_n(reinterpret_cast<const std::uint8_t*>(bytes + 8), 16, header.project_id.begin());
   header.system_identifier = las_text(bytes + 26, 32);
   header.generating_software = las_text(bytes + 58, 32);
-  header.creation_day = load<std::uint16_t>(bytes + 90);
-  header.creation_year = load<std::uint16_t>(bytes + 92);
+  header.creation_day = fields.get<std::uint16_t>(90);
+  header.creation_year = fields.get<std::uint16_t>(92);
 
-  header.points_place = load<std::uint32_t>(bytes + 96);
-  require(header.points_place >= header.header_size && header.points_place <= file.size(), file, 96,
-          "bad place of the points", fmt::format("a byte from {} to {}", header.header_size, file.size()),
-          std::to_string(header.points_place));
-  header.record_count = load<std::uint32_t>(bytes + 100);
-  const std::uint8_t point_format = load<std::uint8_t>(bytes + 104);
+  header.points_place = fields.get<std::uint32_t>(96);
+  fields.require(header.points_place >= header.header_size && header.points_place <= file.size(), 96,
+                 "bad place of the points",
+                 fmt::format("a byte from {} to {}", header.header_size, file.size()), header.points_place);
+  header.record_count = fields.get<std::uint32_t>(100);
+  const auto point_format = fields.get<std::uint8_t>(104);
   header.compressed = (point_format & k_compressed_bits) != 0;
   header.point_format = point_format & ~k_compressed_bits;
-  require(header.point_format < k_las_point_formats, file, 104, "unknown point format", "0 to 10",
-          std::to_string(header.point_format));
-  header.point_size = load<std::uint16_t>(bytes + 105);
-  require(header.point_size >= header.layout().size, file, 105,
-          fmt::format("points of format {} are too short", header.point_format),
-          fmt::format("{} bytes or more", header.layout().size), std::to_string(header.point_size));
-  header.lattice = read_lattice(file, bytes);
-  header.bounds = read_bounds(bytes);
-  read_point_count(header, file, bytes, warnings, damage);
+  fields.require(header.point_format < k_las_point_formats, 104, "unknown point format", "0 to 10",
+                 header.point_format);
+  header.point_size = fields.get<std::uint16_t>(105);
+  fields.require(header.point_size >= header.layout().size, 105,
+                 fmt::format("points of format {} are too short", header.point_format),
+                 fmt::format("{} bytes or more", header.layout().size), header.point_size);
+  header.lattice = read_lattice(fields);
+  header.bounds = read_bounds(fields);
+  read_point_count(header, file, fields, warnings, damage);
 
   if (header.version_minor >= 4) {
-    header.extended_records_place = load<std::uint64_t>(bytes + 235);
-    header.extended_record_count = load<std::uint32_t>(bytes + 243);
+    header.extended_records_place = fields.get<std::uint64_t>(235);
+    header.extended_record_count = fields.get<std::uint32_t>(243);
     // They stood behind the points that are gone.
     if (header.lost_count > 0 && header.extended_record_count > 0) {
       warnings.push_back(fmt::format("{}: the extended records behind the points are lost", file.name()));
       header.extended_record_count = 0;
     }
-    require(header.extended_record_count == 0 || header.extended_records_place >= header.points_end(), file,
-            235, "bad place of the extended records", fmt::format("a byte from {} on", header.points_end()),
-            std::to_string(header.extended_records_place));
+    fields.require(header.extended_record_count == 0 || header.extended_records_place >= header.points_end(),
+                   235, "bad place of the extended records",
+                   fmt::format("a byte from {} on", header.points_end()), header.extended_records_place);
   }
   return header;
 }

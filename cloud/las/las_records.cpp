@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/las/las_records.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <fmt/format.h>
 #include <numeric>
 #include <optional>
 
@@ -15,7 +15,6 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_record_header_size = 54;
 constexpr const char* k_copc_user_id = "copc";
 constexpr std::uint16_t k_copc_info_id = 1;
 constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
@@ -34,13 +33,11 @@ struct RecordPlace {
 
 /// Reads the header of the record at `place`; its data must end at `end` or before.
 RecordPlace read_record_header(InputFile& file, std::uint64_t place, std::uint64_t end, bool extended) {
-  const std::size_t header_size = extended ? 60 : k_record_header_size;
+  const std::size_t header_size = extended ? 60 : k_las_record_head;
   const auto fail = [&](std::uint64_t wanted) {
-    throw Error({.file = file.name(),
-                 .place = fmt::format("byte {}", place),
-                 .problem = "a variable length record does not end in its place",
-                 .expected = fmt::format("at most {} bytes up to byte {}", end - std::min(place, end), end),
-                 .found = std::to_string(wanted)});
+    fail_at_byte(file.name(), place, "a variable length record does not end in its place",
+                 fmt::format("at most {} bytes up to byte {}", end - std::min(place, end), end),
+                 std::to_string(wanted));
   };
   if (place > end || end - place < header_size) fail(header_size);
   const std::byte* const at = file.view(place, header_size).data();
@@ -62,9 +59,8 @@ StorageRecord read_storage_record(InputFile& file, const RecordPlace& record) {
 
 void take_laszip(StorageRecord record, const InputFile& file, std::optional<StorageRecord>& known) {
   if (known && known->data != record.data) {
-    throw Error({.file = file.name(),
-                 .place = fmt::format("byte {}", record.place),
-                 .problem = fmt::format("the laszip record differs from the one at byte {}", known->place)});
+    fail_at_byte(file.name(), record.place,
+                 fmt::format("the laszip record differs from the one at byte {}", known->place));
   }
   if (!known) known = std::move(record);
 }
@@ -207,7 +203,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     } else if (record.is(k_laszip_user_id, k_laszip_record_id)) {
       take_laszip(read_storage_record(file, record), file, result.laszip);
     } else if (record.user_id == k_copc_user_id) {
-      const bool first = record.place == k_las_header_size + k_record_header_size;
+      const bool first = record.place == k_las_header_size + k_las_record_head;
       if (first && record.record_id == k_copc_info_id) result.copc_info = read_storage_record(file, record);
     } else {
       // libLAS wrote WKT before the standard had a place for it. The record is handed on too.

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/las/read_las.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <fmt/format.h>
 #include <optional>
 #include <utility>
 
 #include "base/bytes.h"
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/fit_lattice.h"
 #include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
+#include "cloud/lattice.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_points.h"
 #include "cloud/rows.h"
@@ -75,22 +75,11 @@ std::optional<std::size_t> find_normal(const std::vector<ExtraDimension>& dimens
 }
 
 /// Positions, by steps of the cloud's lattice.
-void take_positions(const RecordBlock& block, const glm::i64vec3& shift, const std::string& file_name,
-                    PointCloud& cloud) {
-  if (shift == glm::i64vec3(0)) {
+void take_positions(const RecordBlock& block, const LatticeShift& shift, PointCloud& cloud) {
+  if (shift.is_none()) {
     fill(block, 0, cloud.positions, k_plain<LatticePosition>);
-    return;
-  }
-  for (std::size_t i = 0; i < block.count; ++i) {
-    const glm::i64vec3 steps =
-        glm::i64vec3(load<LatticePosition>(block.bytes + i * block.point_size)) + shift;
-    const LatticePosition position(steps);
-    if (glm::i64vec3(position) != steps) {
-      throw Error({.file = file_name,
-                   .problem = "lies too far from the first file to share its lattice of 32-bit steps",
-                   .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
-    }
-    cloud.positions[block.first_row + i] = position;
+  } else {
+    fill(block, 0, cloud.positions, [&](const std::byte* at) { return shift(load<LatticePosition>(at)); });
   }
 }
 
@@ -98,7 +87,7 @@ void take_positions(const RecordBlock& block, const glm::i64vec3& shift, const s
 
 LasColumns::LasColumns(std::string file_name, const LasHeader& header,
                        const std::vector<ExtraDimension>& extra_dimensions)
-    : file_name_(std::move(file_name)), layout_(header.layout()) {
+    : file_name_(std::move(file_name)), lattice_(header.lattice), layout_(header.layout()) {
   const std::optional<std::size_t> normal = find_normal(extra_dimensions);
   int place = layout_.size;
   for (std::size_t i = 0; i < extra_dimensions.size(); ++i) {
@@ -122,22 +111,18 @@ AttributeSet LasColumns::attributes() const {
   return set;
 }
 
-LasColumns::Choice LasColumns::choose(AttributeSet wanted, const glm::i64vec3& shift,
-                                      PointCloud& cloud) const {
-  Choice choice{attributes() & wanted, shift, {}};
+LasColumns::Choice LasColumns::choose(AttributeSet wanted, PointCloud& cloud) const {
+  Choice choice{attributes() & wanted, LatticeShift(lattice_, cloud.lattice, file_name_), {}};
   if (!choice.kept.contains(Attribute::extra_dimensions)) return choice;
   for (std::size_t i = 0; i < extra_dimensions_.size(); ++i) {
-    const ExtraDimension& like = extra_dimensions_[i].description;
-    const auto equal = std::count_if(
-        extra_dimensions_.begin(), extra_dimensions_.begin() + static_cast<std::ptrdiff_t>(i),
-        [&](const PlacedDimension& earlier) { return same_meaning(earlier.description, like); });
-    choice.extra_columns.push_back(find_extra_dimension(cloud, like, static_cast<std::size_t>(equal)));
+    const std::size_t occurrence = occurrence_of(extra_dimensions_, i, &PlacedDimension::description);
+    choice.extra_columns.push_back(find_extra_dimension(cloud, extra_dimensions_[i].description, occurrence));
   }
   return choice;
 }
 
 void LasColumns::take(const RecordBlock& block, const Choice& choice, PointCloud& cloud) const {
-  take_positions(block, choice.shift, file_name_, cloud);
+  take_positions(block, choice.shift, cloud);
   take_attributes(block, choice.kept, cloud);
   for (std::size_t i = 0; i < choice.extra_columns.size(); ++i) {
     ExtraDimension& column = cloud.extra_dimensions[choice.extra_columns[i]];
@@ -294,14 +279,10 @@ CoordinateSurvey LasReader::survey(const Progress&) {
 
 void LasReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                                const Progress& progress) {
-  const std::optional<glm::i64vec3> shift = steps_between(header_.lattice, cloud.lattice);
-  if (!shift && header_.point_count > 0) {
-    throw Error({.file = file_.name(), .problem = "does not share the lattice of the files before it"});
-  }
   cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
   cloud.records.insert(cloud.records.end(), records_.others.begin(), records_.others.end());
   if (header_.point_count == 0) return;
-  const LasColumns::Choice choice = columns_.choose(wanted, *shift, cloud);
+  const LasColumns::Choice choice = columns_.choose(wanted, cloud);
   if (!laz_) {
     read_plain(choice, cloud, pieces, progress);
     return;

@@ -31,12 +31,13 @@ class LasColumns {
   /// What is kept of the records, and where.
   struct Choice {
     AttributeSet kept;
-    glm::i64vec3 shift;  ///< added to the steps of the file's lattice
+    LatticeShift shift;
     std::vector<std::size_t> extra_columns;
   };
 
   /// Those of the `wanted` attributes that are there; makes the columns of extra dimensions in `cloud`.
-  Choice choose(AttributeSet wanted, const glm::i64vec3& shift, PointCloud& cloud) const;
+  /// Errors: the cloud's lattice is none that the file can share.
+  Choice choose(AttributeSet wanted, PointCloud& cloud) const;
 
   /// Puts records into rows that exist. Different rows may be filled by different threads. Errors: a position
   /// that the cloud's lattice does not reach.
@@ -51,6 +52,7 @@ class LasColumns {
   void take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const;
 
   std::string file_name_;
+  Lattice lattice_;
   LasPointLayout layout_;
   std::vector<PlacedDimension> extra_dimensions_;
   std::optional<int> normal_place_;

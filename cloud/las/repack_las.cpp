@@ -24,8 +24,6 @@ namespace alidade {
 namespace {
 
 constexpr std::size_t k_block_bytes = 1 << 20;
-constexpr std::size_t k_record_head = 54;
-constexpr std::size_t k_table_place = 8;  ///< bytes that tell it, before the first chunk
 
 // Fields of the header: LAS Specification 1.4 R15, table 3.
 constexpr std::size_t k_points_place = 96, k_record_count = 100, k_point_format = 104;
@@ -58,16 +56,16 @@ std::uint64_t Source::points_end() {
   if (!packing) return header.points_end();
   const std::uint64_t extended =
       header.extended_record_count > 0 ? header.extended_records_place : file.size();
-  if (extended < header.points_place + k_table_place) return extended;
+  if (extended < header.points_place + k_laz_table_place_bytes) return extended;
   std::string missing;
   const auto chunks = packing->compressor == LazCompressor::pointwise
                           ? std::nullopt
                           : read_chunk_table(file, header, *packing, missing);
   // Without a table only the extended records tell where something else begins.
   if (!chunks) return extended;
-  const std::uint64_t table = chunks->empty() ? header.points_place + k_table_place
+  const std::uint64_t table = chunks->empty() ? header.points_place + k_laz_table_place_bytes
                                               : chunks->back().place + chunks->back().byte_count;
-  const auto place = load<std::int64_t>(file.view(header.points_place, k_table_place).data());
+  const auto place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
   // A writer that could not go back wrote the place of the table behind it.
   const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (place == -1 ? 8 : 0);
   return std::min(end, extended);
@@ -78,7 +76,7 @@ std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& heade
   std::uint32_t count = header.record_count;
   std::size_t place = header.header_size;
   for (std::uint32_t i = 0; i < header.record_count; ++i) {
-    const std::size_t size = k_record_head + load<std::uint16_t>(head.data() + place + 20);
+    const std::size_t size = k_las_record_head + load<std::uint16_t>(head.data() + place + 20);
     const bool laszip = las_text(head.data() + place + 2, 16) == k_laszip_user_id &&
                         load<std::uint16_t>(head.data() + place + 18) == k_laszip_record_id;
     if (!laszip) {

@@ -12,6 +12,7 @@
 #include "base/bytes.h"
 #include "base/error.h"
 #include "base/output_file.h"
+#include "base/words.h"
 #include "cloud/las/las_records.h"
 #include "cloud/laz/laz_layout.h"
 #include "cloud/laz/laz_point_writer.h"
@@ -65,8 +66,7 @@ struct LasWriter::State {
   std::vector<VariableLengthRecord> extended_records;
   bool has_normals = false;
   std::vector<ExtraDimension> extra_dimensions;  ///< as described in the file; the normals stand last
-  LatticePosition low{std::numeric_limits<std::int32_t>::max()},
-      high{std::numeric_limits<std::int32_t>::min()};
+  LatticeExtent extent;
   std::vector<std::byte> block;
   std::optional<LazPointWriter> packed_points;  ///< of LAZ
 
@@ -194,10 +194,7 @@ void LasWriter::State::encode_extra_dimensions(const PointCloud& batch, std::siz
 void LasWriter::State::count_points(const PointCloud& batch, std::size_t first, std::size_t count) {
   header.point_count += count;
   for (std::size_t row = first; row < first + count; ++row) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], batch.positions[row][axis]);
-      high[axis] = std::max(high[axis], batch.positions[row][axis]);
-    }
+    extent.grow(batch.positions[row]);
     if (batch.returns.empty()) continue;
     const int number = std::min<int>(batch.returns[row].number, 15);
     if (number > 0) ++header.points_by_return[static_cast<std::size_t>(number - 1)];
@@ -227,8 +224,8 @@ void LasWriter::finish() {
   LasHeader& header = state.header;
   if (state.packed_points) state.packed_points->finish();
   if (header.point_count > 0) {
-    header.bounds.grow(to_world(header.lattice, state.low));
-    header.bounds.grow(to_world(header.lattice, state.high));
+    header.bounds.grow(to_world(header.lattice, state.extent.low));
+    header.bounds.grow(to_world(header.lattice, state.extent.high));
   }
   if (!state.extended_records.empty()) header.extended_records_place = state.file.size();
   header.extended_record_count = static_cast<std::uint32_t>(state.extended_records.size());
@@ -239,11 +236,7 @@ void LasWriter::finish() {
 }
 
 bool is_laz_name(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  for (char& letter : ending) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
-  }
-  return ending == ".laz";
+  return file_ending(path) == ".laz";
 }
 
 void write_las(const std::filesystem::path& path, const PointCloud& cloud, const LasWriteOptions& options) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/chunk_table.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
-#include <fmt/format.h>
 #include <utility>
 
 #include "base/bytes.h"
@@ -21,31 +21,21 @@
 namespace alidade {
 namespace {
 
-constexpr std::uint64_t k_table_place_bytes = 8;
 constexpr std::uint64_t k_table_head_bytes = 8;
 constexpr std::uint64_t k_stream_start_bytes = 4;  // what every arithmetic stream begins with
 
-[[noreturn]] void fail(const InputFile& file, std::uint64_t byte, std::string problem, std::string expected,
-                       std::string found) {
-  throw Error({.file = file.name(),
-               .place = fmt::format("byte {}", byte),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
-}
-
 std::uint64_t first_chunk(const LasHeader& header) {
-  return header.points_place + k_table_place_bytes;
+  return header.points_place + k_laz_table_place_bytes;
 }
 
 /// Where the table stands; 0 if nobody says.
 std::uint64_t find_table(InputFile& file, const LasHeader& header) {
   if (file.size() < first_chunk(header)) return 0;
-  std::int64_t place = load<std::int64_t>(file.view(header.points_place, k_table_place_bytes).data());
+  std::int64_t place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
   if (place == -1) {
     for (const std::uint64_t end : {file.size(), header.extended_records_place}) {
-      if (end < first_chunk(header) + k_table_place_bytes || end > file.size()) continue;
-      place = load<std::int64_t>(file.view(end - k_table_place_bytes, k_table_place_bytes).data());
+      if (end < first_chunk(header) + k_laz_table_place_bytes || end > file.size()) continue;
+      place = load<std::int64_t>(file.view(end - k_laz_table_place_bytes, k_laz_table_place_bytes).data());
       const bool inside = place >= static_cast<std::int64_t>(first_chunk(header)) &&
                           static_cast<std::uint64_t>(place) + k_table_head_bytes <= end;
       if (inside) return static_cast<std::uint64_t>(place);
@@ -73,13 +63,14 @@ class TableCheck {
         next_, byte_count,
         layout_.chunk_size != 0 ? std::min<std::uint64_t>(layout_.chunk_size, points_left_) : point_count};
     if (chunk.byte_count < smallest_ || chunk.byte_count > table_ - next_) {
-      fail(file_, table_, fmt::format("bad size of chunk {} in the chunk table", number),
-           fmt::format("{} to {} bytes", smallest_, table_ - next_), std::to_string(byte_count));
+      fail_at_byte(file_.name(), table_, fmt::format("bad size of chunk {} in the chunk table", number),
+                   fmt::format("{} to {} bytes", smallest_, table_ - next_), std::to_string(byte_count));
     }
     const std::uint64_t most = std::min(points_left_, most_laz_points(chunk.byte_count));
     if (chunk.point_count == 0 || chunk.point_count > most) {
-      fail(file_, table_, fmt::format("bad number of points of chunk {} in the chunk table", number),
-           fmt::format("1 to {}", most), std::to_string(chunk.point_count));
+      fail_at_byte(file_.name(), table_,
+                   fmt::format("bad number of points of chunk {} in the chunk table", number),
+                   fmt::format("1 to {}", most), std::to_string(chunk.point_count));
     }
     next_ += chunk.byte_count;
     points_left_ -= chunk.point_count;
@@ -88,12 +79,12 @@ class TableCheck {
 
   void finish() const {
     if (points_left_ != 0) {
-      fail(file_, table_, "the chunk table lists fewer points than the header counts", "all of them",
-           fmt::format("{} missing", points_left_));
+      fail_at_byte(file_.name(), table_, "the chunk table lists fewer points than the header counts",
+                   "all of them", fmt::format("{} missing", points_left_));
     }
     if (next_ != table_) {
-      fail(file_, table_, "the chunks do not end where their table begins", fmt::format("byte {}", table_),
-           fmt::format("byte {}", next_));
+      fail_at_byte(file_.name(), table_, "the chunks do not end where their table begins",
+                   fmt::format("byte {}", table_), fmt::format("byte {}", next_));
     }
   }
 
@@ -122,8 +113,8 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
     return std::nullopt;
   }
   if (table < first_chunk(header)) {
-    fail(file, header.points_place, "bad place of the chunk table",
-         fmt::format("byte {} or later", first_chunk(header)), std::to_string(table));
+    fail_at_byte(file.name(), header.points_place, "bad place of the chunk table",
+                 fmt::format("byte {} or later", first_chunk(header)), std::to_string(table));
   }
   if (table > file.size() || file.size() - table < k_table_head_bytes) {
     missing = fmt::format("the file ends before its chunk table at byte {}", table);
@@ -131,19 +122,21 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
   }
   const std::byte* const head = file.view(table, k_table_head_bytes).data();
   const std::uint32_t version = load<std::uint32_t>(head), count = load<std::uint32_t>(head + 4);
-  if (version != 0) fail(file, table, "unknown version of the chunk table", "0", std::to_string(version));
+  if (version != 0)
+    fail_at_byte(file.name(), table, "unknown version of the chunk table", "0", std::to_string(version));
   const std::uint64_t room = (table - first_chunk(header)) / smallest_chunk(layout);
   if (count > std::min(room, header.point_count)) {
-    fail(file, table + 4, "bad number of chunks",
-         fmt::format("at most {}", std::min(room, header.point_count)), std::to_string(count));
+    fail_at_byte(file.name(), table + 4, "bad number of chunks",
+                 fmt::format("at most {}", std::min(room, header.point_count)), std::to_string(count));
   }
   if (layout.chunk_size != 0) {
     const std::uint64_t needed =
         header.point_count / layout.chunk_size + (header.point_count % layout.chunk_size != 0 ? 1 : 0);
     if (count != needed) {
-      fail(file, table + 4, "bad number of chunks",
-           fmt::format("{} for {} points in chunks of {}", needed, header.point_count, layout.chunk_size),
-           std::to_string(count));
+      fail_at_byte(
+          file.name(), table + 4, "bad number of chunks",
+          fmt::format("{} for {} points in chunks of {}", needed, header.point_count, layout.chunk_size),
+          std::to_string(count));
     }
   }
 
@@ -186,17 +179,18 @@ WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const
       try {
         head.read(file.view(place, head.size()));
       } catch (const CorruptChunk& problem) {
-        fail(file, place, fmt::format("chunk {}: {}", number, problem.what()), "", "");
+        fail_at_byte(file.name(), place, fmt::format("chunk {}: {}", number, problem.what()));
       }
       const LazChunk chunk{place, head.chunk_size(), head.point_count()};
       if (chunk.byte_count > file.size() - place) {
-        fail(file, place, fmt::format("chunk {} does not end before the file", number),
-             fmt::format("at most {} bytes", file.size() - place), std::to_string(chunk.byte_count));
+        fail_at_byte(file.name(), place, fmt::format("chunk {} does not end before the file", number),
+                     fmt::format("at most {} bytes", file.size() - place), std::to_string(chunk.byte_count));
       }
       const std::uint64_t most = std::min(points_left, most_laz_points(chunk.byte_count));
       if (chunk.point_count > most) {
-        fail(file, place + layout.record_size(), fmt::format("bad number of points of chunk {}", number),
-             fmt::format("1 to {}", most), std::to_string(chunk.point_count));
+        fail_at_byte(file.name(), place + layout.record_size(),
+                     fmt::format("bad number of points of chunk {}", number), fmt::format("1 to {}", most),
+                     std::to_string(chunk.point_count));
       }
       points_left -= chunk.point_count;
       place += chunk.byte_count;

@@ -24,6 +24,9 @@ struct LazChunk {
   bool operator==(const LazChunk&) const = default;
 };
 
+/// Bytes before the first chunk that tell the place of the chunk table.
+inline constexpr std::size_t k_laz_table_place_bytes = 8;
+
 /// Most points that so many bytes can stand for: whatever the points are, each costs one symbol of 64 or more
 /// and three of 33 (two of compressor 3), none of which is ever more probable than 1 - (symbols - 1) / 2^15.
 /// That is above 0.007 bit, or fewer than 1200 points per byte; counts beyond 2048 per byte are not believed.

@@ -90,24 +90,11 @@ struct LazLayers {
   bool extra_bytes = true;
 
   /// Positions and returns, nothing else.
-  static constexpr LazLayers positions() {
-    return {.z = true,
-            .classification = false,
-            .flags = false,
-            .intensity = false,
-            .scan_angle = false,
-            .user_data = false,
-            .point_source = false,
-            .gps_time = false,
-            .color = false,
-            .near_infrared = false,
-            .wave_packet = false,
-            .extra_bytes = false};
-  }
+  static constexpr LazLayers positions();
 };
 
 /// Layers of a compressed file that hold the attributes that are kept.
-inline LazLayers layers_of(AttributeSet kept) {
+constexpr LazLayers layers_of(AttributeSet kept) {
   return {.z = true,
           .classification = kept.contains(Attribute::classification),
           .flags = kept.contains(Attribute::flags),
@@ -120,6 +107,10 @@ inline LazLayers layers_of(AttributeSet kept) {
           .near_infrared = kept.contains(Attribute::near_infrared),
           .wave_packet = false,
           .extra_bytes = kept.contains(Attribute::extra_dimensions) || kept.contains(Attribute::normal)};
+}
+
+constexpr LazLayers LazLayers::positions() {
+  return layers_of({});
 }
 
 /// What a LAZ decoder throws when a chunk cannot have been written by any encoder. It knows neither file nor

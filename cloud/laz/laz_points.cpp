@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/laz_points.h"
 
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <optional>
 #include <span>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
@@ -33,6 +33,8 @@ class ChunkUnpacker {
  private:
   using Problem = std::optional<CorruptChunk>;
 
+  template <class Take>
+  std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take);
   void read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count);
   void read_batch_and_sort_out(std::span<const LazChunk> chunks);
   void read_large(std::span<const std::byte> bytes, std::uint64_t point_count, bool ends_there,
@@ -61,7 +63,6 @@ constexpr std::uint64_t k_batch_bytes = 8 << 20;
 constexpr std::uint64_t k_batch_points = 4 << 20;
 constexpr std::uint64_t k_batch_points_sorted_out = 1 << 20;  // these are held unpacked
 constexpr std::uint64_t k_batch_record_bytes = 64 << 20;      // unpacked, which who takes them may hold
-constexpr std::uint64_t k_table_place_bytes = 8;
 constexpr const char* k_other_end = "the chunk does not end with its last point";
 
 /// Most bytes a pointwise chunk can take: no field takes four times its size, however unlikely its values.
@@ -133,19 +134,18 @@ std::vector<LostPoints> ChunkUnpacker::read_chunks(std::span<const LazChunk> chu
   return std::move(lost_);
 }
 
-/// Straight into the rows, all of which are needed.
-void ChunkUnpacker::read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count) {
-  std::vector<std::uint64_t> first_rows(chunks.size(), rows_);
-  for (std::size_t i = 1; i < chunks.size(); ++i)
-    first_rows[i] = first_rows[i - 1] + chunks[i - 1].point_count;
-  sink_.make_room(point_count);
+/// Unpacks the chunks of a batch, each by take(chunk, records, count, first point); tells what is wrong with
+/// each.
+template <class Take>
+std::vector<ChunkUnpacker::Problem> ChunkUnpacker::decode_at_once(std::span<const LazChunk> chunks,
+                                                                  const Take& take) {
   std::vector<Problem> problems(chunks.size());
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
     try {
       const std::size_t used =
           decoders_.local().decode(bytes_of(chunks, i), chunks[i].point_count,
                                    [&](const std::byte* records, std::size_t count, std::uint64_t first) {
-                                     sink_.take(records, count, first_rows[i] + first);
+                                     take(i, records, count, first);
                                    });
       if (used != chunks[i].byte_count) throw CorruptChunk(k_other_end);
     } catch (const CorruptChunk& problem) {
@@ -154,6 +154,18 @@ void ChunkUnpacker::read_batch(std::span<const LazChunk> chunks, std::uint64_t p
     }
     progress_.add(chunks[i].byte_count);
   });
+  return problems;
+}
+
+/// Straight into the rows, all of which are needed.
+void ChunkUnpacker::read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count) {
+  std::vector<std::uint64_t> first_rows(chunks.size(), rows_);
+  for (std::size_t i = 1; i < chunks.size(); ++i)
+    first_rows[i] = first_rows[i - 1] + chunks[i - 1].point_count;
+  sink_.make_room(point_count);
+  const std::vector<Problem> problems =
+      decode_at_once(chunks, [&](std::size_t i, const std::byte* records, std::size_t count,
+                                 std::uint64_t first) { sink_.take(records, count, first_rows[i] + first); });
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     if (problems[i]) meet(*problems[i], chunks_done_ + i, first_rows[i], chunks[i].point_count);
   }
@@ -162,21 +174,11 @@ void ChunkUnpacker::read_batch(std::span<const LazChunk> chunks, std::uint64_t p
 
 /// The same if some chunks may be damaged: rows are made for those that are not.
 void ChunkUnpacker::read_batch_and_sort_out(std::span<const LazChunk> chunks) {
-  std::vector<Problem> problems(chunks.size());
   std::vector<std::vector<std::byte>> unpacked(chunks.size());
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
-    try {
-      const std::size_t used = decoders_.local().decode(
-          bytes_of(chunks, i), chunks[i].point_count,
-          [&](const std::byte* records, std::size_t count, std::uint64_t) {
-            unpacked[i].insert(unpacked[i].end(), records, records + count * layout_.record_size());
-          });
-      if (used != chunks[i].byte_count) throw CorruptChunk(k_other_end);
-    } catch (const CorruptChunk& problem) {
-      problems[i] = problem;
-    }
-    progress_.add(chunks[i].byte_count);
-  });
+  const std::vector<Problem> problems =
+      decode_at_once(chunks, [&](std::size_t i, const std::byte* records, std::size_t count, std::uint64_t) {
+        unpacked[i].insert(unpacked[i].end(), records, records + count * layout_.record_size());
+      });
   std::uint64_t first_point = points_done_;
   for (std::size_t i = 0; i < chunks.size(); ++i) {
     const std::uint64_t count = chunks[i].point_count;
@@ -213,7 +215,7 @@ void ChunkUnpacker::read_large(std::span<const std::byte> bytes, std::uint64_t p
 
 std::vector<LostPoints> ChunkUnpacker::read_in_sequence() {
   const bool one_stream = layout_.compressor == LazCompressor::pointwise;
-  std::uint64_t place = header_.points_place + (one_stream ? 0 : k_table_place_bytes);
+  std::uint64_t place = header_.points_place + (one_stream ? 0 : k_laz_table_place_bytes);
   while (points_done_ < header_.point_count) {
     const std::uint64_t left = header_.point_count - points_done_;
     const std::uint64_t point_count = one_stream ? left : std::min<std::uint64_t>(layout_.chunk_size, left);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/text_scanner.h"
+#include "cloud/table_reader.h"
 
 namespace alidade {
 
@@ -180,23 +181,6 @@ void take_point_count(const TextScanner& scanner, const Lines& lines, PcdHeader&
                  std::to_string(*lines.points));
 }
 
-void check_room(const InputFile& input, const PcdHeader& header, Damage damage) {
-  if (header.format == PcdFormat::binary_compressed) return;  // told by the sizes that stand before the data
-  const bool ascii = header.format == PcdFormat::ascii;
-  // In text, a value takes two bytes with the blank after it; the very last one may lack that.
-  const std::uint64_t left = input.size() - header.data_place;
-  const std::uint64_t room = ascii ? (left + 1) / 2 : left;
-  const std::uint64_t size = ascii ? header.value_count() : header.point_size();
-  if (header.point_count == 0 || (size > 0 && header.point_count <= room / size)) return;
-  if (size > 0 && damage == Damage::read_over) return;
-  throw DamagedFile(
-      {.file = input.name(),
-       .place = "byte " + std::to_string(header.data_place),
-       .problem = "the file is too short for its points",
-       .expected = std::to_string(header.point_count) + " points",
-       .found = size > 0 ? "room for " + std::to_string(room / size) : "points without values"});
-}
-
 }  // namespace
 
 std::uint64_t PcdHeader::point_size() const {
@@ -229,7 +213,15 @@ PcdHeader read_pcd_header(InputFile& input, Damage damage) {
   take_point_count(scanner, lines, header);
   header.data_place = scanner.place();
   header.line_count = scanner.line_number();
-  check_room(input, header, damage);
+  // The sizes of compressed points stand before the data.
+  const bool is_text = header.format == PcdFormat::ascii;
+  if (header.format != PcdFormat::binary_compressed)
+    check_room(input,
+               {.place = header.data_place,
+                .count = header.point_count,
+                .smallest_row = is_text ? header.value_count() : header.point_size(),
+                .is_text = is_text},
+               damage);
   return header;
 }
 

@@ -137,19 +137,15 @@ void find_vertex(const InputFile& input, PlyHeader& header) {
 
 void check_count(const InputFile& input, const PlyHeader& header, Damage damage) {
   const PlyElement& vertex = header.elements[header.vertex];
-  // In text, a value takes two bytes with the blank after it; the very last one may lack that.
-  const std::uint64_t room = header.format == PlyFormat::ascii ? (input.size() - header.data_place + 1) / 2
-                                                               : input.size() - header.data_place;
-  const std::uint64_t size =
-      header.format == PlyFormat::ascii ? vertex.properties.size() : vertex.smallest_size();
-  if (vertex.count == 0 || (size > 0 && vertex.count <= room / size)) return;
-  if (size > 0 && damage == Damage::read_over) return;
-  throw DamagedFile(
-      {.file = input.name(),
-       .place = "byte " + std::to_string(header.data_place),
-       .problem = "the file is too short for its vertices",
-       .expected = std::to_string(vertex.count) + " vertices",
-       .found = size > 0 ? "room for " + std::to_string(room / size) : "vertices without properties"});
+  const bool is_text = header.format == PlyFormat::ascii;
+  check_room(input,
+             {.place = header.data_place,
+              .count = vertex.count,
+              .smallest_row = is_text ? vertex.properties.size() : vertex.smallest_size(),
+              .is_text = is_text,
+              .name = "vertices",
+              .value_name = "properties"},
+             damage);
 }
 
 }  // namespace

@@ -153,32 +153,12 @@ void add_extra(const PointCloud& cloud, std::vector<Property>& properties) {
   }
 }
 
-template <class Value>
-void append_bytes(std::string& text, double number) {
-  std::byte bytes[sizeof(Value)];
-  store(bytes, static_cast<Value>(number));
-  text.append(reinterpret_cast<const char*>(bytes), sizeof bytes);
-}
-
 void append_binary(std::string& text, ScalarType type, double number) {
-  switch (type) {
-    case ScalarType::uint8:
-      return append_bytes<std::uint8_t>(text, number);
-    case ScalarType::int8:
-      return append_bytes<std::int8_t>(text, number);
-    case ScalarType::uint16:
-      return append_bytes<std::uint16_t>(text, number);
-    case ScalarType::int16:
-      return append_bytes<std::int16_t>(text, number);
-    case ScalarType::uint32:
-      return append_bytes<std::uint32_t>(text, number);
-    case ScalarType::int32:
-      return append_bytes<std::int32_t>(text, number);
-    case ScalarType::float32:
-      return append_bytes<float>(text, number);
-    default:
-      return append_bytes<double>(text, number);
-  }
+  with_type(type, [&](auto none) {
+    std::byte bytes[sizeof none];
+    store(bytes, static_cast<decltype(none)>(number));
+    text.append(reinterpret_cast<const char*>(bytes), sizeof bytes);
+  });
 }
 
 /// The shortest digits that give the same number again.

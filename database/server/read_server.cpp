@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/read_server.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 #include "cloud/point_table.h"
 #include "cloud/rows.h"
 #include "database/server/server_cloud.h"

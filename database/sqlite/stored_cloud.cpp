@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/stored_cloud.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fmt/format.h>
 #include <functional>
 #include <iterator>
 #include <numeric>
 
 #include "base/bytes.h"
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 #include "cloud/point_cloud.h"
 #include "cloud/rows.h"
 

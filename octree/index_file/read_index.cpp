@@ -2,7 +2,7 @@
 #include <algorithm>
 
 #include "cloud/cloud_reader.h"
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 #include "cloud/rows.h"
 #include "octree/index_file/index_file.h"
 #include "octree/tree_walk.h"

@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/read_cloud.h"
+#include "cloud/read_in_pieces.h"
 
 namespace alidade::test {
 

@@ -11,15 +11,15 @@
 
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 
 namespace alidade::test {
 
-using Opener = std::unique_ptr<CloudReader> (*)(InputFile);
+using Opener = std::unique_ptr<CloudReader> (*)(InputFile, Damage);
 
 /// Reads one file with one reader, as read_cloud() does it but without looking at the content first.
 inline PointCloud read_alone(Opener open, InputFile file, AttributeSet wanted = AttributeSet::all()) {
-  const auto reader = open(std::move(file));
+  const auto reader = open(std::move(file), Damage::refuse);
   const CoordinateSurvey survey = reader->survey({});
   PointCloud cloud;
   cloud.lattice = fit_lattice({&survey, 1});

@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
+#include "cloud/read_in_pieces.h"
 #include "octree/copc_tree.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"

@@ -31,11 +31,11 @@ void read_images(const std::vector<std::byte>& bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  alidade::test::fuzz_reader(alidade::open_e57, data, size, k_most_per_byte);
+  alidade::test::fuzz_damaged(alidade::open_e57, data, size, k_most_per_byte);
   const auto input = std::as_bytes(std::span(data, size));
   std::vector<std::byte> bytes(input.begin(), input.end());
   alidade::test::seal_e57(bytes);
-  alidade::test::fuzz_reader(alidade::open_e57, reinterpret_cast<const std::uint8_t*>(bytes.data()), size,
+  alidade::test::fuzz_damaged(alidade::open_e57, reinterpret_cast<const std::uint8_t*>(bytes.data()), size,
                              k_most_per_byte);
   read_images(bytes);
   return 0;

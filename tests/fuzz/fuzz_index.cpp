@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cloud/cloud_reader.h"
+#include "cloud/read_in_pieces.h"
 #include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"

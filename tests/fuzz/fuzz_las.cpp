@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
+#include "cloud/read_in_pieces.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));

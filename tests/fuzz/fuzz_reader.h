@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 
 namespace alidade::test {
 
@@ -42,13 +42,7 @@ void fuzz_opened(const Open& open, const std::uint8_t* data, std::size_t size, s
   }
 }
 
-/// The same by a function of cloud_reader.h.
-inline void fuzz_reader(std::unique_ptr<CloudReader> (*open)(InputFile), const std::uint8_t* data,
-                        std::size_t size, std::size_t largest_ratio) {
-  fuzz_opened(open, data, size, largest_ratio);
-}
-
-/// The same with and without reading over damage.
+/// The same by a function of cloud_reader.h, with and without reading over damage.
 inline void fuzz_damaged(std::unique_ptr<CloudReader> (*open)(InputFile, Damage), const std::uint8_t* data,
                          std::size_t size, std::size_t largest_ratio) {
   for (const Damage damage : {Damage::refuse, Damage::read_over}) {

@@ -9,6 +9,7 @@
 
 #include "camera/camera.h"
 #include "cloud/cloud_reader.h"
+#include "cloud/read_in_pieces.h"
 #include "renderer/cloud_in_view.h"
 #include "tests/cloud/copc/copc_builder.h"
 

@@ -266,7 +266,7 @@ TEST(Pcd, reads_files_of_other_programs) {
 TEST(Pcd, a_file_without_header_is_not_pcd) {
   const std::filesystem::path path = shared_data("malformed/missingheader.pcd");
   if (path.empty()) GTEST_SKIP() << k_no_shared_data;
-  const std::string message = error_of([&] { open_pcd(path); });
+  const std::string message = error_of([&] { open_pcd(InputFile(path)); });
   EXPECT_NE(message.find("missingheader.pcd:line 1: unknown line in the header"), std::string::npos)
       << message;
   EXPECT_EQ(read_alone(open_text, InputFile(path)).size(), 10u);

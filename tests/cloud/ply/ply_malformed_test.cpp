@@ -106,7 +106,7 @@ TEST(PlyMalformed, every_truncation_is_an_error_or_a_clean_read) {
 TEST(PlyMalformed, malformed_files_of_other_projects) {
   const std::filesystem::path no_vertex = shared_data("malformed/no_vertex.ply");
   if (no_vertex.empty()) GTEST_SKIP() << k_no_shared_data;
-  const std::string message = error_of([&] { open_ply(no_vertex); });
+  const std::string message = error_of([&] { open_ply(InputFile(no_vertex)); });
   EXPECT_NE(message.find("no_vertex.ply:line 3: the header has no points"), std::string::npos) << message;
   const PointCloud odd = read_alone(open_ply, InputFile(shared_data("malformed/unsized_dims.ply")));
   ASSERT_EQ(odd.size(), 1u);

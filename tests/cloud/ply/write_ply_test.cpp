@@ -44,7 +44,7 @@ PointCloud full_cloud() {
 }
 
 PointCloud read_back(const std::filesystem::path& path, const Lattice& lattice) {
-  const auto reader = open_ply(path);
+  const auto reader = open_ply(InputFile(path));
   PointCloud cloud;
   cloud.lattice = lattice;
   reader->survey({});
@@ -82,7 +82,7 @@ TEST_P(WritePly, world_coordinates_are_written_without_rounding) {
   const std::filesystem::path path = test_folder() / "cloud.ply";
   const PointCloud cloud = full_cloud();
   write_ply(path, cloud, {.encoding = GetParam()});
-  const auto survey = open_ply(path)->survey({});
+  const auto survey = open_ply(InputFile(path))->survey({});
   EXPECT_EQ(survey.bounds.min, cloud.bounds().min);
   EXPECT_EQ(survey.bounds.max, cloud.bounds().max);
 }

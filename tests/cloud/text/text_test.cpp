@@ -251,7 +251,7 @@ TEST(Text, reads_files_of_other_programs) {
 TEST(Text, a_header_that_names_a_column_twice_is_an_error) {
   const std::filesystem::path path = shared_data("malformed/badheader.txt");
   if (path.empty()) GTEST_SKIP() << k_no_shared_data;
-  const std::string message = error_of([&] { open_text(path); });
+  const std::string message = error_of([&] { open_text(InputFile(path)); });
   EXPECT_NE(message.find("badheader.txt:line 1: two columns have the same name"), std::string::npos)
       << message;
 }

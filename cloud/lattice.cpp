@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/error.h"
 
@@ -86,6 +86,19 @@ std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to
     steps[axis] = static_cast<std::int64_t>(whole);
   }
   return steps;
+}
+
+LatticeShift::LatticeShift(const Lattice& from, const Lattice& to, std::string file)
+    : file_(std::move(file)) {
+  const std::optional<glm::i64vec3> steps = steps_between(from, to);
+  if (!steps) throw Error({.file = file_, .problem = "does not share the lattice of the files before it"});
+  steps_ = *steps;
+}
+
+void LatticeShift::refuse(const glm::i64vec3& steps) const {
+  throw Error({.file = file_,
+               .problem = "lies too far from the first file to share its lattice of 32-bit steps",
+               .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
 }
 
 }  // namespace alidade

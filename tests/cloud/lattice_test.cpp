@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "cloud/fit_lattice.h"
+#include "cloud/lattice.h"
 
 #include <gtest/gtest.h>
 
