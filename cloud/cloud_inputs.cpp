@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/cloud_inputs.h"
 
+#include <fmt/format.h>
+#include <fnmatch.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <fmt/format.h>
-#include <fnmatch.h>
 #include <string>
 #include <string_view>
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <map>
 #include <optional>

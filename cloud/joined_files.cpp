@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/joined_files.h"
 
-#include <algorithm>
 #include <fmt/format.h>
-#include <set>
 #include <sys/stat.h>
+#include <algorithm>
+#include <set>
 #include <tuple>
 #include <utility>
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/rows.h"
 
+#include <tbb/parallel_for_each.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
@@ -8,7 +9,6 @@
 #include <cstring>
 #include <functional>
 #include <iterator>
-#include <tbb/parallel_for_each.h>
 #include <vector>
 
 #include "cloud/point_cloud.h"

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/select_points.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <limits>
 #include <span>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 #include <vector>
 
 #include "base/error.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/copc/copc_hierarchy.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <map>
 #include <set>
 #include <utility>

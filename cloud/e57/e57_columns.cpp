@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/e57/e57_columns.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <optional>
 #include <string>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/e57/e57_xml.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <numbers>
 #include <string_view>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/chunk_table.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <cstdint>
-#include <fmt/format.h>
 #include <utility>
 
 #include "base/bytes.h"

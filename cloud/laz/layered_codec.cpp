@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/layered_codec.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstddef>
 #include <cstring>
-#include <fmt/format.h>
 #include <string_view>
 
 #include "base/bytes.h"
@@ -171,9 +171,10 @@ void LayeredDecoder::State::check_changes(std::span<const LayeredPoint> block,
     std::size_t layer;
     std::string_view name;
   };
-  constexpr std::array<ChangedAttribute, 3> k_attributes = {{{LayeredPoint::k_scan_angle, 5, "scan angle"},
-                                                      {LayeredPoint::k_point_source, 7, "point source"},
-                                                      {LayeredPoint::k_gps_time, 8, "GPS time"}}};
+  constexpr std::array<ChangedAttribute, 3> k_attributes = {
+      {{LayeredPoint::k_scan_angle, 5, "scan angle"},
+       {LayeredPoint::k_point_source, 7, "point source"},
+       {LayeredPoint::k_gps_time, 8, "GPS time"}}};
   for (const ChangedAttribute& attribute : k_attributes) {
     if (head.layer_sizes()[attribute.layer] != 0) continue;
     const auto changed = std::find_if(block.begin(), block.end(),

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/laz_points.h"
 
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <optional>
 #include <span>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/stored_cloud.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fmt/format.h>
 #include <functional>
 #include <iterator>
 #include <numeric>
@@ -14,7 +14,7 @@
 #include "cloud/point_cloud.h"
 #include "cloud/rows.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 bool is_attribute(const StoredBlob& blob, Attribute attribute) {
@@ -359,4 +359,4 @@ CloudDatabase sqlite_clouds() {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::database
