@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "base/fingerprint.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
-#include <fmt/format.h>
 #include <utility>
 
 #include "base/bytes.h"

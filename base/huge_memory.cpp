@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "base/huge_memory.h"
 
+#include <fmt/format.h>
+#include <sys/mman.h>
 #include <algorithm>
 #include <cstdint>
-#include <fmt/format.h>
 #include <fstream>
 #include <limits>
 #include <new>
 #include <optional>
 #include <string>
-#include <sys/mman.h>
 
 #include "base/error.h"
 

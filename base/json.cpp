@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "base/json.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tuple>
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <mutex>
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
 #include <vector>
 
 #include "base/progress.h"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "camera/camera.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
@@ -15,7 +15,7 @@
 #include "base/ray.h"
 #include "camera/projection.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 double tangent_of_degrees(double degrees) {
@@ -257,4 +257,4 @@ std::array<double, 6> ground_transform(const Camera& camera) {
   return {corner.x, across.x, down.x, corner.y, across.y, down.y};
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

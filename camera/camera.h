@@ -12,7 +12,7 @@
 #include "base/ray.h"
 #include "camera/lens.h"
 
-namespace alidade {
+namespace alidade::camera {
 
 /// Where the optical axis of a camera points and which axes its own frame has.
 enum class AxisConvention {
@@ -101,4 +101,4 @@ CameraPose pose_from_world_to_camera(const glm::dmat3& rotation, const glm::dvec
 /// parallel, or do not point straight down.
 std::array<double, 6> ground_transform(const Camera& camera);
 
-}  // namespace alidade
+}  // namespace alidade::camera

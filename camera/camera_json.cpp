@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 /// "key": value, for values that are not the default 0.
@@ -92,4 +92,4 @@ std::string camera_json(const Camera& camera) {
       camera.cy, distortion.empty() ? "" : "\"distortion\": " + distortion + ", ", rows);
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

@@ -8,7 +8,7 @@
 #include "base/json.h"
 #include "camera/camera.h"
 
-namespace alidade {
+namespace alidade::camera {
 
 /// The camera as a camera file on one line; parse_camera gives back the same camera, bit for bit.
 std::string camera_json(const Camera& camera);
@@ -23,4 +23,4 @@ Camera parse_camera(std::string_view text, const std::filesystem::path& name);
 /// The same from a node; its "version" may be left out when it stands inside a scene.
 Camera read_camera_node(const JsonNode& node);
 
-}  // namespace alidade
+}  // namespace alidade::camera

@@ -11,7 +11,7 @@
 #include "camera/camera_json.h"
 #include "camera/formats/camera_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 namespace fs = std::filesystem;
@@ -126,4 +126,4 @@ const NamedCamera& camera_called(const CameraSet& set, const std::string& name, 
                                nearest.empty() ? names.front() : nearest)});
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

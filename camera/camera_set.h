@@ -9,7 +9,7 @@
 #include "camera/camera.h"
 #include "cloud/e57/e57_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 
 /// A camera under the name of its photo, or what else its file calls it.
 struct NamedCamera {
@@ -58,4 +58,4 @@ const NamedCamera& camera_called(const CameraSet& set, const std::string& name, 
 /// focal lengths that cameras cannot have.
 std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture);
 
-}  // namespace alidade
+}  // namespace alidade::camera

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-namespace alidade {
+namespace alidade::camera {
 
 /// Coefficients, that of x^0 first.
 using Polynomial = std::vector<double>;
@@ -210,4 +210,4 @@ std::optional<glm::dvec2> DistortionMap::undistort(const glm::dvec2& film) const
   return std::nullopt;
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

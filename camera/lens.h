@@ -9,7 +9,7 @@
 // forward), into a place on a film one focal length behind it; the camera's fx, fy, cx, cy turn that place
 // into pixels. u = X / Z, v = Y / Z; theta = angle off the axis. Formulas: docs/cameras.md.
 
-namespace alidade {
+namespace alidade::camera {
 
 /// How far a film place is moved. With (x, y) the place on the ideal film and q = x^2 + y^2:
 ///   (c, d) = (x, y) (1 + sum radial[i] q^(i+1)) / (1 + sum denominator[i] q^(i+1))
@@ -77,4 +77,4 @@ using Lens = std::variant<PinholeLens, BrownLens, FisheyeLens, FieldOfViewLens, 
 inline constexpr std::array<std::string_view, std::variant_size_v<Lens>> k_lens_names = {
     "pinhole", "brown", "fisheye", "fov", "division", "unified", "dual", "orthographic", "equirectangular"};
 
-}  // namespace alidade
+}  // namespace alidade::camera

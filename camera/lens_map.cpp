@@ -8,7 +8,7 @@
 
 // project() and unproject() of each lens stand together, so that one can be read as the inverse of the other.
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 using Film = std::optional<glm::dvec2>;
@@ -212,4 +212,4 @@ std::optional<LensRay> LensMap::unproject(const glm::dvec2& film) const {
   return std::visit(Unproject{film}, lens_);
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

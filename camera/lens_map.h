@@ -9,7 +9,7 @@
 
 #include "camera/lens.h"
 
-namespace alidade {
+namespace alidade::camera {
 
 /// A distortion ready for use both ways. It holds from the middle of the film up to where its radial part
 /// stops growing: beyond that place it folds over, and what lies there would be seen twice.
@@ -86,4 +86,4 @@ class LensMap {
       lens_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::camera

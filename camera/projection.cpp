@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "camera/projection.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <initializer_list>
 #include <numbers>
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::camera {
 
 std::optional<Ray> Projection::ray(const glm::dvec2& film_position) const {
   const std::optional<LensRay> seen = lens_.unproject(
@@ -153,4 +153,4 @@ void check_camera(const Camera& camera) {
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

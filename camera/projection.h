@@ -9,7 +9,7 @@
 #include "camera/camera.h"
 #include "camera/lens_map.h"
 
-namespace alidade {
+namespace alidade::camera {
 
 /// A camera ready for use: film places, in pixels, to rays and back. Inside the image project() and ray() are
 /// inverse to each other within 1e-9 pixel.
@@ -41,4 +41,4 @@ void check_camera(const Camera& camera);
 /// The same without following the lens over the image: a fold is not found.
 void check_camera_numbers(const Camera& camera);
 
-}  // namespace alidade
+}  // namespace alidade::camera

@@ -17,7 +17,7 @@
 #include "camera/camera.h"
 #include "camera/projection.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 // Wider or narrower views are mistakes; the focal length stays an ordinary number.
@@ -324,4 +324,4 @@ Camera read_camera(const std::filesystem::path& file) {
   return parse_camera(read_text_file(file), file);
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

@@ -18,7 +18,7 @@
 #include "base/output_file.h"
 #include "compare/report/page.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 constexpr std::uint64_t k_most_at_once = 8, k_most_pixels_at_once = std::uint64_t{1} << 25;
@@ -80,8 +80,9 @@ std::size_t workers_for(const std::vector<ImagePair>& pairs) {
 }
 
 void add_thumbnails(PairOutcome& outcome, const ComparisonPictures& pictures) {
-  const auto add = [&](const std::string& name, const BytePicture& picture) {
-    outcome.thumbnails.emplace_back(name, data_url(shrunk(picture, k_thumbnail_side), PicturePacking::jpeg));
+  const auto add = [&](const std::string& name, const image::BytePicture& picture) {
+    outcome.thumbnails.emplace_back(
+        name, image::data_url(image::shrunk(picture, k_thumbnail_side), image::PicturePacking::jpeg));
   };
   add("reference", pictures.reference);
   add("test", pictures.test);
@@ -199,4 +200,4 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
   return outcomes;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -9,14 +9,14 @@
 #include "compare/pair_list.h"
 #include "compare/verdict.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 struct BatchOptions {
   ComparisonOptions comparison;
   std::vector<Threshold> fail_above, warn_above;
   bool keep_thumbnails = false;   ///< for the summary
   std::filesystem::path reports;  ///< folder for a report of each pair, made if absent; empty: none
-  PicturePacking packing = PicturePacking::automatic;
+  image::PicturePacking packing = image::PicturePacking::automatic;
   bool overwrite = false;
   std::vector<std::filesystem::path> kept;  ///< files beside the pictures that reports must not replace
 };
@@ -48,4 +48,4 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
 std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::string& reference,
                          const std::string& test, const std::filesystem::path& page);
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "compare/change_regions.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <tbb/parallel_for.h>
 #include <utility>
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 enum class Grows { yes, no };
@@ -272,4 +272,4 @@ ChangeRegions change_regions(std::span<const float> map, int width, const ImageM
   return changes;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -10,7 +10,7 @@
 
 // Which pixels are set (1) and which are not (0), in a picture with rows of `width`.
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Leaves those set pixels of which at least a share of the 5 x 5 pixels around it, as far as they lie in the
 /// picture, is set: what is not scattered. The corner of a square has 9 of 25. Cost: 25 looks per set pixel.
@@ -58,4 +58,4 @@ struct ChangeRegions {
 ChangeRegions change_regions(std::span<const float> map, int width, const ImageMask& mask,
                              const ChangeOptions& options = {});
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -3,14 +3,14 @@
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
-#include <algorithm>
-#include <cmath>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <algorithm>
+#include <cmath>
 
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 std::string text_of(const ComparedImage& image) {
@@ -20,7 +20,7 @@ std::string text_of(const ComparedImage& image) {
   return text;
 }
 
-std::vector<float> through(const CurveTable& curve, const std::vector<float>& values) {
+std::vector<float> through(const image::CurveTable& curve, const std::vector<float>& values) {
   std::vector<float> result(values.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), 65536), [&](const auto& range) {
     for (std::size_t i = range.begin(); i != range.end(); ++i) result[i] = curve.at(values[i]);
@@ -48,12 +48,12 @@ std::vector<Value> part(const std::vector<Value>& values, int width, const Pixel
 
 std::vector<float> linear_color(const ComparedImage& image) {
   return image.encoding == ColorEncoding::linear ? image.color
-                                                 : through(linear_from_srgb_table(), image.color);
+                                                 : through(image::linear_from_srgb_table(), image.color);
 }
 
 std::vector<float> display_color(const ComparedImage& image) {
   return image.encoding == ColorEncoding::display ? image.color
-                                                  : through(srgb_from_linear_table(), image.color);
+                                                  : through(image::srgb_from_linear_table(), image.color);
 }
 
 bool is_depth(float depth) {
@@ -178,4 +178,4 @@ ComparedImage resized(const ComparedImage& image, int width, int height) {
   return result;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

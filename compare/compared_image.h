@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// What the numbers of an image file mean: files of whole numbers (8, 16 bits) hold sRGB codes, files of
 /// half or float numbers hold linear light.
@@ -86,4 +86,4 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
 /// result.
 ComparedImage resized(const ComparedImage& image, int width, int height);
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "compare/compared_pair.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <algorithm>
+#include <cmath>
 
 #include "compare/compared_image.h"
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 ImageMask cropped_mask(const ImageMask& mask, int width, const PixelRectangle& crop) {
@@ -101,8 +101,8 @@ std::uint8_t code(float value) {
 
 /// Calls value(pixel, channel), which answers sRGB in 0 .. 1.
 template <typename Value>
-BytePicture picture_of(const ComparedImage& image, const Value& value) {
-  BytePicture picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
+image::BytePicture picture_of(const ComparedImage& image, const Value& value) {
+  image::BytePicture picture{image.width, image.height, std::vector<std::uint8_t>(3 * image.pixels())};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, image.pixels(), 1 << 16), [&](const auto& range) {
     for (std::size_t pixel = range.begin(); pixel < range.end(); ++pixel)
       for (std::size_t c = 0; c < 3; ++c) picture.bytes[3 * pixel + c] = code(value(pixel, c));
@@ -112,11 +112,11 @@ BytePicture picture_of(const ComparedImage& image, const Value& value) {
 
 }  // namespace
 
-BytePicture displayed(const ComparedImage& image, double farthest) {
+image::BytePicture displayed(const ComparedImage& image, double farthest) {
   if (!image.color.empty()) {
     if (image.encoding == ColorEncoding::display)
       return picture_of(image, [&](std::size_t pixel, std::size_t c) { return image.color[3 * pixel + c]; });
-    const CurveTable& curve = srgb_from_linear_table();
+    const image::CurveTable& curve = image::srgb_from_linear_table();
     return picture_of(image,
                       [&](std::size_t pixel, std::size_t c) { return curve.at(image.color[3 * pixel + c]); });
   }
@@ -148,7 +148,7 @@ namespace {
 constexpr std::size_t k_bins = 24;
 
 /// What a screen shows, from black to white: Rec. 709's weights on sRGB values.
-std::vector<float> lightness_of(const BytePicture& picture) {
+std::vector<float> lightness_of(const image::BytePicture& picture) {
   std::vector<float> lightness(picture.bytes.size() / 3);
   for (std::size_t i = 0; i < lightness.size(); ++i) {
     const std::uint8_t* const rgb = &picture.bytes[3 * i];
@@ -195,7 +195,7 @@ void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps m
     add_color_map(pictures.flip_map, flip_difference(std::move(flip), pair.reference.width, mask));
     add_color_map(pictures.color_map,
                   made.color ? std::move(*made.color) : color_difference(pair.reference, pair.test, mask));
-    const BytePicture& test = pictures.matched ? *pictures.matched : pictures.test;
+    const image::BytePicture& test = pictures.matched ? *pictures.matched : pictures.test;
     pictures.histograms.push_back(
         {"Lightness", "", 0.0, 1.0,
          count_values("reference", lightness_of(pictures.reference), mask, 0.0, 1.0),
@@ -206,4 +206,4 @@ void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps m
             made.depth ? std::move(*made.depth) : depth_difference(pair.reference, pair.test, mask), "m");
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

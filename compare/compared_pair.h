@@ -9,7 +9,7 @@
 #include "compare/comparison.h"
 #include "image/encoded_picture.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Two pictures of one size and what counts in them.
 struct ComparedPair {
@@ -29,7 +29,7 @@ ComparedPair read_compared_pair(const std::filesystem::path& reference, const st
 /// A picture as a screen shows it: its colours in sRGB, cut off at black and white. Without colours its
 /// normals (x, y, z from -1 .. 1 as red, green, blue), else its depth (white at 0, black at `farthest` and
 /// beyond), else its ids (every point has a colour of its own). NaN is black.
-BytePicture displayed(const ComparedImage& image, double farthest);
+image::BytePicture displayed(const ComparedImage& image, double farthest);
 
 /// The largest finite depth; 0 without any.
 double farthest_depth(const ComparedImage& image);
@@ -46,4 +46,4 @@ struct PairMaps {
 /// are colours. If the test has matched colours (pictures.matched), titles say so.
 void add_maps(ComparisonPictures& pictures, const ComparedPair& pair, PairMaps made, std::vector<float> flip);
 
-}  // namespace alidade
+}  // namespace alidade::compare

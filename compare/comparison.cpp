@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "compare/comparison.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "compare/compared_pair.h"
 #include "compare/metrics/ssim.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 Histogram count_values(std::string name, std::span<const float> values, const ImageMask& mask, double low,
                        double high, std::size_t bins) {
@@ -210,4 +210,4 @@ Comparison compare_files(const std::filesystem::path& reference, const std::file
   return comparison;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -20,7 +20,7 @@
 #include "compare/photographs/color_match.h"
 #include "image/encoded_picture.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// How often values are met: equal steps from `low` to `high`, values outside of them in the first and last.
 struct Histogram {
@@ -95,8 +95,8 @@ struct ColorFigures {
 
 /// Pictures and maps for people.
 struct ComparisonPictures {
-  BytePicture reference, test;
-  std::optional<BytePicture> matched;  ///< the test with matched colours
+  image::BytePicture reference, test;
+  std::optional<image::BytePicture> matched;  ///< the test with matched colours
   std::optional<DifferenceMap> color_map, flip_map, depth_map;
   std::vector<HistogramPicture> histograms;
 
@@ -128,4 +128,4 @@ struct Comparison {
 Comparison compare_files(const std::filesystem::path& reference, const std::filesystem::path& test,
                          const ComparisonOptions& options, const Progress& progress = {});
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "compare/difference_map.h"
 
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <utility>
 
 #include "compare/metrics/pixel_sums.h"
@@ -18,7 +18,7 @@
 #include "image/legend.h"
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 constexpr float k_none = std::numeric_limits<float>::quiet_NaN();
@@ -77,7 +77,7 @@ DifferenceMap empty_map(const ComparedImage& reference, const ComparedImage& tes
   return map;
 }
 
-float display_value(const ComparedImage& image, const CurveTable& curve, std::size_t value) {
+float display_value(const ComparedImage& image, const image::CurveTable& curve, std::size_t value) {
   const float stored = image.color[value];
   return image.encoding == ColorEncoding::display ? stored : curve.at(stored);
 }
@@ -88,7 +88,7 @@ DifferenceMap color_difference(const ComparedImage& reference, const ComparedIma
                                const ImageMask& mask) {
   DifferenceMap map = empty_map(reference, test, mask);
   assert(reference.color.size() == 3 * reference.pixels() && test.color.size() == 3 * test.pixels());
-  const CurveTable& curve = srgb_from_linear_table();
+  const image::CurveTable& curve = image::srgb_from_linear_table();
   fill_values(map, [&](std::size_t pixel) {
     float largest = 0.0f;
     for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
@@ -144,7 +144,7 @@ DifferenceMap depth_difference(const ComparedImage& reference, const ComparedIma
 
 namespace {
 
-constexpr Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
+constexpr image::Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
 constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
 constexpr int k_bar_width = 24, k_bar_height = 240, k_most_ticks = 7;
 
@@ -152,7 +152,7 @@ constexpr int k_bar_width = 24, k_bar_height = 240, k_most_ticks = 7;
 enum class Absence { ignored, nothing, only_reference, only_test };
 
 struct AbsenceStyle {
-  Rgb8 color{};
+  image::Rgb8 color{};
   const char* label;
 };
 
@@ -165,7 +165,7 @@ const AbsenceStyle& style_of(Absence absence) {
   return k_absences[static_cast<std::size_t>(absence)];
 }
 
-Rgb8 to_rgb8(const glm::dvec3& display) {
+image::Rgb8 to_rgb8(const glm::dvec3& display) {
   const auto channel = [](double value) {
     return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
   };
@@ -187,9 +187,9 @@ glm::dvec3 balance_color(double place) {
   return color;
 }
 
-Rgb8 color_at(const DifferenceMap& map, double place) {
+image::Rgb8 color_at(const DifferenceMap& map, double place) {
   return to_rgb8(map.colors == DifferenceColors::balance ? balance_color(place)
-                                                         : map_color(ColorMap::inferno, place));
+                                                         : image::map_color(image::ColorMap::inferno, place));
 }
 
 double place_of(const DifferenceMap& map, double value) {
@@ -213,7 +213,7 @@ MapPixel stronger(const MapPixel& a, const MapPixel& b) {
   return std::isnan(a.value) || std::abs(b.value) > std::abs(a.value) ? b : a;
 }
 
-Rgb8 color_of(const DifferenceMap& map, const MapPixel& pixel) {
+image::Rgb8 color_of(const DifferenceMap& map, const MapPixel& pixel) {
   if (pixel.is_ignored) return style_of(Absence::ignored).color;
   if (std::isnan(pixel.value)) return style_of(Absence::nothing).color;
   if (std::isinf(pixel.value))
@@ -223,14 +223,14 @@ Rgb8 color_of(const DifferenceMap& map, const MapPixel& pixel) {
 
 /// A row of the legend.
 struct Swatch {
-  Rgb8 color{};
+  image::Rgb8 color{};
   std::string label;
 };
 
 class DifferenceDrawer {
  public:
-  DifferenceDrawer(const DifferenceMap& map, const Font& font, int longest_side)
-      : map_(map), font_(font), swatches_(swatches()), ticks_(round_ticks(map.range, k_most_ticks)) {
+  DifferenceDrawer(const DifferenceMap& map, const image::Font& font, int longest_side)
+      : map_(map), font_(font), swatches_(swatches()), ticks_(image::round_ticks(map.range, k_most_ticks)) {
     const int longest = std::max(map.width, map.height);
     shrink_ = (longest + longest_side - 1) / longest_side;
     // Small pictures are shown larger, so that the legend does not dwarf them.
@@ -240,11 +240,11 @@ class DifferenceDrawer {
     box_ = {k_margin, top, k_margin + pixels(map.width), top + pixels(map.height)};
   }
 
-  Canvas draw() const {
+  image::Canvas draw() const {
     const int panel = box_.right + k_margin;
     const int title = k_margin + font_.measure(map_.title, k_title_size).width;
-    Canvas canvas(std::max(panel + panel_width(), title) + k_margin,
-                  std::max(box_.bottom, box_.top + panel_height()) + k_margin, k_paper);
+    image::Canvas canvas(std::max(panel + panel_width(), title) + k_margin,
+                         std::max(box_.bottom, box_.top + panel_height()) + k_margin, k_paper);
     font_.draw(canvas, k_margin, k_margin + k_title_size, map_.title, k_title_size, k_text);
     draw_pixels(canvas);
     canvas.frame({box_.left - 1, box_.top - 1, box_.right + 1, box_.bottom + 1}, k_line);
@@ -278,7 +278,7 @@ class DifferenceDrawer {
 
   int panel_width() const {
     int width = font_.measure(map_.label, k_font_size).width;
-    for (const RoundTick& tick : ticks_)
+    for (const image::RoundTick& tick : ticks_)
       width = std::max(width, k_bar_width + 16 + font_.measure(tick.label, k_font_size).width);
     for (const Swatch& row : swatches_)
       width = std::max(width, k_row + 8 + font_.measure(row.label, k_font_size).width);
@@ -302,7 +302,7 @@ class DifferenceDrawer {
     return result;
   }
 
-  void draw_pixels(Canvas& canvas) const {
+  void draw_pixels(image::Canvas& canvas) const {
     tbb::parallel_for(0, box_.height() / enlarge_, [&](int row) {
       for (int column = 0; column < box_.width() / enlarge_; ++column) {
         const int left = box_.left + column * enlarge_, top = box_.top + row * enlarge_;
@@ -311,7 +311,7 @@ class DifferenceDrawer {
     });
   }
 
-  void draw_legend(Canvas& canvas, int left) const {
+  void draw_legend(image::Canvas& canvas, int left) const {
     int y = box_.top;
     font_.draw(canvas, left, y + 16, map_.label, k_font_size, k_text);
     y += k_row + 4;
@@ -320,7 +320,7 @@ class DifferenceDrawer {
       canvas.fill({left, y + i, left + k_bar_width, y + i + 1}, color_at(map_, place));
     }
     canvas.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
-    for (const RoundTick& tick : ticks_) {
+    for (const image::RoundTick& tick : ticks_) {
       const int at =
           y + static_cast<int>(std::lround((1.0 - place_of(map_, tick.value)) * (k_bar_height - 1)));
       canvas.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
@@ -328,7 +328,7 @@ class DifferenceDrawer {
     }
     y += k_bar_height + k_row;
     for (const Swatch& row : swatches_) {
-      const PixelBox box{left, y, left + k_row, y + k_row - 8};
+      const image::PixelBox box{left, y, left + k_row, y + k_row - 8};
       canvas.fill(box, row.color);
       canvas.frame(box, k_line);
       font_.draw(canvas, box.right + 8, y + 16, row.label, k_font_size, k_text);
@@ -341,17 +341,17 @@ class DifferenceDrawer {
   }
 
   const DifferenceMap& map_;
-  const Font& font_;
+  const image::Font& font_;
   std::vector<Swatch> swatches_;
-  std::vector<RoundTick> ticks_;
+  std::vector<image::RoundTick> ticks_;
   int shrink_ = 1, enlarge_ = 1;
-  PixelBox box_;
+  image::PixelBox box_;
 };
 
 }  // namespace
 
-Canvas paint_difference(const DifferenceMap& map) {
-  Canvas canvas(map.width, map.height, k_paper);
+image::Canvas paint_difference(const DifferenceMap& map) {
+  image::Canvas canvas(map.width, map.height, k_paper);
   tbb::parallel_for(0, map.height, [&](int y) {
     for (int x = 0; x < map.width; ++x) {
       const std::size_t pixel = static_cast<std::size_t>(y) * map.width + static_cast<std::size_t>(x);
@@ -361,13 +361,13 @@ Canvas paint_difference(const DifferenceMap& map) {
   return canvas;
 }
 
-Canvas draw_difference(const DifferenceMap& map, const Font& font, int longest_side) {
+image::Canvas draw_difference(const DifferenceMap& map, const image::Font& font, int longest_side) {
   return DifferenceDrawer(map, font, longest_side).draw();
 }
 
 void write_difference(const DifferenceMap& map, const std::filesystem::path& file, bool overwrite) {
-  const Font font(find_font());
-  write_png(draw_difference(map, font), file, overwrite);
+  const image::Font font(image::find_font());
+  image::write_png(draw_difference(map, font), file, overwrite);
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -13,7 +13,7 @@
 
 // Maps of where two pictures differ, to look at.
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Colours of a map.
 enum class DifferenceColors {
@@ -26,7 +26,7 @@ struct DifferenceMap {
   std::string title;
   std::string label;  ///< what the numbers are, with their unit
   DifferenceColors colors = DifferenceColors::heat;
-  ValueRange range{};  ///< values of the first and last colour
+  image::ValueRange range{};  ///< values of the first and last colour
   int width = 0, height = 0;
   /// NaN: there is nothing to compare. Infinite: only one picture has something there; plus the reference,
   /// minus the test (the other one's surface is infinitely far away).
@@ -50,14 +50,14 @@ DifferenceMap depth_difference(const ComparedImage& reference, const ComparedIma
                                const ImageMask& mask);
 
 /// The map alone, a pixel for a pixel.
-Canvas paint_difference(const DifferenceMap& map);
+image::Canvas paint_difference(const DifferenceMap& map);
 
 /// The map with title and legend, at most `longest_side` pixels long: of larger ones each pixel shows the
 /// strongest value of a square. The same pixels for the same map, font and version of FreeType. Requires
 /// longest_side >= 1.
-Canvas draw_difference(const DifferenceMap& map, const Font& font, int longest_side = 1600);
+image::Canvas draw_difference(const DifferenceMap& map, const image::Font& font, int longest_side = 1600);
 
 /// The same as a PNG file, with the font of find_font(). Errors: those of write_png() and find_font().
 void write_difference(const DifferenceMap& map, const std::filesystem::path& file, bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::compare

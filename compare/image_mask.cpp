@@ -9,7 +9,7 @@
 #include <functional>
 #include <string>
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 /// Leaves the pixels of which `stays(pixel)` is true.
@@ -146,4 +146,4 @@ std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const
   return taken;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -8,7 +8,7 @@
 
 #include "compare/compared_image.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Which pixels count.
 struct ImageMask {
@@ -49,4 +49,4 @@ void ignore_rectangles(ImageMask& mask, const ComparedImage& image,
 /// The metrics do the same for themselves.
 std::uint64_t keep_finite(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test);
 
-}  // namespace alidade
+}  // namespace alidade::compare

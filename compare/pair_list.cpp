@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 namespace fs = std::filesystem;
@@ -156,4 +156,4 @@ std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
   return pairs;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

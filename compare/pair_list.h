@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Two pictures of a batch.
 struct ImagePair {
@@ -28,4 +28,4 @@ std::vector<ImagePair> read_pairs(const std::filesystem::path& file);
 /// The same from a stream of the file's text.
 std::vector<ImagePair> read_pairs(std::istream& stream, const std::filesystem::path& file);
 
-}  // namespace alidade
+}  // namespace alidade::compare

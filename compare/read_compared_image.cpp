@@ -9,7 +9,7 @@
 #include "compare/compared_image.h"
 #include "image/read_picture.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Turns all layers as the EXIF field Orientation asks for (1 to 8; others are taken as 1, upright).
 /// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the picture row 0 and column 0 are.
@@ -288,7 +288,7 @@ class BandReader {
                                                      run.end, type, values);
     // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
     if (!is_read || input_.has_error()) {
-      throw Error({.problem = "a picture with pixels missing: " + image_trouble(input_.geterror())});
+      throw Error({.problem = "a picture with pixels missing: " + image::image_trouble(input_.geterror())});
     }
   }
 
@@ -311,12 +311,12 @@ int largest_code_of(OIIO::TypeDesc type) {
 }  // namespace
 
 ComparedImage read_compared_image(const std::filesystem::path& file) {
-  const std::uint64_t file_size = picture_file_size(file);
+  const std::uint64_t file_size = image::picture_file_size(file);
   // Colours of PNG and TIFF come as they are stored, not multiplied by alpha.
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) fail(file, "not a picture that can be read: " + image_trouble(OIIO::geterror()));
+  if (!input) fail(file, "not a picture that can be read: " + image::image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
   check(spec, file);
   const Places places = places_of(spec, std::string_view(input->format_name()) == "openexr");
@@ -357,4 +357,4 @@ std::uint64_t claimed_pixels(const std::filesystem::path& file) {
          static_cast<std::uint64_t>(std::max(spec.height, 0));
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

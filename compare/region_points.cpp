@@ -10,7 +10,7 @@
 #include "cloud/point_cloud.h"
 #include "cloud/rows.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 constexpr const char* k_region_name = "Region";
@@ -88,4 +88,4 @@ PointCloud points_of_regions(const PointCloud& cloud, std::span<const RegionPoin
   return result;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

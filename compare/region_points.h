@@ -10,7 +10,7 @@
 
 // From pixels back to points: what was there, and what is there now.
 
-namespace alidade {
+namespace alidade::compare {
 
 /// A point that a region shows.
 struct RegionPoint {
@@ -32,4 +32,4 @@ std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const
 /// name. Memory: a copy of these points.
 PointCloud points_of_regions(const PointCloud& cloud, std::span<const RegionPoint> points);
 
-}  // namespace alidade
+}  // namespace alidade::compare

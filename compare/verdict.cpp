@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "compare/verdict.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "base/words.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 using Value = std::optional<double>;
@@ -326,4 +326,4 @@ Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresh
   return verdict;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

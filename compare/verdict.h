@@ -9,7 +9,7 @@
 
 #include "compare/comparison.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Which values of a figure are the good ones.
 enum class Better { lower, higher };
@@ -95,4 +95,4 @@ struct Verdict {
 /// Errors: a threshold on what these pictures do not have (no depth layer, alignment not asked for).
 Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresholds);
 
-}  // namespace alidade
+}  // namespace alidade::compare

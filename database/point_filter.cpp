@@ -6,7 +6,7 @@
 #include "base/bounds.h"
 #include "octree/distance.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 bool contains(const Interval& limits, double value) {
@@ -44,4 +44,4 @@ bool may_hold(const PointFilter& filter, const Bounds& box) {
          });
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -11,7 +11,7 @@
 #include "cloud/point_cloud.h"
 #include "octree/targets.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// Some points of a cloud in a database.
 struct CloudPart {
@@ -51,4 +51,4 @@ bool holds(const PointFilter& filter, const glm::dvec3& point);
 /// of a distance over their boxes (section 4.2), with the bounds of base/interval.h.
 bool may_hold(const PointFilter& filter, const Bounds& box);
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "database/point_stream.h"
 
+#include <tbb/parallel_for.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
@@ -9,8 +11,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <tbb/parallel_for.h>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -20,7 +20,7 @@
 #include "octree/building/sorted_points.h"
 #include "octree/morton.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// Where a place lies along the Morton curve.
 inline WideMortonKey morton_key_of(const LatticePosition& position) {
@@ -346,4 +346,4 @@ std::vector<StoredColumn> streamed_columns(const PiecewiseCloud& whole, const Po
   return stored_columns(cloud);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

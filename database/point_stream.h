@@ -16,7 +16,7 @@
 #include "database/stored_column.h"
 #include "octree/morton.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// Values of one blob (StoredColumn), by row of the cloud.
 struct ValueBlob {
@@ -164,4 +164,4 @@ EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points);
 /// stored_columns() of a cloud that was read piece by piece: those that some piece had.
 std::vector<StoredColumn> streamed_columns(const PiecewiseCloud& whole, const PointStream& points);
 
-}  // namespace alidade
+}  // namespace alidade::database

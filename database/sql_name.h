@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace alidade {
+namespace alidade::database {
 
 /// `text` between two marks, those within it doubled: what is in it cannot end it.
 inline std::string sql_quoted(std::string_view text, char mark) {
@@ -23,4 +23,4 @@ inline std::string sql_text(std::string_view text) {
   return sql_quoted(text, '\'');
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "database/stored_column.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fmt/format.h>
 #include <set>
 #include <string_view>
 #include <type_traits>
@@ -14,7 +14,7 @@
 #include "base/words.h"
 #include "cloud/point_cloud.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 /// Names of columns that every table has, in small letters; those of PostgreSQL last.
@@ -201,4 +201,4 @@ ColumnValue stored_value(const StoredColumn& column, const std::byte* at) {
   return std::span(at, static_cast<std::size_t>(column.size));
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

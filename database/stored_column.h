@@ -12,7 +12,7 @@
 
 #include "cloud/point_cloud.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// What a column of a cloud's table is, beside x, y, z, and where its values lie in a pointcloud table: in
 /// blob `blob` of every chunk, `size` bytes per point, of which the column's number is those at `place`.
@@ -50,4 +50,4 @@ using ColumnValue =
 /// The value whose number is at `at`, or which are column.size bytes there.
 ColumnValue stored_value(const StoredColumn& column, const std::byte* at);
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -7,7 +7,7 @@
 #include "geo/earth.h"
 #include "geo/gdal_reference.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 std::optional<glm::dvec2> transformed(const GdalTransformation& transformation, glm::dvec2 place) {
@@ -70,4 +70,4 @@ std::optional<double> metres_per_unit(const Crs& crs) {
   return metres > 0.0 && std::isfinite(metres) ? std::optional(metres) : std::nullopt;
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

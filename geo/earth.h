@@ -10,7 +10,7 @@
 #include "base/exact_math.h"
 #include "cloud/crs.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// Radius of the sphere that stands for the Earth, metres.
 constexpr double k_earth_radius = 6'371'000.0;
@@ -44,4 +44,4 @@ std::optional<std::vector<glm::dvec3>> lon_lat(const Crs& crs, std::span<const g
 /// and for systems that GDAL does not know.
 std::optional<double> metres_per_unit(const Crs& crs);
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "geo/gdal_reference.h"
 
+#include <fmt/format.h>
+#include <gdal_frmts.h>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
-#include <gdal_frmts.h>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,7 +14,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 /// Appends values of a TIFF file, little endian.
@@ -189,4 +189,4 @@ glm::dvec2 transformed(const glm::dvec2& place, const GdalTransformation& transf
   return image;
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

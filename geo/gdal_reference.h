@@ -3,12 +3,12 @@
 
 #include <cpl_error.h>
 #include <cpl_vsi.h>
-#include <cstddef>
 #include <fmt/format.h>
 #include <gdal.h>
+#include <ogr_srs_api.h>
+#include <cstddef>
 #include <glm/vec2.hpp>
 #include <memory>
-#include <ogr_srs_api.h>
 #include <span>
 #include <string>
 
@@ -17,7 +17,7 @@
 
 // What belongs to GDAL, given back when it is no longer used.
 
-namespace alidade {
+namespace alidade::geo {
 
 /// GDAL says nothing by itself while this lives; what it would have said last is kept.
 class QuietGdal {
@@ -95,4 +95,4 @@ GdalTransformation transformation_to_cloud(const std::string& own, const Observe
 glm::dvec2 transformed(const glm::dvec2& place, const GdalTransformation& transformation,
                        const std::string& source);
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -17,7 +17,7 @@
 #include "base/error.h"
 #include "geo/gdal_reference.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
@@ -76,4 +76,4 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
   file.write(memory.bytes());
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -13,7 +13,7 @@
 #include "base/output_file.h"
 #include "cloud/crs.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// A picture on the ground, but for its pixels.
 struct GroundPicture {
@@ -33,4 +33,4 @@ using FillRows = std::function<void(int first_row, int rows, std::span<std::uint
 void write_geotiff(const std::filesystem::path& name, const GroundPicture& picture, const FillRows& fill,
                    OutputFile& file);
 
-}  // namespace alidade
+}  // namespace alidade::geo

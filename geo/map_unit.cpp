@@ -9,7 +9,7 @@
 
 #include "cloud/crs.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 std::string lower_case(std::string_view text) {
@@ -125,4 +125,4 @@ double metres_per_unit(MapUnit unit) {
   return unit == MapUnit::foot ? k_foot : 1.0;
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -5,7 +5,7 @@
 
 #include "cloud/crs.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// Unit of z, as far as the coordinate reference system tells: "m", "ft", or empty where it names another or
 /// none. The vertical system counts, else the unit of the horizontal one; heights over degrees are metres,
@@ -27,4 +27,4 @@ MapUnit map_unit(const Crs& crs);
 /// Metres of a unit; of an unknown one 1. Requires: not degrees.
 double metres_per_unit(MapUnit unit);
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "geo/raster.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <string>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "base/words.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 /// Whole multiples of the cell size at or beyond both ends.
@@ -92,4 +92,4 @@ void check_raster_name(const std::filesystem::path& file) {
                .found = extension.empty() ? "no extension" : extension});
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -10,7 +10,7 @@
 
 #include "base/bounds.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// No map has more cells than this, 2^31.
 constexpr std::uint64_t k_most_cells = std::uint64_t{1} << 31;
@@ -70,4 +70,4 @@ void check_map_memory(const RasterGrid& grid, int bands);
 /// Errors: the name does not end in .tif or .tiff.
 void check_raster_name(const std::filesystem::path& file);
 
-}  // namespace alidade
+}  // namespace alidade::geo

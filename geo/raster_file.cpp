@@ -12,7 +12,7 @@
 #include "base/output_file.h"
 #include "geo/gdal_reference.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
@@ -106,4 +106,4 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   output.commit();
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -13,7 +13,7 @@
 #include "cloud/crs.h"
 #include "geo/raster.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// One number for every cell, row after row from the north.
 struct RasterBand {
@@ -40,4 +40,4 @@ struct RasterContents {
 /// failures. Memory: the encoded file, overviews included.
 void write_raster(const std::filesystem::path& file, const RasterContents& contents, bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -11,7 +11,7 @@
 #include "geo/gdal_reference.h"
 #include "geo/vector_file.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 struct DestroyGeometry {
@@ -77,4 +77,4 @@ std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
   return polygons;
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -7,7 +7,7 @@
 #include "cloud/select_points.h"
 #include "geo/vector_file.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// Reads the polygons of a GeoJSON, GeoPackage or Shapefile, in the cloud's reference system: those of all
 /// features, also multi-polygons and collections of such, arcs as short chords. Heights are passed over. It
@@ -17,4 +17,4 @@ namespace alidade {
 std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
                                         const ObserverReference& reference);
 
-}  // namespace alidade
+}  // namespace alidade::geo

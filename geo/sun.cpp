@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "geo/sun.h"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <fmt/format.h>
-#include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
 #include <libnova/earth.h>
 #include <libnova/nutation.h>
 #include <libnova/sidereal_time.h>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <numbers>
 #include <vector>
 
 #include "base/error.h"
 #include "geo/earth.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180.0;
@@ -241,4 +241,4 @@ std::string describe(const SunByTime& by_time, const PlacedSun& placed) {
       placed.longitude);
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -9,7 +9,7 @@
 #include "base/date_time.h"
 #include "cloud/crs.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// The sun: a disc of even radiance, infinitely far away.
 struct Sun {
@@ -100,4 +100,4 @@ PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map
 /// One line for people and for the metadata of pictures.
 std::string describe(const SunByTime& by_time, const PlacedSun& placed);
 
-}  // namespace alidade
+}  // namespace alidade::geo

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "geo/vector_file.h"
 
-#include <memory>
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 #include <ogrsf_frmts.h>
+#include <memory>
 
 #include "base/error.h"
 #include "geo/gdal_reference.h"
 
-namespace alidade {
+namespace alidade::geo {
 namespace {
 
 struct DestroyFeature {
@@ -79,4 +79,4 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   return wkt_of_layer(layer);
 }
 
-}  // namespace alidade
+}  // namespace alidade::geo

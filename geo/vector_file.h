@@ -7,7 +7,7 @@
 
 #include "cloud/crs.h"
 
-namespace alidade {
+namespace alidade::geo {
 
 /// What a vector file is read as, for messages.
 struct VectorContent {
@@ -32,4 +32,4 @@ struct ObserverReference {
   std::string whose = "observers";         ///< what they are, for messages
 };
 
-}  // namespace alidade
+}  // namespace alidade::geo

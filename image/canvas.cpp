@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cstddef>
 
-namespace alidade {
+namespace alidade::image {
 
 Canvas::Canvas(int width, int height, const Rgb8& background) : width_(width), height_(height) {
   assert(width > 0 && height > 0);
@@ -48,4 +48,4 @@ void Canvas::frame(const PixelBox& box, const Rgb8& color) {
   fill({box.right - 1, box.top, box.right, box.bottom}, color);
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

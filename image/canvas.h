@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace alidade {
+namespace alidade::image {
 
 /// 8-bit red, green, blue; display-referred (sRGB).
 using Rgb8 = std::array<std::uint8_t, 3>;
@@ -45,4 +45,4 @@ class Canvas {
   std::vector<std::uint8_t> bytes_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "image/color_key.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 std::string with_unit(const std::string& text, const std::string& unit) {
@@ -59,4 +59,4 @@ void check_legend(const ColorKey& key) {
     throw Error({.problem = "a legend has nothing to explain: no point has a value of " + key.word});
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

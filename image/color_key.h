@@ -9,7 +9,7 @@
 
 #include "image/point_color.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// One colour with a meaning of its own.
 struct Swatch {
@@ -67,4 +67,4 @@ std::vector<std::pair<std::string, std::string>> color_metadata(const ColorKey& 
 /// Errors: a legend has nothing to explain, since the colours are the points' own, or there is no point.
 void check_legend(const ColorKey& key);
 
-}  // namespace alidade
+}  // namespace alidade::image

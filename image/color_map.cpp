@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <span>
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 // Control values at even steps, fitted by least squares to the published tables.
@@ -82,4 +82,4 @@ Color16 to_color16(const glm::dvec3& display) {
   return Color16(display * 65535.0 + 0.5);
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

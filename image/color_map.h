@@ -7,7 +7,7 @@
 
 #include "cloud/attributes.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// A way from numbers to colours.
 enum class ColorMap {
@@ -43,4 +43,4 @@ glm::dvec3 map_color(ColorMap map, double place);
 /// Display-referred values in [0, 1] as a point's colour, rounded to the nearest.
 Color16 to_color16(const glm::dvec3& display);
 
-}  // namespace alidade
+}  // namespace alidade::image

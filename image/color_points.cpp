@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "image/color_points.h"
 
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 #include <optional>
-#include <tbb/enumerable_thread_specific.h>
 #include <utility>
 
 #include "base/error.h"
@@ -19,7 +19,7 @@
 #include "image/point_color.h"
 #include "image/point_values.h"
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 constexpr std::int64_t k_day = 24 * 60 * 60;
@@ -216,7 +216,7 @@ std::string time_origin(double origin, const PointCloud& facts) {
 void describe(const PointColoring& coloring, const PointCloud& facts, ColorKey& key) {
   key.word = color_word(coloring);
   key.title = title_of(key.word);
-  if (key.by == PointColor::height) key.unit = height_unit(facts.crs);
+  if (key.by == PointColor::height) key.unit = geo::height_unit(facts.crs);
   if (key.by == PointColor::attribute && key.word == "scan_angle") key.unit = std::string("degrees");
   if (key.by != PointColor::gps_time) return;
   key.title = std::string("GPS time");
@@ -349,4 +349,4 @@ ColoredPoints color_points(const PointColoring& coloring, const AttributeColumns
   return points;
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -14,7 +14,7 @@
 #include "image/point_color.h"
 #include "image/point_values.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// Date and time of day of an adjusted standard GPS time (LAS 1.4: GPS seconds minus 10^9), whole seconds:
 /// "2022-09-06 10:12:33". It is GPS time, ahead of UTC by the leap seconds since 1980 (18 s since 2017).
@@ -65,4 +65,4 @@ struct ColoredPoints {
 ColoredPoints color_points(const PointColoring& coloring, const AttributeColumns& columns,
                            const PointCloud& facts, const PointValues& heights);
 
-}  // namespace alidade
+}  // namespace alidade::image

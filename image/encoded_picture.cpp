@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 [[noreturn]] void fail(const std::string& reason) {
@@ -86,4 +86,4 @@ std::string base64(std::span<const unsigned char> bytes) {
   return text;
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

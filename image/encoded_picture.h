@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace alidade {
+namespace alidade::image {
 
 /// A picture as screens show it: red, green, blue of 8 bits (sRGB), rows from the top.
 struct BytePicture {
@@ -36,4 +36,4 @@ BytePicture shrunk(const BytePicture& picture, int longest_side);
 /// RFC 4648, with padding.
 std::string base64(std::span<const unsigned char> bytes);
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace alidade {
+namespace alidade::image {
 
 std::vector<Layer> all_layers() {
   std::vector<Layer> layers;
@@ -57,4 +57,4 @@ bool Film::holds_any() const {
   return std::ranges::any_of(k_layers, [this](const NamedLayer& known) { return holds(known.layer); });
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

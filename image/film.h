@@ -9,7 +9,7 @@
 #include "base/color.h"
 #include "image/output_settings.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// The finished image, pixel by pixel, row 0 on top. Colour and its variance are means over the pixel's
 /// samples; the other values come from the ray through the pixel's centre and are never filtered. A pixel
@@ -51,4 +51,4 @@ struct Film {
 /// Every layer there is.
 std::vector<Layer> all_layers();
 
-}  // namespace alidade
+}  // namespace alidade::image

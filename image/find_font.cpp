@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::image {
 
 std::span<const std::filesystem::path> font_places() {
   static const std::array<std::filesystem::path, 5> places = {
@@ -26,4 +26,4 @@ std::filesystem::path find_font(std::span<const std::filesystem::path> places) {
                .expected = "DejaVu Sans (Debian: fonts-dejavu-core)"});
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

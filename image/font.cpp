@@ -11,7 +11,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 constexpr char32_t k_replacement = 0xFFFD;
@@ -99,4 +99,4 @@ void Font::draw(Canvas& canvas, int x, int baseline, std::string_view text, int 
   });
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

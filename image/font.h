@@ -8,7 +8,7 @@
 
 #include "image/canvas.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// Where Linux distributions keep DejaVu Sans, the first of them Debian's place.
 std::span<const std::filesystem::path> font_places();
@@ -45,4 +45,4 @@ class Font {
   std::unique_ptr<Face> face_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -23,7 +23,7 @@
 #include "geo/geotiff.h"
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::image {
 
 [[noreturn]] inline void fail_image(const std::filesystem::path& file, const std::string& message) {
   throw Error({.file = file.string(), .problem = "image cannot be written: " + message});
@@ -245,7 +245,8 @@ void write_on_ground(const Film& film, const OutputSettings& output, const Image
       }
     }
   };
-  write_geotiff(output.file, {film.width, film.height, *facts.ground, facts.crs, facts.texts}, fill, file);
+  geo::write_geotiff(output.file, {film.width, film.height, *facts.ground, facts.crs, facts.texts}, fill,
+                     file);
 }
 
 }  // namespace
@@ -280,4 +281,4 @@ void write_png(const Canvas& canvas, const std::filesystem::path& file, bool ove
   output.commit();
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

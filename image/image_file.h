@@ -14,7 +14,7 @@
 #include "image/film.h"
 #include "image/output_settings.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// What an image file says beside its pixels.
 struct ImageFacts {
@@ -36,4 +36,4 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
 /// existing file without `overwrite`; a full disk and other write failures.
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::image

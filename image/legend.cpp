@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "image/legend.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "image/color_key.h"
 #include "image/font.h"
 #include "image/image_file.h"
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 /// mantissa * 10^exponent, both whole.
@@ -291,4 +291,4 @@ void write_legend(const ColorKey& key, const std::filesystem::path& file,
   write_png(canvas, file, overwrite);
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -12,7 +12,7 @@
 #include "image/font.h"
 #include "image/point_color.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// A value on a scale and how it is written.
 struct RoundTick {
@@ -75,4 +75,4 @@ Canvas draw_legend(const ColorKey& key, const LegendLayout& layout, const Font& 
 void write_legend(const ColorKey& key, const std::filesystem::path& file,
                   const std::optional<glm::ivec2>& size, bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -8,7 +8,7 @@
 
 // Apart from the writing, so that who only asks for the format does not load OpenImageIO.
 
-namespace alidade {
+namespace alidade::image {
 
 std::optional<ImageFormat> image_format(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
@@ -30,4 +30,4 @@ void check_image_name(const std::filesystem::path& file) {
                .found = extension.empty() ? "no extension" : extension});
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace alidade {
+namespace alidade::image {
 
 /// One group of image channels.
 enum class Layer { color, depth, distance, normal, position, albedo, id, variance };
@@ -44,4 +44,4 @@ std::optional<ImageFormat> image_format(const std::filesystem::path& file);
 /// Lets a long render fail before it starts. Errors: the name ends in none of them.
 void check_image_name(const std::filesystem::path& file);
 
-}  // namespace alidade
+}  // namespace alidade::image

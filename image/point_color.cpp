@@ -7,7 +7,7 @@
 #include <glm/common.hpp>
 #include <string_view>
 
-namespace alidade {
+namespace alidade::image {
 
 PointColoring coloring_by(std::string_view word) {
   const auto known = std::ranges::find(k_point_colors, word, &NamedPointColor::name);
@@ -109,4 +109,4 @@ std::array<ClassStyle, 256> class_styles(std::span<const ClassColor> changed) {
   return styles;
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

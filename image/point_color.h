@@ -14,7 +14,7 @@
 
 // What gives the points of a cloud their colours, as plain data.
 
-namespace alidade {
+namespace alidade::image {
 
 /// Which of a point's values becomes its colour.
 enum class PointColor {
@@ -94,4 +94,4 @@ struct ClassStyle {
 /// classes have colours of their own; no two of the 256 are equal. `changed` stands above all that.
 std::array<ClassStyle, 256> class_styles(std::span<const ClassColor> changed = {});
 
-}  // namespace alidade
+}  // namespace alidade::image

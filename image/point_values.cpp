@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "image/point_values.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <vector>
 
 #include "cloud/point_table.h"
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 constexpr std::size_t k_block_rows = 2048;
@@ -227,4 +227,4 @@ double place_in(const ValueRange& range, double value) {
   return std::clamp((value - range.low) / (range.high - range.low), 0.0, 1.0);
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

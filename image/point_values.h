@@ -11,7 +11,7 @@
 
 // One number per point, wherever it lies: in a column of a cloud, in an index file's map, or in an octree.
 
-namespace alidade {
+namespace alidade::image {
 
 /// Values of some points.
 struct ValueBlock {
@@ -66,4 +66,4 @@ ValueRange percentiles_of(const PointValues& values, const ValueExtent& extent,
 /// half where both are equal; NaN for NaN.
 double place_in(const ValueRange& range, double value);
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -14,7 +14,7 @@
 #include "base/color.h"
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::image {
 
 std::string image_trouble(const std::string& said) {
   std::vector<std::string> lines;
@@ -150,4 +150,4 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   return pixels;
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

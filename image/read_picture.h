@@ -8,7 +8,7 @@
 
 #include "base/color.h"
 
-namespace alidade {
+namespace alidade::image {
 
 /// What OpenImageIO has to say about a failure, in one line: its lines, without those that another one
 /// repeats and says more of.
@@ -36,4 +36,4 @@ inline constexpr std::uint64_t k_most_sky_pixels = 1u << 27;
 /// many), pixels missing. Memory: 12 bytes per pixel.
 SkyPixels read_sky_image(const std::filesystem::path& file);
 
-}  // namespace alidade
+}  // namespace alidade::image

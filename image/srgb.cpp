@@ -7,7 +7,7 @@
 
 #include "base/color.h"
 
-namespace alidade {
+namespace alidade::image {
 namespace {
 
 // Entry k: the linear value half-way (in the encoded sense) between the codes k and k + 1.
@@ -57,4 +57,4 @@ const CurveTable& srgb_from_linear_table() {
   return table;
 }
 
-}  // namespace alidade
+}  // namespace alidade::image

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace alidade {
+namespace alidade::image {
 
 /// 2^stops, the same bits on every machine (a library's pow or exp2 may differ in the last bit). For |stops|
 /// <= 1000.
@@ -40,4 +40,4 @@ const CurveTable& linear_from_srgb_table();
 /// Linear light -> sRGB value, the inverse. Error below 5e-7.
 const CurveTable& srgb_from_linear_table();
 
-}  // namespace alidade
+}  // namespace alidade::image

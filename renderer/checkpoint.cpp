@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/checkpoint.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <fmt/format.h>
 #include <vector>
 
 #include "base/bytes.h"
@@ -14,7 +14,7 @@
 #include "base/output_file.h"
 #include "renderer/picture_identity.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// The head of a checkpoint, field by field; renderer/checkpoint.h has its bytes.
 struct CheckpointHead {
@@ -334,4 +334,4 @@ CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   return summary;
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

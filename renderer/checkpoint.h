@@ -30,7 +30,7 @@
 //                 per row of tiles       means (3 doubles), counts of met surfaces (4 B) and with noise
 //                                        squares and earlier means (3 floats each), pixel by pixel
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// Writes the state; the file appears whole or not at all, an earlier one stays until then. Nobody may change
 /// the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
@@ -57,4 +57,4 @@ struct CheckpointSummary {
 /// Reads the head alone. Errors: as read_checkpoint().
 CheckpointSummary read_checkpoint_summary(const std::filesystem::path& file);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

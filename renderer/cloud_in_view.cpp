@@ -14,12 +14,12 @@
 #include "cloud/cloud_inputs.h"
 #include "image/color_points.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 /// Where a ray stands in the camera's own axes, seen at distance 1 before the camera: its direction there, or
 /// for parallel rays its origin. Empty behind a right angle.
-std::optional<glm::dvec2> place_at_one(const Ray& ray, const CameraPose& pose, bool is_parallel) {
+std::optional<glm::dvec2> place_at_one(const Ray& ray, const camera::CameraPose& pose, bool is_parallel) {
   const glm::dvec3 way = is_parallel ? ray.origin - pose.position : ray.direction;
   const glm::dvec2 beside(glm::dot(way, pose.right), glm::dot(way, pose.down));
   if (is_parallel) return beside;
@@ -31,12 +31,12 @@ std::optional<glm::dvec2> place_at_one(const Ray& ray, const CameraPose& pose, b
 
 }  // namespace
 
-HalfSpaces view_planes(const Camera& camera) {
+HalfSpaces view_planes(const camera::Camera& camera) {
   constexpr int k_sides = 16, k_places_per_side = 64;
-  const bool is_parallel = std::holds_alternative<OrthographicLens>(camera.lens);
-  const bool is_straight = is_parallel || std::holds_alternative<PinholeLens>(camera.lens);
-  const CameraPose& pose = camera.pose;
-  const Projection projection(camera);
+  const bool is_parallel = std::holds_alternative<camera::OrthographicLens>(camera.lens);
+  const bool is_straight = is_parallel || std::holds_alternative<camera::PinholeLens>(camera.lens);
+  const camera::CameraPose& pose = camera.pose;
+  const camera::Projection projection(camera);
   std::array<double, k_sides> reach;
   reach.fill(-std::numeric_limits<double>::infinity());
   std::array<glm::dvec2, k_sides> sides;
@@ -74,7 +74,7 @@ namespace {
 /// What a camera sees, as a cone around its axis.
 class ViewCone {
  public:
-  explicit ViewCone(const Camera& camera) : pose_(camera.pose), half_angle_(half_angle(camera)) {}
+  explicit ViewCone(const camera::Camera& camera) : pose_(camera.pose), half_angle_(half_angle(camera)) {}
 
   bool meets(const Bounds& box) const {
     const glm::dvec3 way = 0.5 * (box.min + box.max) - pose_.position;
@@ -87,9 +87,9 @@ class ViewCone {
 
  private:
   /// The widest angle along the border of the image; everything if the lens does not see all of it.
-  static double half_angle(const Camera& camera) {
+  static double half_angle(const camera::Camera& camera) {
     constexpr int k_places_per_side = 32;
-    const Projection projection(camera);
+    const camera::Projection projection(camera);
     double widest = 0.0;
     for (int i = 0; i <= k_places_per_side; ++i) {
       const double share = static_cast<double>(i) / k_places_per_side;
@@ -105,7 +105,7 @@ class ViewCone {
     return widest;
   }
 
-  CameraPose pose_;
+  camera::CameraPose pose_;
   double half_angle_;
 };
 
@@ -127,9 +127,10 @@ struct Candidate {
 
 }  // namespace
 
-std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>> files, const Camera* camera,
-                                       std::uint64_t most_points) {
-  const bool is_perspective = camera != nullptr && !std::holds_alternative<OrthographicLens>(camera->lens);
+std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>> files,
+                                       const camera::Camera* camera, std::uint64_t most_points) {
+  const bool is_perspective =
+      camera != nullptr && !std::holds_alternative<camera::OrthographicLens>(camera->lens);
   const std::optional<ViewCone> cone = is_perspective ? std::optional<ViewCone>(*camera) : std::nullopt;
   std::priority_queue<Candidate> candidates;
   const auto add = [&](std::size_t file, std::uint32_t number) {
@@ -179,8 +180,9 @@ std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudSettings& sett
 }
 
 LoadedCloud load_coarse_cloud(const CloudSettings& wanted,
-                              const std::vector<std::unique_ptr<CopcFile>>& files, const Camera* camera,
-                              std::uint64_t most_points, const Progress& progress) {
+                              const std::vector<std::unique_ptr<CopcFile>>& files,
+                              const camera::Camera* camera, std::uint64_t most_points,
+                              const Progress& progress) {
   CloudSettings settings = wanted;
   settings.files.clear();
   double widest = 0.0;
@@ -190,15 +192,16 @@ LoadedCloud load_coarse_cloud(const CloudSettings& wanted,
   }
   settings.radius.reset();
   settings.adapted_radius = AdaptedRadius{.max = widest};
-  const AttributeSet attributes =
-      check_color_of_files(settings.color, settings.files, Damage::refuse, settings.files.front().string());
+  const AttributeSet attributes = image::check_color_of_files(settings.color, settings.files, Damage::refuse,
+                                                              settings.files.front().string());
   const std::vector<ChosenNodes> nodes = nodes_in_view(files, camera, most_points);
-  LoadedCloud loaded = index_cloud(read_copc_nodes(nodes, {.attributes = attributes_for(settings.color),
-                                                           .color_depth = settings.color_depth,
-                                                           .progress = progress}),
-                                   attributes, settings);
+  LoadedCloud loaded =
+      index_cloud(read_copc_nodes(nodes, {.attributes = image::attributes_for(settings.color),
+                                          .color_depth = settings.color_depth,
+                                          .progress = progress}),
+                  attributes, settings);
   choose_radius(settings, loaded);
   return loaded;
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

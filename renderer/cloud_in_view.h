@@ -11,12 +11,12 @@
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// Half-spaces that all have what a camera sees: nothing that lies outside one of them is in the picture.
 /// Tight for pinholes and parallel rays; a little wider for other lenses, whose borders are bent. None if the
 /// camera sees a right angle or more to one side of its axis.
-HalfSpaces view_planes(const Camera& camera);
+HalfSpaces view_planes(const camera::Camera& camera);
 
 /// Which nodes of COPC files to show if no more than `most_points` of their points are to be read: from the
 /// roots down always the node whose points stand furthest apart in the picture (the spacing of its level,
@@ -25,8 +25,8 @@ HalfSpaces view_planes(const Camera& camera);
 /// one of parallel rays, it goes level by level. The roots of all files in view are always among them,
 /// however many points they have. Files without nodes in view have none. Cost: in proportion to the nodes
 /// that are looked at, times the logarithm of their number.
-std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>> files, const Camera* camera,
-                                       std::uint64_t most_points);
+std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>> files,
+                                       const camera::Camera* camera, std::uint64_t most_points);
 
 // A first look at clouds that take long to load, if their files are octrees themselves (COPC).
 
@@ -38,7 +38,8 @@ std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudSettings& sett
 /// `camera`, which may be null. Spheres grow with the gaps that this leaves, whatever radius the settings
 /// have; all else is as load_cloud()'s. `progress` is in points. Errors: as load_cloud().
 LoadedCloud load_coarse_cloud(const CloudSettings& settings,
-                              const std::vector<std::unique_ptr<CopcFile>>& files, const Camera* camera,
-                              std::uint64_t most_points, const Progress& progress = {});
+                              const std::vector<std::unique_ptr<CopcFile>>& files,
+                              const camera::Camera* camera, std::uint64_t most_points,
+                              const Progress& progress = {});
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 constexpr std::uint32_t k_dimensions_per_vertex = 8;
@@ -57,7 +57,7 @@ struct Vertex {
     return result;
   }
   Rgb eval(const glm::dvec3& incoming) const {
-    return alidade::eval(material, surface.color, outgoing, incoming);
+    return renderer::eval(material, surface.color, outgoing, incoming);
   }
 };
 
@@ -312,4 +312,4 @@ void trace_paths(const World& world, const Lights& lights, std::span<const Camer
   PathTracer(world, lights, max_bounces, results).trace(paths);
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -8,7 +8,7 @@
 #include "renderer/sampler.h"
 #include "renderer/surface.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// A path about to begin.
 struct CameraPath {
@@ -46,4 +46,4 @@ constexpr double k_diffuse_roughness = 0.5;
 void trace_paths(const World& world, const Lights& lights, std::span<const CameraPath> paths, int max_bounces,
                  std::span<PathResult> results);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

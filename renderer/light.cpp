@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "renderer/sampling.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 /// Height of the cap of directions under which a sphere is seen; 2, all of them, from inside.
@@ -73,4 +73,4 @@ double Lights::visible_share(std::size_t object, const glm::dvec3& position) con
   return light == nullptr ? 1.0 : std::min(1.0, cap_height(light->sphere, position));
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -9,13 +9,13 @@
 #include "renderer/scene.h"
 #include "renderer/sky.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// The sun prepared for tracing. Its radiance is even over the disc, so a surface that faces it gets pi
 /// sin^2(half the angle) times that: exactly the irradiance the scene asks for.
 class SunDisc {
  public:
-  explicit SunDisc(const Sun& sun) : irradiance_(sun.irradiance) {
+  explicit SunDisc(const geo::Sun& sun) : irradiance_(sun.irradiance) {
     const SineCosine azimuth = sine_cosine_of_degrees(sun.azimuth),
                      elevation = sine_cosine_of_degrees(sun.elevation);
     basis_ = basis_around(glm::normalize(
@@ -131,4 +131,4 @@ class Lights {
   std::vector<SphereLight> spheres_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -20,7 +20,7 @@
 #include "octree/query.h"
 #include "octree/spacing.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 /// Lone points far from all others would become balloons: no sphere is larger than so many times the radius
@@ -72,20 +72,21 @@ std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::d
   return nearest;
 }
 
-PointValues heights(const TreeView& tree) {
-  return {.count = tree.point_count, .for_each_block = [&tree](const VisitBlock& visit) {
-            const auto visit_leaf = [&](const Leaf& leaf) {
-              std::array<double, 256> values;
-              for (std::uint32_t i = 0; i < leaf.count; ++i) {
-                const double z = to_world(tree.lattice, position_of(tree, leaf, i)).z;
-                values[i] = std::fabs(z) <= k_largest_value ? z : std::numeric_limits<double>::quiet_NaN();
-              }
-              ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.place, .ids = {}};
-              if (tree.ids != nullptr) block.ids = {tree.ids + leaf.place, leaf.count};
-              visit(block);
-            };
-            for_each_leaf_in_parallel(tree, Progress(), [&] { return visit_leaf; });
-          }};
+image::PointValues heights(const TreeView& tree) {
+  return {
+      .count = tree.point_count, .for_each_block = [&tree](const image::VisitBlock& visit) {
+        const auto visit_leaf = [&](const Leaf& leaf) {
+          std::array<double, 256> values;
+          for (std::uint32_t i = 0; i < leaf.count; ++i) {
+            const double z = to_world(tree.lattice, position_of(tree, leaf, i)).z;
+            values[i] = std::fabs(z) <= image::k_largest_value ? z : std::numeric_limits<double>::quiet_NaN();
+          }
+          image::ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.place, .ids = {}};
+          if (tree.ids != nullptr) block.ids = {tree.ids + leaf.place, leaf.count};
+          visit(block);
+        };
+        for_each_leaf_in_parallel(tree, Progress(), [&] { return visit_leaf; });
+      }};
 }
 
 namespace {
@@ -110,15 +111,15 @@ void describe(LoadedCloud& loaded, const CloudSettings& settings, PointCloud&& c
 }
 
 /// Frees the columns that the colours do not need.
-void keep_columns(PointCloud& cloud, const PointColoring& coloring) {
-  if (coloring.by != PointColor::rgb) drop(cloud.colors);
-  if (coloring.by != PointColor::intensity) drop(cloud.intensities);
+void keep_columns(PointCloud& cloud, const image::PointColoring& coloring) {
+  if (coloring.by != image::PointColor::rgb) drop(cloud.colors);
+  if (coloring.by != image::PointColor::intensity) drop(cloud.intensities);
   std::erase_if(cloud.extra_dimensions,
                 [&](const ExtraDimension& dimension) { return dimension.name != coloring.attribute; });
 }
 
 /// Takes over the colours, and says where there is none to show.
-void take(ColoredPoints&& points, LoadedCloud& loaded, const CloudSettings& settings) {
+void take(image::ColoredPoints&& points, LoadedCloud& loaded, const CloudSettings& settings) {
   loaded.colors = std::move(points.colors);
   loaded.color = std::move(points.key);
   if (loaded.color.missing_count == 0) return;
@@ -132,22 +133,22 @@ LoadedCloud map_cloud(const CloudSettings& settings, const Progress& progress) {
   const std::uint64_t point_count = index.header().tree.point_count;
   LoadedCloud loaded;
   describe(loaded, settings, PointCloud(index.description()), point_count);
-  const PointColoring coloring =
-      choose_color(settings.color, {index.columns(), index.attributes(), point_count, names(settings.files)},
-                   loaded.warnings);
+  const image::PointColoring coloring = image::choose_color(
+      settings.color, {index.columns(), index.attributes(), point_count, names(settings.files)},
+      loaded.warnings);
   loaded.octree = index.octree(progress);
   loaded.index_checksum = checksum(encode_index_header(index.header()));
-  take(color_points(coloring, index.columns(), index.description(), heights(loaded.octree.view())), loaded,
-       settings);
-  if (coloring.by == PointColor::rgb) loaded.mapped_colors = index.columns().colors;
+  take(image::color_points(coloring, index.columns(), index.description(), heights(loaded.octree.view())),
+       loaded, settings);
+  if (coloring.by == image::PointColor::rgb) loaded.mapped_colors = index.columns().colors;
   return loaded;
 }
 
 LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, const Progress& afterwards) {
   const std::string name = names(settings.files);
-  const AttributeSet seen = check_color_of_files(settings.color, settings.files,
-                                                 settings.partial ? Damage::read_over : Damage::refuse, name);
-  PointCloud cloud = read_cloud(settings.files, {.attributes = attributes_for(settings.color),
+  const AttributeSet seen = image::check_color_of_files(
+      settings.color, settings.files, settings.partial ? Damage::read_over : Damage::refuse, name);
+  PointCloud cloud = read_cloud(settings.files, {.attributes = image::attributes_for(settings.color),
                                                  .color_depth = settings.color_depth,
                                                  .partial = settings.partial,
                                                  .progress = reading});
@@ -159,12 +160,13 @@ LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, 
 LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
                         const Progress& progress) {
   LoadedCloud loaded;
-  const PointColoring coloring = choose_color(
+  const image::PointColoring coloring = image::choose_color(
       settings.color, {columns_of(cloud), attributes, cloud.size(), names(settings.files)}, cloud.warnings);
   keep_columns(cloud, coloring);
   loaded.octree = build(std::move(cloud), {.progress = progress});
-  ColoredPoints points = color_points(coloring, columns_of(cloud), cloud, heights(loaded.octree.view()));
-  if (coloring.by == PointColor::rgb) points.colors = std::move(cloud.colors);
+  image::ColoredPoints points =
+      image::color_points(coloring, columns_of(cloud), cloud, heights(loaded.octree.view()));
+  if (coloring.by == image::PointColor::rgb) points.colors = std::move(cloud.colors);
   describe(loaded, settings, std::move(cloud), loaded.octree.size());
   take(std::move(points), loaded, settings);
   return loaded;
@@ -218,4 +220,4 @@ Bounds visible_bounds(const LoadedCloud& cloud) {
   return bounds;
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

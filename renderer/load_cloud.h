@@ -15,7 +15,7 @@
 #include "octree/octree.h"
 #include "renderer/scene.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// The cloud of a scene, ready to be traced.
 struct LoadedCloud {
@@ -24,7 +24,7 @@ struct LoadedCloud {
   std::span<const Color16> mapped_colors{};  ///< the same instead, in an index file's map that octree keeps
   double radius = 0.0;          ///< metres, the one used; the greatest one where each point has its own
   double spacing_factor = 0.0;  ///< above 0: each point has its own, see RayQuery::spacing_factor
-  ColorKey color;               ///< what the colours show
+  image::ColorKey color;        ///< what the colours show
   Crs crs;
   std::vector<CloudFile> files;
   std::vector<std::string> warnings;
@@ -73,6 +73,6 @@ struct SphereAround {
 std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& place, int max_level);
 
 /// World z of every point, to be coloured by. The tree must outlive it.
-PointValues heights(const TreeView& tree);
+image::PointValues heights(const TreeView& tree);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

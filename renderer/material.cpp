@@ -8,7 +8,7 @@
 
 // Lambert's law: the same radiance in all directions, f = albedo / pi. Contract of the functions: material.h.
 
-namespace alidade {
+namespace alidade::renderer {
 
 inline std::optional<MaterialSample> sample(const Lambertian& material, const Rgb& color,
                                             const glm::dvec3& outgoing, const glm::dvec2& u) {
@@ -197,4 +197,4 @@ Rgb albedo(const Material& material, const Rgb& color) {
   return Rgb(std::holds_alternative<Dielectric>(material) ? 1.0f : 0.0f);
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

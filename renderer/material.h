@@ -8,7 +8,7 @@
 
 #include "base/color.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// Diffuse reflection, equal in all directions. Without an albedo the colour of the hit point is used.
 struct Lambertian {
@@ -78,4 +78,4 @@ double fresnel_reflectance(double cosine, double index);
 
 std::optional<MaterialSample> sample(const Dielectric& material, const glm::dvec3& outgoing, double u_choice);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

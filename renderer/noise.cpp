@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/noise.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <tbb/parallel_for.h>
 
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 const glm::dvec3 k_luminance{0.2126, 0.7152, 0.0722};
@@ -153,7 +153,7 @@ double StopRule::expected_samples(const PictureState& state, std::size_t tile, d
 }
 
 double noise_floor(double exposure) {
-  return 0.01 / exposure_scale(exposure);
+  return 0.01 / image::exposure_scale(exposure);
 }
 
 ReachedNoise reached_noise(const PictureState& state, double floor) {
@@ -165,4 +165,4 @@ ReachedNoise reached_noise(const PictureState& state, double floor) {
   return {*middle, *std::ranges::max_element(errors)};
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

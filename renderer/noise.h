@@ -32,7 +32,7 @@
 //   edges without other noise                    1.1 to 2.2   (4.5 to 7.7)
 //   a plane under a smooth sky, no other noise   1.2 to 3.4   (3 to 88)
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// What a pixel's sum of squared differences (SumBand::squares) is to be multiplied with to become the
 /// variance of its mean. At least two samples: of one, nothing can be known.
@@ -96,4 +96,4 @@ double noise_floor(double exposure);
 /// Median and worst error over the tiles; the state must be kept with noise.
 ReachedNoise reached_noise(const PictureState& state, double floor);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

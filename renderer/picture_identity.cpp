@@ -13,7 +13,7 @@
 // Structs are taken apart by structured bindings: a field that is added to one of them does not compile here
 // until it is written too.
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 class Text {
@@ -67,15 +67,15 @@ class Text {
     add_all(neighbours, factor, max);
   }
   void add(const Color16& color) { add_all(int{color.x}, int{color.y}, int{color.z}); }
-  void add(const ValueRange& range) {
+  void add(const image::ValueRange& range) {
     const auto& [low, high] = range;
     add_all(low, high);
   }
-  void add(const ClassColor& each) {
+  void add(const image::ClassColor& each) {
     const auto& [number, color, name] = each;
     add_all(int{number}, color, name);
   }
-  void add(const PointColoring& coloring) {
+  void add(const image::PointColoring& coloring) {
     const auto& [by, attribute, map, range, percentiles, classes] = coloring;
     add_all(by, attribute, map, range, percentiles, classes);
   }
@@ -104,11 +104,11 @@ class Text {
     const auto& [file, scale, rotation, image] = sky;
     add_all(file, scale, rotation);
     if (!image) return;
-    const SkyPixels& pixels = image->pixels();
+    const image::SkyPixels& pixels = image->pixels();
     add_all(pixels.width, pixels.height);
     add_word(fmt::format("{:016x}", checksum(std::as_bytes(std::span(pixels.values)))));
   }
-  void add(const Sun& sun) {
+  void add(const geo::Sun& sun) {
     const auto& [azimuth, elevation, irradiance, angular_diameter] = sun;
     add_all(azimuth, elevation, irradiance, angular_diameter);
   }
@@ -146,7 +146,7 @@ std::string text_of(const std::vector<Object>& objects) {
 std::string text_of(const Sky& sky) {
   return written(sky);
 }
-std::string text_of(const std::optional<Sun>& sun) {
+std::string text_of(const std::optional<geo::Sun>& sun) {
   return written(sun);
 }
 
@@ -216,7 +216,7 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
                                                     ambient_occlusion_distance(scene.render, cloud))},
       {"target noise", noise_text(options, scene)},
       {"noise sums", keeps_noise(options) ? "kept" : "not kept"},
-      {"camera", scene.camera ? camera_json(*scene.camera) : "none"},
+      {"camera", scene.camera ? camera::camera_json(*scene.camera) : "none"},
       {"objects", text_of(scene.objects)},
       {"sky", text_of(scene.sky)},
       {"sun", text_of(scene.sun)},
@@ -225,4 +225,4 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
   return identity;
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

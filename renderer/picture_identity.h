@@ -10,12 +10,12 @@
 // Parts of a scene as texts that are equal exactly if the parts are: numbers with 17 significant digits, no
 // field left out. They are for comparing, not for reading back.
 
-namespace alidade {
+namespace alidade::renderer {
 
 std::string text_of(const CloudSettings& cloud);
 std::string text_of(const std::vector<Object>& objects);
 std::string text_of(const Sky& sky);
-std::string text_of(const std::optional<Sun>& sun);
+std::string text_of(const std::optional<geo::Sun>& sun);
 
 /// All that the samples of a picture depend on, in a fixed order: what others follow from comes before them,
 /// such as the cloud before a camera that looks at it. Numbers are written so that different ones have
@@ -27,4 +27,4 @@ using PictureIdentity = Identity;
 /// per point.
 PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -7,27 +7,27 @@
 
 #include "camera/camera_json.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 std::string vector_text(const glm::dvec3& v) {
   return fmt::format("{:.17g} {:.17g} {:.17g}", v.x, v.y, v.z);
 }
 
-std::string camera_text(const Camera& camera) {
-  const CameraPose& pose = camera.pose;
+std::string camera_text(const camera::Camera& camera) {
+  const camera::CameraPose& pose = camera.pose;
   return fmt::format(
       "{}, {} x {} pixels, focal length {:.3f} x {:.3f}, principal point {:.3f} {:.3f}, at {:.3f} "
       "{:.3f} {:.3f}, "
       "looking along {:.6f} {:.6f} {:.6f}",
-      k_lens_names[camera.lens.index()], camera.width, camera.height, camera.fx, camera.fy, camera.cx,
+      camera::k_lens_names[camera.lens.index()], camera.width, camera.height, camera.fx, camera.fy, camera.cx,
       camera.cy, pose.position.x, pose.position.y, pose.position.z, pose.forward.x, pose.forward.y,
       pose.forward.z);
 }
 
 }  // namespace
 
-glm::dvec3 position_offset(const Camera& camera) {
+glm::dvec3 position_offset(const camera::Camera& camera) {
   constexpr double k_step = 10000.0;
   glm::dvec3 offset{0.0};
   // Adding 0 turns -0 into 0.
@@ -46,7 +46,7 @@ std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetad
   add("alidade:version", ALIDADE_VERSION);
   add("alidade:command", metadata.command);
   add("alidade:camera", camera_text(metadata.camera));
-  add("alidade:camera_json", camera_json(metadata.camera));
+  add("alidade:camera_json", camera::camera_json(metadata.camera));
   add("alidade:position_offset", vector_text(position_offset(metadata.camera)));
   add("alidade:samples", std::to_string(metadata.render.samples));
   add("alidade:max_bounces", std::to_string(metadata.render.max_bounces));
@@ -63,12 +63,13 @@ std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetad
   return texts;
 }
 
-ImageFacts image_facts(const ImageMetadata& metadata, const OutputSettings& output) {
-  ImageFacts facts{.texts = metadata_texts(metadata),
-                   .position_offset = position_offset(metadata.camera),
-                   .crs = metadata.crs};
-  if (image_format(output.file) == ImageFormat::geotiff) facts.ground = ground_transform(metadata.camera);
+image::ImageFacts image_facts(const ImageMetadata& metadata, const image::OutputSettings& output) {
+  image::ImageFacts facts{.texts = metadata_texts(metadata),
+                          .position_offset = position_offset(metadata.camera),
+                          .crs = metadata.crs};
+  if (image::image_format(output.file) == image::ImageFormat::geotiff)
+    facts.ground = camera::ground_transform(metadata.camera);
   return facts;
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -11,11 +11,11 @@
 #include "image/image_file.h"
 #include "renderer/scene.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// What an image file says about where it comes from.
 struct ImageMetadata {
-  Camera camera;
+  camera::Camera camera;
   RenderSettings render;
   std::string command;  ///< command line, or empty
   std::vector<std::string> cloud_files;
@@ -32,16 +32,16 @@ std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetad
 /// Positions in an image are float, too coarse for coordinates like 5325000. They are therefore stored
 /// relative to this point: the camera's place rounded to 10 km along each axis. It is 0 0 0 for sites around
 /// the origin, and the same for cameras near each other.
-glm::dvec3 position_offset(const Camera& camera);
+glm::dvec3 position_offset(const camera::Camera& camera);
 
 /// What an image file of this name says: the place on the ground only in a GeoTIFF. Errors then: those of
 /// ground_transform().
-ImageFacts image_facts(const ImageMetadata& metadata, const OutputSettings& output);
+image::ImageFacts image_facts(const ImageMetadata& metadata, const image::OutputSettings& output);
 
 /// Writes the film with them. Errors: theirs as well.
-inline void write_image(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
-                        bool overwrite) {
-  write_image(film, output, image_facts(metadata, output), overwrite);
+inline void write_image(const image::Film& film, const image::OutputSettings& output,
+                        const ImageMetadata& metadata, bool overwrite) {
+  image::write_image(film, output, image_facts(metadata, output), overwrite);
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/picture_renderer.h"
 
-#include <algorithm>
-#include <cmath>
-#include <numeric>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include "renderer/checkpoint.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -66,7 +66,7 @@ void RenderWatch::report_progress(Clock::time_point now) {
 }
 
 void RenderWatch::show_preview() {
-  Film film;
+  image::Film film;
   {
     const std::unique_lock<std::shared_mutex> alone(gate_);
     film = reduced(state_, options_.preview->longest_side);
@@ -132,7 +132,7 @@ std::vector<std::size_t> tiles_in_order(const TileGrid& grid) {
 }  // namespace
 
 PictureRenderer::PictureRenderer(const RenderTask& task, const RenderOptions& options, double floor,
-                                 PictureState& state, RenderWatch& watch, Film& film)
+                                 PictureState& state, RenderWatch& watch, image::Film& film)
     : task_(task),
       state_(state),
       watch_(watch),
@@ -270,4 +270,4 @@ void PictureRenderer::expect_total() {
   watch_.expect(static_cast<std::uint64_t>(total));
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

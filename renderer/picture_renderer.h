@@ -17,7 +17,7 @@
 #include "renderer/render.h"
 #include "renderer/tile_tracer.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// Looks after a render while many threads work on its state: progress, previews, checkpoints and the time.
 /// Whichever thread is at hand when something is due does it; the others go on.
@@ -77,7 +77,7 @@ class PictureRenderer {
  public:
   /// `floor`: see noise_floor(). `film` has the layers of the pixels' centres that are asked for.
   PictureRenderer(const RenderTask& task, const RenderOptions& options, double floor, PictureState& state,
-                  RenderWatch& watch, Film& film);
+                  RenderWatch& watch, image::Film& film);
 
   /// Throws Cancelled if the watch says so; the state is whole then, too.
   void run();
@@ -98,11 +98,11 @@ class PictureRenderer {
   const RenderTask& task_;
   PictureState& state_;
   RenderWatch& watch_;
-  Film& film_;
+  image::Film& film_;
   const Tiles order_;
   std::vector<std::uint8_t> filled_;  ///< by tile: the layers of the pixels' centres
   std::optional<StopRule> stop_rule_;
   const bool progressive_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::renderer

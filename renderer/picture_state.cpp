@@ -7,7 +7,7 @@
 
 #include "renderer/noise.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 double square_sum(const glm::vec3& v) {
@@ -85,11 +85,11 @@ void add_samples(PictureState& state, std::size_t tile, std::span<const PathResu
   reached.samples = last;
 }
 
-Film reduced(const PictureState& state, int longest_side) {
+image::Film reduced(const PictureState& state, int longest_side) {
   const int width = state.grid.width(), height = state.grid.height();
   const int factor = (std::max(width, height) + longest_side - 1) / longest_side;
-  constexpr Layer k_color[] = {Layer::color};
-  Film film((width + factor - 1) / factor, (height + factor - 1) / factor, k_color);
+  constexpr image::Layer k_color[] = {image::Layer::color};
+  image::Film film((width + factor - 1) / factor, (height + factor - 1) / factor, k_color);
   std::vector<std::uint32_t> counts(film.count());
   for (std::size_t tile = 0; tile < state.tiles.size(); ++tile) {
     const std::uint32_t samples = state.tiles[tile].samples;
@@ -114,7 +114,7 @@ Film reduced(const PictureState& state, int longest_side) {
   return film;
 }
 
-void move_into_film(PictureState& state, bool with_variance, Film& film) {
+void move_into_film(PictureState& state, bool with_variance, image::Film& film) {
   constexpr Rgb k_unknown(std::numeric_limits<float>::infinity());
   film.color.reserve(film.count());
   film.alpha.reserve(film.count());
@@ -149,4 +149,4 @@ void move_into_film(PictureState& state, bool with_variance, Film& film) {
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -11,7 +11,7 @@
 #include "renderer/integrator.h"
 #include "renderer/tile_tracer.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// What the samples of a row of tiles have added up to, by pixel, rows one after another. Memory per pixel:
 /// 28 bytes, 52 with the sums for noise.
@@ -58,11 +58,11 @@ void add_samples(PictureState& state, std::size_t tile, std::span<const PathResu
 
 /// The picture as it stands, colour and alpha only: each pixel the mean of a square of pixels, as small as
 /// keeps width and height at or below `longest_side`. Pixels without samples are black.
-Film reduced(const PictureState& state, int longest_side);
+image::Film reduced(const PictureState& state, int longest_side);
 
 /// Turns the sums into the film's colour and alpha, which must be empty, and its variance if that is asked
 /// for (the sums for noise must be there). Each band is freed as soon as it has been read, so that the film
 /// takes the place of the sums in memory.
-void move_into_film(PictureState& state, bool with_variance, Film& film);
+void move_into_film(PictureState& state, bool with_variance, image::Film& film);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

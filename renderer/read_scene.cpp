@@ -16,7 +16,7 @@
 
 // Ranges are those of scenes/schema, which the tests compare.
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 /// Radiance and irradiance per channel.
@@ -34,34 +34,34 @@ Rgb read_rgb(const JsonNode& node, const NumberRange& range) {
   return Rgb(node.vector(range));
 }
 
-ValueRange read_range(const JsonNode& node, const NumberRange& allowed) {
+image::ValueRange read_range(const JsonNode& node, const NumberRange& allowed) {
   const std::vector<JsonNode> ends = node.elements(2, 2);
-  const ValueRange range{ends[0].number(allowed), ends[1].number(allowed)};
+  const image::ValueRange range{ends[0].number(allowed), ends[1].number(allowed)};
   if (!(range.low < range.high)) node.fail("range is empty", "the smaller number first");
   return range;
 }
 
 Color16 read_hex_color(const JsonNode& node) {
   const std::string text = node.text();
-  const std::optional<Color16> color = parse_hex_color(text);
+  const std::optional<Color16> color = image::parse_hex_color(text);
   if (!color) node.fail("not a colour", "\"#rrggbb\" in hexadecimal");
   return *color;
 }
 
-ClassColor read_class(const JsonNode& node) {
+image::ClassColor read_class(const JsonNode& node) {
   const JsonFields fields(node, {"class", "color", "name"});
-  ClassColor result;
+  image::ClassColor result;
   result.number = static_cast<std::uint8_t>(fields.require("class").whole_number(0, 255));
   result.color = read_hex_color(fields.require("color"));
   if (const auto name = fields.find("name")) result.name = name->text();
   return result;
 }
 
-std::vector<ClassColor> read_classes(const JsonNode& node) {
-  std::vector<ClassColor> classes;
+std::vector<image::ClassColor> read_classes(const JsonNode& node) {
+  std::vector<image::ClassColor> classes;
   for (const JsonNode& each : node.elements(0, 256)) {
-    const ClassColor read = read_class(each);
-    if (std::ranges::find(classes, read.number, &ClassColor::number) != classes.end())
+    const image::ClassColor read = read_class(each);
+    if (std::ranges::find(classes, read.number, &image::ClassColor::number) != classes.end())
       each.fail("class stands twice", "every class once");
     classes.push_back(read);
   }
@@ -69,22 +69,23 @@ std::vector<ClassColor> read_classes(const JsonNode& node) {
 }
 
 /// "color" of a cloud.
-PointColoring read_coloring(const JsonNode& node) {
-  if (node.is_string()) return coloring_by(node.text());
+image::PointColoring read_coloring(const JsonNode& node) {
+  if (node.is_string()) return image::coloring_by(node.text());
   const JsonFields fields(node, {"by", "map", "range", "percentiles", "classes"});
-  PointColoring coloring;
-  if (const auto by = fields.find("by")) coloring = coloring_by(by->text());
+  image::PointColoring coloring;
+  if (const auto by = fields.find("by")) coloring = image::coloring_by(by->text());
   if (const auto map = fields.find("map")) {
-    std::array<std::string_view, k_color_maps.size() + 1> words{"auto"};
-    std::ranges::transform(k_color_maps, words.begin() + 1, &NamedColorMap::name);
-    if (const std::size_t word = map->choice(words); word > 0) coloring.map = k_color_maps[word - 1].map;
+    std::array<std::string_view, image::k_color_maps.size() + 1> words{"auto"};
+    std::ranges::transform(image::k_color_maps, words.begin() + 1, &image::NamedColorMap::name);
+    if (const std::size_t word = map->choice(words); word > 0)
+      coloring.map = image::k_color_maps[word - 1].map;
   }
   if (const auto range = fields.find("range")) {
     constexpr std::array<std::string_view, 1> words{"auto"};
     if (range->is_string())
       range->choice(words);
     else
-      coloring.range = read_range(*range, {-k_largest_value, k_largest_value});
+      coloring.range = read_range(*range, {-image::k_largest_value, image::k_largest_value});
   }
   if (const auto percentiles = fields.find("percentiles"))
     coloring.percentiles = read_range(*percentiles, {0, 100});
@@ -149,12 +150,12 @@ constexpr std::array<std::string_view, 2> k_by_angles{"azimuth", "elevation"};
 constexpr std::array<std::string_view, 5> k_by_place{"latitude", "longitude", "height", "pressure",
                                                      "temperature"};
 
-Sun read_sun_by_angles(const JsonFields& fields) {
+geo::Sun read_sun_by_angles(const JsonFields& fields) {
   for (const std::string_view key : k_by_place) {
     if (const auto found = fields.find(key))
       found->fail("a sun by place but without a time", "\"date_time\" beside it", "none");
   }
-  Sun sun;
+  geo::Sun sun;
   if (const auto azimuth = fields.find("azimuth")) sun.azimuth = azimuth->number(k_angle);
   if (const auto elevation = fields.find("elevation")) sun.elevation = elevation->number({-90, 90, true});
   if (const auto irradiance = fields.find("irradiance")) sun.irradiance = read_rgb(*irradiance, k_light);
@@ -163,13 +164,13 @@ Sun read_sun_by_angles(const JsonFields& fields) {
   return sun;
 }
 
-SunByTime read_sun_by_time(const JsonNode& date_time, const JsonFields& fields) {
+geo::SunByTime read_sun_by_time(const JsonNode& date_time, const JsonFields& fields) {
   for (const std::string_view key : k_by_angles) {
     if (const auto found = fields.find(key))
       found->fail("a sun both by angles and by time",
                   "\"date_time\" alone, or \"azimuth\" and \"elevation\"");
   }
-  SunByTime sun{.moment = read_date_time(date_time)};
+  geo::SunByTime sun{.moment = read_date_time(date_time)};
   const auto latitude = fields.find("latitude"), longitude = fields.find("longitude");
   if (latitude.has_value() != longitude.has_value())
     (latitude ? *latitude : *longitude).fail("half a place", "\"latitude\" and \"longitude\"", "one of them");
@@ -332,13 +333,13 @@ RenderSettings read_render_settings(const JsonNode& node) {
   return render;
 }
 
-std::vector<Layer> read_layers(const JsonNode& node) {
-  std::array<std::string_view, k_layers.size()> words;
-  std::ranges::transform(k_layers, words.begin(), &NamedLayer::name);
-  std::vector<Layer> layers;
+std::vector<image::Layer> read_layers(const JsonNode& node) {
+  std::array<std::string_view, image::k_layers.size()> words;
+  std::ranges::transform(image::k_layers, words.begin(), &image::NamedLayer::name);
+  std::vector<image::Layer> layers;
   for (const JsonNode& each : node.elements(1, words.size())) {
-    const Layer layer = k_layers[each.choice(words)].layer;
-    for (const Layer earlier : layers) {
+    const image::Layer layer = image::k_layers[each.choice(words)].layer;
+    for (const image::Layer earlier : layers) {
       if (earlier == layer) each.fail("layer stands twice", "every layer once");
     }
     layers.push_back(layer);
@@ -346,12 +347,12 @@ std::vector<Layer> read_layers(const JsonNode& node) {
   return layers;
 }
 
-OutputSettings read_output_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
+image::OutputSettings read_output_settings(const JsonNode& node, const std::filesystem::path& scene_file) {
   const JsonFields fields(node, {"file", "layers", "exposure", "precision"});
-  OutputSettings output;
+  image::OutputSettings output;
   if (const auto file = fields.find("file")) {
     output.file = path_beside(scene_file, *file);
-    if (!image_format(output.file))
+    if (!image::image_format(output.file))
       file->fail("unknown kind of image", "a name that ends in .exr, .png, .jpg, .jpeg or .tif");
   }
   if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
@@ -380,7 +381,8 @@ Scene parse_scene(std::string_view text, const std::filesystem::path& name) {
   if (const auto sky = fields.find("sky")) scene.sky = read_sky(*sky, name);
   if (const auto sun = fields.find("sun")) read_sun(*sun, scene);
   if (const auto camera = fields.find("camera")) {
-    scene.camera = camera->is_string() ? read_camera(path_beside(name, *camera)) : read_camera_node(*camera);
+    scene.camera = camera->is_string() ? camera::read_camera(path_beside(name, *camera))
+                                       : camera::read_camera_node(*camera);
   }
   if (const auto render = fields.find("render")) scene.render = read_render_settings(*render);
   if (const auto output = fields.find("output")) scene.output = read_output_settings(*output, name);
@@ -391,4 +393,4 @@ Scene read_scene(const std::filesystem::path& file) {
   return parse_scene(read_text_file(file), file);
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -8,7 +8,7 @@
 #include "camera/camera_json.h"
 #include "renderer/scene.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// Reads a scene file (docs/scene_format.md, scenes/schema/scene.schema.json). Relative paths in it are taken
 /// relative to the file. A camera may stand in the scene or in a file of its own that the scene names.
@@ -19,4 +19,4 @@ Scene read_scene(const std::filesystem::path& file);
 /// The same from text; `name` is used in messages and relative paths are taken relative to its folder.
 Scene parse_scene(std::string_view text, const std::filesystem::path& name);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -10,7 +10,7 @@
 #include "renderer/picture_renderer.h"
 #include "renderer/render_modes.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 [[noreturn]] void refuse(const char* problem, const char* expected, const std::string& found) {
@@ -33,14 +33,16 @@ void check_options(const Scene& scene, const RenderOptions& options) {
            std::to_string(options.preview->interval));
 }
 
-bool wants(const RenderOptions& options, Layer layer) {
+bool wants(const RenderOptions& options, image::Layer layer) {
   return !options.layers || std::ranges::find(*options.layers, layer) != options.layers->end();
 }
 
 /// The layers that come from the pixels' centres, as far as they are asked for.
-std::vector<Layer> center_layers(const RenderOptions& options) {
-  std::vector<Layer> layers = options.layers.value_or(all_layers());
-  std::erase_if(layers, [](Layer layer) { return layer == Layer::color || layer == Layer::variance; });
+std::vector<image::Layer> center_layers(const RenderOptions& options) {
+  std::vector<image::Layer> layers = options.layers.value_or(image::all_layers());
+  std::erase_if(layers, [](image::Layer layer) {
+    return layer == image::Layer::color || layer == image::Layer::variance;
+  });
   return layers;
 }
 
@@ -66,8 +68,8 @@ RenderStatistics statistics_of(const PictureState& state, const Scene& scene, co
 
 }  // namespace
 
-void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCloud& cloud) {
-  if (std::holds_alternative<OrthographicLens>(camera.lens)) return;
+void check_camera_place(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud) {
+  if (std::holds_alternative<camera::OrthographicLens>(camera.lens)) return;
   const bool all_levels = !scene.cloud || scene.cloud->max_level >= k_max_level;
   const int max_level = all_levels ? k_all_levels : scene.cloud->max_level;
   const std::optional<SphereAround> sphere = sphere_around(cloud, camera.pose.position, max_level);
@@ -78,16 +80,16 @@ void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCl
 }
 
 bool keeps_noise(const RenderOptions& options) {
-  return options.target_noise || wants(options, Layer::variance);
+  return options.target_noise || wants(options, image::Layer::variance);
 }
 
-Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
-            RenderStatistics* statistics) {
+image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options,
+                   RenderStatistics* statistics) {
   check_options(scene, options);
-  const Camera& camera = *scene.camera;
-  check_camera(camera);
+  const camera::Camera& camera = *scene.camera;
+  camera::check_camera(camera);
   if (cloud != nullptr) check_camera_place(camera, scene, *cloud);
-  const Projection projection(camera);
+  const camera::Projection projection(camera);
   World world(scene, cloud);
   world.watch_rays(options.watch_rays);
   const Lights lights(scene);
@@ -105,7 +107,7 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
       if (options.checkpoint->resumed) options.checkpoint->resumed();
     }
   }
-  Film film(camera.width, camera.height, center_layers(options));
+  image::Film film(camera.width, camera.height, center_layers(options));
   RenderWatch watch(options, state, scene.render.samples, std::move(identity));
   try {
     PictureRenderer(task, options, floor, state, watch, film).run();
@@ -120,8 +122,8 @@ Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& o
     statistics->query_seconds = world.query_seconds();
     if (film.holds_any()) statistics->ray_count += film.count();
   }
-  move_into_film(state, wants(options, Layer::variance), film);
+  move_into_film(state, wants(options, image::Layer::variance), film);
   return film;
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

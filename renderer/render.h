@@ -15,7 +15,7 @@
 #include "renderer/scene.h"
 #include "renderer/surface.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// Changes whenever the same scene gives other bytes, so that no checkpoint goes on with samples of another
 /// kind.
@@ -26,7 +26,7 @@ struct PreviewOptions {
   /// Gets colour and alpha, each pixel the mean of a square of the picture's. Called by one thread at a time,
   /// while others go on; first when every pixel has a sample, last when the picture is finished. What it
   /// throws ends the render.
-  std::function<void(const Film& preview)> show;
+  std::function<void(const image::Film& preview)> show;
   double interval = 3.0;    ///< seconds from the end of one to the next, >= 0
   int longest_side = 1024;  ///< pixels, >= 1
 };
@@ -49,7 +49,7 @@ struct RenderOptions {
   /// In camera samples (pixels * samples per pixel); called from one thread at a time. With a time limit or a
   /// target the total is what may be expected.
   Progress progress{};
-  std::optional<std::vector<Layer>> layers{};  ///< to be had in the film; empty = all
+  std::optional<std::vector<image::Layer>> layers{};  ///< to be had in the film; empty = all
   /// Seconds for one picture, time before a resumption included, >= 0. Every pixel gets one sample in any
   /// case; then samples are spread evenly, one tile at most having twice as many as another. Only tiles that
   /// were ahead when a render without limit was interrupted stay so. The bytes depend on the time.
@@ -85,7 +85,7 @@ struct RenderStatistics {
 
 /// Errors: the camera stands inside the sphere of a point (its number is told). Parallel rays have no such
 /// place.
-void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCloud& cloud);
+void check_camera_place(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud);
 
 /// Path-traces the scene (its camera must be set, and pass check_camera() and check_camera_place()). `cloud`
 /// may be null for scenes of objects alone. Runs on as many threads as the caller's oneTBB arena allows; the
@@ -97,7 +97,7 @@ void check_camera_place(const Camera& camera, const Scene& scene, const LoadedCl
 ///
 /// Errors: no camera; a number outside its range; of checkpoints: damage, another picture, a failed write.
 /// Cancelled, if `progress` says so; the checkpoint then holds all samples taken.
-Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
-            RenderStatistics* statistics = nullptr);
+image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options = {},
+                   RenderStatistics* statistics = nullptr);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -6,7 +6,7 @@
 
 #include "renderer/sampling.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 /// Calls visit(path, ray, intersection, surface) for every path that meets a surface and finish(path) for the
@@ -123,4 +123,4 @@ void trace_samples(const World& world, const Lights& lights, const RenderSetting
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -10,7 +10,7 @@
 // radiance in all of them; others show the albedo that image layers have. A ray that meets nothing brings the
 // sky as it is seen, but for trace_flat, which brings black.
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// The metres that count as near in a picture of ambient occlusion: those of the settings, else a twentieth
 /// of the diagonal of visible_bounds(), infinite without points. 0 in other modes.
@@ -36,4 +36,4 @@ void trace_flat(const World& world, std::span<const CameraPath> paths, std::span
 void trace_samples(const World& world, const Lights& lights, const RenderSettings& settings,
                    double ao_distance, std::span<const CameraPath> paths, std::span<PathResult> results);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -13,7 +13,7 @@
 // 2021; shuffling and padding of dimensions: Burley, Practical Hash-based Owen Scrambling, JCGT 2020; mixing:
 // splitmix64's finaliser (Stafford 13).
 
-namespace alidade {
+namespace alidade::renderer {
 
 inline std::uint32_t reverse_bits(std::uint32_t x) {
   x = (x >> 16) | (x << 16);
@@ -88,4 +88,4 @@ class Sampler {
   std::uint64_t dimension_ = 0;
 };
 
-}  // namespace alidade
+}  // namespace alidade::renderer

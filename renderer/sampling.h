@@ -13,7 +13,7 @@
 // numbers in, equal directions out, on every machine. Sources: Pharr, Jakob, Humphreys, Physically Based
 // Rendering, appendix A.
 
-namespace alidade {
+namespace alidade::renderer {
 
 constexpr double k_pi = std::numbers::pi;
 
@@ -72,4 +72,4 @@ inline double pdf_cone(double height) {
   return 1.0 / (2.0 * k_pi * height);
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -24,7 +24,7 @@
 // to the working directory. World coordinates are double, z up, in the unit of the cloud's CRS (metres unless
 // the file says otherwise).
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// How a ray meets the sphere around a point.
 enum class HitMode {
@@ -59,7 +59,7 @@ struct CloudSettings {
   std::optional<double> radius;  ///< of the spheres, metres; empty = "auto", from the measured spacing
   std::optional<AdaptedRadius> adapted_radius;  ///< takes the place of radius
   HitMode hits = HitMode::entry;
-  PointColoring color;
+  image::PointColoring color;
   Material material = Lambertian{};
   NormalMode normals = NormalMode::sphere;  ///< glass points are always spheres
   /// Only the levels 0 to max_level of an index file of organisation layered: a thinned cloud, for previews.
@@ -142,12 +142,12 @@ struct Scene {
   std::optional<CloudSettings> cloud;
   std::vector<Object> objects;
   Sky sky = GradientSky{};
-  std::optional<Sun> sun;
-  std::optional<SunByTime> sun_by_time;  ///< stands in for `sun`, which is made of it before rendering
-  std::string sun_origin;                ///< how `sun` was made, for the metadata of pictures
-  std::optional<Camera> camera;          ///< empty = a view is chosen that shows the whole cloud
+  std::optional<geo::Sun> sun;
+  std::optional<geo::SunByTime> sun_by_time;  ///< stands in for `sun`, which is made of it before rendering
+  std::string sun_origin;                     ///< how `sun` was made, for the metadata of pictures
+  std::optional<camera::Camera> camera;       ///< empty = a view is chosen that shows the whole cloud
   RenderSettings render;
-  OutputSettings output;
+  image::OutputSettings output;
 };
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -8,7 +8,7 @@
 
 #include "base/exact_math.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 constexpr double k_pi = std::numbers::pi;
@@ -45,7 +45,7 @@ double between(double from, double to, double share) {
 
 }  // namespace
 
-SkyImage::SkyImage(SkyPixels pixels, double scale, double rotation)
+SkyImage::SkyImage(image::SkyPixels pixels, double scale, double rotation)
     : pixels_(std::move(pixels)), turns_(rotation / 360.0) {
   const int width = pixels_.width, height = pixels_.height;
   assert(width > 0 && height > 0);
@@ -130,4 +130,4 @@ SkySample SkyImage::sample(const glm::dvec2& u) const {
   return {{azimuth.sine * level, azimuth.cosine * level, sine}, radiance_there, pdf_of(radiance_there)};
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -15,7 +15,7 @@
 // rotation + 360 (x / width - 1/2) degrees, clockwise from north (+y), row y to elevation 180 (1/2 - y /
 // height). Without rotation that is the panorama camera's layout, so a panorama rendered here is a sky.
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// A direction towards the sky.
 struct SkySample {
@@ -33,10 +33,10 @@ class SkyImage {
  public:
   /// Values times `scale`; `rotation` in degrees clockwise. Pixels must be finite, not negative, and as many
   /// as width times height, at least one. Memory: takes the pixels over and adds 8 bytes for each.
-  SkyImage(SkyPixels pixels, double scale, double rotation);
+  SkyImage(image::SkyPixels pixels, double scale, double rotation);
 
   /// Its pixels, scaled: what tells it from other skies.
-  const SkyPixels& pixels() const { return pixels_; }
+  const image::SkyPixels& pixels() const { return pixels_; }
 
   /// Radiance that comes along a unit direction towards the sky.
   Rgb radiance(const glm::dvec3& direction) const { return interpolated(place_of(direction)); }
@@ -64,7 +64,7 @@ class SkyImage {
   double pdf_of(const Rgb& radiance) const;
   const Rgb& value(int column, int row) const;
 
-  SkyPixels pixels_;
+  image::SkyPixels pixels_;
   double turns_ = 0.0;  ///< rotation, in turns
   std::vector<double>
       sines_;  ///< of the elevation, from the top of the first row of cells to the last one's end
@@ -83,4 +83,4 @@ inline Rgb sky_radiance(const Sky& sky, const glm::dvec3& direction) {
   return glm::mix(gradient.horizon, gradient.zenith, static_cast<float>(sine_of_elevation));
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -11,7 +11,7 @@
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 // 32 bits: one that says "known", 7 for trust, 12 + 12 for the normal.
@@ -113,7 +113,7 @@ Surface on_sphere(const Ray& ray, double t, const glm::dvec3& center, double rad
 /// Display value of each world axis: half of it, around middle grey, towards the viewer.
 Color16 normal_color(const Ray& ray, const glm::dvec3& normal) {
   const glm::dvec3 facing = glm::dot(normal, ray.direction) > 0.0 ? -normal : normal;
-  return to_color16(0.5 + 0.5 * facing);
+  return image::to_color16(0.5 + 0.5 * facing);
 }
 
 }  // namespace
@@ -134,7 +134,7 @@ World::World(const Scene& scene, const LoadedCloud* cloud) : objects_(&scene.obj
   cloud_ = CloudGeometry{
       .octree = &cloud->octree,
       .colors = cloud->point_colors(),
-      .shows_normals = cloud->color.by == PointColor::normal,
+      .shows_normals = cloud->color.by == image::PointColor::normal,
       .query = {.radius = cloud->radius,
                 .measure = settings.hits == HitMode::entry ? Measure::entry : Measure::t,
                 .spacing_factor = cloud->spacing_factor,
@@ -273,4 +273,4 @@ Surface World::surface_at(const Ray& ray, const Intersection& intersection) cons
   return surface;
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -17,7 +17,7 @@
 #include "renderer/load_cloud.h"
 #include "renderer/scene.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// Normals for `"normals": "smooth"`: of a plane through all points within a reach, nearer ones weighing
 /// more. Each is worked out when it is first asked for and kept (4 bytes per point), so a picture pays for
@@ -128,4 +128,4 @@ class World {
 /// rounding of coordinates as large as those of the bounds. About 20 nanometres at UTM northings.
 double smallest_entry(const Bounds& bounds, double radius);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

@@ -5,29 +5,29 @@
 
 #include "renderer/render_modes.h"
 
-namespace alidade {
+namespace alidade::renderer {
 namespace {
 
 /// Depth along the camera's axis over distance along the ray. A panorama has no axis: its depth is the
 /// distance.
-double depth_share(const Camera& camera, const Ray& ray) {
-  if (std::holds_alternative<EquirectangularLens>(camera.lens)) return 1.0;
+double depth_share(const camera::Camera& camera, const Ray& ray) {
+  if (std::holds_alternative<camera::EquirectangularLens>(camera.lens)) return 1.0;
   return glm::dot(ray.direction, camera.pose.forward);
 }
 
 void fill_pixel(const RenderTask& task, const Ray& ray, const Intersection& met, std::size_t pixel,
-                Film& film) {
+                image::Film& film) {
   const Surface surface = task.world.surface_at(ray, met);
-  if (film.holds(Layer::depth))
+  if (film.holds(image::Layer::depth))
     film.depth[pixel] = static_cast<float>(met.t * depth_share(task.projection.camera(), ray));
-  if (film.holds(Layer::distance)) film.distance[pixel] = static_cast<float>(met.t);
-  if (film.holds(Layer::normal)) {
+  if (film.holds(image::Layer::distance)) film.distance[pixel] = static_cast<float>(met.t);
+  if (film.holds(image::Layer::normal)) {
     const bool away = glm::dot(surface.normal, ray.direction) > 0.0;
     film.normal[pixel] = glm::vec3(away ? -surface.normal : surface.normal);
   }
-  if (film.holds(Layer::position)) film.position[pixel] = surface.position;
-  if (film.holds(Layer::albedo)) film.albedo[pixel] = albedo(*surface.material, surface.color);
-  if (film.holds(Layer::id)) {
+  if (film.holds(image::Layer::position)) film.position[pixel] = surface.position;
+  if (film.holds(image::Layer::albedo)) film.albedo[pixel] = albedo(*surface.material, surface.color);
+  if (film.holds(image::Layer::id)) {
     film.id[pixel] =
         met.on_cloud ? static_cast<std::uint32_t>(met.index + 1) : static_cast<std::uint32_t>(~met.index);
   }
@@ -66,7 +66,7 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
   return results;
 }
 
-void fill_center_layers(const RenderTask& task, const TileBox& box, Film& film) {
+void fill_center_layers(const RenderTask& task, const TileBox& box, image::Film& film) {
   std::vector<Ray> rays;
   std::vector<std::size_t> pixels;
   for (int y = box.y_begin; y < box.y_end; ++y) {
@@ -83,4 +83,4 @@ void fill_center_layers(const RenderTask& task, const TileBox& box, Film& film) 
     if (met[i]) fill_pixel(task, rays[i], *met[i], pixels[i], film);
 }
 
-}  // namespace alidade
+}  // namespace alidade::renderer

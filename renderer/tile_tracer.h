@@ -10,7 +10,7 @@
 #include "image/film.h"
 #include "renderer/integrator.h"
 
-namespace alidade {
+namespace alidade::renderer {
 
 /// The pixels [x_begin, x_end) of the rows [y_begin, y_end).
 struct TileBox {
@@ -63,7 +63,7 @@ class TileGrid {
 
 /// Everything a pixel needs; the same for all of them.
 struct RenderTask {
-  const Projection& projection;
+  const camera::Projection& projection;
   const RenderSettings& settings;
   const World& world;
   const Lights& lights;
@@ -87,6 +87,6 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
 
 /// Gives the pixels of a box what their centres see, in the layers that the film holds (colour and variance
 /// are left alone).
-void fill_center_layers(const RenderTask& task, const TileBox& box, Film& film);
+void fill_center_layers(const RenderTask& task, const TileBox& box, image::Film& film);
 
-}  // namespace alidade
+}  // namespace alidade::renderer

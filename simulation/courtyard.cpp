@@ -7,7 +7,7 @@
 #include "cloud/las/write_las.h"
 #include "simulation/courtyard_parts.h"
 
-namespace alidade::courtyard_parts {
+namespace alidade::simulation::courtyard_parts {
 
 using glm::dvec2;
 using glm::dvec3;
@@ -218,9 +218,9 @@ void add_cars(Objects& objects, const shapes::Ground& ground) {
   add_car(objects, dvec3(street, shapes::height_at(ground, street).height), {-1.0, 0.0}, {0.80, 0.80, 0.79});
 }
 
-}  // namespace alidade::courtyard_parts
+}  // namespace alidade::simulation::courtyard_parts
 
-namespace alidade {
+namespace alidade::simulation {
 
 namespace courtyard_parts {
 
@@ -319,4 +319,4 @@ void generate_courtyard(const std::filesystem::path& path, const GenerateOptions
   writer.finish();
 }
 
-}  // namespace alidade
+}  // namespace alidade::simulation

@@ -8,7 +8,7 @@
 #include "simulation/scan.h"
 #include "simulation/site.h"
 
-namespace alidade {
+namespace alidade::simulation {
 
 /// The sample site: a courtyard between four wings, in UTM-like coordinates. Always the same, down to the
 /// last leaf. Its own frame has its zero at world (690000, 5325000, 600): x east, y north, the yard's paving
@@ -53,4 +53,4 @@ ScanOptions courtyard_scan(std::uint64_t point_count, std::uint64_t seed);
 /// does not appear.
 void generate_courtyard(const std::filesystem::path& path, const GenerateOptions& options = {});
 
-}  // namespace alidade
+}  // namespace alidade::simulation

@@ -7,7 +7,7 @@
 // Each wall is given from left to right as one stands before it, so the outside lies on the right hand of
 // left -> right.
 
-namespace alidade::courtyard_parts {
+namespace alidade::simulation::courtyard_parts {
 
 using glm::dvec2;
 using glm::dvec3;
@@ -305,4 +305,4 @@ void add_neighbours(Objects& objects) {
   add_house(objects, {-58, 8}, {-47, 26}, false, 6.2, 9.6, k_cream, k_brown_tile);
 }
 
-}  // namespace alidade::courtyard_parts
+}  // namespace alidade::simulation::courtyard_parts

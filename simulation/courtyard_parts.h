@@ -12,7 +12,7 @@
 // What courtyard() is put together from. Positions in the site's own frame: metres, x east, y north, the
 // yard's paving at z = 0.
 
-namespace alidade::courtyard_parts {
+namespace alidade::simulation::courtyard_parts {
 
 using Objects = std::vector<SiteObject>;
 
@@ -83,4 +83,4 @@ void add_roof(Objects& objects, const RoofPlan& plan);
 
 void add_chimney(Objects& objects, const glm::dvec2& place, double bottom, double top);
 
-}  // namespace alidade::courtyard_parts
+}  // namespace alidade::simulation::courtyard_parts

@@ -5,7 +5,7 @@
 #include "simulation/courtyard_parts.h"
 #include "simulation/noise.h"
 
-namespace alidade::courtyard_parts {
+namespace alidade::simulation::courtyard_parts {
 
 using glm::dvec2;
 using glm::dvec3;
@@ -168,4 +168,4 @@ void add_plants(Objects& objects, const shapes::Ground& ground) {
   add_flowers(objects, {-10.6, -12.2}, {-9.4, -5.4}, 420, 83);
 }
 
-}  // namespace alidade::courtyard_parts
+}  // namespace alidade::simulation::courtyard_parts

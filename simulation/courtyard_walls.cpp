@@ -5,7 +5,7 @@
 #include "simulation/courtyard_parts.h"
 #include "simulation/noise.h"
 
-namespace alidade::courtyard_parts {
+namespace alidade::simulation::courtyard_parts {
 
 using glm::dmat3;
 using glm::dvec2;
@@ -176,4 +176,4 @@ void add_chimney(Objects& objects, const dvec2& place, double bottom, double top
        {.material = SiteMaterial::trim, .tint = k_trim_tint}});
 }
 
-}  // namespace alidade::courtyard_parts
+}  // namespace alidade::simulation::courtyard_parts

@@ -13,7 +13,7 @@
 
 // What the colours of a site are put together from. Only +, -, *, / and floor, see finish.h.
 
-namespace alidade::patterns {
+namespace alidade::simulation::patterns {
 
 /// Eases from 0 at `low` to 1 at `high`.
 inline double step_between(double low, double high, double x) {
@@ -51,9 +51,9 @@ inline Stone stone_at(const glm::dvec2& place, const glm::dvec2& size, double jo
           1.0 - step_between(0.25 * joint_width, joint_width, std::min(to_joint_x, to_joint_y))};
 }
 
-}  // namespace alidade::patterns
+}  // namespace alidade::simulation::patterns
 
-namespace alidade {
+namespace alidade::simulation {
 
 /// What color_of() answers on terrain, before it is cut to 0 .. 1.
 glm::dvec3 pavement_color(Pavement pavement, const glm::dvec3& position);
@@ -326,4 +326,4 @@ double reflectance_of(SiteMaterial material, const glm::dvec3& color) {
   return 0.05 + 0.85 * brightness * brightness;  // squared: roughly from display to linear light
 }
 
-}  // namespace alidade
+}  // namespace alidade::simulation

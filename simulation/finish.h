@@ -7,7 +7,7 @@
 
 #include "simulation/shapes.h"
 
-namespace alidade {
+namespace alidade::simulation {
 
 /// What a surface of a site is made of. Decides the pattern of its colour, its class and how strongly it
 /// answers a laser.
@@ -57,4 +57,4 @@ std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint&
 /// leaves and grass.
 double reflectance_of(SiteMaterial material, const glm::dvec3& color);
 
-}  // namespace alidade
+}  // namespace alidade::simulation

@@ -6,7 +6,7 @@
 
 #include "base/exact_math.h"
 
-namespace alidade::shapes {
+namespace alidade::simulation::shapes {
 
 namespace {
 
@@ -122,4 +122,4 @@ std::optional<double> intersect_ground(const Ground& ground, const Ray& whole_ra
   return std::nullopt;
 }
 
-}  // namespace alidade::shapes
+}  // namespace alidade::simulation::shapes

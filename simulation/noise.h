@@ -8,7 +8,7 @@
 // Numbers that look random but belong to a place or a counter. Integer hashing and exact double operations
 // only.
 
-namespace alidade {
+namespace alidade::simulation {
 
 /// Spreads 64 bits over 64 bits, one to one. The finisher of the SplitMix64 generator (Steele, Lea, Flood
 /// 2014).
@@ -61,4 +61,4 @@ inline double smooth_noise(const glm::dvec3& place, std::uint32_t seed) {
   return low + w * (sheet(1) - low);
 }
 
-}  // namespace alidade
+}  // namespace alidade::simulation

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/scan.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/parallel_reduce.h>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -8,13 +11,10 @@
 #include <glm/geometric.hpp>
 #include <memory>
 #include <numbers>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/parallel_reduce.h>
 
 #include "simulation/noise.h"
 
-namespace alidade {
+namespace alidade::simulation {
 namespace {
 
 constexpr double radians(double degrees) {
@@ -35,8 +35,8 @@ StationBeams::StationBeams(const TerrestrialScanner& scanner, double steps_per_d
 
 Beam StationBeams::beam(const Station& station, std::uint64_t index) const {
   const std::uint64_t column = index / rows_.size(), row = index % rows_.size();
-  const SineCosine azimuth =
-      sine_cosine_by_quarters(radians(360.0) * ((static_cast<double>(column) + 0.5) / static_cast<double>(columns_)));
+  const SineCosine azimuth = sine_cosine_by_quarters(
+      radians(360.0) * ((static_cast<double>(column) + 0.5) / static_cast<double>(columns_)));
   const SineCosine& elevation = rows_[row];
   const double share = (static_cast<double>(row) + 0.5) / static_cast<double>(rows_.size());
   const double degrees_from_nadir =
@@ -358,4 +358,4 @@ void scan(const Site& site, const ScanOptions& options, const PointSink& sink, c
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::simulation

@@ -12,7 +12,7 @@
 #include "cloud/point_cloud.h"
 #include "simulation/site.h"
 
-namespace alidade {
+namespace alidade::simulation {
 
 /// Where a terrestrial scanner stands: centre of its mirror, world coordinates.
 struct Station {
@@ -146,4 +146,4 @@ AttributeSet scan_attributes();
 /// memory: some 20 MB.
 void scan(const Site& site, const ScanOptions& options, const PointSink& sink, const Progress& progress = {});
 
-}  // namespace alidade
+}  // namespace alidade::simulation

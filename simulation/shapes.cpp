@@ -6,7 +6,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-namespace alidade::shapes {
+namespace alidade::simulation::shapes {
 
 namespace {
 
@@ -345,4 +345,4 @@ Bounds bounds_of(const Shape& shape) {
   return std::visit([](const auto& any) { return bounds_of_shape(any); }, shape);
 }
 
-}  // namespace alidade::shapes
+}  // namespace alidade::simulation::shapes

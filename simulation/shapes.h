@@ -15,7 +15,7 @@
 // zero). Everything is double; every intersection is a closed form, except the rolling ground's, which is
 // solved to rounding.
 
-namespace alidade::shapes {
+namespace alidade::simulation::shapes {
 
 struct Sphere {
   glm::dvec3 center{0.0};
@@ -157,4 +157,4 @@ double amplitude_of(const Ground& ground);
 /// step is as far as the bound on the ground's curvature proves to be free.
 std::optional<double> intersect_ground(const Ground& ground, const Ray& ray);
 
-}  // namespace alidade::shapes
+}  // namespace alidade::simulation::shapes

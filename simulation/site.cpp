@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-namespace alidade {
+namespace alidade::simulation {
 
 namespace {
 
@@ -227,4 +227,4 @@ bool occluded(const Site& site, const Ray& ray) {
 
 }  // namespace brute_force
 
-}  // namespace alidade
+}  // namespace alidade::simulation

@@ -14,7 +14,7 @@
 #include "simulation/finish.h"
 #include "simulation/shapes.h"
 
-namespace alidade {
+namespace alidade::simulation {
 
 /// A bounding-volume hierarchy over boxes: finds those that a ray may meet, nearest first. Knows nothing of
 /// shapes. Built by the surface area heuristic; immutable.
@@ -166,4 +166,4 @@ bool occluded(const Site& site, const Ray& ray);
 
 }  // namespace brute_force
 
-}  // namespace alidade
+}  // namespace alidade::simulation

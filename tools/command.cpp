@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <fmt/format.h>
 #include <string_view>
 
 #include "tools/command.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr std::array<std::string_view, 5> k_flags = {"--overwrite", "--skip-existing", "--quiet", "--verbose",
@@ -69,4 +69,4 @@ Command add_visibility(CLI::App& program, const CommandLine& command_line) {
   return {visibility, [parts] { return run_chosen(parts); }, parts};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

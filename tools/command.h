@@ -12,7 +12,7 @@
 // chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
 // as Error.
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Runs a chosen command.
 using Run = std::function<ExitCode()>;
@@ -61,4 +61,4 @@ Command add_visibility_sun(CLI::App& visibility, const CommandLine& words);
 /// computed and who watches, so that the same picture is the same file.
 std::string picture_command(const CommandLine& words);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/console.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
@@ -8,13 +10,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <fmt/format.h>
 #include <string>
-#include <unistd.h>
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 // The only state a signal handler may touch; nothing else in the program is global.
@@ -187,4 +187,4 @@ void ProgressLine::finish() {
   line_open_ = false;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

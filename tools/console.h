@@ -8,7 +8,7 @@
 
 #include "base/progress.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What the program answers to its caller; scripts rely on these numbers.
 enum class ExitCode {
@@ -106,4 +106,4 @@ std::string short_count(double count);
 /// "0:07", "12:30", "1:02:03".
 std::string clock_time(double seconds);
 
-}  // namespace alidade
+}  // namespace alidade::tools

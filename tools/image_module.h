@@ -26,7 +26,7 @@
 #include "visibility/raster/map_picture.h"
 #include "visibility/sky/sun_path.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 // Image formats, map formats and reference systems come through OpenImageIO and GDAL, which bring some 250
 // libraries: loading them takes longer, and more memory, than all the work of most commands. So they stand in
@@ -46,26 +46,26 @@ Function load_module_function(const char* name) {
 // picture of a sky, and the reference systems (GDAL) that a sun by date and place is turned with.
 
 /// write_image() of image/image_file.h.
-using ImageWriter = void (*)(const Film& film, const OutputSettings& output, const ImageMetadata& metadata,
-                             bool overwrite);
+using ImageWriter = void (*)(const image::Film& film, const image::OutputSettings& output,
+                             const renderer::ImageMetadata& metadata, bool overwrite);
 
 /// Errors, here and below: those of load_module_function().
 ImageWriter load_image_writer();
 
 /// write_legend() of image/legend.h.
-using LegendWriter = void (*)(const ColorKey& key, const std::filesystem::path& file,
+using LegendWriter = void (*)(const image::ColorKey& key, const std::filesystem::path& file,
                               const std::optional<glm::ivec2>& size, bool overwrite);
 
 /// The same for legends.
 LegendWriter load_legend_writer();
 
 /// read_sky_image() of image/read_picture.h, into `pixels`.
-using SkyImageReader = void (*)(const std::filesystem::path& file, SkyPixels& pixels);
+using SkyImageReader = void (*)(const std::filesystem::path& file, image::SkyPixels& pixels);
 SkyImageReader load_sky_image_reader();
 
 /// place_sun() and describe() of geo/sun.h.
-using SunPlacer = void (*)(const SunByTime& by_time, const std::optional<SceneMap>& map, PlacedSun& placed,
-                           std::string& description);
+using SunPlacer = void (*)(const geo::SunByTime& by_time, const std::optional<geo::SceneMap>& map,
+                           geo::PlacedSun& placed, std::string& description);
 SunPlacer load_sun_placer();
 
 // What the module knows of reference systems (tools/image_module.h).
@@ -83,17 +83,17 @@ UnitMeasure load_metres_per_unit();
 // What the commands of visibility have the module do for them (tools/image_module.h).
 
 /// write_raster() of geo/raster_file.h. Errors, here and below: those of load_module_function().
-using RasterWriter = void (*)(const std::filesystem::path& file, const RasterContents& contents,
+using RasterWriter = void (*)(const std::filesystem::path& file, const geo::RasterContents& contents,
                               bool overwrite);
 RasterWriter load_raster_writer();
 
 /// write_map_picture() of visibility/raster/map_picture.h.
-using MapDrawer = void (*)(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
-                           bool overwrite);
+using MapDrawer = void (*)(const visibility::MapPicture& picture, const visibility::Ground& ground,
+                           const std::filesystem::path& file, bool overwrite);
 MapDrawer load_map_drawer();
 
 /// write_coverage_picture() of visibility/points/placement.h, through the module (tools/image_module.h).
-using CoverageWriter = void (*)(const Placement& placement, const std::filesystem::path& file,
+using CoverageWriter = void (*)(const visibility::Placement& placement, const std::filesystem::path& file,
                                 bool overwrite);
 CoverageWriter load_coverage_writer();
 
@@ -101,30 +101,33 @@ CoverageWriter load_coverage_writer();
 
 /// read_observers() of visibility/read_observers.h, into `observers`. Errors, here and below: those of
 /// load_module_function().
-using ObserverReader = void (*)(const std::filesystem::path& path, const ObserverReference& reference,
-                                std::vector<GivenObserver>& observers);
+using ObserverReader = void (*)(const std::filesystem::path& path, const geo::ObserverReference& reference,
+                                std::vector<visibility::GivenObserver>& observers);
 ObserverReader load_observer_reader();
 
 /// to_cloud_reference() of visibility/read_observers.h, for observers that say no system themselves.
-using ObserverTransformer = void (*)(const ObserverReference& reference,
-                                     std::vector<GivenObserver>& observers);
+using ObserverTransformer = void (*)(const geo::ObserverReference& reference,
+                                     std::vector<visibility::GivenObserver>& observers);
 ObserverTransformer load_observer_transformer();
 
 // What the commands of horizon, sky and sun have the module do for them (tools/image_module.h).
 
 /// write_skyline() of visibility/horizon/skyline.h. Errors, here and below: those of load_module_function().
-using SkylineWriter = void (*)(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
-                               const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite);
+using SkylineWriter = void (*)(const visibility::DepthStrip& strip,
+                               std::span<const visibility::HorizonDirection> horizon,
+                               const visibility::SkylineTexts& texts, const std::filesystem::path& file,
+                               bool overwrite);
 SkylineWriter load_skyline_writer();
 
 /// place_schedule() of visibility/sky/sun_path.h, and its answer.
 using SchedulePlacer = bool (*)(const Crs& crs, const glm::dvec2& center,
-                                const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule);
+                                const std::optional<glm::dvec2>& latitude_longitude,
+                                visibility::SunSchedule& schedule);
 SchedulePlacer load_schedule_placer();
 
 /// sun_steps() of visibility/sky/sun_path.h.
-using SunStepper = void (*)(const SunSchedule& schedule, const Progress& progress,
-                            std::vector<SunStep>& steps);
+using SunStepper = void (*)(const visibility::SunSchedule& schedule, const Progress& progress,
+                            std::vector<visibility::SunStep>& steps);
 SunStepper load_sun_stepper();
 
 // What `alidade compare` has the module do for it (tools/image_module.h): everything that reads or writes
@@ -132,23 +135,25 @@ SunStepper load_sun_stepper();
 
 /// compare_files() of compare/comparison.h. Errors, here and below: those of load_module_function().
 using FileComparer = void (*)(const std::filesystem::path& reference, const std::filesystem::path& test,
-                              const ComparisonOptions& options, const Progress& progress,
-                              Comparison& comparison);
+                              const compare::ComparisonOptions& options, const Progress& progress,
+                              compare::Comparison& comparison);
 FileComparer load_file_comparer();
 
 /// compare_pairs() of compare/batch.h.
-using PairComparer = void (*)(const std::vector<ImagePair>& pairs, const BatchOptions& options,
-                              const Progress& progress, std::vector<PairOutcome>& outcomes);
+using PairComparer = void (*)(const std::vector<compare::ImagePair>& pairs,
+                              const compare::BatchOptions& options, const Progress& progress,
+                              std::vector<compare::PairOutcome>& outcomes);
 PairComparer load_pair_comparer();
 
 /// report_page() of compare/report/page.h.
-using ReportMaker = void (*)(const Comparison& comparison, const Verdict& verdict, PicturePacking packing,
-                             const Verdict& warnings, std::string& page);
+using ReportMaker = void (*)(const compare::Comparison& comparison, const compare::Verdict& verdict,
+                             image::PicturePacking packing, const compare::Verdict& warnings,
+                             std::string& page);
 ReportMaker load_report_maker();
 
 /// write_difference() of compare/difference_map.h.
-using DifferenceWriter = void (*)(const DifferenceMap& map, const std::filesystem::path& file,
+using DifferenceWriter = void (*)(const compare::DifferenceMap& map, const std::filesystem::path& file,
                                   bool overwrite);
 DifferenceWriter load_difference_writer();
 
-}  // namespace alidade
+}  // namespace alidade::tools

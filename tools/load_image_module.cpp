@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "tools/image_module.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 /// Where the module is: beside the program as it is built, or where both are installed.
@@ -107,4 +107,4 @@ DifferenceWriter load_difference_writer() {
   return load_module_function<DifferenceWriter>("alidade_write_difference");
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

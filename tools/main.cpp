@@ -14,7 +14,7 @@
 #include "tools/command.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 /// "unknown KIND 'WORD'", with the known word it was probably meant to be.
@@ -85,7 +85,7 @@ void check_server_names(const CommandLine& words) {
   for (const std::string& word : words) {
     const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
     const std::string name = equals == std::string::npos ? word : word.substr(equals + 1);
-    if (is_server_name(name)) ServerName{name};
+    if (database::is_server_name(name)) database::ServerName{name};
   }
 }
 
@@ -137,14 +137,15 @@ ExitCode run_chosen(const std::vector<Command>& commands) {
       ->run();
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools
 
 int main(int argument_count, char** arguments) {
   using namespace alidade;
+  using namespace alidade::tools;
   catch_interrupts();
   // The first that knows a name has it.
-  add_cloud_database(server_clouds());
-  add_cloud_database(sqlite_clouds());
+  add_cloud_database(database::server_clouds());
+  add_cloud_database(database::sqlite_clouds());
   ExitCode code = ExitCode::failed;
   try {
     code = run(CommandLine(arguments, arguments + argument_count));

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "tools/options.h"
 
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <string_view>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include "base/output_file.h"
 #include "cloud/cloud_inputs.h"
 #include "renderer/scene.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr std::uint64_t k_largest_side = 65536;
@@ -80,9 +80,9 @@ ImageSize parse_image_size(const std::string& text) {
   }
   const std::uint64_t width = parse_count(text.substr(0, cross), 1, k_largest_side);
   const std::uint64_t height = parse_count(text.substr(cross + 1), 1, k_largest_side);
-  if (width * height > k_max_pixels) {
+  if (width * height > camera::k_max_pixels) {
     throw CLI::ValidationError(
-        fmt::format("expected at most {} pixels in all, found {}", k_max_pixels, width * height));
+        fmt::format("expected at most {} pixels in all, found {}", camera::k_max_pixels, width * height));
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -195,4 +195,4 @@ std::size_t parse_size(const std::string& text) {
   return static_cast<std::size_t>(std::max(number * factor, 1.0));
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

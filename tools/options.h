@@ -19,7 +19,7 @@
 // Options that several commands share, and the strict reading of their values. A value with anything behind
 // the number is an error, as is one outside its limits; both are CLI::ValidationError naming the option.
 
-namespace alidade {
+namespace alidade::tools {
 
 /// "2000000", "2e6", "1.5e3": a whole number in [least, most].
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most);
@@ -122,4 +122,4 @@ inline std::vector<std::string> split_list(const std::string& text) {
 /// "800000000", "512M", "2G": bytes. Errors: CLI::ValidationError.
 std::size_t parse_size(const std::string& text);
 
-}  // namespace alidade
+}  // namespace alidade::tools

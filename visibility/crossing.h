@@ -11,7 +11,7 @@
 
 // How one point blocks one line: the filter of the ray queries that sight lines are, and of brute force.
 
-namespace alidade {
+namespace alidade::visibility {
 
 // Radii in spacings, where each point has its own. Discs of 0.92 spacings leave 0.1 % of a surface of random
 // points uncovered, exp(-8 * 0.92^2), and reach little beyond its edges.
@@ -92,4 +92,4 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   return place;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/observers.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <string_view>
@@ -16,7 +16,7 @@
 #include "octree/query.h"
 #include "visibility/crossing.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr double k_turn = 360.0;
@@ -268,4 +268,4 @@ std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<
   return remarks;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -14,7 +14,7 @@
 #include "base/progress.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Who looks, from where, and which way.
 struct Observer {
@@ -108,4 +108,4 @@ std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, con
 /// Cost: some microseconds each.
 std::vector<std::string> observer_remarks(const Occluders& occluders, std::span<const Observer> observers);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

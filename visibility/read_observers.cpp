@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/read_observers.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <ogr_api.h>
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "base/error.h"
@@ -13,7 +13,7 @@
 #include "geo/gdal_reference.h"
 #include "geo/vector_file.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr std::string_view k_form =
@@ -112,12 +112,13 @@ std::vector<GivenObserver> read_observer_table(InputFile& file) {
 }
 
 void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
-                        const ObserverReference& reference) {
+                        const geo::ObserverReference& reference) {
   if (observers.empty()) return;
-  const GdalTransformation transformation = transformation_to_cloud(own, reference, observers.front().source);
+  const geo::GdalTransformation transformation =
+      geo::transformation_to_cloud(own, reference, observers.front().source);
   if (!transformation) return;
   for (GivenObserver& observer : observers)
-    observer.place = transformed(observer.place, transformation, observer.source);
+    observer.place = geo::transformed(observer.place, transformation, observer.source);
 }
 
 namespace {
@@ -178,11 +179,11 @@ void add_feature(OGRFeatureH feature, const std::filesystem::path& path,
 }
 
 std::vector<GivenObserver> read_vector_observers(const std::filesystem::path& path,
-                                                 const ObserverReference& reference) {
+                                                 const geo::ObserverReference& reference) {
   std::vector<GivenObserver> observers;
   const std::string wkt =
-      read_vector_file(path, {.content = "observers", .expected = k_expected, .features = "points"},
-                       [&](void* feature) { add_feature(feature, path, observers); });
+      geo::read_vector_file(path, {.content = "observers", .expected = k_expected, .features = "points"},
+                            [&](void* feature) { add_feature(feature, path, observers); });
   if (observers.empty())
     throw Error({.file = path.string(), .problem = "holds no observers", .expected = "a point for each"});
   to_cloud_reference(observers, wkt, reference);
@@ -192,7 +193,7 @@ std::vector<GivenObserver> read_vector_observers(const std::filesystem::path& pa
 }  // namespace
 
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
-                                          const ObserverReference& reference) {
+                                          const geo::ObserverReference& reference) {
   const std::string ending = file_ending(path);
   if (ending != ".csv" && ending != ".txt") return read_vector_observers(path, reference);
   std::vector<GivenObserver> observers = read_observer_table(path);
@@ -200,4 +201,4 @@ std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
   return observers;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

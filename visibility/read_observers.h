@@ -10,7 +10,7 @@
 #include "geo/vector_file.h"
 #include "visibility/observers.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// A number that files can say of an observer.
 struct ObserverField {
@@ -45,7 +45,7 @@ std::vector<GivenObserver> read_observer_table(InputFile& file);
 /// is known. Errors: one is known and the other not; one that GDAL does not understand; a place that has no
 /// image.
 void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string& own,
-                        const ObserverReference& reference);
+                        const geo::ObserverReference& reference);
 
 /// Reads observers from a file, in the cloud's reference system: CSV (observer_table.h) by its ending .csv or
 /// .txt, anything else as points of GeoJSON, GeoPackage or Shapefile. Attributes of the names of
@@ -54,6 +54,6 @@ void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string
 /// CSV, which tells no reference system, is in the cloud's. Errors: not such a file, damaged, no features,
 /// more than one layer; other geometries than points; an attribute that is no number; to_cloud_reference().
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
-                                          const ObserverReference& reference);
+                                          const geo::ObserverReference& reference);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,7 +11,7 @@
 
 // Files with a row of named values for each of many things, which may lie somewhere.
 
-namespace alidade {
+namespace alidade::visibility {
 
 enum class RowForm { csv, json, geojson };
 
@@ -28,4 +28,4 @@ struct RowFileHead {
 /// so that programs without GDAL at hand can do without (geo/earth.h).
 using ToLonLat = std::function<std::optional<std::vector<glm::dvec3>>(std::span<const glm::dvec3>)>;
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -3,7 +3,7 @@
 
 #include "base/words.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 std::string text_of(const Row& value) {
@@ -105,4 +105,4 @@ Row geojson_feature(std::span<const glm::dvec3> places, const Row& properties) {
   return feature;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,7 +11,7 @@
 
 // Rows of named values as the text of CSV, JSON and GeoJSON.
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Values by name, in the order of the columns.
 using Row = nlohmann::ordered_json;
@@ -46,4 +46,4 @@ Row geojson_head(const RowFileHead& head, bool on_earth);
 /// "Point" for one place, "LineString" for more.
 Row geojson_feature(std::span<const glm::dvec3> places, const Row& properties);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

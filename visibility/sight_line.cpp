@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sight_line.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <string>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
@@ -18,7 +18,7 @@
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const Progress& progress)
     : octree_(octree), options_(options) {
@@ -293,4 +293,4 @@ void blocked(const Occluders& occluders, std::span<const SightLine> lines, std::
                          [](const std::optional<Blocker>& blocker) { return blocker ? 1 : 0; });
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

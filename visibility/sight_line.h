@@ -13,7 +13,7 @@
 #include "base/progress.h"
 #include "octree/octree.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Direction of the i-th of places that spread evenly around a middle, in turns, [0, 1): each is turned by
 /// the golden angle, (3 - sqrt 5) / 2 of a turn, from the one before. Source: Vogel, A better way to
@@ -160,4 +160,4 @@ struct ChordLines {
 void first_blockers(const Occluders& occluders, const ChordLines& lines,
                     std::span<std::optional<Blocker>> blockers);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "camera/formats/camera_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 constexpr std::string_view k_blanks = " \t,\r";
@@ -152,4 +152,4 @@ ImageFileSize image_file_size(const std::filesystem::path& path) {
   return image_file_size(file);
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

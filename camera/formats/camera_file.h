@@ -14,7 +14,7 @@
 
 // How the readers of camera files are split, and what they share.
 
-namespace alidade {
+namespace alidade::camera {
 
 /// Largest camera file, without a COLMAP model's points: 1 GiB.
 inline constexpr std::uintmax_t k_largest_camera_file = std::uintmax_t{1} << 30;
@@ -103,4 +103,4 @@ ImageFileSize image_file_size(const std::filesystem::path& file);
 /// The same from an open file.
 ImageFileSize image_file_size(InputFile& file);
 
-}  // namespace alidade
+}  // namespace alidade::camera

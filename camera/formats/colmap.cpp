@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <numbers>
 #include <string>
 #include <unordered_map>
@@ -19,7 +19,7 @@
 #include "camera/camera_set.h"
 #include "camera/formats/camera_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 constexpr std::array<ColmapModel, 18> k_models = {{{"SIMPLE_PINHOLE", 0, 3},
@@ -381,4 +381,4 @@ CameraSet read_colmap_text(std::string_view cameras, const std::string& cameras_
   return model.take();
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 /// Limits of camera files (docs/cameras.md).
@@ -52,4 +52,4 @@ std::optional<Camera> camera_of(const E57Image& image, const E57Picture& picture
   return camera;
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

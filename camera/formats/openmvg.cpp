@@ -11,7 +11,7 @@
 #include "camera/camera.h"
 #include "camera/formats/camera_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 constexpr NumberRange k_coefficient{-1e6, 1e6};
@@ -198,4 +198,4 @@ CameraSet read_openmvg(const JsonNode& top) {
   return set;
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

@@ -10,7 +10,7 @@
 #include "camera/camera.h"
 #include "camera/formats/camera_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 constexpr NumberRange k_coefficient{-1e6, 1e6};
@@ -118,4 +118,4 @@ CameraSet read_opensfm(const JsonNode& top) {
   return set;
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

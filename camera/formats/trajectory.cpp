@@ -10,7 +10,7 @@
 #include "camera/camera.h"
 #include "camera/formats/camera_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 constexpr std::array<std::string_view, 9> k_columns{"time", "x", "y", "z", "qw", "qx", "qy", "qz", "name"};
@@ -140,4 +140,4 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
   return set;
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

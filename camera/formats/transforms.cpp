@@ -15,7 +15,7 @@
 #include "camera/camera.h"
 #include "camera/formats/camera_file.h"
 
-namespace alidade {
+namespace alidade::camera {
 namespace {
 
 constexpr NumberRange k_pixels{-1e9, 1e9};
@@ -243,4 +243,4 @@ CameraSet read_transforms(const JsonNode& top, const std::filesystem::path& file
   return set;
 }
 
-}  // namespace alidade
+}  // namespace alidade::camera

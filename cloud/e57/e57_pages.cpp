@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/e57/e57_pages.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
-#include <fmt/format.h>
 
 #include "base/bytes.h"
 #include "base/error.h"

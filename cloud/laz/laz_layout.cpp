@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/laz_layout.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <fmt/format.h>
 #include <span>
 #include <utility>
 

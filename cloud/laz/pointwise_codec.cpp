@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/pointwise_codec.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cstring>
-#include <fmt/format.h>
 
 #include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/laz_layout.h"

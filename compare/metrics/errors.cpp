@@ -11,7 +11,7 @@
 #include "compare/metrics/pixel_sums.h"
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 /// Of one row.
@@ -113,9 +113,10 @@ ErrorMetrics measure(const Difference& difference, double unit, int channels, in
 }
 
 /// A curve, or none.
-const CurveTable* curve_of(const ComparedImage& image, ColorEncoding encoding) {
+const image::CurveTable* curve_of(const ComparedImage& image, ColorEncoding encoding) {
   if (image.encoding == encoding) return nullptr;
-  return encoding == ColorEncoding::linear ? &linear_from_srgb_table() : &srgb_from_linear_table();
+  return encoding == ColorEncoding::linear ? &image::linear_from_srgb_table()
+                                           : &image::srgb_from_linear_table();
 }
 
 }  // namespace
@@ -153,8 +154,8 @@ ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& 
     return measure<std::int64_t>(difference, 1.0 / reference.largest_code, channels, reference.width,
                                  reference.pixels(), mask);
   }
-  const CurveTable* const from_curve = curve_of(reference, encoding);
-  const CurveTable* const to_curve = curve_of(test, encoding);
+  const image::CurveTable* const from_curve = curve_of(reference, encoding);
+  const image::CurveTable* const to_curve = curve_of(test, encoding);
   const auto difference = [&](std::size_t i) {
     const float before = from[i * step], after = to[i * step];
     // The curve would make a number of what is none.
@@ -348,4 +349,4 @@ LayerMetrics layer_metrics(const ComparedImage& reference, const ComparedImage& 
   return metrics;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

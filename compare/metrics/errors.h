@@ -8,7 +8,7 @@
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Differences test - reference of all channel values of the pixels that count.
 struct ErrorMetrics {
@@ -83,4 +83,4 @@ struct LayerMetrics {
 LayerMetrics layer_metrics(const ComparedImage& reference, const ComparedImage& test,
                            const ImageMask& mask = {});
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -11,7 +11,7 @@
 #include "compare/metrics/flip_model.h"
 #include "compare/metrics/pixel_sums.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 // A tile with all its planes stays in the cache of a core.
@@ -131,4 +131,4 @@ FlipResult flip(const ComparedImage& reference, const ComparedImage& test, const
   return result;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -10,7 +10,7 @@
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Pixels per degree of the eye's field of view, from the viewing distance and the monitor's width in metres.
 constexpr double pixels_per_degree(double distance, double monitor_width, double monitor_pixels) {
@@ -29,7 +29,7 @@ enum class FlipRange {
 
 struct FlipOptions {
   double pixels_per_degree =
-      alidade::pixels_per_degree(0.7, 0.7, 3840.0);  ///< 67.02, as in the authors' tool
+      compare::pixels_per_degree(0.7, 0.7, 3840.0);  ///< 67.02, as in the authors' tool
   FlipRange range = FlipRange::automatic;
   ToneMapper tone_mapper = ToneMapper::aces;
   std::optional<double> start_exposure, stop_exposure;  ///< stops, -1000 .. 1000; found from the reference
@@ -61,4 +61,4 @@ struct FlipResult {
 FlipResult flip(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask = {},
                 const FlipOptions& options = {}, const Progress& progress = {});
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -12,7 +12,7 @@
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
-namespace alidade::simd {
+namespace alidade::compare::simd {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
@@ -85,7 +85,7 @@ HWY_INLINE FloatVector power(FloatVector base, FloatVector exponent) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace alidade::simd
+}  // namespace alidade::compare::simd
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -11,7 +11,7 @@
 #include "compare/metrics/pixel_sums.h"
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 /// Taps in double, as half.
@@ -243,7 +243,7 @@ ToneCurve tone_curve(ToneMapper mapper, double exposure) {
   ToneCurve curve;
   curve.kind = mapper == ToneMapper::reinhard ? ToneCurve::Kind::luminance : ToneCurve::Kind::rational;
   // Beyond floats nothing is left of a picture, or all of it is white.
-  curve.scale = static_cast<float>(exposure_scale(std::clamp(exposure, -149.0, 127.0)));
+  curve.scale = static_cast<float>(image::exposure_scale(std::clamp(exposure, -149.0, 127.0)));
   std::ranges::transform(coefficients(mapper), curve.k, [](double k) { return static_cast<float>(k); });
   return curve;
 }
@@ -270,4 +270,4 @@ ExposureRange exposure_range(const ComparedImage& reference, const ComparedImage
   return range;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

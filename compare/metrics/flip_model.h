@@ -7,7 +7,7 @@
 #include "base/instruction_set.h"
 #include "compare/metrics/flip.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Half of a filter's taps: that of the centre, then those of pixels 1, 2, ... away. The other half is the
 /// same or, for the first derivative, has the opposite sign.
@@ -139,4 +139,4 @@ ToneCurve tone_curve(ToneMapper mapper, double exposure);
 ExposureRange exposure_range(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
                              const FlipOptions& options);
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -9,14 +9,14 @@
 
 #include <cstddef>
 
-#include "compare/metrics/flip_model.h"
 #include "compare/metrics/flip_math-inl.h"
+#include "compare/metrics/flip_model.h"
 
 // Filters along a row or across rows. A row's neighbours are `step` floats away: 1 along it, the pitch
 // across. Rows are worked in whole vectors, up to 16 columns beyond the last.
 
 HWY_BEFORE_NAMESPACE();
-namespace alidade::simd {
+namespace alidade::compare::simd {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE FloatVector both(const float* from, std::ptrdiff_t away) {
@@ -136,7 +136,7 @@ HWY_INLINE void feature_columns(const float* smooth, const float* edge, const fl
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace alidade::simd
+}  // namespace alidade::compare::simd
 HWY_AFTER_NAMESPACE();
 
 #endif

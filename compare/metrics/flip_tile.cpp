@@ -10,7 +10,7 @@
 #include "octree/simd/choose_table.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace alidade::simd {
+namespace alidade::compare::simd {
 namespace HWY_NAMESPACE {
 
 struct Triple {
@@ -188,11 +188,11 @@ void add_exposure(FlipTile& tile, const FlipFilters& filters, const ToneCurve& c
 constexpr FlipKernel k_flip_kernel{add_exposure};
 
 }  // namespace HWY_NAMESPACE
-}  // namespace alidade::simd
+}  // namespace alidade::compare::simd
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace alidade {
+namespace alidade::compare {
 
 namespace {
 constexpr std::size_t k_widest_vector = 16;
@@ -223,5 +223,5 @@ const FlipKernel& flip_kernel(InstructionSet instruction_set) {
 }
 
 }  // namespace simd
-}  // namespace alidade
+}  // namespace alidade::compare
 #endif  // HWY_ONCE

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 #include <utility>
 #include <vector>
 
@@ -15,7 +15,7 @@
 #include "compare/image_mask.h"
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// The colours of two pictures as filters read them. Where a pixel does not count, or is not finite in one of
 /// them, both give the same colour (the reference's if it is finite, else the test's, else black): what does
@@ -50,9 +50,10 @@ class PairPixels {
   }
 
  private:
-  static const CurveTable* curve(const ComparedImage& image, ColorEncoding encoding) {
+  static const image::CurveTable* curve(const ComparedImage& image, ColorEncoding encoding) {
     if (image.encoding == encoding) return nullptr;
-    return encoding == ColorEncoding::linear ? &linear_from_srgb_table() : &srgb_from_linear_table();
+    return encoding == ColorEncoding::linear ? &image::linear_from_srgb_table()
+                                             : &image::srgb_from_linear_table();
   }
   static bool finite(const float* color) {
     return std::isfinite(color[0]) && std::isfinite(color[1]) && std::isfinite(color[2]);
@@ -63,7 +64,7 @@ class PairPixels {
 
   const ImageMask& mask_;
   const float* colors_[2];
-  const CurveTable* curves_[2];
+  const image::CurveTable* curves_[2];
 };
 
 // Ranks among many floats without sorting or keeping them. Floats that are not negative are in the order of
@@ -234,4 +235,4 @@ double percentile_95(std::size_t size, const ValueAt& value_at, std::uint64_t va
   return static_cast<double>(value_of_rank(size, value_at, count_upper_halves(size, value_at), rank));
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -1,20 +1,20 @@
 // SPDX-License-Identifier: MIT
 #include "compare/metrics/ssim.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <limits>
 #include <numbers>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <vector>
 
 #include "base/exact_math.h"
 #include "compare/metrics/pixel_sums.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Reach of SSIM's window on each side, pixels.
 constexpr int k_ssim_reach = 5;
@@ -317,4 +317,4 @@ Similarity similarity(const ComparedImage& reference, const ComparedImage& test,
   return result;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

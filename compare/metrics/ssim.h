@@ -6,7 +6,7 @@
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// How alike two pictures are in structure: 1 for equal pictures, at worst about -1.
 struct Similarity {
@@ -33,4 +33,4 @@ struct Similarity {
 /// about 0.04 s per million pixels; memory: 24 bytes for each fourth pixel.
 Similarity similarity(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask = {});
 
-}  // namespace alidade
+}  // namespace alidade::compare

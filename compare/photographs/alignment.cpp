@@ -16,7 +16,7 @@
 
 #include "compare/photographs/gradient_pyramid.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 // When a shift is certain. Pictures of different things reach scores of 0.02, a render of a scan and its
@@ -285,4 +285,4 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
   return alignment;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -7,7 +7,7 @@
 // Do the edges of two pictures lie on each other? Tells a camera that is off by some pixels from colours that
 // differ.
 
-namespace alidade {
+namespace alidade::compare {
 
 struct AlignmentOptions {
   int largest_shift = 64;  ///< pixels in x and in y, up to which a shift is looked for; 1 .. 4096
@@ -44,4 +44,4 @@ struct Alignment {
 Alignment align(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
                 const AlignmentOptions& options = {});
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "compare/photographs/color_match.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <tbb/parallel_for.h>
 #include <vector>
 
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 constexpr int k_starts = 64, k_first_steps = 2, k_most_steps = 50;
@@ -208,8 +208,8 @@ bool is_usable(const ComparedImage& image, std::size_t pixel) {
 
 double light(const ComparedImage& image, std::size_t value) {
   const float code = image.color[value];
-  return static_cast<double>(image.encoding == ColorEncoding::linear ? code
-                                                                     : linear_from_srgb_table().at(code));
+  return static_cast<double>(
+      image.encoding == ColorEncoding::linear ? code : image::linear_from_srgb_table().at(code));
 }
 
 /// The blocks of which at least a quarter counts.
@@ -271,7 +271,8 @@ std::optional<ColorMatch> match_color(const ComparedImage& reference, const Comp
 
 void apply_color_match(ComparedImage& image, const ColorMatch& match) {
   const bool is_linear = image.encoding == ColorEncoding::linear;
-  const CurveTable &to_linear = linear_from_srgb_table(), &to_display = srgb_from_linear_table();
+  const image::CurveTable &to_linear = image::linear_from_srgb_table(),
+                          &to_display = image::srgb_from_linear_table();
   tbb::parallel_for(0, image.height, [&](int y) {
     const auto row = static_cast<std::size_t>(image.width) * 3;
     float* const values = image.color.data() + static_cast<std::size_t>(y) * row;
@@ -286,4 +287,4 @@ void apply_color_match(ComparedImage& image, const ColorMatch& match) {
   image.largest_code = 0;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -8,7 +8,7 @@
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 struct FitPair {
   double x = 0.0, y = 0.0;
@@ -66,4 +66,4 @@ std::optional<ColorMatch> match_color(const ComparedImage& reference, const Comp
 /// cut off at 0 and 1, linear ones are not.
 void apply_color_match(ComparedImage& image, const ColorMatch& match);
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -11,7 +11,7 @@
 
 #include "image/srgb.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 constexpr float k_none = std::numeric_limits<float>::quiet_NaN();
@@ -41,7 +41,7 @@ void for_each_row(int height, const Work& work) {
 Plane luminance(const ComparedImage& image, const ImageMask& mask) {
   Plane plane(image.width, image.height);
   const bool is_linear = image.encoding == ColorEncoding::linear;
-  const CurveTable& curve = srgb_from_linear_table();
+  const image::CurveTable& curve = image::srgb_from_linear_table();
   for_each_row(plane.height, [&](int y) {
     const std::size_t first = static_cast<std::size_t>(y) * image.width;
     for (std::size_t i = first; i < first + static_cast<std::size_t>(image.width); ++i) {
@@ -162,4 +162,4 @@ std::vector<GradientLevel> gradient_pyramid(const ComparedImage& image, const Im
   return pyramid;
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

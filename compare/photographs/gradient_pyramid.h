@@ -7,7 +7,7 @@
 #include "compare/compared_image.h"
 #include "compare/image_mask.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 /// Gradients of a picture at one resolution, in steps of 1/127: g / sqrt(|g|^2 + s^2), s the root mean square
 /// of |g| over the pixels that count. Whole numbers, so that sums over them are exact in any order.
@@ -25,4 +25,4 @@ struct GradientLevel {
 /// takes 4.
 std::vector<GradientLevel> gradient_pyramid(const ComparedImage& image, const ImageMask& mask, int levels);
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "compare/report/comparison_json.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 
-namespace alidade {
+namespace alidade::compare {
 
 Json thresholds_json(const Verdict& verdict) {
   Json thresholds = Json::array();
@@ -263,4 +263,4 @@ std::string batch_json(const std::vector<PairOutcome>& outcomes) {
   return json_text({{"pairs", pairs}, {"failed", failed}, {"pass", failed == 0}}, 2) + "\n";
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

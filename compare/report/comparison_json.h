@@ -12,7 +12,7 @@
 
 // How all JSON of comparisons is made. Keys keep their order.
 
-namespace alidade {
+namespace alidade::compare {
 
 using Json = nlohmann::ordered_json;
 
@@ -61,4 +61,4 @@ std::string comparison_json(const Comparison& comparison, const Verdict& verdict
 /// "error".
 std::string batch_json(const std::vector<PairOutcome>& outcomes);
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "compare/report/page.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
-#include <fmt/format.h>
 
 #include "base/output_file.h"
 #include "compare/batch.h"
 #include "compare/report/comparison_json.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 std::string fill_page(std::string_view page,
                       const std::vector<std::pair<std::string_view, std::string_view>>& values) {
@@ -135,4 +135,4 @@ std::string summary_page(const std::vector<PairOutcome>& outcomes, const std::st
                                     {"script", std::string(k_page_js) + std::string(k_summary_js)}});
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

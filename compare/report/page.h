@@ -10,7 +10,7 @@
 #include "compare/comparison.h"
 #include "compare/verdict.h"
 
-namespace alidade {
+namespace alidade::compare {
 
 // The files of compare/report as texts; CMake makes page_parts.cpp of them.
 extern const std::string_view k_report_html, k_summary_html, k_style_css, k_page_js, k_tables_js, k_viewer_js,
@@ -36,7 +36,7 @@ void write_page(const std::string& page, const std::filesystem::path& file, bool
 /// HTML. `warnings`: thresholds that only warn. Requires comparison.pictures. Errors: what encoding pictures
 /// reports. Cost: half a second to a second for 8 million pixels on two cores; memory: each map once more, 3
 /// bytes per pixel, and the page.
-std::string report_page(const Comparison& comparison, const Verdict& verdict, PicturePacking packing,
+std::string report_page(const Comparison& comparison, const Verdict& verdict, image::PicturePacking packing,
                         const Verdict& warnings = {});
 
-}  // namespace alidade
+}  // namespace alidade::compare

@@ -8,13 +8,13 @@
 
 #include "compare/report/comparison_json.h"
 
-namespace alidade {
+namespace alidade::compare {
 namespace {
 
 /// A picture of the page.
 struct PagePicture {
   std::string id, title;
-  const BytePicture* picture = nullptr;
+  const image::BytePicture* picture = nullptr;
   const DifferenceMap* map = nullptr;  ///< that it shows
   std::string address{};
 };
@@ -52,10 +52,10 @@ Json colors_of(const DifferenceMap& map) {
   for (int i = 0; i < k_steps; ++i)
     ramp.values[static_cast<std::size_t>(i)] =
         static_cast<float>(map.range.low + (map.range.high - map.range.low) * i / (k_steps - 1));
-  const Canvas canvas = paint_difference(ramp);
+  const image::Canvas canvas = paint_difference(ramp);
   Json colors = Json::array();
   for (int i = 0; i < k_steps; ++i) {
-    const Rgb8 color = canvas.at(i, 0);
+    const image::Rgb8 color = canvas.at(i, 0);
     colors.push_back(fmt::format("rgb({},{},{})", color[0], color[1], color[2]));
   }
   return colors;
@@ -166,10 +166,10 @@ Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdi
 
 }  // namespace
 
-std::string report_page(const Comparison& comparison, const Verdict& verdict, PicturePacking packing,
+std::string report_page(const Comparison& comparison, const Verdict& verdict, image::PicturePacking packing,
                         const Verdict& warnings) {
   const ComparisonPictures& shown = *comparison.pictures;
-  std::vector<BytePicture> painted;
+  std::vector<image::BytePicture> painted;
   const std::vector<const DifferenceMap*> maps = shown.maps();
   for (const DifferenceMap* map : maps)
     painted.push_back({map->width, map->height, paint_difference(*map).bytes()});
@@ -178,8 +178,9 @@ std::string report_page(const Comparison& comparison, const Verdict& verdict, Pi
   if (shown.matched) pictures.push_back({"matched", "Test, colours matched", &*shown.matched});
   for (std::size_t i = 0; i < painted.size(); ++i)
     pictures.push_back({fmt::format("map-{}", i + 1), maps[i]->title, &painted[i], maps[i]});
-  tbb::parallel_for(std::size_t{0}, pictures.size(),
-                    [&](std::size_t i) { pictures[i].address = data_url(*pictures[i].picture, packing); });
+  tbb::parallel_for(std::size_t{0}, pictures.size(), [&](std::size_t i) {
+    pictures[i].address = image::data_url(*pictures[i].picture, packing);
+  });
 
   std::string images;
   for (const PagePicture& picture : pictures)
@@ -193,4 +194,4 @@ std::string report_page(const Comparison& comparison, const Verdict& verdict, Pi
       {{"title", title}, {"style", k_style_css}, {"pictures", images}, {"data", data}, {"script", script}});
 }
 
-}  // namespace alidade
+}  // namespace alidade::compare

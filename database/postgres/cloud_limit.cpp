@@ -7,7 +7,7 @@
 
 #include "database/point_filter.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
@@ -128,4 +128,4 @@ double estimated_share(const CloudLimit& limit, std::span<const double> distance
   return std::clamp(share, 0.0, 1.0);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -8,7 +8,7 @@
 
 #include "octree/distance.h"
 
-namespace alidade {
+namespace alidade::database {
 
 enum class DistanceKind : std::int64_t { ray = 1, plane = 2 };
 
@@ -109,4 +109,4 @@ inline int compare_morton(const glm::dvec3& a, const glm::dvec3& b) {
 /// with the square. In [0, 1]. Requires a sample.
 double estimated_share(const CloudLimit& limit, std::span<const double> distances);
 
-}  // namespace alidade
+}  // namespace alidade::database

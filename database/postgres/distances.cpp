@@ -8,7 +8,7 @@ extern "C" {
 PG_MODULE_MAGIC;
 }
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 Datum distance_of_numbers(FunctionCallInfo fcinfo, DistanceKind kind) {
@@ -29,9 +29,10 @@ bool keeps_limit(FunctionCallInfo fcinfo) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::database
 
 using namespace alidade;
+using namespace alidade::database;
 
 ALIDADE_SQL_FUNCTION(alidade_dist_ray) {
   return distance_of_numbers(fcinfo, DistanceKind::ray);

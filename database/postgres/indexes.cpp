@@ -16,7 +16,7 @@ extern "C" {
 #include <utils/typcache.h>
 }
 
-namespace alidade {
+namespace alidade::database {
 
 // Numbers of the operators in the operator classes of the install script.
 constexpr int k_keeps = 1;   ///< cloud_point <@ cloud_limit
@@ -30,11 +30,11 @@ inline bool may_match(int symbol, Datum argument, const Bounds& box) {
   return guarded([&] { return symbol == k_keeps ? may_hold(limit, box) : may_break(limit, box); });
 }
 
-}  // namespace alidade
+}  // namespace alidade::database
 
 // Points in Morton order, for btree and ORDER BY.
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 int order(Datum a, Datum b) {
@@ -46,9 +46,10 @@ int order(FunctionCallInfo fcinfo) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::database
 
 using namespace alidade;
+using namespace alidade::database;
 
 ALIDADE_SQL_FUNCTION(alidade_point_order) {
   PG_RETURN_INT32(order(fcinfo));
@@ -77,7 +78,7 @@ ALIDADE_SQL_FUNCTION(alidade_point_sort_support) {
 
 // BRIN: the box of the points of each range of pages. These are the paper's chunk statistics (section 4.2).
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 /// Least x, y and z, then largest: each is a column of the index.
@@ -111,7 +112,7 @@ BrinValues& range_in(FunctionCallInfo fcinfo, int argument) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::database
 
 ALIDADE_SQL_FUNCTION(alidade_brin_columns) {
   auto* const info = static_cast<BrinOpcInfo*>(palloc0(MAXALIGN(SizeofBrinOpcInfo(k_faces))));
@@ -138,7 +139,7 @@ ALIDADE_SQL_FUNCTION(alidade_brin_consistent) {
 
 // GiST: a tree of boxes; in its leaves those of single points.
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 const Bounds& box_in(const GISTENTRY& entry) {
@@ -185,7 +186,7 @@ double least_distance(DistanceKind kind, const CloudLine& line, const Bounds& bo
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::database
 
 ALIDADE_SQL_FUNCTION(alidade_gist_compress) {
   GISTENTRY& entry = entry_in(fcinfo, 0);

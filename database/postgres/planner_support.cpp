@@ -23,7 +23,7 @@ extern "C" {
 #include <utils/syscache.h>
 }
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 bool may_execute(Oid function) {
@@ -166,9 +166,10 @@ Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::database
 
 using namespace alidade;
+using namespace alidade::database;
 
 ALIDADE_SQL_FUNCTION(alidade_dist_ray_support) {
   return answer(fcinfo, [](const auto& request) { return simplify_distance(request, "cloud_ray"); });

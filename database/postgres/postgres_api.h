@@ -29,7 +29,7 @@ extern "C" {
   }                                         \
   Datum name([[maybe_unused]] FunctionCallInfo fcinfo)
 
-namespace alidade {
+namespace alidade::database {
 
 /// Runs work that may throw and calls nothing of PostgreSQL's. What it throws becomes an error of SQL, once
 /// all of C++ has left the stack.
@@ -67,7 +67,7 @@ Datum datum_of(const Value& value) {
   return PointerGetDatum(copy);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database
 
 // Functions of SQL that the planner's support recognises in expressions.
 extern "C" {

@@ -15,7 +15,7 @@ extern "C" {
 #include <utils/selfuncs.h>
 }
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 /// Without statistics, or for limits not known before the statement runs: a thin cylinder or slab.
@@ -92,9 +92,10 @@ Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::database
 
 using namespace alidade;
+using namespace alidade::database;
 
 ALIDADE_SQL_FUNCTION(alidade_keeping_share) {
   return selectivity(fcinfo, true);

@@ -13,7 +13,7 @@ extern "C" {
 
 // Numbers as the text and the bytes of a value of SQL. Errors are PostgreSQL's.
 
-namespace alidade {
+namespace alidade::database {
 
 /// Reads "(1,2,3)", where spaces may stand, up to its end. `text` is what stands between `all` and its end;
 /// error messages name the type and all of the text.
@@ -29,14 +29,14 @@ void send_numbers(StringInfo message, std::span<const double> numbers);
 /// Ends with the error that a text is none of the type.
 [[noreturn]] void refuse_text(const char* all, const char* type);
 
-}  // namespace alidade
+}  // namespace alidade::database
 
 extern "C" {
 #include <libpq/pqformat.h>
 #include <utils/float.h>
 }
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 const char* skip_spaces(const char* text) {
@@ -78,7 +78,7 @@ void send_numbers(StringInfo message, std::span<const double> numbers) {
   for (const double number : numbers) pq_sendfloat8(message, number);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database
 
 // The types of SQL: their texts, their bytes, and the functions that make them.
 
@@ -87,7 +87,7 @@ extern "C" {
 #include <utils/builtins.h>
 }
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 using Six = std::array<double, 6>;
@@ -189,9 +189,10 @@ Datum limit_by_comparison(FunctionCallInfo fcinfo, DistanceKind kind) {
 }
 
 }  // namespace
-}  // namespace alidade
+}  // namespace alidade::database
 
 using namespace alidade;
+using namespace alidade::database;
 
 ALIDADE_SQL_FUNCTION(alidade_point_in) {
   return datum_of(point_of(numbers_in<3>(fcinfo, "cloud_point")));

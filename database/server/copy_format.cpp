@@ -13,7 +13,7 @@
 #include "cloud/point_table.h"
 #include "database/stored_column.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 constexpr std::string_view k_signature{"PGCOPY\n\377\r\n\0", 11};
@@ -215,4 +215,4 @@ Bounds CopyRows::copy(
   return box;
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

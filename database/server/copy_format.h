@@ -11,7 +11,7 @@
 #include "database/point_stream.h"
 #include "database/server/server_sql.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// A value of a row, highest byte first; without bytes: NULL.
 using CopyField = std::span<const std::byte>;
@@ -69,4 +69,4 @@ class CopyRows {
   Lattice lattice_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::database

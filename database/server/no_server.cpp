@@ -5,7 +5,7 @@
 #include "database/server/read_server.h"
 #include "database/server/store_on_server.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 [[noreturn]] void refuse(const ServerName& name) {
@@ -36,4 +36,4 @@ StoredFiles store_on_server(const ServerName& name, std::span<const std::filesys
   refuse(name);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

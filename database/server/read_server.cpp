@@ -11,7 +11,7 @@
 #include "database/server/server_cloud.h"
 #include "database/server/server_sql.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 constexpr std::size_t k_most_filters = 64;
@@ -361,4 +361,4 @@ CloudDatabase server_clouds() {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -8,7 +8,7 @@
 #include "cloud/cloud_inputs.h"
 #include "database/point_filter.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// Reads those points of a table on a server (ServerName) for which one of the filters may hold: at least all
 /// for which one does. The server finds them by its index; it would try more than 64 on too many points, and
@@ -36,4 +36,4 @@ bool has_server_parts(const std::string& name);
 /// without NAME_cloud; on the server, points that memory does not hold are sorted by their ids.
 CloudDatabase server_clouds();
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_cloud.h"
 
+#include <fmt/format.h>
 #include <bit>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 
 #include "base/error.h"
@@ -12,7 +12,7 @@
 #include "cloud/rows.h"
 #include "database/stored_column.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 bool is_coordinate(const std::string& name) {
@@ -252,4 +252,4 @@ void ServerCloud::read(const RowChoice& choice, const std::function<void(const S
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

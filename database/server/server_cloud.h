@@ -14,7 +14,7 @@
 #include "database/server/server_connection.h"
 #include "database/server/server_table.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// What a column of a table on a server becomes in a cloud.
 struct ValueColumn {
@@ -114,4 +114,4 @@ class ServerCloud {
   ServerTable table_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::database

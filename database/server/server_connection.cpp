@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_connection.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cstdint>
 #include <dlfcn.h>
 #include <libpq-fe.h>
 #include <poll.h>
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// PostgreSQL's client library, which is loaded when a server is first asked: with what it brings along,
 /// that takes longer than the work of many commands.
@@ -336,4 +336,4 @@ void ServerConnection::end_copy_in(const ServerWait& wait) {
   finish_statement(wait);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

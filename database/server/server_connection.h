@@ -15,7 +15,7 @@
 struct pg_conn;
 struct pg_result;
 
-namespace alidade {
+namespace alidade::database {
 
 /// Called some times per second while a server works; what it throws ends the wait.
 using ServerWait = std::function<void()>;
@@ -82,4 +82,4 @@ class ServerConnection {
   pg_conn* connection_ = nullptr;
 };
 
-}  // namespace alidade
+}  // namespace alidade::database

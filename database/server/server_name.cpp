@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 constexpr std::string_view k_schemes[] = {"postgresql://", "postgres://"};
@@ -143,4 +143,4 @@ std::string ServerName::shown() const {
                      table.empty() ? "" : "?table=", encoded(table));
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

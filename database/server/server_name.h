@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace alidade {
+namespace alidade::database {
 
 /// A table of a PostgreSQL server, named as
 ///   postgresql://[USER@][HOST][:PORT]/DATABASE?table=NAME[&schema=NAME][&WORD=VALUE]...
@@ -33,4 +33,4 @@ struct ServerName {
 /// Whether a name is one of tables of servers, maybe a wrong one.
 bool is_server_name(std::string_view text);
 
-}  // namespace alidade
+}  // namespace alidade::database

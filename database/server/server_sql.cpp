@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/server_sql.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <span>
 #include <vector>
 
@@ -11,7 +11,7 @@
 #include "base/words.h"
 #include "database/sql_name.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 const char* type_name(ServerType type) {
@@ -224,4 +224,4 @@ std::string filter_condition(std::span<const PointFilter> any_of) {
   return all.empty() ? k_never : fmt::format("{}", fmt::join(all, " OR "));
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -12,7 +12,7 @@
 
 // A cloud as a table of a PostgreSQL server: columns id, x, y, z, then the other stored ones.
 
-namespace alidade {
+namespace alidade::database {
 
 /// How PostgreSQL keeps a column.
 enum class ServerType { smallint, integer, bigint, real, double_precision, numeric, bytea };
@@ -68,4 +68,4 @@ std::string cloud_row_insert(const std::string& quoted_name, const CloudRow& row
 /// coordinates. It is made of comparisons that alidade_pg's indexes serve. "false" without filters.
 std::string filter_condition(std::span<const PointFilter> any_of);
 
-}  // namespace alidade
+}  // namespace alidade::database

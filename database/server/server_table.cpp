@@ -11,7 +11,7 @@
 
 #include "database/sql_name.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 /// PostgreSQL's numbers of its types, which are the same everywhere.
@@ -194,4 +194,4 @@ ServerTable find_server_table(ServerConnection& connection, const ServerName& na
   return table;
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -9,7 +9,7 @@
 #include "database/server/server_connection.h"
 #include "database/server/server_sql.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// A column of numbers of a table on a server, whoever made it.
 struct NumberColumn {
@@ -44,4 +44,4 @@ struct ServerTable {
 /// is no such table, or it lacks x, y or z; the row of NAME_cloud cannot be; the server's.
 ServerTable find_server_table(ServerConnection& connection, const ServerName& name);
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "database/server/shard_plan.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <fmt/format.h>
 #include <functional>
 #include <span>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include "base/bounds.h"
@@ -20,7 +20,7 @@
 #include "database/sql_name.h"
 #include "database/stored_column.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 [[noreturn]] void refuse(std::string_view text, std::string problem) {
@@ -302,4 +302,4 @@ ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const 
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

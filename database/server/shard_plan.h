@@ -9,7 +9,7 @@
 #include "base/progress.h"
 #include "cloud/read_cloud.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// A database of a PostgreSQL server that holds a part of a cloud.
 struct Shard {
@@ -50,4 +50,4 @@ ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const 
                            const ReadOptions& reading, std::span<const Shard> shards,
                            const ShardPlanOptions& options = {});
 
-}  // namespace alidade
+}  // namespace alidade::database

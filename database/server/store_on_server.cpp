@@ -11,7 +11,7 @@
 #include "database/server/server_sql.h"
 #include "database/sql_name.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 /// The names of what belongs to a cloud, quoted.
@@ -101,4 +101,4 @@ StoredFiles store_on_server(const ServerName& name, std::span<const std::filesys
   return {points.size(), std::move(whole.rest.warnings)};
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

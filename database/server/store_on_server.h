@@ -4,7 +4,7 @@
 #include "database/server/server_name.h"
 #include "database/sqlite/store_cloud.h"
 
-namespace alidade {
+namespace alidade::database {
 
 struct ServerStoreOptions {
   bool replace = false;  ///< a table of that name that has its NAME_cloud; otherwise it is an Error
@@ -23,4 +23,4 @@ struct ServerStoreOptions {
 StoredFiles store_on_server(const ServerName& name, std::span<const std::filesystem::path> files,
                             const ReadOptions& reading, const ServerStoreOptions& options = {});
 
-}  // namespace alidade
+}  // namespace alidade::database

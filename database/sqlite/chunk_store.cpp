@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/chunk_store.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cstring>
-#include <fmt/format.h>
 #include <limits>
 #include <utility>
 
 #include "cloud/lattice.h"
 #include "database/sqlite/cloud_schema.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 constexpr std::uint64_t k_fan_out = 64;
@@ -209,4 +209,4 @@ const std::byte* ChunkStore::bytes(StoredChunk& chunk, const StoredColumn& colum
   return chunk.blobs[blob]->data() + row * size + static_cast<std::size_t>(column.place);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

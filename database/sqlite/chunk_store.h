@@ -20,7 +20,7 @@
 // the id level * 2^32 + number and has the boxes of 64 chunks (level 0) or pages below, the last page of a
 // level maybe fewer: least x, y, z, greatest x, y, z as float64 each. The topmost level has one page.
 
-namespace alidade {
+namespace alidade::database {
 
 /// Writes the pages for the boxes of all chunks, in the order of their ids, into a table (id, boxes).
 void write_box_tree(sqlite3* database, const std::string& table_name, std::vector<Bounds> boxes);
@@ -91,4 +91,4 @@ class ChunkStore {
   Statement positions_, values_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::database

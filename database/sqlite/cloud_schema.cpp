@@ -10,7 +10,7 @@
 
 #include "database/sqlite/connection.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 const char* const k_parts[] = {"cloud", "column", "chunk", "value", "bounds"};
@@ -230,4 +230,4 @@ void rename_cloud_tables(sqlite3* database, const std::string& schema, const std
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

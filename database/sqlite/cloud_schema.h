@@ -22,7 +22,7 @@ struct sqlite3;
 //
 // Numbers in blobs are little endian.
 
-namespace alidade {
+namespace alidade::database {
 
 inline constexpr int k_cloud_table_version = 1;
 inline constexpr std::uint32_t k_most_chunk_points = 65536;
@@ -59,4 +59,4 @@ constexpr std::int64_t value_id(int blob, std::uint64_t chunk) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(blob) << 32 | chunk);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

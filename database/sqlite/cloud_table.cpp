@@ -11,7 +11,7 @@
 #include "database/sqlite/scan.h"
 #include "database/stored_column.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 struct Table {
@@ -248,4 +248,4 @@ int add_cloud_table(sqlite3* database, ScanReads* reads) {
   return sqlite3_create_module_v2(database, "pointcloud", &k_module, reads, nullptr);
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -5,7 +5,7 @@
 
 struct sqlite3;
 
-namespace alidade {
+namespace alidade::database {
 
 /// Gives a connection the virtual table module pointcloud: CREATE VIRTUAL TABLE name USING pointcloud makes
 /// the points readable that are stored in the tables name_* (database/sqlite/cloud_schema.h), with the
@@ -19,4 +19,4 @@ namespace alidade {
 /// it is given; it must outlive the connection. Answers SQLite's code.
 int add_cloud_table(sqlite3* database, ScanReads* reads = nullptr);
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -6,7 +6,7 @@
 #include "database/sqlite/cloud_table.h"
 #include "database/sqlite/functions.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 /// Waits a moment for who holds the file. 0 if it has waited long enough.
@@ -49,4 +49,4 @@ Connection::Connection(const std::filesystem::path& file, Mode mode, std::functi
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -12,7 +12,7 @@
 #include "database/sql_name.h"
 #include "database/sqlite/sqlite_api.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// What scans of clouds have read.
 struct ScanReads {
@@ -160,4 +160,4 @@ class Connection {
   sqlite3* database_ = nullptr;
 };
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 constexpr std::size_t k_ray_arguments = 6, k_arguments = 9;
@@ -154,4 +154,4 @@ ConditionAnswer read_condition(const TokenList& tokens, std::size_t begin) {
   return {.condition = std::move(condition), .reason = {}};
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -6,7 +6,7 @@
 
 #include "database/sqlite/sql_tokens.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// A condition on dist_ray or dist_plane in a statement, from one token to another.
 struct DistanceCondition {
@@ -33,4 +33,4 @@ ConditionAnswer read_condition(const TokenList& tokens, std::size_t begin);
 /// Whether a condition in WHERE or ON ends before this token.
 bool ends_condition(const TokenList& tokens, std::size_t place);
 
-}  // namespace alidade
+}  // namespace alidade::database

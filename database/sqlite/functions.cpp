@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/functions.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "octree/distance.h"
 
-namespace alidade {
+namespace alidade::database {
 
 template <std::size_t count>
 std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const> values,
@@ -183,4 +183,4 @@ int add_functions(sqlite3* database) {
   return result;
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -16,7 +16,7 @@
 
 // What SQLite hands to functions and tables of the module, and what they answer.
 
-namespace alidade {
+namespace alidade::database {
 
 /// Runs `work` for a callback of SQLite, through which no exception may pass; `fail` gets the message.
 template <class Work, class Fail>
@@ -77,4 +77,4 @@ int add_functions(sqlite3* database);
 /// The function in_chunk as SQLite calls it.
 void in_chunk(sqlite3_context* context, int count, sqlite3_value** values);
 
-}  // namespace alidade
+}  // namespace alidade::database

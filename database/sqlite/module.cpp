@@ -15,6 +15,6 @@ extern "C" __attribute__((visibility("default"))) int sqlite3_alidadesqlite_init
     *message = sqlite3_mprintf("alidade needs SQLite 3.38 or later, not %s", sqlite3_libversion());
     return SQLITE_ERROR;
   }
-  const int result = alidade::add_functions(database);
-  return result == SQLITE_OK ? alidade::add_cloud_table(database) : result;
+  const int result = alidade::database::add_functions(database);
+  return result == SQLITE_OK ? alidade::database::add_cloud_table(database) : result;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/prepare.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -10,7 +10,7 @@
 #include "database/sqlite/distance_condition.h"
 #include "database/sqlite/sql_tokens.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 /// Deeper parentheses are not looked into.
@@ -307,4 +307,4 @@ Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, con
   return prepared;
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

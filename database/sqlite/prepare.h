@@ -15,7 +15,7 @@
 // it can (database/sqlite/functions.h), and the rows are the same: in_chunk() is 1 for every point, or NULL
 // where the condition is not true anyway.
 
-namespace alidade {
+namespace alidade::database {
 
 struct PrunedStatement {
   std::string text;    ///< the statement with limits; empty if it was left as it is
@@ -60,4 +60,4 @@ struct Prepared {
 Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin = 0,
                  const std::string& file = "statement");
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -9,7 +9,7 @@
 #include "database/sqlite/connection.h"
 #include "database/sqlite/functions.h"
 
-namespace alidade {
+namespace alidade::database {
 
 PointCursor::PointCursor(ChunkStore& store, const CloudSchema& cloud, ScanFilter filter, RowOrder order)
     : store_(store), cloud_(cloud), filter_(std::move(filter.points)), order_(order) {
@@ -323,4 +323,4 @@ std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value*
   return scan;
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

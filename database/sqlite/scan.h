@@ -17,7 +17,7 @@
 #include "database/stored_column.h"
 #include "octree/distance.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// In which order rows come.
 enum class RowOrder {
@@ -131,4 +131,4 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
 std::optional<ScanFilter> plan_filter(const char* plan, std::span<sqlite3_value* const> values,
                                       Arguments& arguments);
 
-}  // namespace alidade
+}  // namespace alidade::database

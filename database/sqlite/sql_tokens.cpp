@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/sql_tokens.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <fmt/format.h>
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 // Files of other systems begin with it, and so do their parts once they are joined. To SQLite it is blank
@@ -246,4 +246,4 @@ std::vector<TokenRange> TokenList::arguments(std::size_t opening) const {
   return found;
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -11,7 +11,7 @@
 // SQL cut into the tokens that SQLite sees: https://www.sqlite.org/lang_keywords.html tells its quotes,
 // lang_comment.html, lang_expr.html its literals and parameters.
 
-namespace alidade {
+namespace alidade::database {
 
 enum class SqlTokenKind {
   word,         ///< a keyword or a name without quotes
@@ -84,4 +84,4 @@ class TokenList {
   bool is_sound_ = true;
 };
 
-}  // namespace alidade
+}  // namespace alidade::database

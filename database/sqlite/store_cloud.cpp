@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/store_cloud.h"
 
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <fcntl.h>
-#include <fmt/format.h>
 #include <span>
 #include <string>
-#include <tbb/parallel_pipeline.h>
-#include <tbb/task_arena.h>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -22,7 +22,7 @@
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 
-namespace alidade {
+namespace alidade::database {
 
 /// Writes chunk after chunk into the tables of a cloud (database/sqlite/cloud_schema.h).
 class ChunkWriter {
@@ -289,4 +289,4 @@ StoredFiles store_files(const std::filesystem::path& file, std::span<const std::
   return {points.size(), std::move(whole.rest.warnings)};
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

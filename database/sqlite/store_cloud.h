@@ -10,7 +10,7 @@
 #include "base/progress.h"
 #include "cloud/read_cloud.h"
 
-namespace alidade {
+namespace alidade::database {
 
 struct StoreOptions {
   std::string table = "points";       ///< what SQL calls the cloud
@@ -46,4 +46,4 @@ struct StoredFiles {
 StoredFiles store_files(const std::filesystem::path& database, std::span<const std::filesystem::path> files,
                         const ReadOptions& reading, const StoreOptions& options = {});
 
-}  // namespace alidade
+}  // namespace alidade::database

@@ -14,7 +14,7 @@
 #include "cloud/point_cloud.h"
 #include "cloud/rows.h"
 
-namespace alidade {
+namespace alidade::database {
 namespace {
 
 bool is_attribute(const StoredBlob& blob, Attribute attribute) {
@@ -359,4 +359,4 @@ CloudDatabase sqlite_clouds() {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::database

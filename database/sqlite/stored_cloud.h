@@ -15,7 +15,7 @@
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/connection.h"
 
-namespace alidade {
+namespace alidade::database {
 
 inline constexpr std::string_view k_table_word = "?table=";
 
@@ -98,4 +98,4 @@ CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> 
 /// are no rows.
 CloudDatabase sqlite_clouds();
 
-}  // namespace alidade
+}  // namespace alidade::database

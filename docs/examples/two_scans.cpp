@@ -9,6 +9,7 @@
 namespace {
 
 using namespace alidade;
+using namespace alidade::simulation;
 
 void write_scan(const Site& site, std::uint64_t points, std::uint64_t seed, const std::string& file) {
   LasWriter writer(file, scan_header(site), scan_attributes(), {.overwrite = true});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "base/checkpoint.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <fstream>
 #include <iterator>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "base/input_file.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <array>
 

@@ -11,6 +11,8 @@
 
 namespace alidade::bench {
 
+using namespace simulation;
+
 std::vector<Ray> camera_rays(const glm::dvec3& eye, const glm::dvec3& target) {
   constexpr int k_width = 600, k_height = 400;
   constexpr double k_field_of_view = std::numbers::pi / 3.0;

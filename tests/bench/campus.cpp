@@ -12,6 +12,9 @@
 #include "tests/bench/alias_table.h"
 
 namespace alidade::bench {
+
+using namespace simulation;
+
 namespace {
 
 /// A small piece of surface: corner + u * across + v * along for u, v in [0, 1), or one of the round kinds.

@@ -7,6 +7,9 @@
 #include "simulation/noise.h"
 
 namespace alidade::bench {
+
+using namespace simulation;
+
 namespace {
 
 constexpr double k_eye_height = 1.7;

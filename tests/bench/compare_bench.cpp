@@ -18,6 +18,10 @@
 #include "tests/bench/process_memory.h"
 
 namespace alidade {
+
+using namespace compare;
+using namespace simulation;
+
 namespace {
 
 /// Waves of several lengths, edges and grain, in codes of 8 bits or in light with a range of a thousand to

@@ -17,6 +17,9 @@
 #include "tests/bench/timing.h"
 
 namespace alidade::bench {
+
+using namespace database;
+
 namespace {
 
 constexpr std::size_t k_points = 10'000'000;

@@ -24,6 +24,12 @@
 #endif
 
 namespace alidade {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 struct Batch {

@@ -16,6 +16,9 @@
 #include "visibility/points/point_visibility.h"
 
 namespace alidade {
+
+using namespace visibility;
+
 namespace {
 
 using Seen = std::vector<std::uint8_t>;

@@ -14,6 +14,8 @@
 
 namespace alidade::test {
 
+using namespace camera;
+
 inline CameraSet parse(const std::string& text, const CameraFileOptions& options = {}) {
   return parse_cameras(text, "nowhere/cameras.json", options);
 }

@@ -7,6 +7,11 @@
 #include "tests/renderer/describe_scene.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+
 namespace {
 
 TEST(CameraFiles, our_own_file_is_a_set_of_one) {

@@ -18,6 +18,11 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 /// Middle of the pixels that show each object, in pixels; only objects that do not touch the image's edge.

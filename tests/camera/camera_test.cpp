@@ -10,6 +10,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace camera;
+
 namespace {
 
 TEST(Camera, film_position_survives_the_way_to_the_world_and_back) {

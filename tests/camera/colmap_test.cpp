@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <fstream>
 #include <functional>
@@ -15,6 +15,11 @@
 #include "tests/renderer/describe_scene.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+
 namespace {
 
 CameraSet read(const std::string& cameras, const std::string& images) {

@@ -9,6 +9,9 @@
 #include "camera/projection.h"
 
 namespace alidade {
+
+using namespace camera;
+
 namespace {
 
 E57Image posed() {

@@ -8,6 +8,8 @@
 
 namespace alidade::test {
 
+using namespace camera;
+
 /// A camera with the name of what is special about it.
 struct LensCase {
   std::string name;

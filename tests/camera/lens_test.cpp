@@ -14,6 +14,10 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace camera;
+
 namespace {
 
 // The formulas once more, straight from docs/cameras.md with the C library's functions: what the lenses must

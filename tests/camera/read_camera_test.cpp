@@ -15,6 +15,12 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 Camera camera_of(const std::string& intrinsics, const std::string& pose, int width = 600, int height = 400) {

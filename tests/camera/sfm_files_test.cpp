@@ -9,6 +9,9 @@
 #include "tests/camera/camera_file_text.h"
 
 namespace alidade::test {
+
+using namespace camera;
+
 namespace {
 
 std::string opensfm(const std::string& camera) {

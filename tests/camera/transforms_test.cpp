@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <cmath>
 #include <fstream>
@@ -15,6 +15,12 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 const std::string k_transforms = R"({"w": 640, "h": 480.0, "fl_x": 500, "fl_y": 510, "cx": 321, "cy": 243,

@@ -10,6 +10,9 @@
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 /// Blots as seen by a camera that is off, with other colours: where `reference` shows something at a place,

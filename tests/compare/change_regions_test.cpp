@@ -14,6 +14,9 @@
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 /// A map from letters: '.' is 0, digits are tenths.

@@ -11,6 +11,9 @@
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 constexpr glm::dvec3 k_scale(0.7, 1.1, 1.6), k_offset(0.02, 0.0, -0.01);

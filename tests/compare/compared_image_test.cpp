@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "compare/compared_image.h"
 
-#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <filesystem>
 
 #include <cmath>
 #include <cstring>
@@ -12,13 +12,15 @@
 #include <limits>
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 class ComparedImageTest : public ::testing::Test {
  protected:
   ComparedImageTest()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("compared_image_" + std::to_string(::getpid()))) {
+      : folder_(std::filesystem::temp_directory_path() / ("compared_image_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }

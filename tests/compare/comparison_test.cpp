@@ -14,6 +14,10 @@
 #include "tests/compare/picture_files.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace compare;
+
 namespace {
 
 using nlohmann::json;

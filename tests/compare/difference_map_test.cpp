@@ -14,6 +14,10 @@
 #include "tests/compare/drawn_pictures.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace compare;
+
 namespace {
 
 constexpr float k_infinite = std::numeric_limits<float>::infinity();
@@ -144,8 +148,7 @@ TEST(DifferenceMap, is_written_as_png_with_a_legend_beside_it) {
   EXPECT_GT(picture.spec().width, 200 + 100);
   EXPECT_GE(picture.spec().height, 100);
   EXPECT_THROW(write_difference(map, file, false), Error);
-  EXPECT_THROW(write_difference(map, std::filesystem::temp_directory_path() / "difference.jpg", true),
-               Error);
+  EXPECT_THROW(write_difference(map, std::filesystem::temp_directory_path() / "difference.jpg", true), Error);
 }
 
 TEST(DifferenceMap, nothing_to_compare_is_said) {

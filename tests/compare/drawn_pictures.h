@@ -9,6 +9,8 @@
 
 namespace alidade::test {
 
+using namespace compare;
+
 /// A picture of so many pixels whose values are what `color(x, y)` says: three numbers. It may be called
 /// anywhere.
 template <typename Color>

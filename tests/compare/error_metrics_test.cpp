@@ -10,6 +10,9 @@
 #include "tests/compare/pictures.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();

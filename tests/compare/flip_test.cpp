@@ -12,6 +12,9 @@
 #include "tests/compare/plain_flip.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 constexpr float k_nan = std::numeric_limits<float>::quiet_NaN();

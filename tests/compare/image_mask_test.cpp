@@ -6,6 +6,9 @@
 #include <limits>
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 constexpr float k_infinity = std::numeric_limits<float>::infinity();

@@ -9,6 +9,9 @@
 #include "tests/compare/pictures.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 constexpr float k_infinity = std::numeric_limits<float>::infinity();

@@ -9,6 +9,10 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace compare;
+
 namespace {
 
 TEST(Logarithm, exponential_is_that_of_the_c_library) {

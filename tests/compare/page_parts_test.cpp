@@ -7,6 +7,10 @@
 #include "image/encoded_picture.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace compare;
+
 namespace {
 
 TEST(PagePartsTest, what_is_put_into_a_page_is_not_looked_at_again) {

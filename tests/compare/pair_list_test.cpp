@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "compare/pair_list.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <fstream>
 
 #include "base/error.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -15,6 +15,12 @@
 #include "renderer/render.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+using namespace compare;
+
 namespace {
 
 std::filesystem::path shared(const std::string& name) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tests/compare/picture_files.h"
 
-#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <unistd.h>
+#include <filesystem>
 
 #include <bit>
 #include <cstdint>
@@ -23,8 +23,7 @@ void write_file(const std::filesystem::path& file, const OIIO::ImageSpec& spec, 
 
 void PictureTest::SetUp() {
   const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-  folder =
-      std::filesystem::temp_directory_path() / ("alidade_" + std::string(test->test_suite_name()) + "_" +
+  folder = std::filesystem::temp_directory_path() / ("alidade_" + std::string(test->test_suite_name()) + "_" +
                                                      test->name() + "_" + std::to_string(::getpid()));
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);

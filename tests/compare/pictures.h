@@ -10,6 +10,8 @@
 
 namespace alidade::test {
 
+using namespace compare;
+
 /// A picture of one colour.
 inline ComparedImage uniform_picture(int width, int height, ColorEncoding encoding, float red, float green,
                                      float blue) {

@@ -15,6 +15,8 @@
 
 namespace alidade::test {
 
+using namespace compare;
+
 class PlainFlip {
  public:
   PlainFlip(int width, int height, double pixels_per_degree)

@@ -11,6 +11,9 @@
 #include "compare/metrics/ssim.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 const std::filesystem::path k_folder = std::filesystem::path(ALIDADE_SHARED_DATA) / "compare";

@@ -10,6 +10,9 @@
 #include "cloud/read_cloud.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 /// A row of pixels with these regions.

@@ -16,6 +16,13 @@
 #include "simulation/courtyard.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+using namespace compare;
+using namespace simulation;
+
 namespace {
 
 constexpr std::uint8_t k_car_class = 64;

@@ -12,6 +12,10 @@
 // The pages as people use them, in a browser without a window.
 
 namespace alidade::test {
+
+using namespace image;
+using namespace compare;
+
 namespace {
 
 namespace fs = std::filesystem;

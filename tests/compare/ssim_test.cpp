@@ -10,6 +10,9 @@
 #include "tests/compare/pictures.h"
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 /// One channel of a picture.

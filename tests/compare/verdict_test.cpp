@@ -9,6 +9,10 @@
 #include "base/error.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace compare;
+
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();

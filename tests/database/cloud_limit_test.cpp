@@ -12,6 +12,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace database;
+
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();

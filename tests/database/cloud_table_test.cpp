@@ -7,6 +7,9 @@
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 class CloudTableTest : public SqliteTest {

@@ -12,6 +12,9 @@
 #include "database/server/server_sql.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 using Bytes = std::vector<std::byte>;

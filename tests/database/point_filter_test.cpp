@@ -8,6 +8,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace database;
+
 namespace {
 
 class Cases {

@@ -9,6 +9,9 @@
 #include "database/sqlite/sql_tokens.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 const std::string k_from = "SELECT * FROM points WHERE ";

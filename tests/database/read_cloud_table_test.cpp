@@ -8,6 +8,9 @@
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 class ReadCloudTableTest : public SqliteTest {

@@ -7,6 +7,9 @@
 #include "base/error.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 std::string error_of(const std::string& name) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // What servers are told about a cloud: names of shards, rows as COPY takes them, scripts that no name can
 // leave.
-#include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <filesystem>
 
 #include <bit>
 #include <cstring>
@@ -17,6 +17,9 @@
 #include "database/server/shard_plan.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 template <class Work>

@@ -3,6 +3,9 @@
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 class SqliteDamageTest : public SqliteTest {

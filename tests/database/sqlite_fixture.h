@@ -15,6 +15,8 @@
 
 namespace alidade::test {
 
+using namespace database;
+
 /// A folder with the database site.db, gone with the test.
 class SqliteTest : public ::testing::Test {
  protected:

@@ -6,6 +6,9 @@
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 class SqliteModuleTest : public SqliteTest {

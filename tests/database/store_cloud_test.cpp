@@ -14,6 +14,9 @@
 #include "tests/database/sqlite_fixture.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 class StoreCloudTest : public SqliteTest {

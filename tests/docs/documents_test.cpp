@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include <filesystem>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <filesystem>
 
 #include <cstdlib>
 #include <fstream>

@@ -8,6 +8,10 @@
 
 namespace alidade::test {
 
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 inline constexpr int k_checkpoint_width = 30, k_checkpoint_height = 13, k_checkpoint_samples = 40;
 
 inline PictureIdentity checkpoint_identity() {

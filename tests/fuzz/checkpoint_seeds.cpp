@@ -7,6 +7,7 @@
 namespace {
 
 using namespace alidade;
+using namespace alidade::renderer;
 
 PictureState state_with(bool with_noise, std::uint32_t samples) {
   PictureState state(test::k_checkpoint_width, test::k_checkpoint_height, with_noise);

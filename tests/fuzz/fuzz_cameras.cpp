@@ -11,6 +11,9 @@
 #include "camera/projection.h"
 
 namespace alidade {
+
+using namespace camera;
+
 namespace {
 
 /// Rays and places that come out of a camera are numbers, whatever its parameters.

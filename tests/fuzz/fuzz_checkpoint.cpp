@@ -9,6 +9,10 @@
 #include "tests/support/seal_checkpoint.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace renderer;
+
 namespace {
 
 void use(std::span<const std::byte> bytes) {

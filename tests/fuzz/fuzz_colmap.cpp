@@ -12,6 +12,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;
+  using namespace alidade::camera;
   if (size < 2) return 0;
   const std::span<const std::uint8_t> bytes(data + 2, size - 2);
   const std::size_t length = std::min<std::size_t>(data[0] + 256u * (data[1] % 128u), bytes.size());

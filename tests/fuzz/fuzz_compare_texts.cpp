@@ -13,6 +13,8 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;
+  using namespace alidade::image;
+  using namespace alidade::compare;
   const std::string text(reinterpret_cast<const char*>(data), size);
   try {
     for (const Threshold& one : parse_thresholds(text)) {

@@ -11,6 +11,7 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;
+  using namespace alidade::visibility;
   InputFile file(std::as_bytes(std::span(data, size)), "observers.csv");
   try {
     const std::vector<GivenObserver> given = read_observer_table(file);

@@ -11,11 +11,11 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   try {
-    alidade::parse_scene(text, "/nonexistent/scene.json");
+    alidade::renderer::parse_scene(text, "/nonexistent/scene.json");
   } catch (const alidade::Error&) {
   }
   try {
-    alidade::parse_camera(text, "/nonexistent/camera.json");
+    alidade::camera::parse_camera(text, "/nonexistent/camera.json");
   } catch (const alidade::Error&) {
   }
   return 0;

@@ -65,6 +65,7 @@ std::optional<std::vector<std::string>> answer(sqlite3* database, const std::str
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace alidade;
+  using namespace alidade::database;
   static sqlite3* const database = open_database();
   const std::string sql(reinterpret_cast<const char*>(data), size);
   const std::string_view whole(sql.c_str());

@@ -12,6 +12,9 @@
 #include "geo/earth.h"
 
 namespace alidade::test {
+
+using namespace geo;
+
 namespace {
 
 Crs epsg(int code) {

@@ -12,6 +12,9 @@
 #include "base/error.h"
 
 namespace alidade::test {
+
+using namespace geo;
+
 namespace {
 
 class RasterFileTest : public ::testing::Test {

@@ -10,6 +10,9 @@
 #include "base/huge_memory.h"
 
 namespace alidade::test {
+
+using namespace geo;
+
 namespace {
 
 Bounds area(double x0, double y0, double x1, double y1) {

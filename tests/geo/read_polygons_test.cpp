@@ -4,6 +4,9 @@
 #include "tests/geo/vector_file_test.h"
 
 namespace alidade::test {
+
+using namespace geo;
+
 namespace {
 
 namespace fs = std::filesystem;

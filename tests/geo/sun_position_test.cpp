@@ -11,6 +11,9 @@
 // Published places and times of the sun, none of them computed by this project.
 
 namespace alidade {
+
+using namespace geo;
+
 namespace {
 
 SunPosition at(const char* date_time, const SunObserver& observer) {

@@ -18,6 +18,8 @@
 
 namespace alidade::test {
 
+using namespace geo;
+
 inline GdalReference reference_of(int epsg) {
   GdalReference reference(OSRNewSpatialReference(nullptr));
   EXPECT_EQ(OSRImportFromEPSG(reference.get(), epsg), OGRERR_NONE);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <filesystem>
 #include <cstdlib>
+#include <filesystem>
 
 #include "compare/report/page.h"
 #include "tests/tools/run_program.h"
@@ -12,6 +12,10 @@
 //   ALIDADE_WRITE_GOLDEN=1 build/release/tests/golden/golden_test
 
 namespace alidade::test {
+
+using namespace image;
+using namespace compare;
+
 namespace {
 
 namespace fs = std::filesystem;

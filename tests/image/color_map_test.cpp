@@ -11,6 +11,9 @@
 #include "image/point_color.h"
 
 namespace alidade {
+
+using namespace image;
+
 namespace {
 
 /// CIE L* of a display-referred colour. Source: CIE 15, with the luminance of IEC 61966-2-1.

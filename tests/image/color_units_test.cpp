@@ -7,6 +7,10 @@
 #include "image/color_points.h"
 
 namespace alidade {
+
+using namespace geo;
+using namespace image;
+
 namespace {
 
 TEST(GpsDateTest, adjusted_time_counts_from_a_billion_seconds_after_the_beginning_of_1980s_gps) {

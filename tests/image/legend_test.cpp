@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "image/legend.h"
 
-#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <filesystem>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,9 @@
 #include "image/font.h"
 
 namespace alidade {
+
+using namespace image;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -172,7 +175,8 @@ const LegendText& text_of(const LegendLayout& layout, const std::string& text) {
 
 class LegendTest : public ::testing::Test {
  protected:
-  LegendTest() : folder_(std::filesystem::temp_directory_path() / ("legend_test_" + std::to_string(::getpid()))) {
+  LegendTest()
+      : folder_(std::filesystem::temp_directory_path() / ("legend_test_" + std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

@@ -17,6 +17,9 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace image;
+
 namespace {
 
 class ReadSkyImageTest : public ::testing::Test {

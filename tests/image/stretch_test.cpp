@@ -12,6 +12,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace image;
+
 namespace {
 
 /// All values at once.

@@ -15,6 +15,11 @@
 // Scenes whose pictures are known on paper; the derivations stand in the scene files.
 
 namespace alidade::test {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 Scene check_scene(const std::string& name) {
@@ -83,8 +88,8 @@ std::optional<double> distance_to_sphere(const Ray& ray, const glm::dvec3& cente
 TEST(CheckScenesTest, sphere_of_points_is_seen_between_the_exact_spheres_and_loses_no_light) {
   const glm::dvec3 center(690000, 5325000, 500);
   Scene scene = check_scene("sphere_of_points");
-  const std::filesystem::path file = std::filesystem::temp_directory_path() /
-                                     ("sphere_of_points_" + std::to_string(::getpid()) + ".ply");
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("sphere_of_points_" + std::to_string(::getpid()) + ".ply");
   write_ply(file, points_on_sphere(200000, 10.0, center), {.overwrite = true, .progress = {}});
   scene.cloud->files = {file};
   const LoadedCloud cloud = load_cloud(*scene.cloud);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "renderer/checkpoint.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <fstream>
 #include <sstream>
@@ -12,6 +12,11 @@
 #include "tests/support/seal_checkpoint.h"
 
 namespace alidade {
+
+using namespace geo;
+using namespace image;
+using namespace renderer;
+
 namespace {
 
 using test::expect_same;
@@ -22,8 +27,7 @@ class CheckpointTest : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ =
-        std::filesystem::temp_directory_path() / (std::string("alidade_checkpoint_") + test->name());
+    folder_ = std::filesystem::temp_directory_path() / (std::string("alidade_checkpoint_") + test->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
     file_ = folder_ / "picture.state";

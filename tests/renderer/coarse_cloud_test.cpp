@@ -14,6 +14,11 @@
 #include "tests/cloud/copc/copc_builder.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 using Files = std::vector<std::unique_ptr<CopcFile>>;

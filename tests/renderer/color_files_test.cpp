@@ -15,13 +15,18 @@
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace renderer;
+
 namespace {
 
 namespace fs = std::filesystem;
 
 class ColorFiles : public ::testing::Test {
  protected:
-  ColorFiles() : folder_(std::filesystem::temp_directory_path() / ("color_files_" + std::to_string(::getpid()))) {
+  ColorFiles()
+      : folder_(std::filesystem::temp_directory_path() / ("color_files_" + std::to_string(::getpid()))) {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

@@ -17,6 +17,10 @@
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace renderer;
+
 namespace {
 
 /// The colours of a cloud and their meaning, as load_cloud has them made.

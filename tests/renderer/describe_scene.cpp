@@ -4,6 +4,12 @@
 #include <fmt/format.h>
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 std::string text(double value) {

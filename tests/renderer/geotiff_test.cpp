@@ -13,6 +13,12 @@
 #include "renderer/picture_metadata.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 class GeotiffTest : public ::testing::Test {

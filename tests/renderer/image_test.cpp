@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "image/image_file.h"
 
-#include <filesystem>
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <filesystem>
 
 #include <cmath>
 #include <csignal>
@@ -20,6 +20,12 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 constexpr float k_infinity = std::numeric_limits<float>::infinity();

@@ -13,6 +13,11 @@
 // Light with answers known on paper. Derivations stand beside each scene.
 
 namespace alidade {
+
+using namespace geo;
+using namespace image;
+using namespace renderer;
+
 namespace {
 
 using test::camera_at;

@@ -8,6 +8,10 @@
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
+
+using namespace geo;
+using namespace renderer;
+
 namespace {
 
 TEST(Sun, azimuth_is_clockwise_from_north_and_elevation_above_the_horizon) {

@@ -10,6 +10,11 @@
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 namespace fs = std::filesystem;

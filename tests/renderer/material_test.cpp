@@ -11,6 +11,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace renderer;
+
 namespace {
 
 const Rgb k_color(0.2f, 0.5f, 0.8f);

@@ -5,6 +5,10 @@
 
 namespace alidade::test {
 
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 /// A little of everything.
 inline Scene mixed_scene() {
   Scene scene;

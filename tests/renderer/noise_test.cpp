@@ -11,6 +11,11 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 /// Sums over a picture and many seeds.

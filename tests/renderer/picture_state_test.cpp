@@ -8,6 +8,10 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace renderer;
+
 namespace {
 
 TEST(TileGrid, tiles_cover_every_pixel_once_and_none_is_a_sliver) {

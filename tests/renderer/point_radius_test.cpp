@@ -9,6 +9,9 @@
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
+
+using namespace renderer;
+
 namespace {
 
 constexpr double k_dense_step = 0.02, k_sparse_step = 0.4;

@@ -11,6 +11,11 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 using test::camera_at;

@@ -11,6 +11,12 @@
 #include "tests/renderer/describe_scene.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 Error::Parts scene_error(const std::string& text) {
@@ -238,8 +244,7 @@ TEST(ReadSceneTest, a_long_unknown_key_gives_a_short_message) {
 class SceneFileTest : public ::testing::Test {
  protected:
   SceneFileTest()
-      : folder_(std::filesystem::temp_directory_path() /
-                ("read_scene_test_" + std::to_string(::getpid()))) {
+      : folder_(std::filesystem::temp_directory_path() / ("read_scene_test_" + std::to_string(::getpid()))) {
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_ / "cameras");
   }

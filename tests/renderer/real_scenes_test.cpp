@@ -20,6 +20,11 @@
 #include "tests/support/point_families.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 using Json = nlohmann::json;

@@ -9,6 +9,10 @@
 #include "tests/renderer/mixed_scene.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace renderer;
+
 namespace {
 
 using test::expect_same;

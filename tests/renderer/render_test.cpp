@@ -9,6 +9,11 @@
 #include "tests/renderer/mixed_scene.h"
 
 namespace alidade {
+
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 using test::expect_same;

@@ -10,6 +10,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace renderer;
+
 namespace {
 
 TEST(Sampler, numbers_are_the_same_in_any_order_of_asking) {

@@ -6,6 +6,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace renderer;
+
 namespace {
 
 TEST(Sampling, basis_is_right_handed_and_orthonormal_for_every_normal) {

@@ -16,6 +16,12 @@
 // refuse.
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 const std::filesystem::path k_scenes = std::filesystem::path(ALIDADE_SOURCE_FOLDER) / "scenes";

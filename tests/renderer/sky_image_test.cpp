@@ -12,6 +12,12 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace geo;
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 using test::camera_at;

@@ -9,6 +9,9 @@
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
+
+using namespace renderer;
+
 namespace {
 
 const Lattice k_lattice{glm::dvec3(0.0001), {690000.0, 5325000.0, 500.0}};

@@ -10,6 +10,9 @@
 #include "tests/renderer/tracer_scenes.h"
 
 namespace alidade {
+
+using namespace renderer;
+
 namespace {
 
 const glm::dvec3 k_utm(690000.0, 5325000.0, 500.0);

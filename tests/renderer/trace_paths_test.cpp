@@ -6,6 +6,10 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace geo;
+using namespace renderer;
+
 namespace {
 
 using test::camera_at;

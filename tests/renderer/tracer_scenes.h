@@ -16,6 +16,10 @@
 
 namespace alidade::test {
 
+using namespace image;
+using namespace camera;
+using namespace renderer;
+
 inline Camera camera_at(const glm::dvec3& eye, const glm::dvec3& target, double vertical_fov, int size = 16) {
   const glm::dvec3 view = target - eye;
   const bool vertical = view.x == 0.0 && view.y == 0.0;

@@ -11,6 +11,10 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace camera;
+using namespace renderer;
+
 namespace {
 
 bool is_inside(const HalfSpaces& planes, const glm::dvec3& point) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "simulation/scan.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <filesystem>
 
 #include <array>
 #include <cmath>
@@ -15,6 +15,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace simulation;
+
 namespace {
 
 using glm::dvec3;

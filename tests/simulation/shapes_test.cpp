@@ -10,7 +10,7 @@
 
 #include "tests/support/random.h"
 
-namespace alidade::shapes {
+namespace alidade::simulation::shapes {
 namespace {
 
 using glm::dmat3;
@@ -285,4 +285,4 @@ TEST(AnyShape, BoundsEncloseEveryHit) {
 }
 
 }  // namespace
-}  // namespace alidade::shapes
+}  // namespace alidade::simulation::shapes

@@ -9,6 +9,9 @@
 #include "tests/support/random.h"
 
 namespace alidade {
+
+using namespace simulation;
+
 namespace {
 
 using glm::dvec3;

@@ -17,6 +17,8 @@ WORDS = {
     "renderer": "from scene to image", "visibility": "from observers to maps", "compare": "two images, a verdict",
     "database": "from SQL to rows", "tools": "the program alidade",
 }
+# From left to right where rooms stand side by side.
+COLUMNS = ["database", "compare", "renderer", "visibility", "octree", "image", "geo", "camera", "simulation", "cloud", "base", "tools"]
 WIDTH, HEIGHT, GAP, RISE = 176, 56, 20, 64
 
 
@@ -38,9 +40,12 @@ def included_rooms(room, names):
 def drawing():
     names = rooms()
     below = {room: included_rooms(room, names) for room in names}
-    level = {}
-    for room in names:
-        level[room] = 1 + max((level[other] for other in below[room]), default=-1)
+    users = {room: [user for user in names if room in below[user]] for room in names}
+    # Each as high as it can stand, so that rooms side by side are drawn side by side.
+    depth = {}
+    for room in reversed(names):
+        depth[room] = 1 + max((depth[user] for user in users[room]), default=-1)
+    level = {room: max(depth.values()) - depth[room] for room in names}
 
     def reaches(room, other):
         return other in below[room] or any(reaches(next_room, other) for next_room in below[room])
@@ -48,7 +53,7 @@ def drawing():
     direct = {room: {other for other in below[room] if not any(reaches(third, other) for third in below[room] if third != other)}
               for room in names}
     top = max(level.values())
-    rows = [[room for room in names if level[room] == number] for number in range(top + 1)]
+    rows = [[room for room in COLUMNS if level[room] == number] for number in range(top + 1)]
     width = max(len(row) for row in rows) * (WIDTH + GAP) + GAP
     height = (top + 1) * HEIGHT + top * RISE + 2 * GAP
     corner = {}
@@ -64,11 +69,11 @@ def drawing():
         above = sorted(direct[room], key=lambda other: corner[other][0])
         for number, other in enumerate(above):
             x = corner[room][0] + WIDTH * (number + 1) / (len(above) + 1)
-            users = sorted((user for user in names if other in direct[user]), key=lambda user: corner[user][0])
-            end = corner[other][0] + WIDTH * (users.index(room) + 1) / (len(users) + 1)
+            ends = sorted((user for user in names if other in direct[user]), key=lambda user: corner[user][0])
+            end = corner[other][0] + WIDTH * (ends.index(room) + 1) / (len(ends) + 1)
             y, bottom = corner[room][1] + HEIGHT, corner[other][1]
-            middle = (y + bottom) / 2
-            parts.append(f'<path d="M{x:.0f} {y:.0f}C{x:.0f} {middle:.0f} {end:.0f} {middle:.0f} {end:.0f} {bottom:.0f}" '
+            turn, middle = bottom - RISE, bottom - RISE / 2
+            parts.append(f'<path d="M{x:.0f} {y:.0f}V{turn:.0f}C{x:.0f} {middle:.0f} {end:.0f} {middle:.0f} {end:.0f} {bottom:.0f}" '
                          'fill="none" stroke="#5a6b7b" stroke-width="1.4" marker-end="url(#head)"/>')
     for room in names:
         x, y = corner[room]

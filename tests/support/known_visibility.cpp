@@ -15,6 +15,9 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace simulation;
+
 namespace {
 
 const glm::dvec3 k_origin(690000.0, 5325000.0, 600.0);

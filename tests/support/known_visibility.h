@@ -14,6 +14,8 @@
 
 namespace alidade::test {
 
+using namespace simulation;
+
 struct KnownScene {
   std::string name;
   Site site;

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 namespace alidade::test {
+
+using namespace tools;
+
 namespace {
 
 /// The size after many batches of targets that have so many answers and take so many seconds each.

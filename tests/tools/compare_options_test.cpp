@@ -7,6 +7,9 @@
 // Each option of `alidade compare` has an effect that can be seen.
 
 namespace alidade::test {
+
+using namespace compare;
+
 namespace {
 
 class CompareOptionsTest : public CompareTest {

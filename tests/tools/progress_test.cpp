@@ -6,6 +6,9 @@
 #include <algorithm>
 
 namespace alidade::test {
+
+using namespace tools;
+
 namespace {
 
 /// What a task of a hundred reports leaves in a log.

@@ -12,6 +12,9 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace tools;
+
 namespace {
 
 class RowReaderTest : public ::testing::Test {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "tests/tools/run_program.h"
 
-#include <filesystem>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <filesystem>
 
 #include <algorithm>
 #include <fstream>

@@ -14,6 +14,9 @@
 #include "tests/tools/run_program.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 using Words = std::vector<std::string>;

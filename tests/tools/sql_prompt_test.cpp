@@ -15,6 +15,9 @@
 #include "tests/tools/sql_site.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 /// A person at a terminal who has started the program.

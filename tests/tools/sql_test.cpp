@@ -12,6 +12,9 @@
 #include "tests/tools/sql_site.h"
 
 namespace alidade::test {
+
+using namespace database;
+
 namespace {
 
 bool contains(const std::string& text, const std::string& part) {

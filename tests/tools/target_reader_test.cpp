@@ -8,6 +8,9 @@
 #include <fstream>
 
 namespace alidade::test {
+
+using namespace tools;
+
 namespace {
 
 class TargetReaderTest : public ::testing::Test {

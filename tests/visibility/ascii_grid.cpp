@@ -9,6 +9,8 @@
 
 namespace alidade::test {
 
+using namespace geo;
+
 Raster<double> read_ascii_grid(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::map<std::string, double> head;

@@ -9,6 +9,8 @@
 
 namespace alidade::test {
 
+using namespace geo;
+
 /// A grid in GRASS's ASCII form; "*" is NaN. Requires square cells.
 Raster<double> read_ascii_grid(const std::filesystem::path& file);
 

@@ -12,6 +12,9 @@
 #include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 /// A floor with a wall across its middle.

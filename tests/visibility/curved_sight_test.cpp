@@ -15,6 +15,10 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 /// Walls of 2 x 2 across the x axis, each between two heights.

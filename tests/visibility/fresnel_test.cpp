@@ -10,6 +10,9 @@
 #include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 // A link of 100 m along x at 2.4 GHz: its zone is 1.77 m wide in the middle.

@@ -13,6 +13,10 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 using Height = std::function<double(double x, double y)>;

@@ -12,6 +12,10 @@
 #include "tests/visibility/sampled_shapes.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180.0;

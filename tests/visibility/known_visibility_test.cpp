@@ -8,6 +8,9 @@
 #include "visibility/points/point_visibility.h"
 
 namespace alidade {
+
+using namespace visibility;
+
 namespace {
 
 using test::KnownScene;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_files.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <filesystem>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -14,6 +14,10 @@
 #include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 namespace fs = std::filesystem;

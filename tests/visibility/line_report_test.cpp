@@ -10,6 +10,9 @@
 #include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 /// A wall across the x axis at 30 m, 4 m wide, from z = 0 to 2.

@@ -12,6 +12,11 @@
 #include "image/font.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace visibility;
+
 namespace {
 
 constexpr Rgb8 k_north_color{200, 100, 0}, k_south_color{0, 60, 120}, k_mark_color{220, 30, 40};

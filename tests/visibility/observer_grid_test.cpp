@@ -8,6 +8,9 @@
 #include "base/error.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 const Bounds k_extent{.min = {100, 200, 0}, .max = {130, 220, 9}};

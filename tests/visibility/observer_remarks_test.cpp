@@ -7,6 +7,9 @@
 #include "tests/visibility/wall_cloud.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 /// Ground, and a bush of points without a surface.

@@ -9,6 +9,9 @@
 #include "base/error.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 std::optional<double> flat_ground(const glm::dvec2& place) {

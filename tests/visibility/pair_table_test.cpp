@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_files.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <fstream>
 
 #include "base/error.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 std::filesystem::path written(const std::string& text) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/points/placement.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <cmath>
 #include <set>
@@ -12,6 +12,10 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace visibility;
+
 namespace {
 
 Coverage coverage_of(const std::vector<std::set<std::size_t>>& seen, std::size_t targets) {

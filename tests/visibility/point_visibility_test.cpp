@@ -13,6 +13,9 @@
 #include "visibility/sight_line.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 /// Ground of 20 by 20 metres with a wall across its middle, x = 10, 3 metres high.

@@ -6,6 +6,10 @@
 #include "tests/geo/vector_file_test.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 namespace fs = std::filesystem;

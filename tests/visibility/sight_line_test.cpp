@@ -15,6 +15,9 @@
 #include "visibility/crossing.h"
 
 namespace alidade {
+
+using namespace visibility;
+
 namespace {
 
 using test::Random;

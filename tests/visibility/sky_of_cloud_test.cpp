@@ -11,6 +11,10 @@
 #include "visibility/raster/map_places.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 /// A square with a wall along its north side.

@@ -14,6 +14,10 @@
 #include "visibility/horizon/horizon.h"
 
 namespace alidade::test {
+
+using namespace image;
+using namespace visibility;
+
 namespace {
 
 /// A wall north of the origin, 20 m away, 10 m high.

@@ -14,6 +14,10 @@
 #include "visibility/sky/sun_path.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 constexpr double k_degree = std::numbers::pi / 180.0;

@@ -13,6 +13,9 @@
 #include "tests/support/random.h"
 
 namespace alidade::test {
+
+using namespace visibility;
+
 namespace {
 
 TEST(ThinPoints, vs_brute_force_on_every_family) {

@@ -9,6 +9,11 @@
 #include "visibility/raster/map_places.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace image;
+using namespace visibility;
+
 namespace {
 
 /// No ground, out of range, 0, 1, 7.

@@ -12,6 +12,10 @@
 #include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 using nlohmann::json;

@@ -9,6 +9,10 @@
 #include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 const std::filesystem::path k_folder = std::filesystem::path(ALIDADE_SHARED_DATA) / "viewshed";

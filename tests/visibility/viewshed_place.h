@@ -12,6 +12,9 @@
 
 namespace alidade::test {
 
+using namespace geo;
+using namespace visibility;
+
 /// Level ground, 60 x 60 around the origin, with whatever is put onto it.
 class Place {
  public:

@@ -15,6 +15,10 @@
 #include "tests/visibility/viewshed_place.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 TEST(ViewshedRunTest, a_map_too_large_for_the_memory_is_refused_before_anything_is_laid_down) {

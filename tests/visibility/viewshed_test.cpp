@@ -13,6 +13,10 @@
 #include "visibility/raster/map_places.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+
 namespace {
 
 TEST(ViewshedTest, level_ground_is_seen_whole_from_eye_height) {

@@ -11,6 +11,11 @@
 #include "visibility/raster/viewshed.h"
 
 namespace alidade::test {
+
+using namespace geo;
+using namespace visibility;
+using namespace simulation;
+
 namespace {
 
 /// Whether the site itself, whose surfaces are known exactly, lets the eye see places on the ground.
@@ -39,8 +44,7 @@ bool is_inside(const Raster<float>& raster, int column, int row) {
 }
 
 TEST(ViewshedTruthTest, the_map_of_a_scanned_yard_is_that_of_the_yard_itself) {
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / "alidade_viewshed_truth.las";
+  const std::filesystem::path file = std::filesystem::temp_directory_path() / "alidade_viewshed_truth.las";
   GenerateOptions options;
   options.point_count = 500'000;
   options.overwrite = true;

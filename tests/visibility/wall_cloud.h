@@ -10,6 +10,8 @@
 
 namespace alidade::test {
 
+using namespace visibility;
+
 /// Points on rectangles, to be built into a cloud.
 class WallCloud {
  public:

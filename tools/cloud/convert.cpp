@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fmt/format.h>
 #include <optional>
 #include <string>
 
@@ -24,7 +24,7 @@
 #include "tools/image_module.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// --crop and --crop-crs: which part of a cloud is wanted.
 struct CropOptions {
@@ -88,7 +88,7 @@ std::string whereabouts(const PointCloud& cloud) {
 }
 
 std::vector<PlanePolygon> read_polygons(const CropOptions& options, const Crs& crs) {
-  using Reader = void (*)(const std::filesystem::path& path, const ObserverReference& reference,
+  using Reader = void (*)(const std::filesystem::path& path, const geo::ObserverReference& reference,
                           std::vector<PlanePolygon>& polygons);
   std::vector<PlanePolygon> polygons;
   load_module_function<Reader>("alidade_read_polygons")(
@@ -309,4 +309,4 @@ Command add_convert(CLI::App& program) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

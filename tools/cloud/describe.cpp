@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "tools/cloud/describe.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "cloud/copc/copc_file.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& points,
                                            const Lattice& lattice) {
@@ -117,4 +117,4 @@ std::vector<std::string> index_lines(const IndexFile& index, bool verified) {
                       verified ? "; verified: undamaged" : "")};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

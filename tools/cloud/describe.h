@@ -10,7 +10,7 @@
 #include "cloud/point_cloud.h"
 #include "octree/index_file/index_file.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// How the box in a file's header differs from that of its points, in words for people: how far it lies
 /// beyond them ("wider"), how far they lie beyond it ("leaves out"). Empty if no face is off by more than a
@@ -34,4 +34,4 @@ Json index_json(const IndexFile& index, bool verified);
 /// The same as lines for people.
 std::vector<std::string> index_lines(const IndexFile& index, bool verified);
 
-}  // namespace alidade
+}  // namespace alidade::tools

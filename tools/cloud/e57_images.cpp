@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/cloud/e57_images.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unordered_map>
 #include <unordered_set>
@@ -15,7 +15,7 @@
 #include "camera/camera_set.h"
 #include "cloud/cloud_inputs.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -174,9 +174,9 @@ const char* note_of(const E57Picture& picture, bool has_camera) {
 }
 
 std::string camera_text(const E57Image& image, const E57Picture& picture, const std::string& file) {
-  const std::optional<Camera> camera = camera_of(image, picture);
+  const std::optional<camera::Camera> camera = camera::camera_of(image, picture);
   if (!camera) return {};
-  Json json = Json::parse(camera_json(*camera));
+  Json json = Json::parse(camera::camera_json(*camera));
   json["description"] = std::string(name_of(picture.projection)) + " picture of " + file +
                         (image.pose ? "" : ", which gives no pose: it stands in the axes of the file");
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -287,4 +287,4 @@ std::size_t extract_images(std::span<const std::filesystem::path> files, const s
   return plan.extractions().size();
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

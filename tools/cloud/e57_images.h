@@ -11,7 +11,7 @@
 #include "cloud/e57/e57_file.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Whether a file begins as E57 files do. Errors: it cannot be read.
 bool is_e57_file(const std::filesystem::path& file);
@@ -36,4 +36,4 @@ std::string safe_file_name(const std::string& text);
 std::size_t extract_images(std::span<const std::filesystem::path> files, const std::filesystem::path& folder,
                            bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -5,7 +5,7 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 // More cannot be numbered by the index (octree/build.h).
@@ -13,7 +13,7 @@ constexpr std::uint64_t k_most_points = 4'294'967'295;
 
 struct GenerateCommand {
   std::filesystem::path output;
-  GenerateOptions options;
+  simulation::GenerateOptions options;
   std::optional<int> threads;
   VerbosityOptions verbosity;
 };
@@ -21,9 +21,9 @@ struct GenerateCommand {
 ExitCode run_courtyard(const GenerateCommand& command) {
   check_writable(command.output, command.options.overwrite);
   ProgressLine line("scanning", "points", command.verbosity.verbosity());
-  GenerateOptions options = command.options;
+  simulation::GenerateOptions options = command.options;
   options.progress = line.callback();
-  with_threads(command.threads, [&] { generate_courtyard(command.output, options); });
+  with_threads(command.threads, [&] { simulation::generate_courtyard(command.output, options); });
   line.finish();
   return ExitCode::done;
 }
@@ -68,4 +68,4 @@ Command add_generate(CLI::App& program) {
   return {generate, [command] { return run_courtyard(*command); }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -11,7 +11,7 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 Octree build_from(PointCloud& cloud, const IndexRequest& request, Verbosity verbosity) {
@@ -185,4 +185,4 @@ Command add_index(CLI::App& program) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

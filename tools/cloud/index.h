@@ -8,7 +8,7 @@
 #include "octree/build.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What an index file shall hold beside octree and attributes.
 struct IndexRequest {
@@ -25,4 +25,4 @@ struct IndexRequest {
 void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
                  Verbosity verbosity);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -16,7 +16,7 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 struct InfoOptions {
@@ -313,4 +313,4 @@ Command add_info(CLI::App& program) {
   return {command, [options] { return run(*options); }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

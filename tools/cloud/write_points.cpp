@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/cloud/write_points.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -11,7 +11,7 @@
 #include "octree/tree_walk.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 PointCloud description_of(const IndexedCloud& cloud) {
   PointCloud description;
@@ -133,4 +133,4 @@ void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
   line.finish();
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

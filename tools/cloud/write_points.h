@@ -12,7 +12,7 @@
 #include "octree/index_file/indexed_cloud.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What a copy of a cloud with other columns says of itself: lattice, reference system, LAS records and
 /// encoding. No points, no columns.
@@ -52,4 +52,4 @@ void check_points_name(const std::filesystem::path& file);
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
                   const std::vector<ResultColumn>& results, bool overwrite, Verbosity verbosity);
 
-}  // namespace alidade
+}  // namespace alidade::tools

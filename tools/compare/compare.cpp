@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <new>
 #include <string>
 #include <vector>
@@ -20,30 +20,30 @@
 #include "tools/console.h"
 #include "tools/image_module.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// The table that people read on a terminal.
-std::string comparison_text(const Comparison& comparison, const Verdict& verdict);
+std::string comparison_text(const compare::Comparison& comparison, const compare::Verdict& verdict);
 
 /// A line per pair, worst first, and one that sums up.
-std::string batch_text(const std::vector<PairOutcome>& outcomes);
+std::string batch_text(const std::vector<compare::PairOutcome>& outcomes);
 
 /// "flip=0.05: 0.08", for those that fail.
-std::vector<std::string> failures_of(const Verdict& verdict);
+std::vector<std::string> failures_of(const compare::Verdict& verdict);
 
 namespace {
 
-std::string facts_text(const char* side, const PictureFacts& facts) {
+std::string facts_text(const char* side, const compare::PictureFacts& facts) {
   return fmt::format("{:<10} {}  {} x {}, {}\n", side, facts.file.string(), facts.width, facts.height,
-                     facts.encoding == ColorEncoding::display ? "display" : "linear light");
+                     facts.encoding == compare::ColorEncoding::display ? "display" : "linear light");
 }
 
-std::string regions_text(const ChangeRegions& changes) {
+std::string regions_text(const compare::ChangeRegions& changes) {
   constexpr std::size_t k_most_lines = 10;
   std::string text = fmt::format("\nRegions of change: {}, with {} of {} changed pixels\n",
                                  changes.regions.size(), changes.listed_pixels, changes.changed_pixels);
   for (std::size_t i = 0; i < std::min(k_most_lines, changes.regions.size()); ++i) {
-    const ChangeRegion& region = changes.regions[i];
+    const compare::ChangeRegion& region = changes.regions[i];
     text += fmt::format("  {:>3}  {} pixels in {},{},{},{}, strongest {:.4g} at {},{}\n", i + 1,
                         region.pixels, region.left, region.top, region.right, region.bottom, region.strongest,
                         region.x, region.y);
@@ -55,20 +55,21 @@ std::string regions_text(const ChangeRegions& changes) {
 
 }  // namespace
 
-std::vector<std::string> failures_of(const Verdict& verdict) {
+std::vector<std::string> failures_of(const compare::Verdict& verdict) {
   std::vector<std::string> failures;
-  for (const JudgedThreshold& judged : verdict.judged)
-    if (judged.fails) failures.push_back(fmt::format("{}: {:.6g}", to_text(judged.threshold), judged.value));
+  for (const compare::JudgedThreshold& judged : verdict.judged)
+    if (judged.fails)
+      failures.push_back(fmt::format("{}: {:.6g}", compare::to_text(judged.threshold), judged.value));
   return failures;
 }
 
-std::string comparison_text(const Comparison& comparison, const Verdict& verdict) {
+std::string comparison_text(const compare::Comparison& comparison, const compare::Verdict& verdict) {
   std::string text = facts_text("reference", comparison.reference) + facts_text("test", comparison.test);
   text += fmt::format("{:<10} {} of {} pixels", "counted", comparison.counted, comparison.pixels);
   text += comparison.excluded > 0 ? fmt::format(", {} of them without finite colours\n", comparison.excluded)
                                   : "\n";
   std::string_view group;
-  for (const Metric& metric : metrics_of(comparison)) {
+  for (const compare::Metric& metric : compare::metrics_of(comparison)) {
     if (metric.kind->group != group) {
       group = metric.kind->group;
       text += fmt::format("\n{}\n", group);
@@ -78,22 +79,22 @@ std::string comparison_text(const Comparison& comparison, const Verdict& verdict
     if (metric.place)
       text.insert(text.size() - 1, fmt::format(" at {},{}", metric.place->x, metric.place->y));
   }
-  const std::vector<HowLine> how = how_lines(comparison);
+  const std::vector<compare::HowLine> how = compare::how_lines(comparison);
   if (!how.empty()) text += "\nHow it was compared\n";
-  for (const HowLine& line : how) text += fmt::format("  {:<18} {}\n", line.name, line.text);
+  for (const compare::HowLine& line : how) text += fmt::format("  {:<18} {}\n", line.name, line.text);
   if (comparison.changes) text += regions_text(*comparison.changes);
   if (verdict.judged.empty()) return text;
   text += "\nThresholds\n";
-  for (const JudgedThreshold& judged : verdict.judged)
-    text += fmt::format("  {:<18} {:>12.6g}      {}\n", to_text(judged.threshold), judged.value,
+  for (const compare::JudgedThreshold& judged : verdict.judged)
+    text += fmt::format("  {:<18} {:>12.6g}      {}\n", compare::to_text(judged.threshold), judged.value,
                         judged.fails ? "FAILS" : "kept");
   return text + (verdict.pass() ? "pass\n" : "FAIL\n");
 }
 
-std::string batch_text(const std::vector<PairOutcome>& outcomes) {
+std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
   std::string text = fmt::format("{:<5} {:>10} {:>10} {:>10}  pair\n", "", "flip", "ssim", "psnr");
   std::size_t failed = 0;
-  for (const PairOutcome& outcome : outcomes) {
+  for (const compare::PairOutcome& outcome : outcomes) {
     failed += !outcome.pass();
     if (!outcome.comparison) {
       text += fmt::format("{:<5} {:>10} {:>10} {:>10}  {}: {}\n", "ERROR", "", "", "", outcome.pair.name,
@@ -102,7 +103,7 @@ std::string batch_text(const std::vector<PairOutcome>& outcomes) {
     }
     text += fmt::format("{:<5}", outcome.pass() ? "pass" : "FAIL");
     for (const char* const name : {"flip", "ssim", "psnr"}) {
-      const std::optional<double> value = find_metric(name)->value(*outcome.comparison);
+      const std::optional<double> value = compare::find_metric(name)->value(*outcome.comparison);
       text += fmt::format(" {:>10}", value ? fmt::format("{:.5g}", *value) : "-");
     }
     text += "  " + outcome.pair.name;
@@ -123,9 +124,9 @@ ExitCode exit_code(const CompareRequest& request, bool pass, bool warned) {
 }
 
 /// That of the worst pair.
-ExitCode exit_code(const CompareRequest& request, const std::vector<PairOutcome>& outcomes) {
+ExitCode exit_code(const CompareRequest& request, const std::vector<compare::PairOutcome>& outcomes) {
   bool pass = true, warned = false, only_sizes = true, any_error = false;
-  for (const PairOutcome& outcome : outcomes) {
+  for (const compare::PairOutcome& outcome : outcomes) {
     pass = pass && outcome.pass();
     warned = warned || !outcome.warnings.pass();
     if (outcome.error.empty()) continue;
@@ -145,7 +146,8 @@ struct PointsOutput {
 
 /// Errors: no layer of ids; a cloud that cannot be read or is another one.
 void find_points(std::vector<PointsOutput>& outputs, const RegionPointsRequest& wish,
-                 const PictureFacts& facts, const ChangeRegions& changes, Verbosity verbosity) {
+                 const compare::PictureFacts& facts, const compare::ChangeRegions& changes,
+                 Verbosity verbosity) {
   if (wish.output.empty()) return;
   if (facts.ids.empty())
     throw Error({.file = facts.file.string(),
@@ -154,25 +156,28 @@ void find_points(std::vector<PointsOutput>& outputs, const RegionPointsRequest& 
   ProgressLine line("reading", "B", verbosity);
   const PointCloud cloud = read_cloud(wish.cloud, {.partial = wish.partial, .progress = line.callback()});
   line.finish();
-  const std::vector<RegionPoint> found = region_points(facts.ids, changes, cloud.positions.size());
+  const std::vector<compare::RegionPoint> found =
+      compare::region_points(facts.ids, changes, cloud.positions.size());
   if (found.empty()) {
     say_warning(fmt::format("the regions show no points of {}; {} is not written", wish.cloud.string(),
                             wish.output.string()));
     return;
   }
-  outputs.push_back({wish.output, points_of_regions(cloud, found)});
+  outputs.push_back({wish.output, compare::points_of_regions(cloud, found)});
 }
 
 /// A map to be written.
 struct MapOutput {
   fs::path file;
-  const DifferenceMap* map;
+  const compare::DifferenceMap* map;
 };
 
 /// Errors: the pictures have no such map.
-std::vector<MapOutput> maps_to_write(const CompareRequest& request, const ComparisonPictures& pictures) {
+std::vector<MapOutput> maps_to_write(const CompareRequest& request,
+                                     const compare::ComparisonPictures& pictures) {
   std::vector<MapOutput> outputs;
-  const auto add = [&](const fs::path& file, const std::optional<DifferenceMap>& map, const char* lacking) {
+  const auto add = [&](const fs::path& file, const std::optional<compare::DifferenceMap>& map,
+                       const char* lacking) {
     if (file.empty()) return;
     if (!map)
       throw Error({.file = file.string(), .problem = "no such map of these pictures", .expected = lacking});
@@ -185,12 +190,12 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request, const Compar
 }
 
 /// Finds everything that can be wrong before it writes anything.
-void write_files(const CompareRequest& request, const Comparison& comparison, const Verdict& verdict,
-                 const Verdict& warnings) {
+void write_files(const CompareRequest& request, const compare::Comparison& comparison,
+                 const compare::Verdict& verdict, const compare::Verdict& warnings) {
   std::string page;
   if (!request.report.empty())
-    load_report_maker()(comparison, verdict, request.packing.value_or(PicturePacking::automatic), warnings,
-                        page);
+    load_report_maker()(comparison, verdict, request.packing.value_or(image::PicturePacking::automatic),
+                        warnings, page);
   std::vector<MapOutput> maps;
   if (comparison.pictures) maps = maps_to_write(request, *comparison.pictures);
   std::vector<PointsOutput> points;
@@ -201,7 +206,7 @@ void write_files(const CompareRequest& request, const Comparison& comparison, co
   }
   // Maps first: they need a font, which may be missing.
   for (const MapOutput& map : maps) load_difference_writer()(*map.map, map.file, request.overwrite);
-  if (!request.report.empty()) write_page(page, request.report, request.overwrite);
+  if (!request.report.empty()) compare::write_page(page, request.report, request.overwrite);
   for (const PointsOutput& output : points) {
     write_las(output.file, output.points, {.overwrite = request.overwrite});
     if (!request.verbosity.quiet)
@@ -210,49 +215,51 @@ void write_files(const CompareRequest& request, const Comparison& comparison, co
 }
 
 ExitCode compare_one(const CompareRequest& request) {
-  ComparisonOptions options = request.comparison;
+  compare::ComparisonOptions options = request.comparison;
   options.keep_pictures = !request.report.empty() || request.has_maps();
   ProgressLine line("comparing", "pixels", request.verbosity.verbosity());
-  Comparison comparison;
+  compare::Comparison comparison;
   load_file_comparer()(request.reference, request.test, options, line.callback(), comparison);
   line.finish();
-  const Verdict verdict = judge(comparison, request.fail_above),
-                warnings = judge(comparison, request.warn_above);
+  const compare::Verdict verdict = compare::judge(comparison, request.fail_above),
+                         warnings = compare::judge(comparison, request.warn_above);
   write_files(request, comparison, verdict, warnings);
   if (!request.verbosity.quiet) {
     for (const std::string& remark : comparison.remarks) say_note(remark);
     for (const std::string& failure : failures_of(warnings)) say_warning("beyond " + failure);
   }
-  write_to_stdout(request.json ? comparison_json(comparison, verdict, warnings)
+  write_to_stdout(request.json ? compare::comparison_json(comparison, verdict, warnings)
                                : comparison_text(comparison, verdict));
   return exit_code(request, verdict.pass(), !warnings.pass());
 }
 
 ExitCode compare_many(const CompareRequest& request) {
-  const std::vector<ImagePair> pairs =
-      request.pairs.empty() ? pairs_of_folders(request.reference, request.test) : read_pairs(request.pairs);
+  const std::vector<compare::ImagePair> pairs =
+      request.pairs.empty() ? compare::pairs_of_folders(request.reference, request.test)
+                            : compare::read_pairs(request.pairs);
   check_pairs(request, pairs);
-  const BatchOptions options{.comparison = request.comparison,
-                             .fail_above = request.fail_above,
-                             .warn_above = request.warn_above,
-                             .keep_thumbnails = !request.report.empty(),
-                             .reports = request.reports,
-                             .packing = request.packing.value_or(PicturePacking::automatic),
-                             .overwrite = request.overwrite,
-                             .kept = {request.pairs, request.comparison.mask, request.report}};
+  const compare::BatchOptions options{.comparison = request.comparison,
+                                      .fail_above = request.fail_above,
+                                      .warn_above = request.warn_above,
+                                      .keep_thumbnails = !request.report.empty(),
+                                      .reports = request.reports,
+                                      .packing = request.packing.value_or(image::PicturePacking::automatic),
+                                      .overwrite = request.overwrite,
+                                      .kept = {request.pairs, request.comparison.mask, request.report}};
   ProgressLine line("comparing", "pairs", request.verbosity.verbosity());
-  std::vector<PairOutcome> outcomes;
+  std::vector<compare::PairOutcome> outcomes;
   load_pair_comparer()(pairs, options, line.callback(), outcomes);
   line.finish();
   if (!request.report.empty()) {
     const bool is_table = !request.pairs.empty();
-    write_page(summary_page(outcomes, is_table ? request.pairs.string() : request.reference.string(),
-                            is_table ? request.pairs.string() : request.test.string(), request.report),
-               request.report, request.overwrite);
+    compare::write_page(
+        compare::summary_page(outcomes, is_table ? request.pairs.string() : request.reference.string(),
+                              is_table ? request.pairs.string() : request.test.string(), request.report),
+        request.report, request.overwrite);
   }
-  write_to_stdout(request.json ? batch_json(outcomes) : batch_text(outcomes));
+  write_to_stdout(request.json ? compare::batch_json(outcomes) : batch_text(outcomes));
   if (!request.verbosity.quiet)
-    for (const PairOutcome& outcome : outcomes)
+    for (const compare::PairOutcome& outcome : outcomes)
       for (const std::string& failure : failures_of(outcome.warnings))
         say_warning(outcome.pair.name + " is beyond " + failure);
   return exit_code(request, outcomes);
@@ -269,7 +276,7 @@ ExitCode run_as_idiff(const CompareRequest& request) {
     return run(request);
   } catch (const Cancelled&) {
     throw;
-  } catch (const SizeMismatch& error) {
+  } catch (const compare::SizeMismatch& error) {
     say_error(error.what());
     return ExitCode::sizes_differ;
   } catch (const std::bad_alloc&) {
@@ -284,7 +291,7 @@ ExitCode run_as_idiff(const CompareRequest& request) {
 std::string names_of_figures() {
   std::string text;
   std::string_view group;
-  for (const MetricKind& kind : metric_kinds()) {
+  for (const compare::MetricKind& kind : compare::metric_kinds()) {
     if (kind.group != group) text += fmt::format("  {}\n", group = kind.group);
     text += fmt::format("    {:<18} {}\n", kind.name, kind.note);
   }
@@ -333,4 +340,4 @@ Command add_compare(CLI::App& program) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

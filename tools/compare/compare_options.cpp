@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: MIT
 #include "tools/compare/compare_options.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <fmt/format.h>
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ToneMapper>, 3> k_tone_mappers = {
-    {{"aces", ToneMapper::aces}, {"hable", ToneMapper::hable}, {"reinhard", ToneMapper::reinhard}}};
+constexpr std::array<std::pair<std::string_view, compare::ToneMapper>, 3> k_tone_mappers = {
+    {{"aces", compare::ToneMapper::aces},
+     {"hable", compare::ToneMapper::hable},
+     {"reinhard", compare::ToneMapper::reinhard}}};
 
 /// "LEFT,TOP,RIGHT,BOTTOM" in pixels.
-PixelRectangle parse_rectangle(const std::string& text) {
+compare::PixelRectangle parse_rectangle(const std::string& text) {
   constexpr std::uint64_t k_farthest = 1 << 20;
   std::array<int, 4> numbers{};
   std::size_t begin = 0;
@@ -27,7 +29,7 @@ PixelRectangle parse_rectangle(const std::string& text) {
     numbers[i] = static_cast<int>(parse_count(text.substr(begin, end - begin), 0, k_farthest));
     begin = end + 1;
   }
-  const PixelRectangle rectangle{numbers[0], numbers[1], numbers[2], numbers[3]};
+  const compare::PixelRectangle rectangle{numbers[0], numbers[1], numbers[2], numbers[3]};
   if (rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom)
     throw CLI::ValidationError("expected LEFT < RIGHT and TOP < BOTTOM, found '" + text + "'");
   return rectangle;
@@ -35,11 +37,11 @@ PixelRectangle parse_rectangle(const std::string& text) {
 
 /// An option that may be repeated; all its thresholds hold.
 void add_thresholds(CLI::App& command, const std::string& name, const std::string& help,
-                    std::vector<Threshold>& thresholds, const char* group) {
+                    std::vector<compare::Threshold>& thresholds, const char* group) {
   const auto take = [name, &thresholds](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) {
       try {
-        const std::vector<Threshold> more = parse_thresholds(text);
+        const std::vector<compare::Threshold> more = compare::parse_thresholds(text);
         thresholds.insert(thresholds.end(), more.begin(), more.end());
       } catch (const Error& error) {
         throw CLI::ValidationError(name, error.what());
@@ -58,7 +60,7 @@ void add_file(CLI::App& command, const std::string& name, const std::string& kin
 }
 
 void add_rectangles(CLI::App& command, const std::string& name, const std::string& help,
-                    std::vector<PixelRectangle>& rectangles, const char* group) {
+                    std::vector<compare::PixelRectangle>& rectangles, const char* group) {
   command
       .add_option_function<std::vector<std::string>>(
           name,
@@ -77,7 +79,7 @@ void add_rectangles(CLI::App& command, const std::string& name, const std::strin
       ->group(group);
 }
 
-void add_what_counts(CLI::App& command, ComparisonOptions& options) {
+void add_what_counts(CLI::App& command, compare::ComparisonOptions& options) {
   const char* const group = "What counts";
   add_value(command, "--crop", "L,T,R,B",
             "compare only this part of both pictures: columns L to R - 1 and rows T to B - 1, in pixels from "
@@ -110,13 +112,14 @@ void add_what_counts(CLI::App& command, ComparisonOptions& options) {
       ->group(group);
 }
 
-void add_photographs(CLI::App& command, ComparisonOptions& options) {
+void add_photographs(CLI::App& command, compare::ComparisonOptions& options) {
   const char* const group = "Photographs";
   add_choice(command, "--match",
              "fit the colours of the test to the reference, and tell the figures again with matched colours: "
              "exposure is "
              "a factor per channel (exposure, white balance), affine an offset too (haze, black level)",
-             options.match, {{"exposure", ColorModel::exposure}, {"affine", ColorModel::affine}})
+             options.match,
+             {{"exposure", compare::ColorModel::exposure}, {"affine", compare::ColorModel::affine}})
       ->group(group);
   CLI::Option* const align =
       command
@@ -134,7 +137,7 @@ void add_photographs(CLI::App& command, ComparisonOptions& options) {
       ->group(group);
 }
 
-void add_flip(CLI::App& command, FlipOptions& flip) {
+void add_flip(CLI::App& command, compare::FlipOptions& flip) {
   const char* const group = "FLIP";
   add_value(
       command, "--pixels-per-degree", "N",
@@ -143,8 +146,8 @@ void add_flip(CLI::App& command, FlipOptions& flip) {
       ->group(group);
   add_value(command, "--tone-mapper", "aces|hable|reinhard", "of linear light (default: aces)",
             [&flip](const std::string& text) {
-              const auto found =
-                  std::ranges::find(k_tone_mappers, text, &std::pair<std::string_view, ToneMapper>::first);
+              const auto found = std::ranges::find(k_tone_mappers, text,
+                                                   &std::pair<std::string_view, compare::ToneMapper>::first);
               if (found == k_tone_mappers.end())
                 throw CLI::ValidationError("expected aces|hable|reinhard, found '" + text + "'");
               flip.tone_mapper = found->second;
@@ -167,13 +170,15 @@ void add_flip(CLI::App& command, FlipOptions& flip) {
 
 void add_changes(CLI::App& command, CompareRequest& request) {
   const char* const group = "Where it changed";
-  ComparisonOptions& options = request.comparison;
+  compare::ComparisonOptions& options = request.comparison;
   CLI::Option* const changes = add_choice(
       command, "--changes",
       "list regions of changed pixels by size: by FLIP, by the difference of colours (0 to 1), or of "
       "depth (metres)",
       options.find_changes,
-      {{"flip", ChangeMap::flip}, {"color", ChangeMap::color}, {"depth", ChangeMap::depth}});
+      {{"flip", compare::ChangeMap::flip},
+       {"color", compare::ChangeMap::color},
+       {"depth", compare::ChangeMap::depth}});
   changes->group(group);
   add_value(command, "--change-threshold", "VALUE", "pixels above it have changed (default: 0.2)",
             [&options](const std::string& text) { options.changes.threshold = parse_number(text, 0.0, 1e9); })
@@ -232,7 +237,7 @@ void add_answers(CLI::App& command, CompareRequest& request) {
   add_choice(
       command, "--report-pictures",
       "how pages hold pictures: without loss or at a fifth of the size (default: png up to 2 million pixels)",
-      request.packing, {{"png", PicturePacking::png}, {"jpeg", PicturePacking::jpeg}})
+      request.packing, {{"png", image::PicturePacking::png}, {"jpeg", image::PicturePacking::jpeg}})
       ->group(group);
   add_file(command, "--color-map", "FILE.png", "picture of the differences of colour, with legend",
            request.color_map, group);
@@ -334,12 +339,12 @@ void check_request(const CompareRequest& request) {
   check_outputs(outputs_of(request), request.overwrite, inputs);
 }
 
-void check_pairs(const CompareRequest& request, const std::vector<ImagePair>& pairs) {
+void check_pairs(const CompareRequest& request, const std::vector<compare::ImagePair>& pairs) {
   std::vector<fs::path> inputs;
-  for (const ImagePair& pair : pairs)
+  for (const compare::ImagePair& pair : pairs)
     for (const fs::path& file : {pair.reference, pair.test})
       if (!file.empty()) inputs.push_back(file);
   check_outputs(outputs_of(request), request.overwrite, inputs);
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -9,7 +9,7 @@
 #include "compare/verdict.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Points behind regions of change: the cloud that a picture was made of, and where its points go.
 struct RegionPointsRequest {
@@ -21,11 +21,11 @@ struct RegionPointsRequest {
 struct CompareRequest {
   std::filesystem::path reference, test;  ///< two files or two folders
   std::filesystem::path pairs;            ///< or a table
-  ComparisonOptions comparison;
-  std::vector<Threshold> fail_above, warn_above;
+  compare::ComparisonOptions comparison;
+  std::vector<compare::Threshold> fail_above, warn_above;
   bool idiff_codes = false, json = false;
   std::filesystem::path report, reports;
-  std::optional<PicturePacking> packing;
+  std::optional<image::PicturePacking> packing;
   std::filesystem::path color_map, flip_map, depth_map;
   RegionPointsRequest reference_points, test_points;
   bool overwrite = false;
@@ -52,6 +52,6 @@ bool is_batch(const CompareRequest& request);
 void check_request(const CompareRequest& request);
 
 /// The same for the pictures of a batch. Errors: the summary would replace one of them.
-void check_pairs(const CompareRequest& request, const std::vector<ImagePair>& pairs);
+void check_pairs(const CompareRequest& request, const std::vector<compare::ImagePair>& pairs);
 
-}  // namespace alidade
+}  // namespace alidade::tools

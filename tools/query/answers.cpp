@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <tbb/parallel_for.h>
 #include <utility>
 
 #include "base/error.h"
@@ -12,7 +12,7 @@
 #include "tools/console.h"
 #include "tools/query/answers.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr std::size_t k_rows_per_text = 1024;
@@ -109,7 +109,8 @@ ExtraDimension described(const AnswerDimension& dimension) {
 template <class Work>
 void for_each_row(std::size_t count, const Work& work) {
   tbb::parallel_for(std::size_t{0}, (count + k_rows_per_task - 1) / k_rows_per_task, [&](std::size_t part) {
-    for (std::size_t i = part * k_rows_per_task; i < std::min((part + 1) * k_rows_per_task, count); ++i) work(i);
+    for (std::size_t i = part * k_rows_per_task; i < std::min((part + 1) * k_rows_per_task, count); ++i)
+      work(i);
   });
 }
 
@@ -186,4 +187,4 @@ void AnswerLas::finish() {
   writer_->finish();
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -19,7 +19,7 @@
 #include "tools/query/ask.h"
 #include "tools/query/target_kind.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// A row of the answer to any query. A family fills what it has.
 struct AnswerRow {
@@ -202,4 +202,4 @@ inline AnswerRows number_rows(std::span<const std::size_t> counts, std::span<con
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <tbb/enumerable_thread_specific.h>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -19,7 +19,7 @@
 #include "octree/tree_query.h"
 #include "tools/query/target_kind.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// How many targets to ask at once, so that threads have work, answers stay few enough to hold, and a batch
 /// is done soon: between batches progress is told and the program can be interrupted.
@@ -195,4 +195,4 @@ class CopcAsker {
   TreeAsker<Target> asker_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::tools

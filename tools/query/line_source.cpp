@@ -13,7 +13,7 @@
 #include "base/words.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr std::size_t k_block_bytes = 1 << 20;
@@ -105,4 +105,4 @@ bool LineSource::next(LineBlock& block) {
   return true;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Some whole lines of a text.
 struct LineBlock {
@@ -53,4 +53,4 @@ class LineSource {
   std::uint64_t next_number_ = 1, done_ = 0, total_ = 0;
 };
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/query/queried_cloud.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <initializer_list>
 #include <type_traits>
@@ -18,7 +18,7 @@
 #include "tools/console.h"
 #include "tools/query/target_reader.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 // Boxes around the points of a cloud that lies in the box `within` which can answer a target: of all points
 // at most `radius` from it. A little larger than need be, so that rounding leaves no point out; empty if
@@ -204,8 +204,8 @@ constexpr std::size_t k_most_filters = 4096;
 
 /// What holds for all points that can answer a target; maybe for some more.
 template <class Target>
-PointFilter filter_of(const Target& target, double radius, const Bounds& within) {
-  PointFilter filter;
+database::PointFilter filter_of(const Target& target, double radius, const Bounds& within) {
+  database::PointFilter filter;
   if constexpr (std::is_same_v<Target, Ray>) {
     filter.lines.push_back({target, {0.0, radius}, {target.t_min - radius, target.t_max + radius}});
   } else if constexpr (std::is_same_v<Target, HalfSpaces>) {
@@ -226,8 +226,8 @@ bool lies_in_asked_database(const QueryCommand& command) {
 }  // namespace
 
 template <class Target>
-std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
-                                         AttributeSet attributes, const Progress& progress) {
+std::optional<database::CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
+                                                   AttributeSet attributes, const Progress& progress) {
   constexpr bool needs_radius =
       std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
   if (!lies_in_asked_database(command) || (needs_radius && !command.radius) ||
@@ -236,7 +236,7 @@ std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFami
   const Bounds within = stated_box(command.files);
   TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
-  std::vector<PointFilter> filters;
+  std::vector<database::PointFilter> filters;
   Bounds region;
   std::uint64_t count = 0;
   while (reader.next(k_most_filters, batch)) {
@@ -250,22 +250,22 @@ std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFami
   }
   if (count > k_most_filters) {
     filters.resize(1);
-    filters.front() = PointFilter{.box = region};
+    filters.front() = database::PointFilter{.box = region};
   }
   return read_database_part(command.files.front(), filters, attributes, progress);
 }
 
-template std::optional<CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily, AttributeSet,
-                                                       const Progress&);
-template std::optional<CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily, AttributeSet,
-                                                        const Progress&);
-template std::optional<CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily, AttributeSet,
-                                                        const Progress&);
-template std::optional<CloudPart> read_query_part<HalfSpaces>(const QueryCommand&, TargetFamily, AttributeSet,
-                                                              const Progress&);
-template std::optional<CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily, AttributeSet,
-                                                          const Progress&);
-template std::optional<CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily, AttributeSet,
-                                                              const Progress&);
+template std::optional<database::CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily,
+                                                                 AttributeSet, const Progress&);
+template std::optional<database::CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily,
+                                                                  AttributeSet, const Progress&);
+template std::optional<database::CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily,
+                                                                  AttributeSet, const Progress&);
+template std::optional<database::CloudPart> read_query_part<HalfSpaces>(const QueryCommand&, TargetFamily,
+                                                                        AttributeSet, const Progress&);
+template std::optional<database::CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily,
+                                                                    AttributeSet, const Progress&);
+template std::optional<database::CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily,
+                                                                        AttributeSet, const Progress&);
 
-}  // namespace alidade
+}  // namespace alidade::tools

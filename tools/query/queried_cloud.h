@@ -14,7 +14,7 @@
 #include "tools/query/answers.h"
 #include "tools/query/query.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// A COPC file that a run asks where it lies.
 struct CopcSource {
@@ -73,20 +73,22 @@ class RenumberedAnswers final : public AnswerOutput {
 /// empty if that is all of it, or cannot be known: without a radius, for targets that come through a pipe,
 /// and for levels. Errors: those of targets, and of the database.
 template <class Target>
-std::optional<CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
-                                         AttributeSet attributes, const Progress& progress);
+std::optional<database::CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
+                                                   AttributeSet attributes, const Progress& progress);
 
-extern template std::optional<CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily, AttributeSet,
-                                                              const Progress&);
-extern template std::optional<CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily,
-                                                               AttributeSet, const Progress&);
-extern template std::optional<CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily,
-                                                               AttributeSet, const Progress&);
-extern template std::optional<CloudPart> read_query_part<HalfSpaces>(const QueryCommand&, TargetFamily,
-                                                                     AttributeSet, const Progress&);
-extern template std::optional<CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily,
-                                                                 AttributeSet, const Progress&);
-extern template std::optional<CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily,
-                                                                     AttributeSet, const Progress&);
+extern template std::optional<database::CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily,
+                                                                        AttributeSet, const Progress&);
+extern template std::optional<database::CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily,
+                                                                         AttributeSet, const Progress&);
+extern template std::optional<database::CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily,
+                                                                         AttributeSet, const Progress&);
+extern template std::optional<database::CloudPart> read_query_part<HalfSpaces>(const QueryCommand&,
+                                                                               TargetFamily, AttributeSet,
+                                                                               const Progress&);
+extern template std::optional<database::CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily,
+                                                                           AttributeSet, const Progress&);
+extern template std::optional<database::CloudPart> read_query_part<glm::dvec3>(const QueryCommand&,
+                                                                               TargetFamily, AttributeSet,
+                                                                               const Progress&);
 
-}  // namespace alidade
+}  // namespace alidade::tools

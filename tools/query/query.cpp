@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/query/query.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <fmt/format.h>
 #include <string_view>
 
 #include "base/error.h"
@@ -12,7 +12,7 @@
 #include "tools/options.h"
 #include "tools/query/target_kind.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 struct FamilyWords {
@@ -328,4 +328,4 @@ Command add_query(CLI::App& program) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -14,7 +14,7 @@
 #include "tools/options.h"
 #include "tools/query/line_source.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// The families of targets; a run asks with one of them.
 enum class TargetFamily { rays, cones, path, planes, boxes, points };
@@ -79,4 +79,4 @@ extern template ExitCode run_query<HalfSpaces>(const QueryCommand& command, Targ
 extern template ExitCode run_query<Bounds>(const QueryCommand& command, TargetFamily family);
 extern template ExitCode run_query<glm::dvec3>(const QueryCommand& command, TargetFamily family);
 
-}  // namespace alidade
+}  // namespace alidade::tools

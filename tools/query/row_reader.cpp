@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "tools/query/row_reader.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
-#include <fmt/format.h>
 #include <limits>
 #include <numeric>
 #include <span>
-#include <tbb/parallel_for.h>
 #include <vector>
 
 #include "base/error.h"
@@ -18,7 +18,7 @@
 #include "base/words.h"
 #include "tools/query/target_kind.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or stands twice, a
 /// required column that is missing, no names at all.
@@ -309,4 +309,4 @@ bool RowReader::next(TargetRows& rows) {
   return true;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -9,7 +9,7 @@
 #include "tools/query/line_source.h"
 #include "tools/query/target_kind.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Targets as numbers: a row for each line that is not blank, with a value for every column of the kind; NaN
 /// where an optional one was not given. Every value has been checked by its column's rule.
@@ -60,4 +60,4 @@ class RowReader {
   bool has_block_ = false;
 };
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "tools/query/query.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <fmt/format.h>
 #include <string>
-#include <unistd.h>
 
 #include "cloud/rows.h"
 #include "octree/check_query.h"
@@ -20,7 +20,7 @@
 #include "tools/query/target_kind.h"
 #include "tools/query/target_reader.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What --explain says: the work of a run in all and for each target.
 std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
@@ -92,7 +92,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
 /// A cloud, all or some of whose points have been loaded.
 struct QueriedCloud {
   IndexedCloud indexed;
-  std::optional<CloudPart> part{};  ///< of a database; its cloud has been moved from
+  std::optional<database::CloudPart> part{};  ///< of a database; its cloud has been moved from
 };
 
 IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::optional<Bounds>& region) {
@@ -327,4 +327,4 @@ template ExitCode run_query<HalfSpaces>(const QueryCommand& command, TargetFamil
 template ExitCode run_query<Bounds>(const QueryCommand& command, TargetFamily family);
 template ExitCode run_query<glm::dvec3>(const QueryCommand& command, TargetFamily family);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "tools/query/target_kind.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/words.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 void TextLine::fail(std::size_t offset, std::string problem, std::string expected, std::string found) const {
   const std::string_view before = text.substr(0, std::min(offset, text.size()));
@@ -159,4 +159,4 @@ const TargetKind& target_kind<glm::dvec3>() {
   return k_point;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

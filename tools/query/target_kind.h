@@ -9,7 +9,7 @@
 
 #include "octree/query.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Types of a family of queries.
 template <class Target>
@@ -103,4 +103,4 @@ void check_value(const TextLine& line, std::size_t offset, const TargetColumn& c
 void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
                std::span<const std::size_t> offsets);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
@@ -133,4 +133,4 @@ template class TargetReader<HalfSpaces>;
 template class TargetReader<Bounds>;
 template class TargetReader<glm::dvec3>;
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -8,7 +8,7 @@
 #include "octree/query.h"
 #include "tools/query/row_reader.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Some targets, and what answers call each of them.
 template <class Target>
@@ -64,4 +64,4 @@ extern template class TargetReader<HalfSpaces>;
 extern template class TargetReader<Bounds>;
 extern template class TargetReader<glm::dvec3>;
 
-}  // namespace alidade
+}  // namespace alidade::tools

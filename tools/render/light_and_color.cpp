@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/render/light_and_color.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <sstream>
 
 #include "base/error.h"
@@ -13,7 +13,7 @@
 #include "tools/image_module.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 std::string without_blanks_around(const std::string& text) {
@@ -41,11 +41,11 @@ Moment parse_moment(std::string text) {
   }
 }
 
-void place_sun_by_time(Scene& scene, const LoadedCloud* cloud, Verbosity verbosity) {
-  std::optional<SceneMap> map;
+void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* cloud, Verbosity verbosity) {
+  std::optional<geo::SceneMap> map;
   if (cloud != nullptr && cloud->octree.size() > 0)
-    map = SceneMap{cloud->crs, glm::dvec2(visible_bounds(*cloud).center())};
-  PlacedSun placed;
+    map = geo::SceneMap{cloud->crs, glm::dvec2(renderer::visible_bounds(*cloud).center())};
+  geo::PlacedSun placed;
   load_sun_placer()(*scene.sun_by_time, map, placed, scene.sun_origin);
   scene.sun_by_time.reset();
   if (placed.is_up) scene.sun = placed.sun;
@@ -60,14 +60,14 @@ void place_sun_by_time(Scene& scene, const LoadedCloud* cloud, Verbosity verbosi
 }  // namespace
 
 void add_light_options(CLI::App& render, LightRequest& request) {
-  add_choice<RenderMode>(
+  add_choice<renderer::RenderMode>(
       render, "--mode",
       "path: light of sun, sky and lamps (default); ambient_occlusion: colours, darker where other surfaces "
       "are "
       "near; headlight: colours lit from the camera, no shadows; flat: the colours themselves",
       request.mode, [] {
-        std::vector<std::pair<std::string, RenderMode>> words;
-        for (const NamedMode& each : k_modes) words.emplace_back(each.name, each.mode);
+        std::vector<std::pair<std::string, renderer::RenderMode>> words;
+        for (const renderer::NamedMode& each : renderer::k_modes) words.emplace_back(each.name, each.mode);
         return words;
       }());
   add_value(render, "--ao-distance", "METRES|auto",
@@ -105,10 +105,10 @@ void add_light_options(CLI::App& render, LightRequest& request) {
       ->excludes(place);
 }
 
-void apply_light_options(const LightRequest& request, Scene& scene) {
+void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
   scene.render.mode = request.mode.value_or(scene.render.mode);
   if (request.ao_distance) scene.render.ao_distance = *request.ao_distance;
-  if (request.ao_distance && scene.render.mode != RenderMode::ambient_occlusion) {
+  if (request.ao_distance && scene.render.mode != renderer::RenderMode::ambient_occlusion) {
     throw Error({.problem = "--ao-distance is for ambient occlusion only",
                  .expected = "--mode ambient_occlusion beside it"});
   }
@@ -116,7 +116,7 @@ void apply_light_options(const LightRequest& request, Scene& scene) {
   if (request.sun_time) require_path_mode(scene, "--sun-time");
   if (request.sun_place) require_path_mode(scene, "--sun-place");
   if (request.no_sun || request.sun) {
-    Sun sun = scene.sun.value_or(Sun{});
+    geo::Sun sun = scene.sun.value_or(geo::Sun{});
     if (scene.sun_by_time) {
       sun.angular_diameter = scene.sun_by_time->angular_diameter;
       sun.irradiance = scene.sun_by_time->irradiance.value_or(sun.irradiance);
@@ -146,19 +146,19 @@ void apply_light_options(const LightRequest& request, Scene& scene) {
   }
 }
 
-void require_path_mode(const Scene& scene, const std::string& option) {
-  if (scene.render.mode == RenderMode::path) return;
-  const auto mode = std::ranges::find(k_modes, scene.render.mode, &NamedMode::mode);
+void require_path_mode(const renderer::Scene& scene, const std::string& option) {
+  if (scene.render.mode == renderer::RenderMode::path) return;
+  const auto mode = std::ranges::find(renderer::k_modes, scene.render.mode, &renderer::NamedMode::mode);
   throw Error({.problem = option + " changes nothing in this mode",
                .expected = "--mode path",
                .found = std::string(mode->name)});
 }
 
-void prepare_sky(Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity) {
-  if (scene.render.mode == RenderMode::flat) scene.sky = ConstantSky{};
-  auto* const sky = std::get_if<ImageSky>(&scene.sky);
+void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity) {
+  if (scene.render.mode == renderer::RenderMode::flat) scene.sky = renderer::ConstantSky{};
+  auto* const sky = std::get_if<renderer::ImageSky>(&scene.sky);
   if (sky == nullptr) return;
-  SkyPixels pixels;
+  image::SkyPixels pixels;
   try {
     load_sky_image_reader()(sky->file, pixels);
   } catch (const Error& error) {
@@ -170,15 +170,15 @@ void prepare_sky(Scene& scene, const std::filesystem::path& scene_file, Verbosit
     if (!pixels.warning.empty()) say_warning(pixels.warning);
     say_note(fmt::format("sky from {}, {} x {} pixels", sky->file.string(), pixels.width, pixels.height));
   }
-  sky->image = std::make_shared<SkyImage>(std::move(pixels), sky->scale, sky->rotation);
+  sky->image = std::make_shared<renderer::SkyImage>(std::move(pixels), sky->scale, sky->rotation);
 }
 
-void prepare_light(Scene& scene, const LoadedCloud* cloud, Verbosity verbosity) {
-  if (scene.render.mode != RenderMode::path) scene.sun_by_time.reset();
+void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, Verbosity verbosity) {
+  if (scene.render.mode != renderer::RenderMode::path) scene.sun_by_time.reset();
   if (scene.sun_by_time) place_sun_by_time(scene, cloud, verbosity);
-  if (scene.render.mode == RenderMode::ambient_occlusion) {
+  if (scene.render.mode == renderer::RenderMode::ambient_occlusion) {
     const bool is_given = scene.render.ao_distance.has_value();
-    scene.render.ao_distance = ambient_occlusion_distance(scene.render, cloud);
+    scene.render.ao_distance = renderer::ambient_occlusion_distance(scene.render, cloud);
     if (verbosity != Verbosity::quiet && !is_given) {
       const double distance = *scene.render.ao_distance;
       say_note(std::isinf(distance)
@@ -197,21 +197,21 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
   return parts;
 }
 
-ValueRange parse_range(const std::string& text, double least, double most) {
+image::ValueRange parse_range(const std::string& text, double least, double most) {
   const std::vector<std::string> ends = parts_of(text, ',');
   if (ends.size() != 2) throw CLI::ValidationError("expected two numbers, found '" + text + "'");
-  const ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
+  const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
   if (!(range.low < range.high))
     throw CLI::ValidationError("expected the smaller number first, found '" + text + "'");
   return range;
 }
 
-std::vector<ClassColor> parse_classes(const std::string& text) {
-  std::vector<ClassColor> classes;
+std::vector<image::ClassColor> parse_classes(const std::string& text) {
+  std::vector<image::ClassColor> classes;
   for (const std::string& part : parts_of(text, ',')) {
     const std::size_t sign = part.find('=');
     const std::optional<Color16> color =
-        sign == std::string::npos ? std::nullopt : parse_hex_color(part.substr(sign + 1));
+        sign == std::string::npos ? std::nullopt : image::parse_hex_color(part.substr(sign + 1));
     if (!color) throw CLI::ValidationError("expected CLASS=#rrggbb, found '" + part + "'");
     classes.push_back({static_cast<std::uint8_t>(parse_count(part.substr(0, sign), 0, 255)), *color});
   }
@@ -236,9 +236,9 @@ ImageSize parse_legend_size(const std::string& text) {
   return size;
 }
 
-std::vector<std::pair<std::string, std::optional<ColorMap>>> map_words() {
-  std::vector<std::pair<std::string, std::optional<ColorMap>>> words{{"auto", std::nullopt}};
-  for (const NamedColorMap& known : k_color_maps) words.emplace_back(known.name, known.map);
+std::vector<std::pair<std::string, std::optional<image::ColorMap>>> map_words() {
+  std::vector<std::pair<std::string, std::optional<image::ColorMap>>> words{{"auto", std::nullopt}};
+  for (const image::NamedColorMap& known : image::k_color_maps) words.emplace_back(known.name, known.map);
   return words;
 }
 
@@ -253,15 +253,15 @@ void add_color_options(CLI::App& command, ColorRequest& request) {
               if (text.empty()) throw CLI::ValidationError("expected a name, found ''");
               request.by = text;
             });
-  add_choice<std::optional<ColorMap>>(
+  add_choice<std::optional<image::ColorMap>>(
       command, "--color-map",
       "colours of numbers (default auto: grey for intensity, terrain for height, else viridis)", request.map,
       map_words());
-  CLI::Option* const range = add_value(command, "--color-range", "MIN,MAX",
-                                       "values of the first and last colour (default: by percentiles)",
-                                       [&request](const std::string& text) {
-                                         request.range = parse_range(text, -k_largest_value, k_largest_value);
-                                       });
+  CLI::Option* const range = add_value(
+      command, "--color-range", "MIN,MAX", "values of the first and last colour (default: by percentiles)",
+      [&request](const std::string& text) {
+        request.range = parse_range(text, -image::k_largest_value, image::k_largest_value);
+      });
   add_value(command, "--color-percentiles", "LOW,HIGH",
             "percentiles of the values that the colours span (default 1,99)",
             [&request](const std::string& text) { request.percentiles = parse_range(text, 0.0, 100.0); })
@@ -291,22 +291,23 @@ std::string given_option(const ColorRequest& request) {
   return request.legend.empty() ? "" : "--legend";
 }
 
-void apply(const ColorRequest& request, PointColoring& coloring) {
-  if (request.by && *request.by != color_word(coloring)) coloring = coloring_by(*request.by);
+void apply(const ColorRequest& request, image::PointColoring& coloring) {
+  if (request.by && *request.by != image::color_word(coloring)) coloring = image::coloring_by(*request.by);
   if (request.map) coloring.map = *request.map;
   if (request.range) coloring.range = request.range;
   if (request.percentiles) {
     coloring.percentiles = *request.percentiles;
     coloring.range.reset();
   }
-  for (const ClassColor& change : request.classes) {
-    const auto known = std::ranges::find(coloring.classes, change.number, &ClassColor::number);
+  for (const image::ClassColor& change : request.classes) {
+    const auto known = std::ranges::find(coloring.classes, change.number, &image::ClassColor::number);
     if (known == coloring.classes.end())
       coloring.classes.push_back(change);
     else
       known->color = change.color;
   }
-  if (!request.legend.empty() && coloring.by == PointColor::rgb) check_legend({.by = PointColor::rgb});
+  if (!request.legend.empty() && coloring.by == image::PointColor::rgb)
+    image::check_legend({.by = image::PointColor::rgb});
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

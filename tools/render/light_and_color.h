@@ -13,11 +13,11 @@
 #include "renderer/scene.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Which light `alidade render` was asked for. Everything that is empty is left as the scene has it.
 struct LightRequest {
-  std::optional<RenderMode> mode;
+  std::optional<renderer::RenderMode> mode;
   std::optional<std::optional<double>> ao_distance;  ///< an empty distance in it is "auto"
   std::optional<glm::dvec2> sun;                     ///< azimuth and elevation, degrees
   std::optional<Moment> sun_time;
@@ -32,26 +32,26 @@ void add_light_options(CLI::App& render, LightRequest& request);
 /// gets another time keeps all else; one that had no time keeps its angular diameter only, since brightness
 /// goes by elevation. Errors: a place for a sun that has no time; a sun or a distance that the mode does not
 /// use.
-void apply_light_options(const LightRequest& request, Scene& scene);
+void apply_light_options(const LightRequest& request, renderer::Scene& scene);
 
 /// Error, naming the option, unless the scene's pictures show light of the sun and of surfaces.
-void require_path_mode(const Scene& scene, const std::string& option);
+void require_path_mode(const renderer::Scene& scene, const std::string& option);
 
 /// Reads the picture of the scene's sky, if it has one and its mode shows it, and says what is strange about
 /// it. Errors: as read_sky_image, naming the scene file.
-void prepare_sky(Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity);
+void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file, Verbosity verbosity);
 
 /// What else of the scene's light needs its cloud (may be null), as far as its mode needs it: places a sun by
 /// time, which is left out where it is below the horizon, and finds the distance of ambient occlusion. Says
 /// what was found. Errors: as place_sun.
-void prepare_light(Scene& scene, const LoadedCloud* cloud, Verbosity verbosity);
+void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, Verbosity verbosity);
 
 /// What was asked about colours on the command line. Everything that is empty is left as the scene has it.
 struct ColorRequest {
   std::optional<std::string> by;
-  std::optional<std::optional<ColorMap>> map;  ///< an empty map in it is "auto"
-  std::optional<ValueRange> range, percentiles;
-  std::vector<ClassColor> classes;
+  std::optional<std::optional<image::ColorMap>> map;  ///< an empty map in it is "auto"
+  std::optional<image::ValueRange> range, percentiles;
+  std::vector<image::ClassColor> classes;
   std::filesystem::path legend;  ///< empty: none
   std::optional<glm::ivec2> legend_size;
 };
@@ -65,6 +65,6 @@ std::string given_option(const ColorRequest& request);
 /// Lays the options over a scene's colouring. Another thing to colour by stands for all that the scene says
 /// of it, since its map and range were meant for the scene's own. Errors: a legend for the points'
 /// own colours.
-void apply(const ColorRequest& request, PointColoring& coloring);
+void apply(const ColorRequest& request, image::PointColoring& coloring);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -12,7 +12,7 @@
 #include "renderer/noise.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr double k_most_seconds = 1e9;
@@ -24,7 +24,8 @@ std::string name_in_checkpoint(const std::filesystem::path& picture) {
   return std::filesystem::absolute(picture).lexically_normal().string();
 }
 
-bool is_of_one_of(const CheckpointSummary& summary, std::span<const std::filesystem::path> pictures) {
+bool is_of_one_of(const renderer::CheckpointSummary& summary,
+                  std::span<const std::filesystem::path> pictures) {
   return std::ranges::find(pictures, summary.picture, name_in_checkpoint) != pictures.end();
 }
 
@@ -47,8 +48,8 @@ std::string error_text(double error, int digits) {
 /// Shows the picture under way; a preview that cannot be written is told once and no reason to end.
 class PreviewFile {
  public:
-  PreviewFile(const std::filesystem::path& file, const OutputSettings& output, const ImageMetadata& metadata,
-              ImageWriter write_picture)
+  PreviewFile(const std::filesystem::path& file, const image::OutputSettings& output,
+              const renderer::ImageMetadata& metadata, ImageWriter write_picture)
       : metadata_(metadata), write_picture_(write_picture) {
     settings_.file = file;
     settings_.exposure = output.exposure;
@@ -58,7 +59,7 @@ class PreviewFile {
     metadata_.further.emplace_back("ImageDescription", fmt::format("{} {}", k_preview_mark, text));
   }
 
-  void show(const Film& film) {
+  void show(const image::Film& film) {
     try {
       write_picture_(film, settings_, metadata_, true);
     } catch (const Error& error) {
@@ -68,8 +69,8 @@ class PreviewFile {
   }
 
  private:
-  OutputSettings settings_;
-  ImageMetadata metadata_;
+  image::OutputSettings settings_;
+  renderer::ImageMetadata metadata_;
   ImageWriter write_picture_;
   bool warned_ = false;
 };
@@ -133,8 +134,8 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
     check_writable(file, may_exist, inputs);
   };
   if (!request.preview.empty()) {
-    const std::optional<ImageFormat> format = image_format(request.preview);
-    if (format != ImageFormat::png && format != ImageFormat::jpeg) {
+    const std::optional<image::ImageFormat> format = image::image_format(request.preview);
+    if (format != image::ImageFormat::png && format != image::ImageFormat::jpeg) {
       throw Error({.file = request.preview.string(),
                    .problem = "unknown kind of preview",
                    .expected = "a name that ends in .png, .jpg or .jpeg"});
@@ -153,7 +154,7 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
         replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
   check(request.checkpoint, true);
   // It would be replaced, and removed in the end.
-  if (keeps_checkpoint && !is_checkpoint(request.checkpoint)) {
+  if (keeps_checkpoint && !renderer::is_checkpoint(request.checkpoint)) {
     throw Error({.file = request.checkpoint.string(),
                  .place = "byte 0",
                  .problem = "is not a checkpoint of Alidade",
@@ -175,7 +176,7 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
     note(fmt::format("there is no checkpoint {} yet: starting afresh", file));
     return std::nullopt;
   }
-  const CheckpointSummary summary = read_checkpoint_summary(request.checkpoint);
+  const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(request.checkpoint);
   const std::string picture = pictures.front().string();
   if (summary.picture == name_in_checkpoint(picture)) {
     return Resumption{summary.samples_taken,
@@ -192,15 +193,18 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
   return std::nullopt;
 }
 
-RenderOptions render_options(const LongRenderRequest& request, const OutputSettings& output, bool resume,
-                             const ImageMetadata& metadata, ImageWriter write_picture) {
-  RenderOptions options;
-  options.layers = image_format(output.file) == ImageFormat::exr ? output.layers : std::vector{Layer::color};
+renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
+                                       bool resume, const renderer::ImageMetadata& metadata,
+                                       ImageWriter write_picture) {
+  renderer::RenderOptions options;
+  options.layers = image::image_format(output.file) == image::ImageFormat::exr
+                       ? output.layers
+                       : std::vector{image::Layer::color};
   options.time_limit = request.time_limit;
   options.target_noise = request.target_noise;
   if (!request.preview.empty()) {
     const auto file = std::make_shared<PreviewFile>(request.preview, output, metadata, write_picture);
-    options.preview = {.show = [file](const Film& film) { file->show(film); },
+    options.preview = {.show = [file](const image::Film& film) { file->show(film); },
                        .interval = request.preview_interval};
   }
   if (!request.checkpoint.empty()) {
@@ -218,7 +222,7 @@ RenderOptions render_options(const LongRenderRequest& request, const OutputSetti
 }
 
 std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
-                                                               const RenderStatistics& statistics) {
+                                                               const renderer::RenderStatistics& statistics) {
   std::vector<std::pair<std::string, std::string>> texts;
   if (!request.time_limit && !request.target_noise) return texts;
   texts.emplace_back("alidade:samples_reached",
@@ -231,7 +235,7 @@ std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderR
   return texts;
 }
 
-std::string describe_reached(const LongRenderRequest& request, const RenderStatistics& statistics) {
+std::string describe_reached(const LongRenderRequest& request, const renderer::RenderStatistics& statistics) {
   if (!request.time_limit && !request.target_noise) return {};
   std::string text = fmt::format("samples per pixel: {} to {}, mean {:.1f}", statistics.least_samples,
                                  statistics.most_samples, statistics.mean_samples);
@@ -252,7 +256,7 @@ std::string describe_reached(const LongRenderRequest& request, const RenderStati
 }
 
 void warn_of_few_samples(const LongRenderRequest& request, int samples) {
-  const std::uint32_t fewest = StopRule::k_fewest_samples;
+  const std::uint32_t fewest = renderer::StopRule::k_fewest_samples;
   if (!request.target_noise || samples >= static_cast<int>(fewest)) return;
   say_warning(fmt::format(
       "--target-noise looks at tiles from {} samples on, but they get {}: raise --samples", fewest, samples));
@@ -267,7 +271,8 @@ void remove_finished_checkpoint(const LongRenderRequest& request,
                                 std::span<const std::filesystem::path> finished) {
   std::error_code error;
   if (!request.resume || !std::filesystem::exists(request.checkpoint, error)) return;
-  if (is_of_one_of(read_checkpoint_summary(request.checkpoint), finished)) remove_checkpoint(request);
+  if (is_of_one_of(renderer::read_checkpoint_summary(request.checkpoint), finished))
+    remove_checkpoint(request);
 }
 
 void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity) {
@@ -276,4 +281,4 @@ void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity) {
                        request.checkpoint.string()));
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -14,7 +14,7 @@
 
 // What pictures need that take long: an end by time or by noise, a look at what is there, and a way to go on.
 
-namespace alidade {
+namespace alidade::tools {
 
 inline constexpr std::uint64_t k_most_preview_points = 50'000'000;
 
@@ -60,14 +60,15 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
 void warn_of_few_samples(const LongRenderRequest& request, int samples);
 
 /// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
-RenderOptions render_options(const LongRenderRequest& request, const OutputSettings& output, bool resume,
-                             const ImageMetadata& metadata, ImageWriter write_picture);
+renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
+                                       bool resume, const renderer::ImageMetadata& metadata,
+                                       ImageWriter write_picture);
 
 /// What was reached, as metadata and for people (with what ended it, if that is not what was asked for), if
 /// the end was not settled beforehand; else nothing.
 std::vector<std::pair<std::string, std::string>> reached_texts(const LongRenderRequest& request,
-                                                               const RenderStatistics& statistics);
-std::string describe_reached(const LongRenderRequest& request, const RenderStatistics& statistics);
+                                                               const renderer::RenderStatistics& statistics);
+std::string describe_reached(const LongRenderRequest& request, const renderer::RenderStatistics& statistics);
 
 /// Removes the checkpoint of a picture that has been written.
 void remove_checkpoint(const LongRenderRequest& request);
@@ -79,4 +80,4 @@ void remove_finished_checkpoint(const LongRenderRequest& request,
 /// Says how to go on after an interruption, if there is a way.
 void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity);
 
-}  // namespace alidade
+}  // namespace alidade::tools

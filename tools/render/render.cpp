@@ -14,13 +14,13 @@
 #include "tools/render/render_options.h"
 #include "tools/render/views.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
-std::vector<std::filesystem::path> input_files(const RenderCommand& command, const Scene& scene) {
+std::vector<std::filesystem::path> input_files(const RenderCommand& command, const renderer::Scene& scene) {
   std::vector<std::filesystem::path> files;
   if (scene.cloud) files = scene.cloud->files;
-  if (const auto* sky = std::get_if<ImageSky>(&scene.sky)) files.push_back(sky->file);
+  if (const auto* sky = std::get_if<renderer::ImageSky>(&scene.sky)) files.push_back(sky->file);
   for (const std::filesystem::path& file :
        {command.scene_file, command.camera.file, command.camera.lens_file}) {
     if (!file.empty()) files.push_back(file);
@@ -28,7 +28,7 @@ std::vector<std::filesystem::path> input_files(const RenderCommand& command, con
   return files;
 }
 
-std::string radius_text(const CloudSettings& settings, const LoadedCloud& cloud) {
+std::string radius_text(const renderer::CloudSettings& settings, const renderer::LoadedCloud& cloud) {
   if (settings.adapted_radius) {
     return fmt::format("spheres of radius {:.4g} times the distance to neighbour {}, at most {:.4g}",
                        cloud.spacing_factor, settings.adapted_radius->neighbours, cloud.radius);
@@ -38,8 +38,9 @@ std::string radius_text(const CloudSettings& settings, const LoadedCloud& cloud)
 }
 
 /// `views` are those of the pictures, if they are known before the cloud is.
-LoadedCloud load(const RenderCommand& command, const Scene& scene, std::span<const View> views) {
-  const CloudSettings& settings = *scene.cloud;
+renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& scene,
+                           std::span<const View> views) {
+  const renderer::CloudSettings& settings = *scene.cloud;
   const Verbosity verbosity = command.verbosity.verbosity();
   ProgressLine line("loading cloud", "B", verbosity);
   std::optional<ProgressLine> measuring;
@@ -50,15 +51,15 @@ LoadedCloud load(const RenderCommand& command, const Scene& scene, std::span<con
     }
     return measuring->callback()(done, total);
   };
-  LoadedCloud cloud = command.in_view ? load_in_view(command, scene, views, measure)
-                                      : load_cloud(settings, line.callback(), measure);
+  renderer::LoadedCloud cloud = command.in_view ? load_in_view(command, scene, views, measure)
+                                                : renderer::load_cloud(settings, line.callback(), measure);
   if (measuring || !command.in_view) (measuring ? *measuring : line).finish();
   if (verbosity == Verbosity::quiet) return cloud;
   for (const std::string& warning : cloud.warnings) say_warning(warning);
-  const std::string color = cloud.color.by == PointColor::rgb ? "their rgb values" : cloud.color.word;
+  const std::string color = cloud.color.by == image::PointColor::rgb ? "their rgb values" : cloud.color.word;
   say_note(
       fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color, radius_text(settings, cloud)));
-  if (cloud.color.scale) say_note(cloud.color.word + ": " + scale_text(cloud.color));
+  if (cloud.color.scale) say_note(cloud.color.word + ": " + image::scale_text(cloud.color));
   return cloud;
 }
 
@@ -80,7 +81,7 @@ struct PictureList {
   }
 };
 
-PictureList requested_pictures(const RenderCommand& command, const Scene& scene,
+PictureList requested_pictures(const RenderCommand& command, const renderer::Scene& scene,
                                std::span<const View> views) {
   std::vector<std::filesystem::path> names{scene.output.file};
   if (is_set(command.camera)) names = picture_names(scene.output.file, views);
@@ -113,7 +114,8 @@ bool is_wanted(const std::filesystem::path& legend, const RenderCommand& command
 }
 
 /// Errors: as check_writable; the legend would be one of the pictures.
-void check_legend_file(const RenderCommand& command, const Scene& scene, std::span<const Picture> pictures) {
+void check_legend_file(const RenderCommand& command, const renderer::Scene& scene,
+                       std::span<const Picture> pictures) {
   check_writable(command.color.legend, command.overwrite, input_files(command, scene));
   for (const Picture& picture : pictures) {
     if (picture.file.lexically_normal() == command.color.legend.lexically_normal())
@@ -121,9 +123,9 @@ void check_legend_file(const RenderCommand& command, const Scene& scene, std::sp
   }
 }
 
-ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* cloud,
-                       const CommandLine& words) {
-  ImageMetadata metadata;
+renderer::ImageMetadata metadata(const renderer::Scene& scene, const View& view,
+                                 const renderer::LoadedCloud* cloud, const CommandLine& words) {
+  renderer::ImageMetadata metadata;
   metadata.camera = view.camera;
   metadata.render = scene.render;
   metadata.command = picture_command(words);
@@ -139,20 +141,22 @@ ImageMetadata metadata(const Scene& scene, const View& view, const LoadedCloud* 
     metadata.further.emplace_back("alidade:radius_neighbours",
                                   std::to_string(cloud->octree.view().spacing_neighbours));
   }
-  for (const auto& text : color_metadata(cloud->color)) metadata.further.push_back(text);
+  for (const auto& text : image::color_metadata(cloud->color)) metadata.further.push_back(text);
   return metadata;
 }
 
-std::uint64_t camera_rays(const Scene& scene, const Camera& camera) {
+std::uint64_t camera_rays(const renderer::Scene& scene, const camera::Camera& camera) {
   return std::uint64_t{static_cast<std::uint32_t>(camera.width)} * static_cast<std::uint32_t>(camera.height) *
          static_cast<std::uint32_t>(scene.render.samples);
 }
 
-void check_views(std::span<const Picture> pictures, const Scene& scene, const LoadedCloud* cloud) {
+void check_views(std::span<const Picture> pictures, const renderer::Scene& scene,
+                 const renderer::LoadedCloud* cloud) {
   for (const Picture& picture : pictures) {
     try {
-      if (image_format(picture.file) == ImageFormat::geotiff) ground_transform(picture.view.camera);
-      if (cloud != nullptr) check_camera_place(picture.view.camera, scene, *cloud);
+      if (image::image_format(picture.file) == image::ImageFormat::geotiff)
+        camera::ground_transform(picture.view.camera);
+      if (cloud != nullptr) renderer::check_camera_place(picture.view.camera, scene, *cloud);
     } catch (const Error& error) {
       Error::Parts parts = error.parts();
       if (!picture.view.name.empty())
@@ -164,9 +168,10 @@ void check_views(std::span<const Picture> pictures, const Scene& scene, const Lo
 
 /// Renders and writes one picture after the other under one progress line. `resumed`: what the first one goes
 /// on from.
-RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, const LoadedCloud* cloud,
-                            const RenderCommand& command, const CommandLine& words,
-                            const std::optional<Resumption>& resumed, ImageWriter write_picture) {
+renderer::RenderStatistics render_all(std::span<const Picture> pictures, renderer::Scene& scene,
+                                      const renderer::LoadedCloud* cloud, const RenderCommand& command,
+                                      const CommandLine& words, const std::optional<Resumption>& resumed,
+                                      ImageWriter write_picture) {
   std::uint64_t total = 0, done = 0;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
   const Verbosity verbosity = command.verbosity.verbosity();
@@ -175,23 +180,23 @@ RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, con
       "camera rays", verbosity);
   if (resumed) line.skip(resumed->samples);
   const Progress progress = line.callback();
-  RenderStatistics statistics;
+  renderer::RenderStatistics statistics;
   for (const Picture& picture : pictures) {
     scene.camera = picture.view.camera;
     scene.output.file = picture.file;
     total -= camera_rays(scene, picture.view.camera);
     std::uint64_t rays_of_picture = 0;
-    ImageMetadata texts = metadata(scene, picture.view, cloud, words);
-    RenderOptions options = render_options(command.long_render, scene.output,
-                                           resumed && &picture == &pictures.front(), texts, write_picture);
+    renderer::ImageMetadata texts = metadata(scene, picture.view, cloud, words);
+    renderer::RenderOptions options = render_options(
+        command.long_render, scene.output, resumed && &picture == &pictures.front(), texts, write_picture);
     if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
       options.checkpoint->resumed = [&] { line.interject(resumed->note); };
     options.progress = [&](std::uint64_t rays, std::uint64_t all_rays) {
       rays_of_picture = rays;
       return progress(done + rays, done + all_rays + total);
     };
-    RenderStatistics of_picture;
-    const Film film = render(scene, cloud, options, &of_picture);
+    renderer::RenderStatistics of_picture;
+    const image::Film film = renderer::render(scene, cloud, options, &of_picture);
     for (auto& text : reached_texts(command.long_render, of_picture))
       texts.further.push_back(std::move(text));
     write_picture(film, scene.output, texts, command.overwrite);
@@ -209,8 +214,8 @@ RenderStatistics render_all(std::span<const Picture> pictures, Scene& scene, con
 
 ExitCode run(const RenderCommand& command, const CommandLine& words) {
   const Verbosity verbosity = command.verbosity.verbosity();
-  Scene scene = requested_scene(command);
-  check_image_name(scene.output.file);
+  renderer::Scene scene = requested_scene(command);
+  image::check_image_name(scene.output.file);
   std::vector<std::string> warnings;
   const std::vector<View> views = requested_views(command.camera, scene, warnings);
   if (verbosity != Verbosity::quiet) {
@@ -238,16 +243,16 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
 
   if (scene.cloud && !command.long_render.preview.empty() && !resumed)
     show_first_looks(command, scene, views.empty() ? nullptr : &pictures.front().view, write_picture);
-  std::optional<LoadedCloud> loaded;
+  std::optional<renderer::LoadedCloud> loaded;
   if (scene.cloud) loaded = load(command, scene, views);
-  const LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
+  const renderer::LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
   if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
   check_views(pictures, scene, cloud);
   prepare_light(scene, cloud, verbosity);
   if (wants_legend)
     load_legend_writer()(cloud->color, command.color.legend, command.color.legend_size, command.overwrite);
 
-  RenderStatistics statistics;
+  renderer::RenderStatistics statistics;
   try {
     statistics = render_all(pictures, scene, cloud, command, words, resumed, write_picture);
   } catch (const Cancelled&) {
@@ -306,4 +311,4 @@ Command add_render(CLI::App& program, const CommandLine& command_line) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -11,21 +11,22 @@
 #include "renderer/read_scene.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 std::string layer_list() {
   std::string list;
-  for (const NamedLayer& known : k_layers) list += (list.empty() ? "" : ",") + std::string(known.name);
+  for (const image::NamedLayer& known : image::k_layers)
+    list += (list.empty() ? "" : ",") + std::string(known.name);
   return list;
 }
 
-std::vector<Layer> parse_layers(const std::string& text) {
-  std::vector<Layer> layers;
+std::vector<image::Layer> parse_layers(const std::string& text) {
+  std::vector<image::Layer> layers;
   std::istringstream words(text + ",");
   for (std::string word; std::getline(words, word, ',');) {
-    const auto known = std::ranges::find(k_layers, word, &NamedLayer::name);
-    if (known == k_layers.end()) {
+    const auto known = std::ranges::find(image::k_layers, word, &image::NamedLayer::name);
+    if (known == image::k_layers.end()) {
       throw CLI::ValidationError("expected some of " + layer_list() + ", found '" + word + "'");
     }
     layers.push_back(known->layer);
@@ -61,13 +62,13 @@ void add_adapted_radius_option(CLI::App& render, RadiusRequest& request, const s
 void add_picture_options(CLI::App& render, RenderCommand& command) {
   add_value(render, "--samples", "N", "paths per pixel; noise halves with four times as many (default 50)",
             [&command](const std::string& text) {
-              command.samples = static_cast<int>(parse_count(text, 1, k_max_samples));
+              command.samples = static_cast<int>(parse_count(text, 1, renderer::k_max_samples));
             });
   add_value(
       render, "--max-bounces", "N",
       "reflections followed after the first surface (default 8; 0 = light straight from sun, sky and lamps)",
       [&command](const std::string& text) {
-        command.max_bounces = static_cast<int>(parse_count(text, 0, k_max_bounces));
+        command.max_bounces = static_cast<int>(parse_count(text, 0, renderer::k_max_bounces));
       });
   add_value(render, "--exposure", "STOPS",
             "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)",
@@ -108,36 +109,36 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
   add_choice<ColorDepth>(render, "--color-depth",
                          "bits in use in LAS colour fields (default: told from the values)",
                          command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_choice<HitMode>(render, "--hits",
-                      "nearest by sphere entry (default) or by projected point, the paper's naive way",
-                      command.hits, {{"entry", HitMode::entry}, {"t", HitMode::t}});
-  add_choice<NormalMode>(
+  add_choice<renderer::HitMode>(
+      render, "--hits", "nearest by sphere entry (default) or by projected point, the paper's naive way",
+      command.hits, {{"entry", renderer::HitMode::entry}, {"t", renderer::HitMode::t}});
+  add_choice<renderer::NormalMode>(
       render, "--normals",
       "normals of each sphere, or across the points around, which evens out walls (default: the "
       "scene's; smooth without a scene)",
-      command.normals, {{"sphere", NormalMode::sphere}, {"smooth", NormalMode::smooth}});
+      command.normals, {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}});
   add_value(
       render, "--max-level", "N",
       "only levels 0 to N of an index file made with --organisation layered: a quick preview of a thinned "
       "cloud (default: all levels)",
       [&command](const std::string& text) {
-        command.max_level = static_cast<int>(parse_count(text, 0, k_max_level));
+        command.max_level = static_cast<int>(parse_count(text, 0, renderer::k_max_level));
       });
 }
 
 /// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
 /// shading.
-Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
-  Scene scene;
-  scene.sky = GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
-  CloudSettings& cloud = scene.cloud.emplace();
+renderer::Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
+  renderer::Scene scene;
+  scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
+  renderer::CloudSettings& cloud = scene.cloud.emplace();
   cloud.files = cloud_files;
-  cloud.normals = NormalMode::smooth;
-  scene.sun = Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
+  cloud.normals = renderer::NormalMode::smooth;
+  scene.sun = geo::Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
   return scene;
 }
 
-void apply(const RadiusRequest& request, CloudSettings& cloud) {
+void apply(const RadiusRequest& request, renderer::CloudSettings& cloud) {
   if (!request.kind) return;
   cloud.radius.reset();
   if (request.kind == RadiusRequest::Kind::length) cloud.radius = request.length;
@@ -146,7 +147,7 @@ void apply(const RadiusRequest& request, CloudSettings& cloud) {
     return;
   }
   if (!cloud.adapted_radius) cloud.adapted_radius.emplace();
-  AdaptedRadius& adapted = *cloud.adapted_radius;
+  renderer::AdaptedRadius& adapted = *cloud.adapted_radius;
   adapted.factor = request.factor.value_or(adapted.factor);
   adapted.neighbours = request.neighbours.value_or(adapted.neighbours);
   adapted.max = request.max.value_or(adapted.max);
@@ -168,13 +169,13 @@ std::string cloud_option(const RenderCommand& command) {
   return given_option(command.color);
 }
 
-void apply_cloud_options(const RenderCommand& command, Scene& scene) {
+void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
   const std::string option = cloud_option(command);
   if (option.empty()) return;
   if (!scene.cloud) {
     throw Error({.file = command.scene_file.string(), .problem = "the scene has no cloud for " + option});
   }
-  CloudSettings& cloud = *scene.cloud;
+  renderer::CloudSettings& cloud = *scene.cloud;
   apply(command.radius, cloud);
   cloud.color_depth = command.color_depth.value_or(cloud.color_depth);
   apply(command.color, cloud.color);
@@ -220,12 +221,12 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
   return command;
 }
 
-Scene requested_scene(const RenderCommand& command) {
+renderer::Scene requested_scene(const RenderCommand& command) {
   if (command.scene_file.empty() && command.cloud_files.empty()) {
     throw Error({.problem = "nothing to render", .expected = "SCENE.json or --cloud FILE..."});
   }
-  Scene scene =
-      command.scene_file.empty() ? daylight_scene(command.cloud_files) : read_scene(command.scene_file);
+  renderer::Scene scene = command.scene_file.empty() ? daylight_scene(command.cloud_files)
+                                                     : renderer::read_scene(command.scene_file);
   apply_cloud_options(command, scene);
   apply_light_options(command.light, scene);
   if (command.max_bounces) require_path_mode(scene, "--max-bounces");
@@ -239,7 +240,7 @@ Scene requested_scene(const RenderCommand& command) {
     throw Error(
         {.file = command.scene_file.string(), .problem = "no picture to write", .expected = "-o FILE"});
   }
-  if (!command.layers.empty() && image_format(scene.output.file) != ImageFormat::exr) {
+  if (!command.layers.empty() && image::image_format(scene.output.file) != image::ImageFormat::exr) {
     throw Error({.file = scene.output.file.string(),
                  .problem = "only EXR holds layers",
                  .expected = "a name ending in .exr, or no --layers"});
@@ -247,4 +248,4 @@ Scene requested_scene(const RenderCommand& command) {
   return scene;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

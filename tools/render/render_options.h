@@ -13,7 +13,7 @@
 #include "tools/render/long_render.h"
 #include "tools/render/views.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// How large the spheres of points are to be. What is empty is left as the scene has it; any of the last
 /// three makes radii adapted.
@@ -40,11 +40,11 @@ struct RenderCommand {
   RadiusRequest radius;
   std::optional<ColorDepth> color_depth;
   ColorRequest color;
-  std::optional<HitMode> hits;
-  std::optional<NormalMode> normals;
+  std::optional<renderer::HitMode> hits;
+  std::optional<renderer::NormalMode> normals;
   std::optional<int> max_level;
   std::optional<double> exposure;
-  std::vector<Layer> layers;
+  std::vector<image::Layer> layers;
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
   std::optional<int> threads;
@@ -56,6 +56,6 @@ std::shared_ptr<RenderCommand> add_render_options(CLI::App& render);
 
 /// The scene to render: read from its file, or made up around the clouds, with the options laid over it but
 /// for those of the camera. Errors: options that contradict each other or do not fit the scene.
-Scene requested_scene(const RenderCommand& command);
+renderer::Scene requested_scene(const RenderCommand& command);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/render/views.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <map>
 #include <sstream>
 
@@ -11,7 +11,7 @@
 #include "camera/projection.h"
 #include "renderer/read_scene.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr double k_largest_coordinate = 1e12;
@@ -32,9 +32,9 @@ std::array<double, count> parse_coordinates(const std::string& text) {
 }
 
 /// Tells which camera of which file an error of check_camera() is about.
-void check(const Camera& camera, const std::string& file, const std::string& name) {
+void check(const camera::Camera& camera, const std::string& file, const std::string& name) {
   try {
-    check_camera(camera);
+    camera::check_camera(camera);
   } catch (const Error& error) {
     Error::Parts parts = error.parts();
     parts.file = file;
@@ -43,18 +43,18 @@ void check(const Camera& camera, const std::string& file, const std::string& nam
   }
 }
 
-std::vector<View> views_of_file(const CameraRequest& request, const Scene& scene,
+std::vector<View> views_of_file(const CameraRequest& request, const renderer::Scene& scene,
                                 std::vector<std::string>& warnings) {
-  CameraFileOptions options{.lens = scene.camera, .original_world = request.original_world};
-  if (!request.lens_file.empty()) options.lens = read_camera(request.lens_file);
-  const CameraSet set = read_cameras(request.file, options);
+  camera::CameraFileOptions options{.lens = scene.camera, .original_world = request.original_world};
+  if (!request.lens_file.empty()) options.lens = camera::read_camera(request.lens_file);
+  const camera::CameraSet set = camera::read_cameras(request.file, options);
   warnings = set.warnings;
   const std::string file = request.file.string();
   std::vector<View> views;
   if (request.name.empty()) {
-    for (const NamedCamera& each : set.cameras) views.push_back({each.name, each.camera});
+    for (const camera::NamedCamera& each : set.cameras) views.push_back({each.name, each.camera});
   } else {
-    const NamedCamera& chosen = camera_called(set, request.name, file);
+    const camera::NamedCamera& chosen = camera::camera_called(set, request.name, file);
     views.push_back({chosen.name, chosen.camera});
   }
   for (const View& view : views) check(view.camera, file, view.name);
@@ -121,25 +121,26 @@ bool is_set(const CameraRequest& request) {
   return !request.file.empty() && request.name.empty();
 }
 
-std::vector<View> requested_views(const CameraRequest& request, const Scene& scene,
+std::vector<View> requested_views(const CameraRequest& request, const renderer::Scene& scene,
                                   std::vector<std::string>& warnings) {
   std::vector<View> views;
   if (!request.file.empty()) {
     views = views_of_file(request, scene, warnings);
   } else if (request.panorama) {
     const ImageSize size = request.size.value_or(ImageSize{2048, 1024});
-    views.push_back({"", panorama_camera(*request.panorama, size.width, size.height)});
+    views.push_back({"", camera::panorama_camera(*request.panorama, size.width, size.height)});
   } else if (scene.camera && !request.from_above) {
     views.push_back({"", *scene.camera});
   }
   if (request.size) {
-    for (View& view : views) view.camera = resized(view.camera, request.size->width, request.size->height);
+    for (View& view : views)
+      view.camera = camera::resized(view.camera, request.size->width, request.size->height);
   }
   return views;
 }
 
-View view_of_cloud(const CameraRequest& request, const Scene& scene, const LoadedCloud* cloud,
-                   const std::filesystem::path& scene_file) {
+View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
+                   const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file) {
   if (cloud == nullptr) {
     throw Error(
         {.file = scene_file.string(), .problem = "the scene has neither a camera nor a cloud to look at"});
@@ -152,7 +153,7 @@ View view_of_cloud(const CameraRequest& request, const Scene& scene, const Loade
   }
   if (!request.from_above) {
     const ImageSize size = request.size.value_or(ImageSize{1200, 800});
-    return {"", overview_camera(visible_bounds(*cloud), size.width, size.height)};
+    return {"", camera::overview_camera(renderer::visible_bounds(*cloud), size.width, size.height)};
   }
   Bounds bounds = cloud->octree.bounds();
   bounds.min -= glm::dvec3(cloud->radius);
@@ -164,12 +165,12 @@ View view_of_cloud(const CameraRequest& request, const Scene& scene, const Loade
     }
     bounds = {{least_x, least_y, bounds.min.z}, {largest_x, largest_y, bounds.max.z}};
   }
-  for (const Object& object : scene.objects) {
+  for (const renderer::Object& object : scene.objects) {
     // What stands above the cloud is seen from above, too.
-    if (const auto* sphere = std::get_if<Sphere>(&object))
+    if (const auto* sphere = std::get_if<renderer::Sphere>(&object))
       bounds.max.z = std::max(bounds.max.z, sphere->center.z + sphere->radius);
   }
-  return {"", orthophoto_camera(bounds, *request.resolution)};
+  return {"", camera::orthophoto_camera(bounds, *request.resolution)};
 }
 
 namespace {
@@ -251,4 +252,4 @@ std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pa
   return names;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -13,7 +13,7 @@
 #include "renderer/render.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// From where `alidade render` was asked to look. Everything that is empty is left as the scene has it.
 struct CameraRequest {
@@ -33,13 +33,13 @@ void add_camera_options(CLI::App& render, CameraRequest& request);
 /// One picture to make.
 struct View {
   std::string name;  ///< what its file calls the camera; empty for other cameras
-  Camera camera;
+  camera::Camera camera;
 };
 
 /// What is to be seen, as far as it is known without the cloud: the cameras of a file, a panorama, the
 /// scene's own camera; empty if the cloud must be looked at first. Every camera has passed check_camera().
 /// `warnings` gets what the file's reader has to say.
-std::vector<View> requested_views(const CameraRequest& request, const Scene& scene,
+std::vector<View> requested_views(const CameraRequest& request, const renderer::Scene& scene,
                                   std::vector<std::string>& warnings);
 
 /// Whether the views are a numbered set, whose pictures have names made from a pattern.
@@ -47,8 +47,8 @@ bool is_set(const CameraRequest& request);
 
 /// The view of a loaded cloud from above, or of the whole of it. Errors: there are no points to look at.
 /// `scene_file` is what messages call the scene.
-View view_of_cloud(const CameraRequest& request, const Scene& scene, const LoadedCloud* cloud,
-                   const std::filesystem::path& scene_file);
+View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
+                   const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file);
 
 /// Names of the pictures of a set, in its order. `pattern` holds one %d, %04d (number, from 0, with leading
 /// zeros up to that width) or %s (the camera's name without extension, with / and what file names cannot hold
@@ -58,4 +58,4 @@ View view_of_cloud(const CameraRequest& request, const Scene& scene, const Loade
 std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
                                                  std::span<const View> views);
 
-}  // namespace alidade
+}  // namespace alidade::tools

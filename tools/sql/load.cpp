@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -17,7 +17,7 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What commands have in common that put clouds into databases, which memory need not hold.
 struct LoadOptions {
@@ -83,7 +83,7 @@ namespace {
 
 struct LoadCommand {
   std::vector<std::filesystem::path> files;  ///< the last one is the database
-  StoreOptions store;
+  database::StoreOptions store;
   LoadOptions load;
 };
 
@@ -99,9 +99,9 @@ void check_name(const std::filesystem::path& database) {
 }
 
 /// The table that is meant. Errors: it is named twice; options that only SQLite knows.
-ServerName server_name(const LoadCommand& command) {
-  ServerName name(command.files.back().string());
-  const StoreOptions other;
+database::ServerName server_name(const LoadCommand& command) {
+  database::ServerName name(command.files.back().string());
+  const database::StoreOptions other;
   const bool is_named_twice = !name.table.empty() && command.store.table != other.table;
   if (is_named_twice || command.store.chunk_points != other.chunk_points) {
     throw Error({.file = name.shown(),
@@ -113,21 +113,22 @@ ServerName server_name(const LoadCommand& command) {
 }
 
 /// Stores files, and answers where.
-using Store = std::function<StoredFiles(std::span<const std::filesystem::path> files,
-                                        const ReadOptions& reading, const Progress& storing)>;
+using Store = std::function<database::StoredFiles(std::span<const std::filesystem::path> files,
+                                                  const ReadOptions& reading, const Progress& storing)>;
 
 ExitCode run(const LoadCommand& command) {
   const std::filesystem::path& database = command.files.back();
-  const bool is_server = is_server_name(database.string());
+  const bool is_server = database::is_server_name(database.string());
   const auto names = std::span(command.files).first(command.files.size() - 1);
   const std::vector<std::filesystem::path> files = expand_cloud_files(names);
   Store store;
   std::string place;
   if (is_server) {
-    const ServerName name = server_name(command);
+    const database::ServerName name = server_name(command);
     place = name.shown();
     store = [&, name](auto some, const ReadOptions& reading, const Progress& storing) {
-      return store_on_server(name, some, reading, {command.store.replace, command.load.memory, storing});
+      return database::store_on_server(name, some, reading,
+                                       {command.store.replace, command.load.memory, storing});
     };
   } else {
     check_name(database);
@@ -135,15 +136,15 @@ ExitCode run(const LoadCommand& command) {
     check_writable(database, true, files);
     place = fmt::format("table {} of {}", command.store.table, database.string());
     store = [&](auto some, const ReadOptions& reading, const Progress& storing) {
-      StoreOptions options = command.store;
+      database::StoreOptions options = command.store;
       options.memory = command.load.memory;
       options.progress = storing;
-      return store_files(database, some, reading, options);
+      return database::store_files(database, some, reading, options);
     };
   }
   std::uint64_t count = 0;
   load_with_progress(command.load, "storing", [&](const ReadOptions& reading, const Progress& storing) {
-    StoredFiles stored = store(files, reading, storing);
+    database::StoredFiles stored = store(files, reading, storing);
     count = stored.point_count;
     return std::move(stored.warnings);
   });
@@ -206,7 +207,7 @@ namespace {
 struct ShardPlanCommand {
   std::vector<std::filesystem::path> files;
   std::filesystem::path output;
-  std::vector<Shard> shards;
+  std::vector<database::Shard> shards;
   std::string table = "points";
   LoadOptions load;
 };
@@ -214,9 +215,9 @@ struct ShardPlanCommand {
 ExitCode run(const ShardPlanCommand& command) {
   std::uint64_t count = 0;
   load_with_progress(command.load, "writing", [&](const ReadOptions& reading, const Progress& writing) {
-    ShardPlan plan =
-        write_shard_plan(command.output, command.files, reading, command.shards,
-                         {.table = command.table, .memory = command.load.memory, .progress = writing});
+    database::ShardPlan plan = database::write_shard_plan(
+        command.output, command.files, reading, command.shards,
+        {.table = command.table, .memory = command.load.memory, .progress = writing});
     count = plan.point_count;
     return std::move(plan.warnings);
   });
@@ -242,7 +243,7 @@ Command add_sql_shard_plan(CLI::App& sql) {
           "--shard",
           [command](const std::vector<std::string>& words) {
             command->shards.clear();
-            for (const std::string& word : words) command->shards.push_back(parse_shard(word));
+            for (const std::string& word : words) command->shards.push_back(database::parse_shard(word));
           },
           "databases that take a part of the points each, equally many; port 5432 if none is given. Users "
           "and passwords belong to the servers' user mappings, not here")
@@ -271,4 +272,4 @@ Command add_sql_shard_plan(CLI::App& sql) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,28 +1,28 @@
 // SPDX-License-Identifier: MIT
 #include "tools/sql/statements.h"
 
+#include <dlfcn.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>
-#include <dlfcn.h>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <sstream>
 #include <string>
-#include <sys/stat.h>
 #include <system_error>
-#include <unistd.h>
 #include <utility>
 
 #include "base/error.h"
 #include "database/sqlite/sql_tokens.h"
 #include "tools/console.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Where the program keeps what was typed at its prompt: $XDG_STATE_HOME/alidade/sql_history, or below
 /// ~/.local/state; empty if there is no home.
@@ -195,7 +195,7 @@ constexpr const char* k_columns =
 
 class Prompt {
  public:
-  Prompt(const Connection& connection, SqlRun run)
+  Prompt(const database::Connection& connection, SqlRun run)
       : connection_(connection), run_(std::move(run)), editor_(sql_history_file()) {
     // Those of one statement may not be those of the next.
     run_.are_all_used = false;
@@ -224,7 +224,7 @@ class Prompt {
       }
       typed_ += line + "\n";
       const bool is_in_comment = sqlite3_complete((typed_ + ";").c_str()) == 0;
-      if (sql_tokens(typed_).empty() && !is_in_comment) typed_.clear();
+      if (database::sql_tokens(typed_).empty() && !is_in_comment) typed_.clear();
       if (sqlite3_complete(typed_.c_str()) != 0)
         run_statements(connection_, std::exchange(typed_, {}), "statement", run_);
     } catch (const Error& error) {
@@ -272,7 +272,7 @@ class Prompt {
     throw Error({.problem = "no such command", .expected = "one that .help tells", .found = line});
   }
 
-  const Connection& connection_;
+  const database::Connection& connection_;
   SqlRun run_;
   LineEditor editor_;
   std::string typed_;  ///< of a statement that has not ended
@@ -281,9 +281,9 @@ class Prompt {
 
 }  // namespace
 
-void run_prompt(const Connection& connection, const std::string& database, SqlRun run) {
+void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run) {
   say_note(database + " is open for reading; .help tells the commands");
   Prompt(connection, std::move(run)).run();
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -13,7 +13,7 @@
 #include "tools/console.h"
 #include "tools/sql/statements.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// The shortest text that reads as this number again: 1.0, 0.1, 1e+300, inf.
 std::string real_text(double value);
@@ -264,4 +264,4 @@ std::unique_ptr<RowWriter> make_row_writer(RowForm form) {
   return std::make_unique<TableWriter>();
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -13,7 +13,7 @@
 #include "tools/console.h"
 #include "tools/sql/statements.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 struct SqlCommand {
@@ -33,16 +33,16 @@ std::string read_text(const std::filesystem::path& file) {
   if (!stream) throw Error({.file = file.string(), .problem = "cannot be read"});
   if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
     throw Error({.file = file.string(),
-                 .place = text_place(text, nul),
+                 .place = database::text_place(text, nul),
                  .problem = "a byte that is no text",
                  .found = "0"});
   }
   return text;
 }
 
-std::unique_ptr<Connection> open_for_reading(const std::filesystem::path& database) {
+std::unique_ptr<database::Connection> open_for_reading(const std::filesystem::path& database) {
   try {
-    return std::make_unique<Connection>(database, Connection::Mode::read, interrupted);
+    return std::make_unique<database::Connection>(database, database::Connection::Mode::read, interrupted);
   } catch (const Error&) {
     // Such as that the file is locked, once nobody waits any more.
     if (interrupted()) throw Cancelled();
@@ -55,9 +55,9 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
     throw Error({.problem = "no database is given",
                  .expected = "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB"});
   }
-  if (is_server_name(command.database.string())) {
+  if (database::is_server_name(command.database.string())) {
     throw Error(
-        {.file = ServerName(command.database.string()).shown(),
+        {.file = database::ServerName(command.database.string()).shown(),
          .problem = "a server is asked with psql, where the extension alidade_pg leaves as much unread",
          .expected = "an SQLite file"});
   }
@@ -66,8 +66,8 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
                                     : RowForm::table,
              .explain = command.explain};
   for (const std::string& text : command.parameters) run.parameters.push_back(parse_sql_parameter(text));
-  const std::unique_ptr<Connection> opened = open_for_reading(command.database);
-  const Connection& connection = *opened;
+  const std::unique_ptr<database::Connection> opened = open_for_reading(command.database);
+  const database::Connection& connection = *opened;
   // An empty statement is one, too: what a script puts there may be empty, and nobody would type at a prompt.
   if (has_statement && command.statement != "-") {
     run_statements(connection, command.statement, "statement", std::move(run));
@@ -140,4 +140,4 @@ Command add_sql(CLI::App& program) {
           parts};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
-#include <fmt/format.h>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -15,7 +15,7 @@
 #include "tools/console.h"
 #include "tools/sql/statements.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 bool is_name(std::string_view text) {
@@ -130,21 +130,21 @@ namespace {
 }
 
 /// All statements of the text, with values for their parameters.
-std::vector<Prepared> prepare_all(sqlite3* database, const std::string& text, const std::string& file,
-                                  std::vector<SqlParameter>& parameters) {
-  std::vector<Prepared> statements;
-  const TokenList tokens(text);
+std::vector<database::Prepared> prepare_all(sqlite3* database, const std::string& text,
+                                            const std::string& file, std::vector<SqlParameter>& parameters) {
+  std::vector<database::Prepared> statements;
+  const database::TokenList tokens(text);
   std::size_t end = 0;
   for (std::size_t i = 0; i < tokens.size(); ++i) {
     if (tokens[i].begin < end || tokens.is_sign(i, ";")) continue;
     const std::size_t begin = tokens[i].begin;
     // Some statements that write do so beside the database, which is open for reading only.
     if (!tokens.is_one_of(i, {"select", "with", "values", "explain"}))
-      refuse_writing(file, text_place(text, begin), std::string(tokens.text(i)));
-    statements.push_back(prepare(database, text, begin, file));
+      refuse_writing(file, database::text_place(text, begin), std::string(tokens.text(i)));
+    statements.push_back(database::prepare(database, text, begin, file));
     sqlite3_stmt* const statement = statements.back().statement.get();
     if (sqlite3_stmt_readonly(statement) == 0)
-      refuse_writing(file, text_place(text, begin), "a statement that writes");
+      refuse_writing(file, database::text_place(text, begin), "a statement that writes");
     end = begin + statements.back().size;
     bind_parameters(statement, parameters);
   }
@@ -166,8 +166,8 @@ std::string share(std::uint64_t part, std::uint64_t all) {
                   : fmt::format(" ({:.1f} %)", 100.0 * static_cast<double>(part) / static_cast<double>(all));
 }
 
-void explain(const Prepared& prepared, const ScanReads& before, const ScanReads& after, std::uint64_t rows,
-             double milliseconds) {
+void explain(const database::Prepared& prepared, const database::ScanReads& before,
+             const database::ScanReads& after, std::uint64_t rows, double milliseconds) {
   const std::uint64_t scans = after.scans - before.scans, chunks = after.chunks - before.chunks,
                       read = after.chunks_read - before.chunks_read;
   std::string text =
@@ -180,9 +180,9 @@ void explain(const Prepared& prepared, const ScanReads& before, const ScanReads&
     say_note((prepared.pruned.empty() ? "not rewritten: " : "not rewritten further: ") + prepared.reason);
 }
 
-void run_one(const Connection& connection, Prepared& prepared, const SqlRun& run) {
+void run_one(const database::Connection& connection, database::Prepared& prepared, const SqlRun& run) {
   const auto start = std::chrono::steady_clock::now();
-  const ScanReads before = connection.reads();
+  const database::ScanReads before = connection.reads();
   sqlite3_stmt* const statement = prepared.statement.get();
   std::vector<std::string> columns;
   const int count = sqlite3_column_count(statement);
@@ -209,15 +209,15 @@ void run_one(const Connection& connection, Prepared& prepared, const SqlRun& run
 
 }  // namespace
 
-void run_statements(const Connection& connection, const std::string& text, const std::string& file,
+void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run) {
   constexpr int k_steps = 1000;
   sqlite3_progress_handler(
       connection.get(), k_steps, [](void*) { return interrupted() ? 1 : 0; }, nullptr);
   try {
-    std::vector<Prepared> statements = prepare_all(connection.get(), text, file, run.parameters);
+    std::vector<database::Prepared> statements = prepare_all(connection.get(), text, file, run.parameters);
     if (run.are_all_used) refuse_unused(run.parameters);
-    for (Prepared& prepared : statements) run_one(connection, prepared, run);
+    for (database::Prepared& prepared : statements) run_one(connection, prepared, run);
   } catch (const Error&) {
     // Such as that the file is locked, once nobody waits any more.
     if (interrupted()) throw Cancelled();
@@ -225,4 +225,4 @@ void run_statements(const Connection& connection, const std::string& text, const
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -10,7 +10,7 @@
 #include "database/sqlite/connection.h"
 #include "database/sqlite/sqlite_api.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// How rows are printed. Real numbers have as many digits as tell them from every other one, and always a dot
 /// or an exponent.
@@ -65,13 +65,13 @@ struct SqlRun {
 /// (database/sqlite/prepare.h). Errors: a statement that does not only read, has a parameter without value,
 /// or that SQLite does not understand; a parameter that no statement has; SQLite's. Cancelled, also while it
 /// waits for who writes.
-void run_statements(const Connection& connection, const std::string& text, const std::string& file,
+void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run);
 
 /// Asks for statements at the terminal and runs them until its end or .quit. A statement ends with a
 /// semicolon and may take several lines; a line that begins with a dot is a command of the prompt (.help).
 /// Errors are told, and it goes on; so it does after Ctrl-C, which drops what is typed or runs. Other signals
 /// are thrown as Cancelled.
-void run_prompt(const Connection& connection, const std::string& database, SqlRun run);
+void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/blocking_cloud.h"
 
-#include <algorithm>
 #include <fmt/format.h>
+#include <algorithm>
 #include <utility>
 
 #include "base/error.h"
@@ -13,14 +13,14 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing
 /// has an elevation, so that all answers about sight would be wrong.
 void check_map_unit(const PointCloud& cloud);
 
 void check_map_unit(const PointCloud& cloud) {
-  if (map_unit(cloud.crs) != MapUnit::degree) return;
+  if (geo::map_unit(cloud.crs) != geo::MapUnit::degree) return;
   throw Error({.file = cloud.files.empty() ? "" : cloud.files.front().path.string(),
                .problem = "x and y are degrees, over which nothing has an elevation",
                .expected = "a cloud in a projected reference system"});
@@ -42,12 +42,14 @@ std::bitset<256> parse_classes(const std::string& text) {
 }  // namespace
 
 void add_occluder_options(CLI::App& command, OccluderRequest& request) {
-  add_choice<OccluderShape>(
+  add_choice<visibility::OccluderShape>(
       command, "--occluder",
       "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where there is a "
       "surface and spheres elsewhere (foliage, wires)",
       request.shape,
-      {{"auto", OccluderShape::automatic}, {"disc", OccluderShape::disc}, {"sphere", OccluderShape::sphere}})
+      {{"auto", visibility::OccluderShape::automatic},
+       {"disc", visibility::OccluderShape::disc},
+       {"sphere", visibility::OccluderShape::sphere}})
       ->group(k_group);
   add_value(
       command, "--radius", "R",
@@ -85,8 +87,8 @@ IndexedCloud load(const std::vector<std::filesystem::path>& files, bool partial,
 }
 
 /// With all that occluders would measure themselves, in steps that show their progress.
-Octree measured(Octree octree, const OccluderOptions& options, Verbosity verbosity) {
-  const bool needs_surfaces = options.shape != OccluderShape::sphere;
+Octree measured(Octree octree, const visibility::OccluderOptions& options, Verbosity verbosity) {
+  const bool needs_surfaces = options.shape != visibility::OccluderShape::sphere;
   const bool needs_spacings = needs_surfaces || !options.radius;
   if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours) {
     ProgressLine line("measuring spacings", "points", verbosity);
@@ -109,12 +111,14 @@ std::string class_list(const std::bitset<256>& classes) {
   return list;
 }
 
-std::string description_of(const Occluders& occluders, const OccluderRequest& request, bool has_ignored) {
-  const OccluderOptions& options = occluders.options();
-  std::string text = options.shape == OccluderShape::automatic
+std::string description_of(const visibility::Occluders& occluders, const OccluderRequest& request,
+                           bool has_ignored) {
+  const visibility::OccluderOptions& options = occluders.options();
+  std::string text = options.shape == visibility::OccluderShape::automatic
                          ? "discs block, and spheres of points without surface"
-                     : options.shape == OccluderShape::disc ? "discs block, points without surface do not"
-                                                            : "spheres block";
+                     : options.shape == visibility::OccluderShape::disc
+                         ? "discs block, points without surface do not"
+                         : "spheres block";
   text += options.radius ? fmt::format("; radius {}", *options.radius)
                          : fmt::format("; radii up to {:.3g}", occluders.largest_radius());
   if (options.transparency > 1) text += fmt::format("; from {} crossings on", options.transparency);
@@ -135,8 +139,8 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesys
 }
 
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity) {
-  OccluderOptions options;
-  options.shape = request.shape.value_or(OccluderShape::automatic);
+  visibility::OccluderOptions options;
+  options.shape = request.shape.value_or(visibility::OccluderShape::automatic);
   options.radius = request.radius;
   options.transparency = request.transparency;
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
@@ -153,12 +157,13 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
   if (verbosity != Verbosity::quiet) say_note(cloud.what_blocks);
 }
 
-Ground find_ground(const VisibilityCloud& cloud, GroundOptions options, Verbosity verbosity) {
+visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundOptions options,
+                               Verbosity verbosity) {
   ProgressLine line("finding the ground", "points", verbosity);
   options.progress = line.callback();
-  Ground ground = make_ground(cloud.octree(), cloud.columns.classifications, options);
+  visibility::Ground ground = visibility::make_ground(cloud.octree(), cloud.columns.classifications, options);
   line.finish();
   return ground;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -14,11 +14,11 @@
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What may block sight, as it was asked for on the command line.
 struct OccluderRequest {
-  std::optional<OccluderShape> shape;
+  std::optional<visibility::OccluderShape> shape;
   std::optional<double> radius;
   int transparency = 1;
   /// Classes whose points block nothing, if the cloud has classes. At first the noise of ASPRS.
@@ -31,9 +31,9 @@ void add_occluder_options(CLI::App& command, OccluderRequest& request);
 /// A cloud, and what of it blocks sight.
 struct VisibilityCloud {
   IndexedCloud cloud;
-  AttributeColumns columns;            ///< of `cloud`, which therefore stays in its place
-  std::optional<Occluders> occluders;  ///< empty until they are measured
-  std::string what_blocks;             ///< the same in words
+  AttributeColumns columns;                        ///< of `cloud`, which therefore stays in its place
+  std::optional<visibility::Occluders> occluders;  ///< empty until they are measured
+  std::string what_blocks;                         ///< the same in words
 
   const Octree& octree() const { return occluders ? occluders->octree() : cloud.octree; }
 };
@@ -49,6 +49,7 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesys
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity);
 
 /// make_ground() below a cloud, with its progress shown. Occluders need not be measured.
-Ground find_ground(const VisibilityCloud& cloud, GroundOptions options, Verbosity verbosity);
+visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundOptions options,
+                               Verbosity verbosity);
 
-}  // namespace alidade
+}  // namespace alidade::tools

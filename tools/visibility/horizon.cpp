@@ -22,7 +22,7 @@
 #include "visibility/horizon/skyline.h"
 #include "visibility/sky/sky_view.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 struct HorizonCommand {
@@ -42,10 +42,10 @@ struct HorizonCommand {
 
 /// Who looks, and what it saw.
 struct View {
-  Observer observer;
-  SightEnd eye;
-  std::vector<HorizonDirection> line;
-  HorizonFacts facts;
+  visibility::Observer observer;
+  visibility::SightEnd eye;
+  std::vector<visibility::HorizonDirection> line;
+  visibility::HorizonFacts facts;
 };
 
 bool ends_in(const std::filesystem::path& file, std::initializer_list<std::string_view> endings) {
@@ -72,8 +72,8 @@ void check_options(const HorizonCommand& command) {
   check_outputs(outputs, command.overwrite, taken);
 }
 
-Observer only_observer(const HorizonCommand& command, const VisibilityCloud& cloud) {
-  const std::vector<Observer> observers =
+visibility::Observer only_observer(const HorizonCommand& command, const VisibilityCloud& cloud) {
+  const std::vector<visibility::Observer> observers =
       load_observers(command.observers, cloud, command.verbosity.verbosity());
   if (observers.size() != 1) {
     throw Error({.problem = "a horizon is that of one place",
@@ -84,17 +84,18 @@ Observer only_observer(const HorizonCommand& command, const VisibilityCloud& clo
 }
 
 /// Degrees from the first azimuth of the field of view clockwise to the second.
-double width_of_view(const Observer& observer) {
+double width_of_view(const visibility::Observer& observer) {
   const double width = observer.azimuth_max - observer.azimuth_min;
   return width > 0.0 ? std::min(width, 360.0) : width + 360.0;
 }
 
-View look_around(const HorizonCommand& command, const VisibilityCloud& cloud, const Observer& observer) {
-  const Occluders& occluders = *cloud.occluders;
+View look_around(const HorizonCommand& command, const VisibilityCloud& cloud,
+                 const visibility::Observer& observer) {
+  const visibility::Occluders& occluders = *cloud.occluders;
   View view;
   view.observer = observer;
-  view.eye = end_near_surface(occluders, view.observer.position);
-  HorizonOptions options;
+  view.eye = visibility::end_near_surface(occluders, view.observer.position);
+  visibility::HorizonOptions options;
   options.step = command.step;
   options.resolution = command.resolution;
   options.azimuth_min = view.observer.azimuth_min;
@@ -103,7 +104,7 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud, co
   options.elevation_max = view.observer.elevation_max;
   options.max_distance = view.observer.max_distance;
   ProgressLine line("looking around", "azimuths", command.verbosity.verbosity());
-  view.line = horizon(occluders, view.eye, options, line.callback());
+  view.line = visibility::horizon(occluders, view.eye, options, line.callback());
   line.finish();
   if (view.line.empty()) {
     throw Error({.problem = "no azimuth of the field of view is looked at",
@@ -112,42 +113,44 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud, co
   view.facts.eye = view.observer.position;
   const bool all_round =
       width_of_view(observer) >= 360.0 && observer.elevation_min <= 0.0 && observer.elevation_max >= 90.0;
-  if (all_round) view.facts.above_line = sky_above(view.line);
-  view.facts.sky = sky_shares(occluders, view.eye, command.sky_directions, options.max_distance);
+  if (all_round) view.facts.above_line = visibility::sky_above(view.line);
+  view.facts.sky = visibility::sky_shares(occluders, view.eye, command.sky_directions, options.max_distance);
   return view;
 }
 
 void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
   if (!is_geojson(command.output)) {
-    const std::string text = horizon_csv(view.line);
+    const std::string text = visibility::horizon_csv(view.line);
     if (command.output.empty()) return write_to_stdout(text);
     OutputFile file(command.output, command.overwrite);
     file.write(std::as_bytes(std::span(text)));
     return file.commit();
   }
   std::optional<std::vector<glm::dvec3>> on_globe;
-  load_lon_lat()(cloud.cloud.cloud.crs, horizon_places(view.line, view.facts), on_globe);
+  load_lon_lat()(cloud.cloud.cloud.crs, visibility::horizon_places(view.line, view.facts), on_globe);
   if (!on_globe && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
-  const std::string text = horizon_geojson(view.line, view.facts, on_globe);
+  const std::string text = visibility::horizon_geojson(view.line, view.facts, on_globe);
   OutputFile file(command.output, command.overwrite);
   file.write(std::as_bytes(std::span(text)));
   file.commit();
 }
 
-std::string sky_text(const SkyShares& sky) {
+std::string sky_text(const visibility::SkyShares& sky) {
   return fmt::format("sky-view factor {:.3f}, {:.3f} of the solid angle", sky.cosine_weighted,
                      sky.solid_angle);
 }
 
 void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
   const double from = view.observer.azimuth_min;
-  DepthStrip strip = strip_around(view.line, from, from + width_of_view(view.observer));
+  visibility::DepthStrip strip =
+      visibility::strip_around(view.line, from, from + width_of_view(view.observer));
   ProgressLine line("drawing the skyline", "sight lines", command.verbosity.verbosity());
-  fill_strip(*cloud.occluders, view.eye, view.observer.max_distance, strip, line.callback());
+  visibility::fill_strip(*cloud.occluders, view.eye, view.observer.max_distance, strip, line.callback());
   line.finish();
   const glm::dvec3& eye = view.observer.position;
-  const SkylineTexts texts{fmt::format("Skyline from {:.2f}, {:.2f}, {:.2f}", eye.x, eye.y, eye.z),
-                           sky_text(view.facts.sky), height_unit(cloud.cloud.cloud.crs)};
+  const visibility::SkylineTexts texts{
+      fmt::format("Skyline from {:.2f}, {:.2f}, {:.2f}", eye.x, eye.y, eye.z), sky_text(view.facts.sky),
+      geo::height_unit(cloud.cloud.cloud.crs)};
   load_skyline_writer()(strip, view.line, texts, command.skyline, command.overwrite);
 }
 
@@ -155,14 +158,14 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto [width, height] = command.depth_size;
   ProgressLine line("measuring the panorama", "sight lines", verbosity);
-  const Film film =
-      depth_panorama(*cloud.occluders, view.eye, width, height, view.observer.max_distance, line.callback());
+  const image::Film film = visibility::depth_panorama(*cloud.occluders, view.eye, width, height,
+                                                      view.observer.max_distance, line.callback());
   line.finish();
-  OutputSettings output;
+  image::OutputSettings output;
   output.file = command.depth;
-  output.layers = {Layer::depth, Layer::distance, Layer::id};
-  ImageMetadata metadata;
-  metadata.camera = panorama_camera(view.observer.position, width, height);
+  output.layers = {image::Layer::depth, image::Layer::distance, image::Layer::id};
+  renderer::ImageMetadata metadata;
+  metadata.camera = camera::panorama_camera(view.observer.position, width, height);
   metadata.render.samples = 1;
   metadata.render.max_bounces = 0;
   metadata.command = picture_command(command.words);
@@ -175,7 +178,8 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
 void say_findings(const HorizonCommand& command, const View& view) {
   if (command.verbosity.quiet) return;
   const auto highest = std::ranges::max_element(
-      view.line, {}, [](const HorizonDirection& direction) { return direction.elevation.value_or(-100.0); });
+      view.line, {},
+      [](const visibility::HorizonDirection& direction) { return direction.elevation.value_or(-100.0); });
   if (!highest->elevation) {
     say_note("nothing blocks the view in any azimuth");
   } else {
@@ -202,7 +206,7 @@ ExitCode run(const HorizonCommand& command) {
   load_writers(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto cloud = load_cloud_alone(command.files, command.partial, Attribute::classification, verbosity);
-  const Observer observer = only_observer(command, *cloud);
+  const visibility::Observer observer = only_observer(command, *cloud);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(std::span(&observer, 1), *cloud, verbosity);
   const View view = look_around(command, *cloud, observer);
@@ -239,7 +243,8 @@ void add_answers(CLI::App& horizon, HorizonCommand& command) {
       ->group(group);
   add_value(horizon, "--directions", "N", "lines to the sky for the sky-view factor (default: 4096)",
             [&command](const std::string& text) {
-              command.sky_directions = static_cast<int>(parse_count(text, 1, k_most_sky_directions));
+              command.sky_directions =
+                  static_cast<int>(parse_count(text, 1, visibility::k_most_sky_directions));
             })
       ->group(group);
   horizon.add_flag("--overwrite", command.overwrite, "replace existing files")->group(group);
@@ -284,4 +289,4 @@ Command add_visibility_horizon(CLI::App& visibility, const CommandLine& words) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

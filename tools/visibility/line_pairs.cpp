@@ -17,10 +17,11 @@
 #include "tools/visibility/observer_options.h"
 #include "visibility/lines/line_files.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
-const Observer& place_called(const std::map<std::string, const Observer*>& places, const GivenObserver& end) {
+const visibility::Observer& place_called(const std::map<std::string, const visibility::Observer*>& places,
+                                         const visibility::GivenObserver& end) {
   const auto found = places.find(end.name);
   if (found != places.end()) return *found->second;
   throw Error({.file = end.source,
@@ -30,9 +31,9 @@ const Observer& place_called(const std::map<std::string, const Observer*>& place
 }
 
 /// The ends of pairs with coordinates, first and second of each after each other.
-ObserverOptions ends_with_places(const std::vector<GivenPair>& pairs) {
+ObserverOptions ends_with_places(const std::vector<visibility::GivenPair>& pairs) {
   ObserverOptions ends;
-  for (const GivenPair& pair : pairs) {
+  for (const visibility::GivenPair& pair : pairs) {
     // Who has no name is called by the pair's number.
     const std::size_t number = ends.places.size() / 2 + 1;
     ends.places.push_back(pair.from);
@@ -44,14 +45,15 @@ ObserverOptions ends_with_places(const std::vector<GivenPair>& pairs) {
 }
 
 /// Those of pairs with names.
-std::vector<Observer> ends_with_names(std::span<const Observer> places, const std::vector<GivenPair>& pairs) {
-  std::map<std::string, const Observer*> by_name;
-  for (const Observer& place : places) {
+std::vector<visibility::Observer> ends_with_names(std::span<const visibility::Observer> places,
+                                                  const std::vector<visibility::GivenPair>& pairs) {
+  std::map<std::string, const visibility::Observer*> by_name;
+  for (const visibility::Observer& place : places) {
     if (!by_name.emplace(place.name, &place).second)
       throw Error({.problem = fmt::format("two places are called '{}'", place.name)});
   }
-  std::vector<Observer> ends;
-  for (const GivenPair& pair : pairs) {
+  std::vector<visibility::Observer> ends;
+  for (const visibility::GivenPair& pair : pairs) {
     ends.push_back(place_called(by_name, pair.from));
     ends.push_back(place_called(by_name, pair.to));
   }
@@ -109,8 +111,8 @@ void check_pair_request(const PairRequest& request) {
 }
 
 LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
-  std::vector<GivenPair> given;
-  if (!request.pairs.empty()) given = read_pair_table(request.pairs);
+  std::vector<visibility::GivenPair> given;
+  if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
   const bool has_places = !given.empty() && given.front().has_places;
   if (has_places && !request.places.empty()) {
     throw Error({.file = request.pairs.string(),
@@ -139,8 +141,9 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
 }
 
 void check_report_memory(const LineEnds& ends, LineZones zones) {
-  std::uint64_t bytes_per_line = sizeof(LinePair) + sizeof(LineReport);
-  if (zones == LineZones::fresnel) bytes_per_line += k_most_obstructions * sizeof(Obstruction);
+  std::uint64_t bytes_per_line = sizeof(visibility::LinePair) + sizeof(visibility::LineReport);
+  if (zones == LineZones::fresnel)
+    bytes_per_line += visibility::k_most_obstructions * sizeof(visibility::Obstruction);
   const std::uint64_t places = ends.places.size();
   const std::uint64_t lines = ends.are_pairs ? places / 2 : places * (places - 1) / 2;
   std::uint64_t bytes = 0;
@@ -161,14 +164,15 @@ void check_margin(const LineEnds& ends, double margin) {
   });
 }
 
-std::vector<LinePair> pairs_of(const LineEnds& ends, const Occluders& occluders) {
-  std::vector<SightEnd> sight_ends;
-  for (const Observer& place : ends.places) sight_ends.push_back(end_near_surface(occluders, place.position));
-  std::vector<LinePair> pairs;
+std::vector<visibility::LinePair> pairs_of(const LineEnds& ends, const visibility::Occluders& occluders) {
+  std::vector<visibility::SightEnd> sight_ends;
+  for (const visibility::Observer& place : ends.places)
+    sight_ends.push_back(visibility::end_near_surface(occluders, place.position));
+  std::vector<visibility::LinePair> pairs;
   for_each_pair(ends, [&](std::size_t from, std::size_t to) {
     pairs.push_back({ends.places[from].name, sight_ends[from], ends.places[to].name, sight_ends[to]});
   });
   return pairs;
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -11,13 +11,13 @@
 #include "visibility/lines/line_report.h"
 #include "visibility/observers.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Which sight lines were asked for on the command line.
 struct PairRequest {
-  std::filesystem::path pairs, places;  ///< --pairs, --places; empty: none
-  std::string places_crs;               ///< --places-crs
-  ObserverDefaults defaults;            ///< --end-height
+  std::filesystem::path pairs, places;    ///< --pairs, --places; empty: none
+  std::string places_crs;                 ///< --places-crs
+  visibility::ObserverDefaults defaults;  ///< --end-height
 };
 
 /// Declares the options in a group of their own; they fill `request`.
@@ -28,7 +28,7 @@ void check_pair_request(const PairRequest& request);
 
 /// The ends of lines.
 struct LineEnds {
-  std::vector<Observer> places;
+  std::vector<visibility::Observer> places;
   bool are_pairs = false;  ///< first and second end of each line after each other; else all are paired
 };
 
@@ -47,6 +47,6 @@ void check_report_memory(const LineEnds& ends, LineZones zones);
 void check_margin(const LineEnds& ends, double margin);
 
 /// The lines: the pairs of a file, or every place with every other.
-std::vector<LinePair> pairs_of(const LineEnds& ends, const Occluders& occluders);
+std::vector<visibility::LinePair> pairs_of(const LineEnds& ends, const visibility::Occluders& occluders);
 
-}  // namespace alidade
+}  // namespace alidade::tools

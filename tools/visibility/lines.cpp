@@ -16,7 +16,7 @@
 #include "visibility/lines/fresnel.h"
 #include "visibility/lines/line_files.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr double k_radio_factor = 4.0 / 3.0;
@@ -49,26 +49,26 @@ double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) 
                .expected = "a cloud in a projected reference system"});
 }
 
-LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud) {
-  LineReportOptions options;
+visibility::LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud) {
+  visibility::LineReportOptions options;
   options.line.end_margin = command.end_margin;
   std::optional<double> factor = command.frequency ? std::optional(k_radio_factor) : std::nullopt;
   if (command.earth_factor) factor = *command.earth_factor;
   if (!command.frequency && !factor) return options;
   const double unit = unit_of(cloud, command.files.front());
-  if (factor) options.line.earth_radius = *factor * k_earth_radius / unit;
-  if (command.frequency) options.wavelength = k_speed_of_light / *command.frequency / unit;
+  if (factor) options.line.earth_radius = *factor * geo::k_earth_radius / unit;
+  if (command.frequency) options.wavelength = visibility::k_speed_of_light / *command.frequency / unit;
   return options;
 }
 
-void say_result(const LinesCommand& command, const LineTable& table) {
+void say_result(const LinesCommand& command, const visibility::LineTable& table) {
   if (command.verbosity.quiet) return;
   const auto visible =
-      std::ranges::count_if(table.reports, [](const LineReport& line) { return !line.blocker; });
+      std::ranges::count_if(table.reports, [](const visibility::LineReport& line) { return !line.blocker; });
   std::string text = fmt::format("{} of {} lines are free", visible, table.reports.size());
   if (command.frequency) {
-    const auto clear =
-        std::ranges::count_if(table.reports, [](const LineReport& line) { return line.fresnel->is_clear; });
+    const auto clear = std::ranges::count_if(
+        table.reports, [](const visibility::LineReport& line) { return line.fresnel->is_clear; });
     text += fmt::format("; {} have the inner 60 % of their first Fresnel zone free", clear);
   }
   say_note(text);
@@ -86,10 +86,11 @@ void check_options(const LinesCommand& command) {
   check_checkpoint(command.checkpoint, command.overwrite, {&command.output, 1}, inputs);
 }
 
-Identity identity_of(const CLI::App& words, const VisibilityCloud& cloud, std::span<const LinePair> pairs) {
+Identity identity_of(const CLI::App& words, const VisibilityCloud& cloud,
+                     std::span<const visibility::LinePair> pairs) {
   Identity identity = run_identity(words, cloud);
   std::vector<double> numbers;
-  for (const LinePair& pair : pairs) {
+  for (const visibility::LinePair& pair : pairs) {
     for (const glm::dvec3& end : {pair.from.position, pair.to.position})
       numbers.insert(numbers.end(), {end.x, end.y, end.z});
   }
@@ -103,26 +104,26 @@ ExitCode run_lines(const LinesCommand& command, const CLI::App& words) {
   const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
   const auto cloud = load_cloud_alone(command.files, command.partial, {}, verbosity);
-  const LineReportOptions options = report_options(command, *cloud);
-  check_line_report(options, command.occluders.transparency);
+  const visibility::LineReportOptions options = report_options(command, *cloud);
+  visibility::check_line_report(options, command.occluders.transparency);
   const LineEnds ends = load_line_ends(command.pairs, *cloud, verbosity);
   check_report_memory(ends, command.frequency ? LineZones::fresnel : LineZones::none);
   check_margin(ends, command.end_margin);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(ends.places, *cloud, verbosity);
-  LineTable table;
+  visibility::LineTable table;
   table.pairs = pairs_of(ends, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
   LongRun long_run(
       command.checkpoint, [&] { return identity_of(words, *cloud, table.pairs); }, verbosity);
   ProgressLine line("looking along lines", "lines", verbosity);
-  table.reports =
-      report_lines(*cloud->occluders, table.pairs, options, long_run.progress(line), long_run.parts());
+  table.reports = visibility::report_lines(*cloud->occluders, table.pairs, options, long_run.progress(line),
+                                           long_run.parts());
   line.finish();
   const PointCloud& facts = cloud->cloud.cloud;
-  const bool is_done =
-      write_lines(table, chosen_row_form(command.output), row_file_head(command.command_line, facts),
-                  to_lon_lat_of(facts.crs), command.output, command.overwrite);
+  const bool is_done = visibility::write_lines(table, chosen_row_form(command.output),
+                                               row_file_head(command.command_line, facts),
+                                               to_lon_lat_of(facts.crs), command.output, command.overwrite);
   long_run.finish();
   if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
   say_result(command, table);
@@ -141,7 +142,7 @@ void add_radio(CLI::App& lines, LinesCommand& command) {
   add_value(lines, "--frequency", "F[GHz|MHz]",
             "report on the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
             [&command](const std::string& text) {
-              command.frequency = parse_frequency(text);
+              command.frequency = visibility::parse_frequency(text);
               if (!command.frequency)
                 throw CLI::ValidationError("expected 1MHz to 1000GHz, found '" + text + "'");
             })
@@ -215,4 +216,4 @@ Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_li
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

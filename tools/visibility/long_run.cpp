@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/long_run.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
-#include <fmt/format.h>
 #include <string_view>
 #include <utility>
 
@@ -14,7 +14,7 @@
 #include "tools/options.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 void add_checkpoint_options(CLI::App& command, CheckpointRequest& request) {
   constexpr double k_most_seconds = 1e9;
@@ -123,7 +123,7 @@ std::string crs_checksum(const Crs& crs) {
 
 Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud) {
   Identity identity{{"command", command.get_name()},
-                    {"version of answers", std::to_string(k_answers_version)}};
+                    {"version of answers", std::to_string(visibility::k_answers_version)}};
   for (const CLI::Option* const option : command.get_options()) {
     const std::string name = name_of(*option);
     if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
@@ -141,9 +141,9 @@ Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud) {
   return identity;
 }
 
-void add_to_identity(std::span<const Observer> observers, Identity& identity) {
+void add_to_identity(std::span<const visibility::Observer> observers, Identity& identity) {
   std::vector<double> numbers;
-  for (const Observer& one : observers) {
+  for (const visibility::Observer& one : observers) {
     numbers.insert(numbers.end(), {one.position.x, one.position.y, one.position.z, one.azimuth_min,
                                    one.azimuth_max, one.elevation_min, one.elevation_max, one.max_distance});
   }
@@ -151,7 +151,7 @@ void add_to_identity(std::span<const Observer> observers, Identity& identity) {
   add_to_identity("observers", numbers, identity);
 }
 
-void add_to_identity(const RasterGrid& grid, Identity& identity) {
+void add_to_identity(const geo::RasterGrid& grid, Identity& identity) {
   identity.push_back({"cells", fmt::format("{} x {} of {:.17g} from {:.17g} {:.17g}", grid.columns, grid.rows,
                                            grid.cell_size, grid.north_west.x, grid.north_west.y)});
 }
@@ -201,4 +201,4 @@ void LongRun::finish() {
   if (parts_) parts_->remove();
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

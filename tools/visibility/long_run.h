@@ -14,7 +14,7 @@
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/observers.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Whether and where to keep what is finished of a long run.
 struct CheckpointRequest {
@@ -38,10 +38,10 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
 Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud);
 
 /// Adds observers as they are placed.
-void add_to_identity(std::span<const Observer> observers, Identity& identity);
+void add_to_identity(std::span<const visibility::Observer> observers, Identity& identity);
 
 /// The same for the cells of a map.
-void add_to_identity(const RasterGrid& grid, Identity& identity);
+void add_to_identity(const geo::RasterGrid& grid, Identity& identity);
 
 /// The same for numbers of any other kind; `name` is how a message calls them.
 void add_to_identity(const std::string& name, std::span<const double> numbers, Identity& identity);
@@ -76,4 +76,4 @@ class LongRun {
   std::optional<FinishedParts> parts_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::tools

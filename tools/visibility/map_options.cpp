@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/map_options.h"
 
+#include <fmt/format.h>
 #include <array>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -16,7 +16,7 @@
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/map_places.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 /// Feet of all countries are one word to people.
@@ -33,9 +33,9 @@ CloudUnit cloud_unit(const Crs& crs) {
   CloudUnit unit;
   load_metres_per_unit()(crs, unit.metres);
   if (!unit.metres) {
-    const MapUnit told = map_unit(crs);
-    if (told == MapUnit::unknown) return {};
-    unit.metres = metres_per_unit(told);
+    const geo::MapUnit told = geo::map_unit(crs);
+    if (told == geo::MapUnit::unknown) return {};
+    unit.metres = geo::metres_per_unit(told);
   }
   unit.name = name_of(*unit.metres);
   return unit;
@@ -62,14 +62,14 @@ Bounds parse_area(const std::string& text) {
 
 void add_ground(CLI::App& command, MapOptions& map) {
   const char* const group = "Ground";
-  add_choice<GroundSource>(
+  add_choice<visibility::GroundSource>(
       command, "--ground",
       "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest "
       "points (default: auto, by class if there is class 2)",
       map.ground_source,
-      {{"auto", GroundSource::automatic},
-       {"class", GroundSource::classified},
-       {"lowest", GroundSource::lowest}})
+      {{"auto", visibility::GroundSource::automatic},
+       {"class", visibility::GroundSource::classified},
+       {"lowest", visibility::GroundSource::lowest}})
       ->group(group);
   add_value(command, "--ground-cell", "LENGTH",
             "side of the cells whose ground is found (default: the mean distance of the points of these "
@@ -122,41 +122,41 @@ void check_map_writing(const MapOptions& map, bool overwrite,
   }
   check_writable(map.preview, overwrite, other_files);
   load_map_drawer();
-  find_font();
+  image::find_font();
 }
 
-Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity) {
-  GroundOptions options;
-  options.source = map.ground_source.value_or(GroundSource::automatic);
+visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity) {
+  visibility::GroundOptions options;
+  options.source = map.ground_source.value_or(visibility::GroundSource::automatic);
   options.cell_size = map.ground_cell;
   options.reach = map.ground_reach.value_or(options.reach);
-  Ground ground = find_ground(cloud, options, verbosity);
+  visibility::Ground ground = find_ground(cloud, options, verbosity);
   if (verbosity != Verbosity::quiet) say_note("ground: " + ground_text(ground));
   return ground;
 }
 
-std::string ground_text(const Ground& ground) {
-  const RasterGrid& grid = ground.heights().grid;
-  return fmt::format(
-      "{} in cells of {:.4g}, {:.1f} % of them measured",
-      ground.source() == GroundSource::classified ? "points of classes 2, 9 and 11" : "lowest points",
-      grid.cell_size,
-      100.0 * static_cast<double>(ground.measured_cells()) / static_cast<double>(grid.size()));
+std::string ground_text(const visibility::Ground& ground) {
+  const geo::RasterGrid& grid = ground.heights().grid;
+  return fmt::format("{} in cells of {:.4g}, {:.1f} % of them measured",
+                     ground.source() == visibility::GroundSource::classified ? "points of classes 2, 9 and 11"
+                                                                             : "lowest points",
+                     grid.cell_size,
+                     100.0 * static_cast<double>(ground.measured_cells()) / static_cast<double>(grid.size()));
 }
 
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
   const Bounds all = cloud.octree().bounds();
   if (!map.area) return all;
-  const Bounds area = cropped(all, *map.area);
+  const Bounds area = geo::cropped(all, *map.area);
   if (area.empty()) throw Error({.problem = "--area holds nothing of the cloud"});
   return area;
 }
 
-RasterGrid map_grid(const MapOptions& map, const Bounds& area, const Ground& ground, int bands,
-                    const std::string& unit, Verbosity verbosity) {
-  const double usual = usual_resolution(area, ground.heights().grid.cell_size);
-  const RasterGrid grid = grid_over(area, map.resolution.value_or(usual));
-  check_map_memory(grid, bands);
+geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibility::Ground& ground,
+                         int bands, const std::string& unit, Verbosity verbosity) {
+  const double usual = visibility::usual_resolution(area, ground.heights().grid.cell_size);
+  const geo::RasterGrid grid = geo::grid_over(area, map.resolution.value_or(usual));
+  geo::check_map_memory(grid, bands);
   if (verbosity != Verbosity::quiet) {
     say_note(fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
                          unit.empty() ? "" : " ", unit));
@@ -165,9 +165,9 @@ RasterGrid map_grid(const MapOptions& map, const Bounds& area, const Ground& gro
 }
 
 MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesystem::path> files,
-                         const VisibilityCloud& cloud, const Ground& ground) {
+                         const VisibilityCloud& cloud, const visibility::Ground& ground) {
   constexpr const char* k_shapes[] = {"auto", "disc", "sphere"};
-  const OccluderOptions& blocks = cloud.occluders->options();
+  const visibility::OccluderOptions& blocks = cloud.occluders->options();
   std::string names;
   for (const std::filesystem::path& file : files) names += (names.empty() ? "" : "\n") + file.string();
   return {{"alidade_command", picture_command(words)},
@@ -179,4 +179,4 @@ MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesyst
           {"alidade_transparency", std::to_string(blocks.transparency)}};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

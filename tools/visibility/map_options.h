@@ -15,7 +15,7 @@
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/ground.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What x and y of a cloud are counted in.
 struct CloudUnit {
@@ -33,7 +33,7 @@ CloudUnit cloud_unit(const Crs& crs);
 struct MapOptions {
   std::optional<double> resolution, target_height;
   std::optional<Bounds> area;
-  std::optional<GroundSource> ground_source;
+  std::optional<visibility::GroundSource> ground_source;
   std::optional<double> ground_cell, ground_reach;
   std::filesystem::path preview;  ///< empty: none
 };
@@ -52,25 +52,25 @@ void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files);
 
 /// The ground below the cloud, with progress; it is said how it was found.
-Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
-std::string ground_text(const Ground& ground);
+visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud& cloud, Verbosity verbosity);
+std::string ground_text(const visibility::Ground& ground);
 
 /// The part of the cloud that is asked for. Errors: --area holds nothing of it.
 Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud);
 
 /// The cells over an area, by default usual_resolution(), not finer than the ground; says them. Errors: too
 /// many of them, or too many for the memory with so many bands.
-RasterGrid map_grid(const MapOptions& map, const Bounds& area, const Ground& ground, int bands,
-                    const std::string& unit, Verbosity verbosity);
+geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibility::Ground& ground,
+                         int bands, const std::string& unit, Verbosity verbosity);
 
 /// Keys and texts of a map's file.
 using MapMetadata = std::vector<std::pair<std::string, std::string>>;
 
 /// What every map says of its making: command, cloud files, ground, what blocks. Requires measured occluders.
 MapMetadata map_metadata(const CommandLine& words, std::span<const std::filesystem::path> files,
-                         const VisibilityCloud& cloud, const Ground& ground);
+                         const VisibilityCloud& cloud, const visibility::Ground& ground);
 
 /// What float bands have where there is no value.
 constexpr double k_no_float = -9999.0;
 
-}  // namespace alidade
+}  // namespace alidade::tools

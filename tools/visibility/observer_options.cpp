@@ -13,7 +13,7 @@
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/observers.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr const char* k_group = "Observers";
@@ -27,7 +27,7 @@ std::pair<double, double> parse_angles(const std::string& text, double least, do
   return {parse_number(words[0], least, most), parse_number(words[1], least, most)};
 }
 
-void add_view(CLI::App& command, ObserverDefaults& defaults) {
+void add_view(CLI::App& command, visibility::ObserverDefaults& defaults) {
   add_value(command, "--max-distance,--md,--max_distance", "LENGTH",
             "nothing farther from the observer is seen (default: inf); along the line of sight",
             [&defaults](const std::string& text) {
@@ -71,21 +71,21 @@ void add_view(CLI::App& command, ObserverDefaults& defaults) {
 }
 
 /// Those of the command line, then those of the file.
-std::vector<GivenObserver> read_given(const ObserverOptions& options, const Crs& crs) {
-  const ObserverReference reference{
+std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options, const Crs& crs) {
+  const geo::ObserverReference reference{
       .given = options.reference, .cloud = crs, .option = options.reference_option};
-  std::vector<GivenObserver> given = options.places;
+  std::vector<visibility::GivenObserver> given = options.places;
   if (!options.reference.empty() && !given.empty()) load_observer_transformer()(reference, given);
   if (options.file.empty()) return given;
-  std::vector<GivenObserver> read;
+  std::vector<visibility::GivenObserver> read;
   load_observer_reader()(options.file, reference, read);
   given.insert(given.end(), read.begin(), read.end());
   return given;
 }
 
 /// Says where the first observers are.
-void tell(std::span<const Observer> observers) {
-  for (const Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
+void tell(std::span<const visibility::Observer> observers) {
+  for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_lines))) {
     say_note(fmt::format("{}: eye at {:.3f}, {:.3f}, {:.3f}, {:.6g} above its foot", one.name, one.position.x,
                          one.position.y, one.position.z, one.height));
   }
@@ -101,7 +101,7 @@ void add_observer_options(CLI::App& command, ObserverOptions& options) {
       .add_option_function<std::vector<std::string>>(
           "--observer",
           [&options](const std::vector<std::string>& texts) {
-            for (const std::string& text : texts) options.places.push_back(parse_observer(text));
+            for (const std::string& text : texts) options.places.push_back(visibility::parse_observer(text));
           },
           "where the eye is, or its foot with --observer-height; without Z the foot is on the ground. May be "
           "repeated")
@@ -143,35 +143,38 @@ void add_target_height(CLI::App& command, std::optional<double>& height) {
       ->group(k_group);
 }
 
-std::vector<Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
-                                     Verbosity verbosity, const GroundHeight& ground) {
+std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
+                                                 Verbosity verbosity,
+                                                 const visibility::GroundHeight& ground) {
   if (options.places.empty() && options.file.empty() && !options.grid)
     throw Error({.problem = "nobody looks", .expected = "--observer, --observers or --observer-grid"});
-  std::vector<GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
+  std::vector<visibility::GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
   const bool needs_ground =
-      options.grid || std::ranges::any_of(given, [](const GivenObserver& one) { return !one.z; });
-  std::optional<Ground> own_ground;
+      options.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });
+  std::optional<visibility::Ground> own_ground;
   if (needs_ground && !ground) own_ground = find_ground(cloud, {}, verbosity);
-  const GroundHeight height_at =
+  const visibility::GroundHeight height_at =
       ground ? ground : [&](const glm::dvec2& place) { return own_ground->at(place); };
   if (options.grid) {
     ProgressLine line("placing observers", "cells", verbosity);
-    const auto grid = observer_grid(cloud.octree().bounds(), *options.grid, height_at, line.callback());
+    const auto grid =
+        visibility::observer_grid(cloud.octree().bounds(), *options.grid, height_at, line.callback());
     line.finish();
     given.insert(given.end(), grid.begin(), grid.end());
   }
-  std::vector<Observer> observers = place_observers(given, options.defaults, height_at);
+  std::vector<visibility::Observer> observers =
+      visibility::place_observers(given, options.defaults, height_at);
   if (verbosity != Verbosity::quiet) tell(observers);
   return observers;
 }
 
-void say_observer_remarks(std::span<const Observer> observers, const VisibilityCloud& cloud,
+void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity) {
   if (verbosity == Verbosity::quiet) return;
-  const std::vector<std::string> remarks = observer_remarks(*cloud.occluders, observers);
+  const std::vector<std::string> remarks = visibility::observer_remarks(*cloud.occluders, observers);
   for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) say_warning(remarks[i]);
   if (remarks.size() > k_most_lines)
     say_warning(fmt::format("and {} more observers are strange", remarks.size() - k_most_lines));
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -12,16 +12,16 @@
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/observers.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Which observers were asked for on the command line.
 struct ObserverOptions {
-  std::vector<GivenObserver> places;                 ///< --observer
+  std::vector<visibility::GivenObserver> places;     ///< --observer
   std::filesystem::path file;                        ///< --observers; empty: none
   std::string reference;                             ///< --observers-crs, as ObserverReference::given
   std::string reference_option = "--observers-crs";  ///< what messages call it
   std::optional<double> grid;                        ///< --observer-grid, width of its cells
-  ObserverDefaults defaults;                         ///< what holds for those that do not say it themselves
+  visibility::ObserverDefaults defaults;             ///< what holds for those that do not say it themselves
 };
 
 /// Declares the options in a group of their own; they fill `options`.
@@ -35,12 +35,13 @@ void add_target_height(CLI::App& command, std::optional<double>& height);
 /// come first, then the file's, then the grid's. `ground` is asked for observers without z; if it is empty,
 /// the cloud's is found where it is needed. Errors: nobody was asked for; those of read_observers(),
 /// observer_grid(), place_observers() and make_ground().
-std::vector<Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
-                                     Verbosity verbosity, const GroundHeight& ground = {});
+std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
+                                                 Verbosity verbosity,
+                                                 const visibility::GroundHeight& ground = {});
 
 /// Says what is strange about observers: observer_remarks() of visibility/observers.h. Requires
 /// measured occluders.
-void say_observer_remarks(std::span<const Observer> observers, const VisibilityCloud& cloud,
+void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity);
 
-}  // namespace alidade
+}  // namespace alidade::tools

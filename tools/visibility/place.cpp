@@ -17,7 +17,7 @@
 #include "visibility/points/coverage.h"
 #include "visibility/points/placement.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 struct PlaceCommand {
@@ -62,7 +62,7 @@ void check_options(const PlaceCommand& command) {
   std::vector<std::filesystem::path> inputs = command.files;
   if (!command.candidates.file.empty()) inputs.push_back(command.candidates.file);
   const std::filesystem::path outputs[] = {command.output, command.curve};
-  if (!command.curve.empty() && image_format(command.curve) != ImageFormat::png) {
+  if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png) {
     throw Error({.file = command.curve.string(),
                  .problem = "curves are drawn as PNG",
                  .expected = "a name ending in .png"});
@@ -71,7 +71,8 @@ void check_options(const PlaceCommand& command) {
   check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
 }
 
-std::vector<PlacementTarget> targets_of(const PlaceCommand& command, const VisibilityCloud& cloud) {
+std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
+                                                    const VisibilityCloud& cloud) {
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   const std::filesystem::path& file = command.files.front();
   if (classes.empty() && (command.target_classes || !command.class_weights.empty()))
@@ -80,24 +81,25 @@ std::vector<PlacementTarget> targets_of(const PlaceCommand& command, const Visib
   const std::bitset<256> wanted = command.target_classes.value_or(~command.occluders.ignored_classes);
   std::function<bool(std::uint64_t)> counts;
   if (!classes.empty()) counts = [classes, wanted](std::uint64_t id) { return wanted.test(classes[id]); };
-  std::vector<PlacementTarget> targets = thin_points(cloud.octree(), command.target_spacing, counts);
+  std::vector<visibility::PlacementTarget> targets =
+      visibility::thin_points(cloud.octree(), command.target_spacing, counts);
   if (targets.empty())
     throw Error({.file = file.string(), .problem = "has no points of the targets' classes"});
   return targets;
 }
 
 std::vector<double> weights_of(const PlaceCommand& command, const VisibilityCloud& cloud,
-                               const std::vector<PlacementTarget>& targets) {
+                               const std::vector<visibility::PlacementTarget>& targets) {
   std::vector<double> weights;
   if (command.class_weights.empty()) return weights;
-  for (const PlacementTarget& target : targets) {
+  for (const visibility::PlacementTarget& target : targets) {
     const auto found = command.class_weights.find(cloud.columns.classifications[target.point_id]);
     weights.push_back(found == command.class_weights.end() ? 1.0 : found->second);
   }
   return weights;
 }
 
-void say_result(const PlaceCommand& command, const Placement& placement) {
+void say_result(const PlaceCommand& command, const visibility::Placement& placement) {
   if (command.verbosity.quiet) return;
   const double covered = placement.places.back().covered;
   say_note(fmt::format("{} places see {:.2f} % of the targets; no choice of {} sees more than {:.2f} %",
@@ -112,9 +114,9 @@ ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
   load_row_writer(command.output);
   if (!command.curve.empty()) load_coverage_writer();
   const auto cloud = load_cloud_alone(command.files, command.partial, {}, verbosity);
-  const std::vector<Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
-  const std::vector<PlacementTarget> targets = targets_of(command, *cloud);
-  check_coverage(candidates.size(), targets.size());
+  const std::vector<visibility::Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
+  const std::vector<visibility::PlacementTarget> targets = targets_of(command, *cloud);
+  visibility::check_coverage(candidates.size(), targets.size());
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(candidates, *cloud, verbosity);
   if (!command.verbosity.quiet)
@@ -126,20 +128,21 @@ ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
   };
   LongRun long_run(command.checkpoint, identity, verbosity);
   ProgressLine line("looking", "sight lines", verbosity);
-  const Coverage coverage =
-      see_targets(*cloud->occluders, candidates, targets, command.target_height.value_or(0.0),
-                  long_run.progress(line), long_run.parts());
+  const visibility::Coverage coverage =
+      visibility::see_targets(*cloud->occluders, candidates, targets, command.target_height.value_or(0.0),
+                              long_run.progress(line), long_run.parts());
   line.finish();
-  const Placement placement = choose_places(coverage, command.count, weights_of(command, *cloud, targets));
+  const visibility::Placement placement =
+      visibility::choose_places(coverage, command.count, weights_of(command, *cloud, targets));
   if (placement.places.empty()) {
     say_warning("no candidate sees any target that has a weight; nothing is written");
     long_run.finish();
     return ExitCode::no;
   }
   const PointCloud& facts = cloud->cloud.cloud;
-  const bool is_done = write_placement(placement, candidates, chosen_row_form(command.output),
-                                       row_file_head(command.command_line, facts), to_lon_lat_of(facts.crs),
-                                       command.output, command.overwrite);
+  const bool is_done = visibility::write_placement(
+      placement, candidates, chosen_row_form(command.output), row_file_head(command.command_line, facts),
+      to_lon_lat_of(facts.crs), command.output, command.overwrite);
   if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
   if (!command.curve.empty()) load_coverage_writer()(placement, command.curve, command.overwrite);
   long_run.finish();
@@ -234,4 +237,4 @@ Command add_visibility_place(CLI::App& visibility, const CommandLine& command_li
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -15,7 +15,7 @@
 #include "tools/visibility/observer_options.h"
 #include "visibility/points/point_visibility.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 enum class BlockerColumns { none, all };
@@ -66,7 +66,7 @@ class SeenList {
 };
 
 /// `seen` must outlive the columns.
-std::vector<ResultColumn> columns_of(const PointVisibility& seen) {
+std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
   std::vector<ResultColumn> columns;
   columns.push_back(
       result_column<std::uint8_t>("Visible", "1: some observer sees it", ScalarType::uint8,
@@ -88,7 +88,7 @@ std::vector<ResultColumn> columns_of(const PointVisibility& seen) {
     columns.push_back(result_column<std::int64_t>(
         seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
         "id of what blocks it, -1: nothing", ScalarType::int64, [&blockers](std::size_t id) {
-          return blockers[id] == k_no_blocker ? std::int64_t{-1} : std::int64_t{blockers[id]};
+          return blockers[id] == visibility::k_no_blocker ? std::int64_t{-1} : std::int64_t{blockers[id]};
         }));
   }
   return columns;
@@ -108,7 +108,7 @@ void check_options(const PointsCommand& command) {
 void check_observer_count(const PointsCommand& command, std::size_t observers) {
   constexpr std::size_t k_most_in_double = 53;
   if (file_ending(command.output) != ".ply" || observers <= k_most_in_double ||
-      observers > k_most_mask_observers)
+      observers > visibility::k_most_mask_observers)
     return;
   throw Error(
       {.file = command.output.string(),
@@ -121,27 +121,28 @@ void check_observer_count(const PointsCommand& command, std::size_t observers) {
 bool with_blockers(const PointsCommand& command, std::size_t observers) {
   const bool wanted = command.blockers.value_or(observers == 1 ? BlockerColumns::all
                                                                : BlockerColumns::none) == BlockerColumns::all;
-  if (wanted && observers > k_most_mask_observers) {
+  if (wanted && observers > visibility::k_most_mask_observers) {
     throw Error({.problem = "there are too many observers for a column of blockers each",
-                 .expected = fmt::format("at most {}, or --blockers none", k_most_mask_observers),
+                 .expected = fmt::format("at most {}, or --blockers none", visibility::k_most_mask_observers),
                  .found = std::to_string(observers)});
   }
   return wanted;
 }
 
 /// What to ask for. Errors: too many columns, or not enough memory for them.
-PointVisibilityOptions visibility_options(const PointsCommand& command, std::uint64_t points,
-                                          std::size_t observers) {
-  PointVisibilityOptions options;
+visibility::PointVisibilityOptions visibility_options(const PointsCommand& command, std::uint64_t points,
+                                                      std::size_t observers) {
+  visibility::PointVisibilityOptions options;
   options.sub_rays = command.sub_rays;
   options.with_blockers = with_blockers(command, observers);
-  check_point_visibility(points, observers, options);
+  visibility::check_point_visibility(points, observers, options);
   return options;
 }
 
-PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
-                     std::span<const Observer> observers, PointVisibilityOptions options, LongRun& long_run,
-                     std::optional<SeenList>& list) {
+visibility::PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
+                                 std::span<const visibility::Observer> observers,
+                                 visibility::PointVisibilityOptions options, LongRun& long_run,
+                                 std::optional<SeenList>& list) {
   if (list) {
     options.each_observer = [&list](std::size_t number, std::span<const std::uint8_t> seen) {
       list->add(number + 1, seen);
@@ -150,7 +151,7 @@ PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
   ProgressLine line("looking", "sight lines", command.verbosity.verbosity());
   options.parts = long_run.parts();
   options.progress = long_run.progress(line);
-  PointVisibility seen = point_visibility(*cloud.occluders, observers, options);
+  visibility::PointVisibility seen = visibility::point_visibility(*cloud.occluders, observers, options);
   line.finish();
   return seen;
 }
@@ -159,16 +160,17 @@ ExitCode run(const PointsCommand& command, const CLI::App& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto cloud = load_cloud_alone(command.files, command.partial, AttributeSet::all(), verbosity);
-  const std::vector<Observer> observers = load_observers(command.observers, *cloud, verbosity);
+  const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, verbosity);
   check_observer_count(command, observers.size());
-  const PointVisibilityOptions options =
+  const visibility::PointVisibilityOptions options =
       visibility_options(command, cloud->octree().size(), observers.size());
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
-  if (observers.size() > k_most_mask_observers && command.lists.empty() && !command.verbosity.quiet) {
+  if (observers.size() > visibility::k_most_mask_observers && command.lists.empty() &&
+      !command.verbosity.quiet) {
     say_note(
         fmt::format("{} observers are more than the {} bits of VisibleBy; --lists FILE tells who sees what",
-                    observers.size(), k_most_mask_observers));
+                    observers.size(), visibility::k_most_mask_observers));
   }
   const auto identity = [&] {
     Identity made = run_identity(words, *cloud);
@@ -178,7 +180,7 @@ ExitCode run(const PointsCommand& command, const CLI::App& words) {
   LongRun long_run(command.checkpoint, identity, verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
-  const PointVisibility seen = look(command, *cloud, observers, options, long_run, list);
+  const visibility::PointVisibility seen = look(command, *cloud, observers, options, long_run, list);
   write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
   if (list) list->finish();
   long_run.finish();
@@ -203,7 +205,7 @@ void add_answers(CLI::App& points, PointsCommand& command) {
       "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the share of "
       "them that is seen (default: off)",
       [&command](const std::string& text) {
-        command.sub_rays = static_cast<int>(parse_count(text, 2, k_most_sub_rays));
+        command.sub_rays = static_cast<int>(parse_count(text, 2, visibility::k_most_sub_rays));
       })
       ->group(group);
   add_choice<BlockerColumns>(points, "--blockers",
@@ -268,4 +270,4 @@ Command add_visibility_points(CLI::App& visibility) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

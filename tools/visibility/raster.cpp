@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <fmt/format.h>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,7 +23,7 @@
 #include "visibility/raster/viewshed.h"
 #include "visibility/raster/viewshed_file.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// Whose defaults hold for what is not said.
 enum class DefaultSet { gdal, grass };
@@ -36,8 +36,8 @@ struct RasterCommand {
   OccluderRequest occluders;
   MapOptions map;
   CheckpointRequest checkpoint;
-  std::optional<DefaultSet> like;    ///< empty: gdal
-  std::optional<ViewshedMode> mode;  ///< empty: visible
+  std::optional<DefaultSet> like;                ///< empty: gdal
+  std::optional<visibility::ViewshedMode> mode;  ///< empty: visible
   std::optional<double> curvature;
   std::optional<double> highest;
   std::optional<int> places_across;
@@ -56,7 +56,7 @@ inline DefaultSet default_set(const RasterCommand& command) {
 }
 
 /// The values of the chosen set, but for those that were given.
-SeenValues seen_values_of(const RasterCommand& command);
+visibility::SeenValues seen_values_of(const RasterCommand& command);
 
 namespace {
 
@@ -70,16 +70,16 @@ void add_output(CLI::App& raster, RasterCommand& command) {
 
 void add_values(CLI::App& raster, RasterCommand& command) {
   const char* const group = "Values";
-  add_choice<ViewshedMode>(
+  add_choice<visibility::ViewshedMode>(
       raster, "--mode",
       "visible: whether any observer sees the middle of the cell; count: how many do; height: the lowest "
       "height above the ground that is seen, to 0.01; fraction: share of free sight lines over observers and "
       "places of the cell (default: visible)",
       command.mode,
-      {{"visible", ViewshedMode::visible},
-       {"count", ViewshedMode::count},
-       {"height", ViewshedMode::height},
-       {"fraction", ViewshedMode::fraction}})
+      {{"visible", visibility::ViewshedMode::visible},
+       {"count", visibility::ViewshedMode::count},
+       {"height", visibility::ViewshedMode::height},
+       {"fraction", visibility::ViewshedMode::fraction}})
       ->group(group);
   const auto add_byte = [&](const char* names, const char* help, std::optional<std::uint8_t>& target) {
     add_value(raster, names, "0..255", help, [&target](const std::string& text) {
@@ -101,7 +101,8 @@ void add_values(CLI::App& raster, RasterCommand& command) {
       ->group(group);
   add_value(raster, "--places", "N", "of --mode fraction: N x N places in every cell (default: 3)",
             [&command](const std::string& text) {
-              command.places_across = static_cast<int>(parse_count(text, 1, k_most_places_across));
+              command.places_across =
+                  static_cast<int>(parse_count(text, 1, visibility::k_most_places_across));
             })
       ->group(group);
 }
@@ -146,8 +147,8 @@ std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster) {
   return command;
 }
 
-SeenValues seen_values_of(const RasterCommand& command) {
-  SeenValues values;
+visibility::SeenValues seen_values_of(const RasterCommand& command) {
+  visibility::SeenValues values;
   if (default_set(command) == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
   values.visible = command.visible_value.value_or(values.visible);
   values.invisible = command.invisible_value.value_or(values.invisible);
@@ -159,38 +160,38 @@ namespace {
 
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction"};
 
-ViewshedMode mode_of(const RasterCommand& command) {
-  return command.mode.value_or(ViewshedMode::visible);
+visibility::ViewshedMode mode_of(const RasterCommand& command) {
+  return command.mode.value_or(visibility::ViewshedMode::visible);
 }
 
 /// Errors: options that mean nothing for the mode, or nothing together.
 void check_values(const RasterCommand& command) {
-  const ViewshedMode mode = mode_of(command);
-  const auto check = [mode](bool is_given, const std::string& option, ViewshedMode of) {
+  const visibility::ViewshedMode mode = mode_of(command);
+  const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
     if (!is_given || mode == of) return;
     throw Error({.problem = "option " + option + " means nothing for this map",
                  .expected = fmt::format("--mode {}", k_mode_words[static_cast<std::size_t>(of)])});
   };
-  check(command.visible_value.has_value(), "--visible-value", ViewshedMode::visible);
-  check(command.invisible_value.has_value(), "--invisible-value", ViewshedMode::visible);
-  check(command.out_of_range_value.has_value(), "--out-of-range-value", ViewshedMode::visible);
-  check(command.highest.has_value(), "--highest", ViewshedMode::height);
-  check(command.places_across.has_value(), "--places", ViewshedMode::fraction);
-  const SeenValues values = seen_values_of(command);
+  check(command.visible_value.has_value(), "--visible-value", visibility::ViewshedMode::visible);
+  check(command.invisible_value.has_value(), "--invisible-value", visibility::ViewshedMode::visible);
+  check(command.out_of_range_value.has_value(), "--out-of-range-value", visibility::ViewshedMode::visible);
+  check(command.highest.has_value(), "--highest", visibility::ViewshedMode::height);
+  check(command.places_across.has_value(), "--places", visibility::ViewshedMode::fraction);
+  const visibility::SeenValues values = seen_values_of(command);
   if (values.visible == values.invisible) {
     throw Error({.problem = "what is seen and what is not have the same value",
                  .expected = "--visible-value and --invisible-value that differ",
                  .found = std::to_string(values.visible)});
   }
-  const double highest = command.highest.value_or(ViewshedOptions().highest);
-  if (mode == ViewshedMode::height && highest <= command.map.target_height.value_or(0.0))
+  const double highest = command.highest.value_or(visibility::ViewshedOptions().highest);
+  if (mode == visibility::ViewshedMode::height && highest <= command.map.target_height.value_or(0.0))
     throw Error({.problem = "--highest must be above --target-height"});
 }
 
 /// Errors that need no cloud.
 void check_options(const RasterCommand& command) {
   check_values(command);
-  check_raster_name(command.output);
+  geo::check_raster_name(command.output);
   std::vector<std::filesystem::path> others = command.files;
   if (!command.observers.file.empty()) others.push_back(command.observers.file);
   check_writable(command.output, command.overwrite, others);
@@ -200,13 +201,14 @@ void check_options(const RasterCommand& command) {
 }
 
 /// Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
-SightCurve curve_of(const RasterCommand& command, const CloudUnit& unit) {
+visibility::SightCurve curve_of(const RasterCommand& command, const CloudUnit& unit) {
   const bool usual = default_set(command) == DefaultSet::gdal && unit.metres;
-  return SightCurve(command.curvature.value_or(usual ? k_usual_curvature : 0.0), unit.metres.value_or(1.0));
+  return visibility::SightCurve(command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0),
+                                unit.metres.value_or(1.0));
 }
 
-ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) {
-  ViewshedOptions options;
+visibility::ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) {
+  visibility::ViewshedOptions options;
   options.mode = mode_of(command);
   options.target_height = command.map.target_height.value_or(0.0);
   options.curve = curve_of(command, unit);
@@ -216,8 +218,8 @@ ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) 
 }
 
 /// How it is looked, for people and for the map's metadata.
-std::string sight_text(const RasterCommand& command, const ViewshedOptions& options) {
-  const ObserverDefaults& defaults = command.observers.defaults;
+std::string sight_text(const RasterCommand& command, const visibility::ViewshedOptions& options) {
+  const visibility::ObserverDefaults& defaults = command.observers.defaults;
   std::string text = fmt::format(
       "defaults like {}; observers {:g} above the ground, {:g} above a z of their own; targets {:g} above "
       "the ground; curvature {:g}; maximum distance {:g}; azimuth {:g} to {:g}, elevation {:g} to {:g}",
@@ -225,22 +227,22 @@ std::string sight_text(const RasterCommand& command, const ViewshedOptions& opti
       defaults.height.value_or(defaults.height_on_ground), defaults.height.value_or(0.0),
       options.target_height, options.curve.coefficient(), defaults.max_distance, defaults.azimuth_min,
       defaults.azimuth_max, defaults.elevation_min, defaults.elevation_max);
-  if (options.mode == ViewshedMode::visible) {
-    const SeenValues values = seen_values_of(command);
+  if (options.mode == visibility::ViewshedMode::visible) {
+    const visibility::SeenValues values = seen_values_of(command);
     text += fmt::format("; values {} seen, {} not, {} out of range", values.visible, values.invisible,
                         values.out_of_range ? std::to_string(*values.out_of_range) : "no data");
   }
-  if (options.mode == ViewshedMode::height) text += fmt::format("; up to {:g}", options.highest);
-  if (options.mode == ViewshedMode::fraction)
+  if (options.mode == visibility::ViewshedMode::height) text += fmt::format("; up to {:g}", options.highest);
+  if (options.mode == visibility::ViewshedMode::fraction)
     text += fmt::format("; {0} x {0} places per cell", options.places_across);
   return text;
 }
 
 /// What this map says beside what all maps say.
-void add_observers(std::span<const Observer> observers, MapMetadata& metadata) {
+void add_observers(std::span<const visibility::Observer> observers, MapMetadata& metadata) {
   constexpr std::size_t k_most_observers = 100;
   std::string places;
-  for (const Observer& one : observers.first(std::min(observers.size(), k_most_observers))) {
+  for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_observers))) {
     places += fmt::format("{}{}: {:.17g} {:.17g} {:.17g}", places.empty() ? "" : "\n", one.name,
                           one.position.x, one.position.y, one.position.z);
   }
@@ -249,8 +251,9 @@ void add_observers(std::span<const Observer> observers, MapMetadata& metadata) {
 }
 
 /// All that the values depend on.
-Identity identity_of(const CLI::App& given, const VisibilityCloud& cloud, std::span<const Observer> observers,
-                     const RasterGrid& grid, const ViewshedOptions& options) {
+Identity identity_of(const CLI::App& given, const VisibilityCloud& cloud,
+                     std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
+                     const visibility::ViewshedOptions& options) {
   Identity identity = run_identity(given, cloud);
   add_to_identity(observers, identity);
   add_to_identity(grid, identity);
@@ -258,12 +261,13 @@ Identity identity_of(const CLI::App& given, const VisibilityCloud& cloud, std::s
   return identity;
 }
 
-Viewshed look(const VisibilityCloud& cloud, const Ground& ground, std::span<const Observer> observers,
-              const RasterGrid& grid, ViewshedOptions options, LongRun& long_run, Verbosity verbosity) {
+visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground& ground,
+                          std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
+                          visibility::ViewshedOptions options, LongRun& long_run, Verbosity verbosity) {
   ProgressLine line("looking", "sight lines", verbosity);
   options.progress = long_run.progress(line);
   options.parts = long_run.parts();
-  Viewshed seen = viewshed(*cloud.occluders, ground, observers, grid, options);
+  visibility::Viewshed seen = visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
   line.finish();
   return seen;
 }
@@ -280,12 +284,13 @@ ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& gi
   const auto cloud = load_cloud_alone(command.files, command.partial, AttributeSet(), verbosity);
   const Crs& crs = cloud->cloud.cloud.crs;
   const CloudUnit unit = cloud_unit(crs);
-  const ViewshedOptions options = options_of(command, unit);
-  const Ground ground = find_map_ground(command.map, *cloud, verbosity);
-  const std::vector<Observer> observers = load_observers(
+  const visibility::ViewshedOptions options = options_of(command, unit);
+  const visibility::Ground ground = find_map_ground(command.map, *cloud, verbosity);
+  const std::vector<visibility::Observer> observers = load_observers(
       command.observers, *cloud, verbosity, [&](const glm::dvec2& place) { return ground.at(place); });
-  const RasterGrid grid = map_grid(command.map, area_in_reach(map_area(command.map, *cloud), observers),
-                                   ground, 1, unit.name, verbosity);
+  const geo::RasterGrid grid =
+      map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers), ground, 1,
+               unit.name, verbosity);
   const std::string sight = sight_text(command, options);
   say("sight: " + sight);
   LongRun long_run(
@@ -294,25 +299,25 @@ ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& gi
   say_observer_remarks(observers, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
-  const Viewshed seen = look(*cloud, ground, observers, grid, options, long_run, verbosity);
+  const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run, verbosity);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const ViewshedBand band =
-      viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
-  RasterContents contents{.grid = grid,
-                          .bands = {band.band()},
-                          .crs = crs,
-                          .metadata = map_metadata(words, command.files, *cloud, ground)};
+  const visibility::ViewshedBand band =
+      visibility::viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
+  geo::RasterContents contents{.grid = grid,
+                               .bands = {band.band()},
+                               .crs = crs,
+                               .metadata = map_metadata(words, command.files, *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
   add_observers(observers, contents.metadata);
   load_raster_writer()(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
-    load_map_drawer()(viewshed_picture(seen, options, observers, unit.name), ground, command.map.preview,
-                      command.overwrite);
+    load_map_drawer()(visibility::viewshed_picture(seen, options, observers, unit.name), ground,
+                      command.map.preview, command.overwrite);
   }
   long_run.finish();
-  const SeenShare share = seen_share(seen, options);
-  const std::string at_height = options.mode == ViewshedMode::height
+  const visibility::SeenShare share = visibility::seen_share(seen, options);
+  const std::string at_height = options.mode == visibility::ViewshedMode::height
                                     ? fmt::format("at {:g} above the ground ", options.target_height)
                                     : "";
   say(fmt::format(
@@ -368,4 +373,4 @@ Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_l
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -6,10 +6,10 @@
 #include "tools/console.h"
 #include "tools/image_module.h"
 
-namespace alidade {
+namespace alidade::tools {
 
-RowForm chosen_row_form(const std::filesystem::path& file) {
-  const std::optional<RowForm> form = row_form(file);
+visibility::RowForm chosen_row_form(const std::filesystem::path& file) {
+  const std::optional<visibility::RowForm> form = visibility::row_form(file);
   if (form) return *form;
   throw Error({.file = file.string(),
                .problem = "the name does not tell the form of the file",
@@ -17,16 +17,16 @@ RowForm chosen_row_form(const std::filesystem::path& file) {
 }
 
 void load_row_writer(const std::filesystem::path& file) {
-  if (chosen_row_form(file) == RowForm::geojson) load_lon_lat();
+  if (chosen_row_form(file) == visibility::RowForm::geojson) load_lon_lat();
 }
 
-RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud) {
-  RowFileHead head{.command = picture_command(command_line), .cloud_files = {}};
+visibility::RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud) {
+  visibility::RowFileHead head{.command = picture_command(command_line), .cloud_files = {}};
   for (const CloudFile& file : cloud.files) head.cloud_files.push_back(file.path.string());
   return head;
 }
 
-ToLonLat to_lon_lat_of(const Crs& crs) {
+visibility::ToLonLat to_lon_lat_of(const Crs& crs) {
   if (crs.empty()) return {};
   return [crs](std::span<const glm::dvec3> places) {
     std::optional<std::vector<glm::dvec3>> answers;
@@ -41,4 +41,4 @@ void warn_of_cloud_coordinates(const std::filesystem::path& file) {
               "longitude and latitude");
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

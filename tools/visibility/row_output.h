@@ -9,21 +9,21 @@
 
 // What commands that write rows have in common.
 
-namespace alidade {
+namespace alidade::tools {
 
 /// By the ending of the name. Errors: none of them.
-RowForm chosen_row_form(const std::filesystem::path& file);
+visibility::RowForm chosen_row_form(const std::filesystem::path& file);
 
 /// Fails before the work if such a file cannot be written here. Errors: those of load_module_function().
 void load_row_writer(const std::filesystem::path& file);
 
-RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud);
+visibility::RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud);
 
 /// Through the module, which is loaded when the function is first called. Empty for a cloud without a
 /// reference system.
-ToLonLat to_lon_lat_of(const Crs& crs);
+visibility::ToLonLat to_lon_lat_of(const Crs& crs);
 
 /// That a GeoJSON file has the coordinates of the cloud.
 void warn_of_cloud_coordinates(const std::filesystem::path& file);
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "tools/visibility/sky.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/error.h"
 #include "base/fingerprint.h"
@@ -16,7 +16,7 @@
 #include "tools/visibility/observer_options.h"
 #include "visibility/sky/sky_of_cloud.h"
 
-namespace alidade {
+namespace alidade::tools {
 namespace {
 
 constexpr const char* k_group = "Answers";
@@ -63,10 +63,10 @@ void add_sky_request(CLI::App& command, SkyRequest& request) {
       ->required()
       ->group(k_group);
   command.add_flag("--overwrite", request.overwrite, "replace existing files")->group(k_group);
-  add_choice<SkyReceiver>(command, "--receiver",
-                          "what the light falls on at each point: its surface (default), or a horizontal one",
-                          request.receiver,
-                          {{"surface", SkyReceiver::surface}, {"horizontal", SkyReceiver::horizontal}})
+  add_choice<visibility::SkyReceiver>(
+      command, "--receiver",
+      "what the light falls on at each point: its surface (default), or a horizontal one", request.receiver,
+      {{"surface", visibility::SkyReceiver::surface}, {"horizontal", visibility::SkyReceiver::horizontal}})
       ->group(k_group);
   add_value(command, "--max-distance", "LENGTH", "nothing farther blocks (default: inf)",
             [&request](const std::string& text) {
@@ -109,15 +109,15 @@ void write_sky_map(const SkyRequest& request, const CommandLine& words, const Sk
                    std::span<const SkyBand> bands, const MapMetadata& metadata, const SkyPicture& picture) {
   const Crs& crs = site.cloud->cloud.cloud.crs;
   if (!request.map.preview.empty()) {
-    MapPicture map;
+    visibility::MapPicture map;
     map.title = picture.title;
     map.values = bands.front().values;
-    map.scale = MapScale{picture.colors, {0.0, picture.highest}, picture.label};
+    map.scale = visibility::MapScale{picture.colors, {0.0, picture.highest}, picture.label};
     map.unit = site.unit;
     map.notes = picture.notes;
     load_map_drawer()(map, *site.ground, request.map.preview, request.overwrite);
   }
-  RasterContents contents;
+  geo::RasterContents contents;
   contents.grid = site.grid;
   for (const SkyBand& band : bands) {
     std::ranges::replace_if(
@@ -156,10 +156,10 @@ struct SkyCommand {
   int directions = 128;
 };
 
-SkyViewOptions sky_options(const SkyCommand& command) {
-  SkyViewOptions options;
+visibility::SkyViewOptions sky_options(const SkyCommand& command) {
+  visibility::SkyViewOptions options;
   options.directions = command.directions;
-  options.receiver = command.request.receiver.value_or(SkyReceiver::surface);
+  options.receiver = command.request.receiver.value_or(visibility::SkyReceiver::surface);
   options.max_distance = command.request.max_distance;
   return options;
 }
@@ -169,9 +169,9 @@ std::string map_sky(const SkyCommand& command, const CommandLine& words, const S
                     LongRun& long_run) {
   const SkyRequest& request = command.request;
   ProgressLine line("looking at the sky", "cells", request.verbosity.verbosity());
-  Raster<float> views = ground_sky_views(*site.cloud->occluders, *site.ground, site.grid,
-                                         request.map.target_height.value_or(0.0), sky_options(command),
-                                         {long_run.progress(line), long_run.parts()});
+  geo::Raster<float> views = visibility::ground_sky_views(
+      *site.cloud->occluders, *site.ground, site.grid, request.map.target_height.value_or(0.0),
+      sky_options(command), {long_run.progress(line), long_run.parts()});
   line.finish();
   const std::string found =
       range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
@@ -188,8 +188,8 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, L
   const Verbosity verbosity = request.verbosity.verbosity();
   ProgressLine line("looking at the sky", "points", verbosity);
   const std::vector<float> views =
-      point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
-                      {long_run.progress(line), long_run.parts()});
+      visibility::point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
+                                  {long_run.progress(line), long_run.parts()});
   line.finish();
   const auto value = [&views](std::size_t id) { return views[id]; };
   write_points(request.output, cloud.cloud,
@@ -222,7 +222,7 @@ Command add_visibility_sky(CLI::App& visibility, const CommandLine& words) {
   add_value(*sky, "--directions", "N",
             "lines of sight per point or cell (default: 128, for an error of about 0.01)",
             [command](const std::string& text) {
-              command->directions = static_cast<int>(parse_count(text, 1, k_most_sky_directions));
+              command->directions = static_cast<int>(parse_count(text, 1, visibility::k_most_sky_directions));
             })
       ->group("Answers");
   sky->footer(
@@ -250,4 +250,4 @@ Command add_visibility_sky(CLI::App& visibility, const CommandLine& words) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -18,15 +18,15 @@
 
 // What `visibility sky` and `visibility sun` share: numbers for every point, or for every cell of the ground.
 
-namespace alidade {
+namespace alidade::tools {
 
 /// What both commands are asked.
 struct SkyRequest {
   std::vector<std::filesystem::path> files;
   bool partial = false;
   OccluderRequest occluders;
-  std::optional<SkyReceiver> receiver;  ///< points only
-  MapOptions map;                       ///< maps only
+  std::optional<visibility::SkyReceiver> receiver;  ///< points only
+  MapOptions map;                                   ///< maps only
   CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();
   std::filesystem::path output;
@@ -44,8 +44,8 @@ void add_sky_request(CLI::App& command, SkyRequest& request);
 /// A cloud, and if a map is asked for, its ground and cells.
 struct SkySite {
   std::unique_ptr<VisibilityCloud> cloud;
-  std::optional<Ground> ground;
-  RasterGrid grid;
+  std::optional<visibility::Ground> ground;
+  geo::RasterGrid grid;
   std::string unit;  ///< of the cells: "m", "ft" or empty
 };
 
@@ -59,7 +59,7 @@ Identity sky_identity(const CLI::App& given, const SkySite& site);
 
 /// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {
-  Raster<float>& values;
+  geo::Raster<float>& values;
   std::string description, unit;
 };
 
@@ -67,7 +67,7 @@ struct SkyBand {
 struct SkyPicture {
   std::string title;
   std::string label;  ///< what the numbers are
-  ColorMap colors = ColorMap::viridis;
+  image::ColorMap colors = image::ColorMap::viridis;
   double highest = 1.0;
   std::vector<std::string> notes{};
 };
@@ -80,4 +80,4 @@ void write_sky_map(const SkyRequest& request, const CommandLine& words, const Sk
 /// "0.02 to 0.97, mean 0.61": of the values that are numbers.
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count);
 
-}  // namespace alidade
+}  // namespace alidade::tools

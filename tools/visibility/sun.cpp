@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 #include <numeric>
 #include <string>
 
@@ -16,7 +16,7 @@
 #include "tools/visibility/sky.h"
 #include "visibility/sky/sky_of_cloud.h"
 
-namespace alidade {
+namespace alidade::tools {
 
 /// A date as people give it for sunshine: a whole day, or a moment.
 struct SunDate {
@@ -80,18 +80,18 @@ struct SunCommand {
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
   std::optional<glm::dvec2> place;  ///< latitude, longitude
-  ClearAir air;
+  visibility::ClearAir air;
   std::optional<double> bin;  ///< degrees; 0: none; empty: by the number of steps
 };
 
 /// Where the sun stands, and how that came about.
 struct SunSky {
-  SunSchedule schedule;
+  visibility::SunSchedule schedule;
   bool is_map_known = false;
   double hours = 0.0;     ///< the sun is up
   std::size_t steps = 0;  ///< in which it is up
   double bin = 0.0;       ///< degrees
-  std::vector<SunBin> bins;
+  std::vector<visibility::SunBin> bins;
 };
 
 SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
@@ -99,7 +99,7 @@ SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
   constexpr std::size_t k_most_exact_steps = 1000;
   constexpr double k_usual_bin = 3.0;
   SunSky sun;
-  SunSchedule& schedule = sun.schedule;
+  visibility::SunSchedule& schedule = sun.schedule;
   sun.is_map_known = load_schedule_placer()(
       cloud.cloud.cloud.crs, glm::dvec2(cloud.octree().bounds().center()), command.place, schedule);
   schedule.from = begin_of(*command.from, schedule.longitude);
@@ -107,27 +107,28 @@ SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
   schedule.step_minutes = command.step_minutes;
   schedule.air = command.air;
   ProgressLine line("following the sun", "steps", command.request.verbosity.verbosity());
-  std::vector<SunStep> steps;
+  std::vector<visibility::SunStep> steps;
   load_sun_stepper()(schedule, line.callback(), steps);
   line.finish();
   sun.steps = steps.size();
-  for (const SunStep& step : steps) sun.hours += step.hours;
+  for (const visibility::SunStep& step : steps) sun.hours += step.hours;
   sun.bin = command.bin.value_or(steps.size() > k_most_exact_steps ? k_usual_bin : 0.0);
-  sun.bins = sun_bins(steps, sun.bin);
+  sun.bins = visibility::sun_bins(steps, sun.bin);
   return sun;
 }
 
 /// On open level ground, kWh/m2.
 double open_energy(const SunSky& sun) {
-  return std::accumulate(sun.bins.begin(), sun.bins.end(), 0.0,
-                         [](double sum, const SunBin& bin) { return sum + bin.energy.z / 1000.0; });
+  return std::accumulate(
+      sun.bins.begin(), sun.bins.end(), 0.0,
+      [](double sum, const visibility::SunBin& bin) { return sum + bin.energy.z / 1000.0; });
 }
 
 /// All that the answers depend on.
 Identity identity_of(const CLI::App& given, const SkySite& site, const SunSky& sun) {
   Identity identity = sky_identity(given, site);
   std::vector<double> numbers;
-  for (const SunBin& bin : sun.bins) {
+  for (const visibility::SunBin& bin : sun.bins) {
     numbers.insert(numbers.end(), {bin.direction.x, bin.direction.y, bin.direction.z, bin.hours, bin.energy.x,
                                    bin.energy.y, bin.energy.z});
   }
@@ -143,7 +144,7 @@ std::string model_text(const SunSky& sun) {
 
 void say_sun(const SunCommand& command, const SunSky& sun) {
   if (command.request.verbosity.quiet) return;
-  const SunSchedule& schedule = sun.schedule;
+  const visibility::SunSchedule& schedule = sun.schedule;
   say_note(fmt::format("sun from {} to {} at latitude {:.5f}, longitude {:.5f}; {}",
                        date_time_text(schedule.from), date_time_text(schedule.to), schedule.latitude,
                        schedule.longitude,
@@ -160,7 +161,7 @@ void say_sun(const SunCommand& command, const SunSky& sun) {
 
 /// How the sun was followed, for a map's metadata.
 MapMetadata sun_metadata(const SunSky& sun) {
-  const SunSchedule& schedule = sun.schedule;
+  const visibility::SunSchedule& schedule = sun.schedule;
   return {{"alidade_sun_from", date_time_text(schedule.from)},
           {"alidade_sun_to", date_time_text(schedule.to)},
           {"alidade_sun_step_minutes", fmt::format("{:g}", schedule.step_minutes)},
@@ -175,7 +176,7 @@ std::string map_sun(const SunCommand& command, const CommandLine& words, const S
                     const SunSky& sun, LongRun& long_run) {
   const SkyRequest& request = command.request;
   ProgressLine line("looking at the sun", "cells", request.verbosity.verbosity());
-  SunMaps maps = ground_sun_hours(
+  visibility::SunMaps maps = visibility::ground_sun_hours(
       *site.cloud->occluders, *site.ground, site.grid, request.map.target_height.value_or(0.0), sun.bins,
       {.max_distance = request.max_distance}, {long_run.progress(line), long_run.parts()});
   line.finish();
@@ -185,7 +186,7 @@ std::string map_sun(const SunCommand& command, const CommandLine& words, const S
   write_sky_map(request, words, site, bands, sun_metadata(sun),
                 {.title = "Hours of direct sun",
                  .label = "hours",
-                 .colors = ColorMap::inferno,
+                 .colors = image::ColorMap::inferno,
                  .highest = std::max(sun.hours, 1.0),
                  .notes = {fmt::format("{} to {}", date_time_text(sun.schedule.from),
                                        date_time_text(sun.schedule.to))}});
@@ -197,10 +198,10 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
   const SkyRequest& request = command.request;
   const Verbosity verbosity = request.verbosity.verbosity();
   ProgressLine line("looking at the sun", "points", verbosity);
-  const std::vector<SunHours> hours =
-      point_sun_hours(*cloud.occluders, cloud.columns.normals, sun.bins,
-                      {request.receiver.value_or(SkyReceiver::surface), request.max_distance},
-                      {long_run.progress(line), long_run.parts()});
+  const std::vector<visibility::SunHours> hours = visibility::point_sun_hours(
+      *cloud.occluders, cloud.columns.normals, sun.bins,
+      {request.receiver.value_or(visibility::SkyReceiver::surface), request.max_distance},
+      {long_run.progress(line), long_run.parts()});
   line.finish();
   write_points(request.output, cloud.cloud,
                {result_column<float>("SunHours", "hours of direct sun", ScalarType::float32,
@@ -305,4 +306,4 @@ Command add_visibility_sun(CLI::App& visibility, const CommandLine& words) {
           }};
 }
 
-}  // namespace alidade
+}  // namespace alidade::tools

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/horizon/horizon.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 #include <utility>
 
 #include "base/error.h"
@@ -18,7 +18,7 @@
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr double k_turn = 360.0, k_quarter = 90.0;
@@ -103,7 +103,7 @@ class AzimuthSearch {
   }
 
   SightLine line(int step) const {
-    return sight_ray(eye_, compass_direction(azimuth_, steps_.elevation(step)), max_distance_);
+    return sight_ray(eye_, geo::compass_direction(azimuth_, steps_.elevation(step)), max_distance_);
   }
 
  private:
@@ -119,7 +119,7 @@ class AzimuthSearch {
     const SineCosine half = sine_cosine_of_degrees(0.5 * (top - bottom) + k_slack);
     const double slope = half.sine / half.cosine, radius = occluders_.largest_radius() + k_slack;
     Cone cone;
-    cone.axis = make_ray(eye_.position, compass_direction(azimuth_, 0.5 * (bottom + top)), -radius,
+    cone.axis = make_ray(eye_.position, geo::compass_direction(azimuth_, 0.5 * (bottom + top)), -radius,
                          max_distance_ + radius);
     // Over the slant of the cone's mantle.
     cone.radius = radius / half.cosine;
@@ -283,4 +283,4 @@ std::string horizon_geojson(std::span<const HorizonDirection> horizon, const Hor
   return text + "\n]}\n";
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -22,7 +22,7 @@
 // than one resolution above. What is thinner than that and stands free above the rest (a wire) can fall
 // between two lines. Below the horizon line may be sky as well: under bridges and branches.
 
-namespace alidade {
+namespace alidade::visibility {
 
 struct HorizonOptions {
   double step = 0.5;         ///< degrees between azimuths; a turn is a whole number of them; [0.001, 120]
@@ -85,4 +85,4 @@ std::vector<glm::dvec3> horizon_places(std::span<const HorizonDirection> horizon
 std::string horizon_geojson(std::span<const HorizonDirection> horizon, const HorizonFacts& facts,
                             const std::optional<std::vector<glm::dvec3>>& on_globe);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,13 +11,13 @@
 #include "camera/projection.h"
 #include "geo/earth.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
-Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int width, int height,
-                    double max_distance, const Progress& progress) {
-  constexpr std::array k_layers_of_depth = {Layer::depth, Layer::distance, Layer::id};
-  Film film(width, height, k_layers_of_depth);
-  const Projection projection(panorama_camera(eye.position, width, height));
+image::Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int width, int height,
+                           double max_distance, const Progress& progress) {
+  constexpr std::array k_layers_of_depth = {image::Layer::depth, image::Layer::distance, image::Layer::id};
+  image::Film film(width, height, k_layers_of_depth);
+  const camera::Projection projection(camera::panorama_camera(eye.position, width, height));
   constexpr std::size_t k_lines_at_once = 1 << 16;
   const auto columns = static_cast<std::size_t>(width);
   const int rows_at_once = static_cast<int>(std::max<std::size_t>(k_lines_at_once / columns, 1));
@@ -86,7 +86,7 @@ void fill_strip(const Occluders& occluders, const SightEnd& eye, double max_dist
       for (int x = 0; x < strip.width; ++x) {
         const double azimuth =
             strip.azimuth_min + (x + 0.5) / strip.width * (strip.azimuth_max - strip.azimuth_min);
-        lines.push_back(sight_ray(eye, compass_direction(azimuth, elevation), max_distance));
+        lines.push_back(sight_ray(eye, geo::compass_direction(azimuth, elevation), max_distance));
       }
     }
     blockers.assign(lines.size(), {});
@@ -97,4 +97,4 @@ void fill_strip(const Occluders& occluders, const SightEnd& eye, double max_dist
   report(progress, strip.distances.size(), strip.distances.size());
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

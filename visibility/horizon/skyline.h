@@ -14,16 +14,16 @@
 #include "visibility/horizon/horizon.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Everything around an eye as distances: the layers depth, distance (equal, as a panorama has no axis) and
 /// id (point id + 1) of a panorama_camera() (camera/camera.h) at the eye, whose middle column looks north.
 /// Pixels that see no point within max_distance have infinite distances and id 0. A pixel shows the first
 /// blocker of the line through its centre (sight_line.h). Requires sides of at least 1 pixel. Cost: a line
 /// per pixel, in parallel. `progress` is in pixels.
-Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int width, int height,
-                    double max_distance = std::numeric_limits<double>::infinity(),
-                    const Progress& progress = {});
+image::Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int width, int height,
+                           double max_distance = std::numeric_limits<double>::infinity(),
+                           const Progress& progress = {});
 
 /// Distances over a part of the view from a place, pixel by pixel, row 0 on top. Column x of it looks to
 /// azimuth_min + (x + 1/2) / width of the range of azimuths, rows likewise down from elevation_max.
@@ -52,12 +52,12 @@ struct SkylineTexts {
 /// The skyline as people plot it: azimuth to the right, elevation up, what is seen coloured by distance (dark
 /// is near, on a logarithmic scale with a bar beside), the horizon line in red over it. Requires a strip that
 /// is filled.
-Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
-                    const SkylineTexts& texts, const Font& font);
+image::Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
+                           const SkylineTexts& texts, const image::Font& font);
 
 /// Writes it as PNG, with the font of find_font(). The file appears whole or not at all. Errors: as
 /// write_png() (image/image_file.h); no font.
 void write_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                    const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

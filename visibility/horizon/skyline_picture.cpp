@@ -15,11 +15,11 @@
 #include "image/image_file.h"
 #include "image/legend.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
-constexpr Rgb8 k_paper{255, 255, 255}, k_ink{30, 30, 30}, k_faint_ink{95, 95, 95}, k_sky{232, 241, 250},
-    k_horizon{205, 30, 45};
+constexpr image::Rgb8 k_paper{255, 255, 255}, k_ink{30, 30, 30}, k_faint_ink{95, 95, 95},
+    k_sky{232, 241, 250}, k_horizon{205, 30, 45};
 constexpr int k_font_size = 17, k_title_size = 20, k_note_size = 15, k_tick = 6, k_gap = 8;
 
 /// Distances from the nearest to the farthest colour.
@@ -27,8 +27,8 @@ struct DistanceScale {
   double near = 1.0, far = 10.0;
 
   double place(double distance) const { return std::log(distance / near) / std::log(far / near); }
-  Rgb8 color(double distance) const {
-    const glm::dvec3 display = map_color(ColorMap::viridis, place(distance));
+  image::Rgb8 color(double distance) const {
+    const glm::dvec3 display = image::map_color(image::ColorMap::viridis, place(distance));
     const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(255.0 * value)); };
     return {byte(display.x), byte(display.y), byte(display.z)};
   }
@@ -65,7 +65,7 @@ std::vector<double> distance_ticks(const DistanceScale& scale) {
 
 /// Where the plot lies on the canvas.
 struct Frame {
-  PixelBox plot, bar;
+  image::PixelBox plot, bar;
 
   double column(const DepthStrip& strip, double azimuth) const {
     return plot.left + (azimuth - strip.azimuth_min) / (strip.azimuth_max - strip.azimuth_min) * plot.width();
@@ -79,25 +79,26 @@ struct Frame {
 /// Texts with a place that is not their left end.
 class Writer {
  public:
-  Writer(Canvas& canvas, const Font& font) : canvas_(canvas), font_(font) {}
+  Writer(image::Canvas& canvas, const image::Font& font) : canvas_(canvas), font_(font) {}
 
   int width(const std::string& text, int size) const { return font_.measure(text, size).width; }
-  void left(int x, int baseline, const std::string& text, int size, const Rgb8& color) {
+  void left(int x, int baseline, const std::string& text, int size, const image::Rgb8& color) {
     font_.draw(canvas_, x, baseline, text, size, color);
   }
-  void center(int x, int baseline, const std::string& text, int size, const Rgb8& color) {
+  void center(int x, int baseline, const std::string& text, int size, const image::Rgb8& color) {
     left(x - width(text, size) / 2, baseline, text, size, color);
   }
-  void right(int x, int baseline, const std::string& text, int size, const Rgb8& color) {
+  void right(int x, int baseline, const std::string& text, int size, const image::Rgb8& color) {
     left(x - width(text, size), baseline, text, size, color);
   }
 
  private:
-  Canvas& canvas_;
-  const Font& font_;
+  image::Canvas& canvas_;
+  const image::Font& font_;
 };
 
-void draw_view(const DepthStrip& strip, const DistanceScale& scale, const PixelBox& plot, Canvas& canvas) {
+void draw_view(const DepthStrip& strip, const DistanceScale& scale, const image::PixelBox& plot,
+               image::Canvas& canvas) {
   canvas.fill(plot, k_sky);
   for (int y = 0; y < strip.height; ++y) {
     for (int x = 0; x < strip.width; ++x) {
@@ -124,7 +125,8 @@ std::optional<double> horizon_row(const DepthStrip& strip, std::span<const Horiz
 }
 
 /// The part of a column between two rows; the pixels at its ends by the share of them that it covers.
-void draw_span(Canvas& canvas, const PixelBox& plot, int x, double top, double bottom, const Rgb8& color) {
+void draw_span(image::Canvas& canvas, const image::PixelBox& plot, int x, double top, double bottom,
+               const image::Rgb8& color) {
   for (int y = std::max(static_cast<int>(std::floor(top)), plot.top);
        y < std::min(static_cast<int>(std::ceil(bottom)), plot.bottom); ++y) {
     const double cover = std::min(bottom, y + 1.0) - std::max(top, static_cast<double>(y));
@@ -133,7 +135,7 @@ void draw_span(Canvas& canvas, const PixelBox& plot, int x, double top, double b
 }
 
 void draw_line(const DepthStrip& strip, std::span<const HorizonDirection> horizon, const Frame& frame,
-               Canvas& canvas) {
+               image::Canvas& canvas) {
   constexpr double k_half_width = 1.0;
   std::optional<double> before;
   for (int x = 0; x < strip.width; ++x) {
@@ -162,8 +164,8 @@ std::string compass_name(double azimuth) {
   return k_names[number < 0 ? number + 8 : number];
 }
 
-void draw_axes(const DepthStrip& strip, const Frame& frame, Canvas& canvas, Writer& writer) {
-  const PixelBox& plot = frame.plot;
+void draw_axes(const DepthStrip& strip, const Frame& frame, image::Canvas& canvas, Writer& writer) {
+  const image::PixelBox& plot = frame.plot;
   canvas.frame({plot.left - 1, plot.top - 1, plot.right + 1, plot.bottom + 1}, k_faint_ink);
   const int labels = plot.bottom + k_tick + k_gap + k_font_size;
   constexpr double k_slack = 1e-9;
@@ -180,7 +182,8 @@ void draw_axes(const DepthStrip& strip, const Frame& frame, Canvas& canvas, Writ
   for (double i = std::ceil(strip.azimuth_min / 45.0 - k_slack); i * 45.0 <= strip.azimuth_max + k_slack; ++i)
     writer.center(static_cast<int>(std::lround(frame.column(strip, i * 45.0))), labels + k_font_size + 4,
                   compass_name(i * 45.0), k_font_size, k_faint_ink);
-  for (const RoundTick& tick : round_ticks({strip.elevation_min, strip.elevation_max}, k_most_elevations)) {
+  for (const image::RoundTick& tick :
+       image::round_ticks({strip.elevation_min, strip.elevation_max}, k_most_elevations)) {
     const int y = static_cast<int>(std::lround(frame.row(strip, tick.value)));
     canvas.fill({plot.left - 1 - k_tick, y, plot.left - 1, y + 1}, k_faint_ink);
     writer.right(plot.left - 1 - k_tick - 4, y + k_font_size / 3, tick.label + "°", k_font_size, k_ink);
@@ -193,9 +196,9 @@ void draw_axes(const DepthStrip& strip, const Frame& frame, Canvas& canvas, Writ
       canvas.blend(x, level, k_paper, k_dash_cover);
 }
 
-void draw_bar(const DistanceScale& scale, const Frame& frame, const std::string& unit, Canvas& canvas,
+void draw_bar(const DistanceScale& scale, const Frame& frame, const std::string& unit, image::Canvas& canvas,
               Writer& writer) {
-  const PixelBox& bar = frame.bar;
+  const image::PixelBox& bar = frame.bar;
   const double ratio = scale.far / scale.near;
   for (int y = bar.top; y < bar.bottom; ++y) {
     const double place = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
@@ -213,11 +216,11 @@ void draw_bar(const DistanceScale& scale, const Frame& frame, const std::string&
 
 }  // namespace
 
-Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
-                    const SkylineTexts& texts, const Font& font) {
+image::Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
+                           const SkylineTexts& texts, const image::Font& font) {
   constexpr int k_left = 70, k_top = 64, k_bottom = 116, k_bar_gap = 34, k_bar_width = 22, k_right = 110;
   const int width = k_left + strip.width + k_bar_gap + k_bar_width + k_right;
-  Canvas canvas(width, k_top + strip.height + k_bottom, k_paper);
+  image::Canvas canvas(width, k_top + strip.height + k_bottom, k_paper);
   Writer writer(canvas, font);
   const Frame frame{{k_left, k_top, k_left + strip.width, k_top + strip.height},
                     {k_left + strip.width + k_bar_gap, k_top, k_left + strip.width + k_bar_gap + k_bar_width,
@@ -238,8 +241,8 @@ Canvas draw_skyline(const DepthStrip& strip, std::span<const HorizonDirection> h
 
 void write_skyline(const DepthStrip& strip, std::span<const HorizonDirection> horizon,
                    const SkylineTexts& texts, const std::filesystem::path& file, bool overwrite) {
-  const Font font(find_font());
-  write_png(draw_skyline(strip, horizon, texts, font), file, overwrite);
+  const image::Font font(image::find_font());
+  image::write_png(draw_skyline(strip, horizon, texts, font), file, overwrite);
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,7 +11,7 @@
 #include "base/words.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr int k_tubes = k_most_obstructions, k_rim_tubes = 64;
@@ -145,4 +145,4 @@ std::optional<double> parse_frequency(std::string_view text) {
   return hertz >= k_least && hertz <= k_most ? std::optional(hertz) : std::nullopt;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

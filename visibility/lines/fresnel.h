@@ -20,7 +20,7 @@
 // occluder. So the edge of a half plane through the axis obstructs half of the zone, and one at 60 % of the
 // radius the segment of the circle beyond it, 14.2 %; ground below a link obstructs what dips into it.
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Metres per second, in vacuum; air takes 0.03 % off.
 constexpr double k_speed_of_light = 299'792'458.0;
@@ -71,4 +71,4 @@ FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& f
 /// or not; GHz without one. Empty for anything else and outside of 1 MHz to 1000 GHz.
 std::optional<double> parse_frequency(std::string_view text);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

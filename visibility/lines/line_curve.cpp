@@ -12,7 +12,7 @@
 #include "octree/point_surface.h"
 #include "octree/query.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr int k_pieces = 24;
@@ -219,4 +219,4 @@ std::vector<LinePoint> points_in_zone(const Occluders& occluders, const LineCurv
   return within_zone(middle, find(occluders.octree(), middle.path, {.radius = radius, .filter = filter}));
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,7 +11,7 @@
 #include "geo/earth.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// What the lines of a task have in common.
 struct LineOptions {
@@ -92,4 +92,4 @@ std::optional<LinePoint> nearest_point(const Occluders& occluders, const LineCur
 /// All points of the curve's zone, by t, then by id. Cost: a ray's query, and their number.
 std::vector<LinePoint> points_in_zone(const Occluders& occluders, const LineCurve& curve);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_files.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <fmt/format.h>
 #include <string_view>
 
 #include "base/error.h"
 #include "base/text_scanner.h"
 #include "visibility/row_text.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr std::string_view k_form =
@@ -289,4 +289,4 @@ bool write_lines(const LineTable& table, RowForm form, const RowFileHead& head, 
   return is_done;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

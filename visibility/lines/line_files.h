@@ -10,7 +10,7 @@
 #include "visibility/observers.h"
 #include "visibility/row_files.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Two ends of a sight line as somebody wrote them.
 struct GivenPair {
@@ -45,4 +45,4 @@ struct LineTable {
 bool write_lines(const LineTable& table, RowForm form, const RowFileHead& head, const ToLonLat& to_lon_lat,
                  const std::filesystem::path& file, bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/lines/line_report.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
-#include <tbb/parallel_for.h>
 
 #include "base/error.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr std::size_t k_obstruction_bytes = 16;
@@ -195,4 +195,4 @@ std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const
   return reports;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -17,7 +17,7 @@
 //   const std::vector<LinePair> pairs = {{"mast", {mast}, "roof", end_near_surface(occluders, roof)}};
 //   for (const LineReport& line : report_lines(occluders, pairs, {})) use(line.blocker);
 
-namespace alidade {
+namespace alidade::visibility {
 
 struct LinePair {
   std::string from_name{};
@@ -58,4 +58,4 @@ void put_report(const LineReport& report, PartWriter& writer);
 /// Gives it back. Errors: those of PartReader; points that a cloud of so many does not have.
 LineReport take_report(PartReader& reader, std::uint64_t point_count);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/points/coverage.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
-#include <tbb/parallel_for.h>
 #include <unordered_map>
 
 #include "base/checkpoint.h"
@@ -16,7 +16,7 @@
 #include "octree/distance.h"
 #include "octree/tree_walk.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr std::size_t k_lines_at_once = 1 << 18;
@@ -204,4 +204,4 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   return targets;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -14,7 +14,7 @@
 #include "visibility/observers.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Lets a run fail before it starts. Errors: more memory than there is for a Coverage and what see_targets()
 /// takes; the message tells how much it were.
@@ -74,4 +74,4 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
 std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
                                          const std::function<bool(std::uint64_t point_id)>& counts = {});
 
-}  // namespace alidade
+}  // namespace alidade::visibility

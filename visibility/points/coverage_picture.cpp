@@ -10,18 +10,18 @@
 #include "image/image_file.h"
 #include "image/legend.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr int k_width = 900, k_height = 560, k_text_size = 20, k_tick = 6;
-constexpr PixelBox k_plot{90, 60, 870, 470};
-constexpr Rgb8 k_white{255, 255, 255}, k_text{30, 30, 30}, k_axis{95, 95, 95}, k_grid{225, 225, 225};
-constexpr Rgb8 k_before{166, 199, 224}, k_gain{31, 98, 152}, k_bound{176, 60, 40};
+constexpr image::PixelBox k_plot{90, 60, 870, 470};
+constexpr image::Rgb8 k_white{255, 255, 255}, k_text{30, 30, 30}, k_axis{95, 95, 95}, k_grid{225, 225, 225};
+constexpr image::Rgb8 k_before{166, 199, 224}, k_gain{31, 98, 152}, k_bound{176, 60, 40};
 
 /// Draws on one canvas with one font.
 struct Plot {
-  Canvas& canvas;
-  const Font& font;
+  image::Canvas& canvas;
+  const image::Font& font;
   double most;  ///< percent at the top
 
   int row_of(double percent) const {
@@ -39,7 +39,7 @@ struct Plot {
 };
 
 void draw_percent_axis(const Plot& plot) {
-  for (const RoundTick& tick : round_ticks({0.0, plot.most}, 9)) {
+  for (const image::RoundTick& tick : image::round_ticks({0.0, plot.most}, 9)) {
     const int y = plot.row_of(tick.value);
     plot.canvas.fill({k_plot.left, y, k_plot.right, y + 1}, k_grid);
     plot.canvas.fill({k_plot.left - k_tick, y, k_plot.left, y + 1}, k_axis);
@@ -54,8 +54,8 @@ void draw_bars(const Plot& plot, const Placement& placement) {
     const int left = Plot::column_of(i, count), right = Plot::column_of(i + 1, count);
     // Bars keep apart where there is room.
     const int gap = right - left > 4 ? (right - left) / 5 : 0;
-    const PixelBox bar{left + gap, plot.row_of(100.0 * place.covered / placement.total), right - gap,
-                       k_plot.bottom};
+    const image::PixelBox bar{left + gap, plot.row_of(100.0 * place.covered / placement.total), right - gap,
+                              k_plot.bottom};
     const int seam = plot.row_of(100.0 * (place.covered - place.gain) / placement.total);
     plot.canvas.fill(bar, k_before);
     plot.canvas.fill({bar.left, bar.top, bar.right, seam}, k_gain);
@@ -66,7 +66,7 @@ void draw_bars(const Plot& plot, const Placement& placement) {
 void draw_numbers(const Plot& plot, std::size_t count) {
   constexpr int k_most_numbers = 12;
   const double last = static_cast<double>(count);
-  for (const RoundTick& tick : round_ticks({1.0, std::max(last, 2.0)}, k_most_numbers)) {
+  for (const image::RoundTick& tick : image::round_ticks({1.0, std::max(last, 2.0)}, k_most_numbers)) {
     if (tick.value != std::floor(tick.value) || tick.value > last) continue;
     const auto i = static_cast<std::size_t>(tick.value) - 1;
     const int middle = (Plot::column_of(i, count) + Plot::column_of(i + 1, count)) / 2;
@@ -86,10 +86,10 @@ void draw_bound(const Plot& plot, double percent) {
 
 }  // namespace
 
-Canvas draw_coverage(const Placement& placement, const Font& font) {
+image::Canvas draw_coverage(const Placement& placement, const image::Font& font) {
   const double covered = 100.0 * placement.places.back().covered / placement.total;
   const double bound = 100.0 * placement.best_possible / placement.total;
-  Canvas canvas(k_width, k_height, k_white);
+  image::Canvas canvas(k_width, k_height, k_white);
   const Plot plot{canvas, font, bound > 0.0 ? bound * 1.05 : 1.0};
   draw_percent_axis(plot);
   draw_bars(plot, placement);
@@ -106,8 +106,8 @@ Canvas draw_coverage(const Placement& placement, const Font& font) {
 }
 
 void write_coverage_picture(const Placement& placement, const std::filesystem::path& file, bool overwrite) {
-  const Font font(find_font());
-  write_png(draw_coverage(placement, font), file, overwrite);
+  const image::Font font(image::find_font());
+  image::write_png(draw_coverage(placement, font), file, overwrite);
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "visibility/row_text.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 void check(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
@@ -188,4 +188,4 @@ bool write_placement(const Placement& placement, std::span<const Observer> candi
   return is_done;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -18,7 +18,7 @@
 // 1978; Feige, A threshold of ln n for approximating set cover, 1998. What is found is mostly far better than
 // that, and the bound below tells so (Leskovec et al., Cost-effective outbreak detection in networks, 2007).
 
-namespace alidade {
+namespace alidade::visibility {
 
 struct ChosenPlace {
   std::size_t candidate = 0;
@@ -52,9 +52,9 @@ bool write_placement(const Placement& placement, std::span<const Observer> candi
 /// How much more each further place covers: a bar per place in the order they were chosen, its height the
 /// share of all targets in percent, what the place adds in a darker tone; a line where no choice of as many
 /// places can be. Black on white, 900 by 560 pixels. Requires at least one place and a total above 0.
-Canvas draw_coverage(const Placement& placement, const Font& font);
+image::Canvas draw_coverage(const Placement& placement, const image::Font& font);
 
 /// Writes it as PNG, with the font of find_font(). Errors: those of find_font() and write_png().
 void write_coverage_picture(const Placement& placement, const std::filesystem::path& file, bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

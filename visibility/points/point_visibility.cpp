@@ -18,7 +18,7 @@
 #include "octree/tree_walk.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 /// Points asked for at once: enough for all threads, few enough for their lines to stay near. Many lines to
@@ -303,4 +303,4 @@ PointVisibility point_visibility(const Occluders& occluders, std::span<const Obs
   return all;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

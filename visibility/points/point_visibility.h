@@ -17,7 +17,7 @@
 //   const PointVisibility seen = point_visibility(occluders, observers, {.with_blockers = true});
 //   if (seen.counts[id] == 0) use(seen.blockers[0][id]);
 
-namespace alidade {
+namespace alidade::visibility {
 
 constexpr std::uint32_t k_no_blocker = 0xFFFFFFFF;
 constexpr int k_most_sub_rays = 255;
@@ -69,4 +69,4 @@ struct PointVisibility {
 PointVisibility point_visibility(const Occluders& occluders, std::span<const Observer> observers,
                                  const PointVisibilityOptions& options);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,7 +11,7 @@
 #include "base/error.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 /// Along the ground.
@@ -66,7 +66,7 @@ SightCurve::SightCurve(double coefficient, double unit) : coefficient_(coefficie
                  .found = fmt::format("{}", coefficient)});
   }
   if (coefficient == 0.0) return;
-  per_square_ = coefficient * unit / (2.0 * k_earth_radius);
+  per_square_ = coefficient * unit / (2.0 * geo::k_earth_radius);
   longest_chord_ = std::sqrt(4.0 * (k_most_sag / unit) / per_square_);
 }
 
@@ -122,13 +122,13 @@ void SightBatch::clear() {
 std::span<const std::uint8_t> SightBatch::blocked() {
   answers_.resize(size());
   if (all_straight_) {
-    alidade::blocked(occluders_, chords_, answers_);
+    visibility::blocked(occluders_, chords_, answers_);
   } else if (occluders_.options().transparency > 1) {
     std::ranges::transform(first_blockers(), answers_.begin(),
                            [](const std::optional<Blocker>& blocker) { return blocker ? 1 : 0; });
   } else {
     chord_answers_.resize(chords_.size());
-    alidade::blocked(occluders_, chords_, chord_answers_);
+    visibility::blocked(occluders_, chords_, chord_answers_);
     for (std::size_t line = 0; line < size(); ++line) {
       const auto all = std::span(chord_answers_).subspan(begin_[line], begin_[line + 1] - begin_[line]);
       answers_[line] = std::ranges::any_of(all, [](std::uint8_t answer) { return answer != 0; });
@@ -140,10 +140,10 @@ std::span<const std::uint8_t> SightBatch::blocked() {
 std::span<const std::optional<Blocker>> SightBatch::first_blockers() {
   blockers_.assign(size(), std::nullopt);
   if (all_straight_)
-    alidade::first_blockers(occluders_, chords_, blockers_);
+    visibility::first_blockers(occluders_, chords_, blockers_);
   else
-    alidade::first_blockers(occluders_, ChordLines{chords_, chord_starts_, begin_}, blockers_);
+    visibility::first_blockers(occluders_, ChordLines{chords_, chord_starts_, begin_}, blockers_);
   return blockers_;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -18,7 +18,7 @@
 // It is followed by chords of which none is farther from it than k_most_sag.
 // Sources: gdal_viewshed, option -cc; r.viewshed, flags -c and -r.
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// The coefficient of gdal_viewshed: light is bent by a seventh of the Earth's curvature.
 constexpr double k_usual_curvature = 0.85714;
@@ -80,4 +80,4 @@ class SightBatch {
   std::vector<std::optional<Blocker>> blockers_;
 };
 
-}  // namespace alidade
+}  // namespace alidade::visibility

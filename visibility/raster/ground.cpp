@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/raster/ground.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <limits>
-#include <tbb/parallel_for.h>
 #include <vector>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "visibility/raster/ground_samples.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 struct Level {
-  Raster<double> heights;
+  geo::Raster<double> heights;
   std::vector<std::uint8_t> known;
 
   int columns() const { return heights.grid.columns; }
@@ -29,11 +29,11 @@ struct Level {
 
 /// Half as many cells each way; a cell is known if one of its four is.
 Level coarser(const Level& fine) {
-  RasterGrid grid = fine.heights.grid;
+  geo::RasterGrid grid = fine.heights.grid;
   grid.columns = (grid.columns + 1) / 2;
   grid.rows = (grid.rows + 1) / 2;
   grid.cell_size *= 2.0;
-  Level level{Raster<double>(grid, 0.0), std::vector<std::uint8_t>(grid.size(), 0)};
+  Level level{geo::Raster<double>(grid, 0.0), std::vector<std::uint8_t>(grid.size(), 0)};
   tbb::parallel_for(0, grid.rows, [&](int row) {
     for (int column = 0; column < grid.columns; ++column) {
       double sum = 0.0;
@@ -98,7 +98,7 @@ bool all_known(const Level& level) {
 
 }  // namespace
 
-void fill_gaps(Raster<double>& raster) {
+void fill_gaps(geo::Raster<double>& raster) {
   constexpr int k_sweeps = 24;
   std::vector<Level> levels(1);
   levels[0].known.resize(raster.values.size());
@@ -138,7 +138,7 @@ void widen(std::vector<std::uint8_t>& set, std::size_t count, std::size_t stride
   }
 }
 
-void widen(std::vector<std::uint8_t>& set, const RasterGrid& grid, double reach) {
+void widen(std::vector<std::uint8_t>& set, const geo::RasterGrid& grid, double reach) {
   const double most = static_cast<double>(std::max(grid.columns, grid.rows));
   const int cells = static_cast<int>(std::min(std::ceil(reach / grid.cell_size), most));
   const auto columns = static_cast<std::size_t>(grid.columns), rows = static_cast<std::size_t>(grid.rows);
@@ -169,7 +169,7 @@ double mean_distance(const Bounds& bounds, std::uint64_t count) {
 }  // namespace
 
 std::optional<double> Ground::at(const glm::dvec2& place) const {
-  const RasterGrid& grid = heights_.grid;
+  const geo::RasterGrid& grid = heights_.grid;
   const glm::dvec2 corner = grid.south_east();
   const bool near = place.x >= grid.north_west.x - reach_ && place.x <= corner.x + reach_ &&
                     place.y >= corner.y - reach_ && place.y <= grid.north_west.y + reach_;
@@ -210,13 +210,13 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
                          ? static_cast<std::uint64_t>(std::ranges::count_if(classifications, is_on_ground))
                          : octree.size();
   const double distance = mean_distance(octree.bounds(), count);
-  const RasterGrid grid = grid_over(
+  const geo::RasterGrid grid = geo::grid_over(
       octree.bounds(), options.cell_size.value_or(by_class ? distance : k_lowest_distances * distance));
   check_memory(k_bytes_per_cell * grid.size(), "the heights of the ground");
 
   GroundSamples samples = by_class ? mean_of_class(octree, classifications, grid, options.progress)
                                    : lowest_points(octree, grid, options.progress);
-  Raster<double> heights = heights_in_middles(samples.samples);
+  geo::Raster<double> heights = heights_in_middles(samples.samples);
   samples.samples = {};
   const auto measured = static_cast<std::uint64_t>(
       std::ranges::count_if(heights.values, [](double height) { return !std::isnan(height); }));
@@ -228,4 +228,4 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
   return Ground(std::move(heights), options.reach, source, measured);
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -15,7 +15,7 @@
 //   const Ground ground = make_ground(octree, columns.classifications, {});
 //   if (std::optional<double> z = ground.at({x, y})) place_mast({x, y, *z});
 
-namespace alidade {
+namespace alidade::visibility {
 
 enum class GroundSource {
   automatic,   ///< by class if the cloud has points of class 2, otherwise lowest points
@@ -39,21 +39,21 @@ class Ground {
  public:
   /// `heights`: NaN where there is no ground. `reach`: so far beyond the grid the ground goes on as at its
   /// edge.
-  Ground(Raster<double> heights, double reach, GroundSource source, std::uint64_t measured_cells)
+  Ground(geo::Raster<double> heights, double reach, GroundSource source, std::uint64_t measured_cells)
       : heights_(std::move(heights)), reach_(reach), source_(source), measured_cells_(measured_cells) {}
 
   /// Bilinear between the middles of cells; from the outermost middles on, as there. Empty where there is no
   /// ground.
   std::optional<double> at(const glm::dvec2& place) const;
 
-  const Raster<double>& heights() const { return heights_; }
+  const geo::Raster<double>& heights() const { return heights_; }
   /// `classified` or `lowest`.
   GroundSource source() const { return source_; }
   /// Cells with a height of their own; that of the others is interpolated.
   std::uint64_t measured_cells() const { return measured_cells_; }
 
  private:
-  Raster<double> heights_;
+  geo::Raster<double> heights_;
   double reach_;
   GroundSource source_;
   std::uint64_t measured_cells_;
@@ -76,6 +76,6 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
 /// How: cascadic multigrid: a pyramid of means, from its top down each level starts with the one above,
 /// smoothed by Gauss-Seidel sweeps in red and black. Source: Bornemann and Deuflhard, The cascadic multigrid
 /// method for elliptic problems, 1996.
-void fill_gaps(Raster<double>& raster);
+void fill_gaps(geo::Raster<double>& raster);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -9,14 +9,14 @@
 
 #include "octree/tree_walk.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 
 /// Calls visit(cell, point id, world position) for every point.
 template <class Visit>
-void for_each_point(const Octree& octree, const RasterGrid& grid, const Progress& progress,
+void for_each_point(const Octree& octree, const geo::RasterGrid& grid, const Progress& progress,
                     const Visit& visit) {
   constexpr std::uint64_t k_points_per_report = 1 << 20;
   const TreeView& tree = octree.view();
@@ -24,7 +24,7 @@ void for_each_point(const Octree& octree, const RasterGrid& grid, const Progress
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const glm::dvec3 position = to_world(tree.lattice, position_of(tree, leaf, i));
-      if (const auto cell = cell_at(grid, {position.x, position.y}))
+      if (const auto cell = geo::cell_at(grid, {position.x, position.y}))
         visit(*cell, point_id(tree, leaf.place + i), position);
     }
     done += leaf.count;
@@ -35,7 +35,7 @@ void for_each_point(const Octree& octree, const RasterGrid& grid, const Progress
   report(progress, done, tree.point_count);
 }
 
-GroundSample sample_at(const RasterGrid& grid, const glm::ivec2& cell, const glm::dvec3& position) {
+GroundSample sample_at(const geo::RasterGrid& grid, const glm::ivec2& cell, const glm::dvec3& position) {
   const glm::dvec2 middle = grid.center(cell.x, cell.y);
   return {{position.x - middle.x, position.y - middle.y}, position.z};
 }
@@ -55,7 +55,7 @@ struct TwoLowest {
 
 /// Calls visit(column, row) for the cells around one, as far as there are any.
 template <class Visit>
-void for_each_neighbour(const RasterGrid& grid, int column, int row, const Visit& visit) {
+void for_each_neighbour(const geo::RasterGrid& grid, int column, int row, const Visit& visit) {
   for (int y = std::max(row - 1, 0); y <= std::min(row + 1, grid.rows - 1); ++y) {
     for (int x = std::max(column - 1, 0); x <= std::min(column + 1, grid.columns - 1); ++x) {
       if (x != column || y != row) visit(x, y);
@@ -64,7 +64,7 @@ void for_each_neighbour(const RasterGrid& grid, int column, int row, const Visit
 }
 
 /// Whether another low point is not much higher than the cell's lowest.
-bool has_company(const Raster<TwoLowest>& lowest, int column, int row) {
+bool has_company(const geo::Raster<TwoLowest>& lowest, int column, int row) {
   const double most = 1.0 + lowest.grid.cell_size;
   const TwoLowest& cell = lowest.at(column, row);
   bool found = cell.second.height - cell.lowest.height <= most;
@@ -76,8 +76,8 @@ bool has_company(const Raster<TwoLowest>& lowest, int column, int row) {
 
 /// Slope of the ground around a cell: least squares over the differences to the cells around it. Zero where
 /// these do not tell it.
-glm::dvec2 slope_around(const Raster<GroundSample>& samples, int column, int row) {
-  const RasterGrid& grid = samples.grid;
+glm::dvec2 slope_around(const geo::Raster<GroundSample>& samples, int column, int row) {
+  const geo::RasterGrid& grid = samples.grid;
   const GroundSample& here = samples.at(column, row);
   double xx = 0.0, xy = 0.0, yy = 0.0, xz = 0.0, yz = 0.0;
   for_each_neighbour(grid, column, row, [&](int x, int y) {
@@ -105,14 +105,14 @@ glm::dvec2 slope_around(const Raster<GroundSample>& samples, int column, int row
 }  // namespace
 
 GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> classifications,
-                            const RasterGrid& grid, const Progress& progress) {
+                            const geo::RasterGrid& grid, const Progress& progress) {
   struct Sum {
     glm::dvec2 offset{0.0};
     double height = 0.0;
     std::uint64_t count = 0;
   };
-  Raster<Sum> sums(grid, {});
-  GroundSamples result{Raster<GroundSample>(grid, {.height = k_nan}),
+  geo::Raster<Sum> sums(grid, {});
+  GroundSamples result{geo::Raster<GroundSample>(grid, {.height = k_nan}),
                        std::vector<std::uint8_t>(grid.size(), 0)};
   // Sums of heights above the lowest point keep more digits.
   const double base = octree.bounds().min.z;
@@ -134,9 +134,9 @@ GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> 
   return result;
 }
 
-GroundSamples lowest_points(const Octree& octree, const RasterGrid& grid, const Progress& progress) {
-  Raster<TwoLowest> lowest(grid, {});
-  GroundSamples result{Raster<GroundSample>(grid, {.height = k_nan}),
+GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, const Progress& progress) {
+  geo::Raster<TwoLowest> lowest(grid, {});
+  GroundSamples result{geo::Raster<GroundSample>(grid, {.height = k_nan}),
                        std::vector<std::uint8_t>(grid.size(), 0)};
   for_each_point(octree, grid, progress, [&](const glm::ivec2& cell, std::uint64_t, const glm::dvec3& p) {
     result.covered[grid.index(cell.x, cell.y)] = 1;
@@ -151,8 +151,8 @@ GroundSamples lowest_points(const Octree& octree, const RasterGrid& grid, const 
   return result;
 }
 
-Raster<double> heights_in_middles(const Raster<GroundSample>& samples) {
-  Raster<double> heights(samples.grid, k_nan);
+geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples) {
+  geo::Raster<double> heights(samples.grid, k_nan);
   tbb::parallel_for(0, samples.grid.rows, [&](int row) {
     for (int column = 0; column < samples.grid.columns; ++column) {
       const GroundSample& sample = samples.at(column, row);
@@ -164,4 +164,4 @@ Raster<double> heights_in_middles(const Raster<GroundSample>& samples) {
   return heights;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -12,7 +12,7 @@
 
 // The first steps of make_ground() (visibility/raster/ground.h): what each cell knows of the ground by itself.
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Class of ASPRS.
 constexpr std::uint8_t k_ground_class = 2;
@@ -33,18 +33,18 @@ struct GroundSample {
 };
 
 struct GroundSamples {
-  Raster<GroundSample> samples;
+  geo::Raster<GroundSample> samples;
   std::vector<std::uint8_t> covered;  ///< cells with points of any class
 };
 
 /// Of every cell the mean of its points of classes on the ground.
 GroundSamples mean_of_class(const Octree& octree, std::span<const std::uint8_t> classifications,
-                            const RasterGrid& grid, const Progress& progress);
+                            const geo::RasterGrid& grid, const Progress& progress);
 
 /// Of every cell the lowest point that is no outlier.
-GroundSamples lowest_points(const Octree& octree, const RasterGrid& grid, const Progress& progress);
+GroundSamples lowest_points(const Octree& octree, const geo::RasterGrid& grid, const Progress& progress);
 
 /// Heights in the middles of cells; NaN where nothing was measured.
-Raster<double> heights_in_middles(const Raster<GroundSample>& samples);
+geo::Raster<double> heights_in_middles(const geo::Raster<GroundSample>& samples);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

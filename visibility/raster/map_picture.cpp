@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/raster/map_picture.h"
 
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "image/font.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 Relief::Relief(const Ground& ground, double step) : ground_(ground), step_(step) {
   constexpr int k_samples = 50;
   // Nine slopes in ten shall not look steeper than this.
   constexpr double k_steep = 0.5, k_most = 8.0, k_share = 0.9;
-  const RasterGrid& grid = ground.heights().grid;
+  const geo::RasterGrid& grid = ground.heights().grid;
   const glm::dvec2 size = grid.south_east() - grid.north_west;
   std::vector<double> slopes;
   for (int y = 0; y < k_samples; ++y) {
@@ -47,19 +47,19 @@ double Relief::light(const glm::dvec2& place) const {
 
 namespace {
 
-constexpr Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
-constexpr Rgb8 k_mark{220, 30, 40}, k_halo{255, 255, 255};
+constexpr image::Rgb8 k_paper{255, 255, 255}, k_text{30, 30, 30}, k_note{95, 95, 95}, k_line{60, 60, 60};
+constexpr image::Rgb8 k_mark{220, 30, 40}, k_halo{255, 255, 255};
 constexpr int k_margin = 24, k_font_size = 18, k_title_size = 24, k_note_size = 14, k_row = 28;
 constexpr int k_bar_width = 24, k_bar_height = 240, k_longest_names = 20;
 
-Rgb8 to_rgb8(const glm::dvec3& display) {
+image::Rgb8 to_rgb8(const glm::dvec3& display) {
   const auto channel = [](double value) {
     return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
   };
   return {channel(display.r), channel(display.g), channel(display.b)};
 }
 
-Rgb8 shaded(const Rgb8& color, double light) {
+image::Rgb8 shaded(const image::Rgb8& color, double light) {
   // Shade darkens less than it would on bare land, so that colours are still told apart.
   constexpr double k_least = 0.35;
   const double factor = (k_least + (1.0 - k_least) * light) / 255.0;
@@ -68,7 +68,7 @@ Rgb8 shaded(const Rgb8& color, double light) {
 
 /// Where things stand.
 struct MapLayout {
-  PixelBox map;
+  image::PixelBox map;
   double cells_per_pixel = 1.0;
   int panel = 0;  ///< left edge of the legend
   int width = 0, height = 0;
@@ -76,7 +76,7 @@ struct MapLayout {
 
 class MapDrawer {
  public:
-  MapDrawer(const MapPicture& picture, const Ground& ground, const Font& font, int longest_side)
+  MapDrawer(const MapPicture& picture, const Ground& ground, const image::Font& font, int longest_side)
       : picture_(picture),
         ground_(ground),
         font_(font),
@@ -84,7 +84,7 @@ class MapDrawer {
         layout_(layout(longest_side)),
         canvas_(layout_.width, layout_.height, k_paper) {}
 
-  Canvas draw() {
+  image::Canvas draw() {
     font_.draw(canvas_, k_margin, k_margin + k_title_size, picture_.title, k_title_size, k_text);
     draw_cells();
     canvas_.frame({layout_.map.left - 1, layout_.map.top - 1, layout_.map.right + 1, layout_.map.bottom + 1},
@@ -97,7 +97,7 @@ class MapDrawer {
   }
 
  private:
-  const RasterGrid& grid() const { return picture_.values.grid; }
+  const geo::RasterGrid& grid() const { return picture_.values.grid; }
 
   /// The swatches that occur, with their shares.
   std::vector<MapSwatch> rows() const {
@@ -127,7 +127,7 @@ class MapDrawer {
     for (const std::string& note : picture_.notes) widen(note, k_note_size, 0);
     if (picture_.scale) {
       widen(picture_.scale->label, k_font_size, 0);
-      for (const RoundTick& tick : ticks()) widen(tick.label, k_font_size, k_bar_width + 16);
+      for (const image::RoundTick& tick : ticks()) widen(tick.label, k_font_size, k_bar_width + 16);
     }
     return width;
   }
@@ -138,8 +138,8 @@ class MapDrawer {
     return height;
   }
 
-  std::vector<RoundTick> ticks() const {
-    return round_ticks(picture_.scale->range, std::max(2, picture_.scale->most_ticks));
+  std::vector<image::RoundTick> ticks() const {
+    return image::round_ticks(picture_.scale->range, std::max(2, picture_.scale->most_ticks));
   }
 
   MapLayout layout(int longest_side) const {
@@ -163,19 +163,19 @@ class MapDrawer {
 
   double units_per_pixel() const { return layout_.cells_per_pixel * grid().cell_size; }
 
-  Rgb8 color_of(float value) const {
+  image::Rgb8 color_of(float value) const {
     for (const MapSwatch& swatch : picture_.swatches) {
       if (swatch.value == value) return swatch.color;
     }
     if (!picture_.scale) return k_paper;
-    const ValueRange& range = picture_.scale->range;
+    const image::ValueRange& range = picture_.scale->range;
     const double extent = range.high - range.low;
-    return to_rgb8(map_color(picture_.scale->map, extent > 0.0 ? (value - range.low) / extent : 0.5));
+    return to_rgb8(image::map_color(picture_.scale->map, extent > 0.0 ? (value - range.low) / extent : 0.5));
   }
 
   void draw_cells() {
     const Relief relief(ground_, std::max(units_per_pixel(), ground_.heights().grid.cell_size));
-    const PixelBox& map = layout_.map;
+    const image::PixelBox& map = layout_.map;
     tbb::parallel_for(0, map.height(), [&](int y) {
       const double south = (y + 0.5) * layout_.cells_per_pixel;
       const int row = std::min(static_cast<int>(south), grid().rows - 1);
@@ -192,7 +192,7 @@ class MapDrawer {
   }
 
   /// A disc with soft edges.
-  void dot(const glm::dvec2& middle, double radius, const Rgb8& color) {
+  void dot(const glm::dvec2& middle, double radius, const image::Rgb8& color) {
     const auto reach = static_cast<int>(std::ceil(radius)) + 1;
     const auto x0 = static_cast<int>(std::floor(middle.x)), y0 = static_cast<int>(std::floor(middle.y));
     for (int y = y0 - reach; y <= y0 + reach; ++y) {
@@ -213,7 +213,7 @@ class MapDrawer {
   }
 
   void draw_mark(const MapMark& mark) {
-    if (!cell_at(grid(), mark.place)) return;
+    if (!geo::cell_at(grid(), mark.place)) return;
     const glm::dvec2 way = mark.place - grid().north_west;
     const glm::dvec2 pixel(layout_.map.left + way.x / units_per_pixel(),
                            layout_.map.top - way.y / units_per_pixel());
@@ -222,7 +222,7 @@ class MapDrawer {
     dot(pixel, few ? 7.5 : 3.5, k_halo);
     dot(pixel, few ? 5.5 : 2.5, k_mark);
     if (!few || mark.name.empty()) return;
-    const TextExtent extent = font_.measure(mark.name, k_note_size);
+    const image::TextExtent extent = font_.measure(mark.name, k_note_size);
     const int right = static_cast<int>(pixel.x) + 11;
     const bool fits = right + extent.width <= layout_.map.right - 2;
     haloed(fits ? right : static_cast<int>(pixel.x) - 11 - extent.width,
@@ -253,7 +253,7 @@ class MapDrawer {
       const int half = y / 3;
       canvas_.fill({middle - half, top + y, middle + half + 1, top + y + 1}, k_line);
     }
-    const TextExtent extent = font_.measure("N", k_font_size);
+    const image::TextExtent extent = font_.measure("N", k_font_size);
     font_.draw(canvas_, middle - 14 - extent.width, top + k_arrow - 3, "N", k_font_size, k_text);
   }
 
@@ -261,7 +261,7 @@ class MapDrawer {
     const int left = layout_.panel;
     int y = layout_.map.top;
     for (const MapSwatch& row : rows_) {
-      const PixelBox box{left, y, left + k_row, y + k_row - 8};
+      const image::PixelBox box{left, y, left + k_row, y + k_row - 8};
       canvas_.fill(box, row.color);
       canvas_.frame(box, k_line);
       font_.draw(canvas_, box.right + 8, y + 16, row.label, k_font_size, k_text);
@@ -281,11 +281,11 @@ class MapDrawer {
     y += k_row + 6;
     for (int i = 0; i < k_bar_height; ++i) {
       const double place = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1}, to_rgb8(map_color(scale.map, place)));
+      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1}, to_rgb8(image::map_color(scale.map, place)));
     }
     canvas_.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
     const double extent = scale.range.high - scale.range.low;
-    for (const RoundTick& tick : ticks()) {
+    for (const image::RoundTick& tick : ticks()) {
       const double place = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
       const int at = y + static_cast<int>(std::lround((1.0 - place) * (k_bar_height - 1)));
       canvas_.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
@@ -296,22 +296,23 @@ class MapDrawer {
 
   const MapPicture& picture_;
   const Ground& ground_;
-  const Font& font_;
+  const image::Font& font_;
   std::vector<MapSwatch> rows_;
   MapLayout layout_;
-  Canvas canvas_;
+  image::Canvas canvas_;
 };
 
 }  // namespace
 
-Canvas draw_map(const MapPicture& picture, const Ground& ground, const Font& font, int longest_side) {
+image::Canvas draw_map(const MapPicture& picture, const Ground& ground, const image::Font& font,
+                       int longest_side) {
   return MapDrawer(picture, ground, font, longest_side).draw();
 }
 
 void write_map_picture(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
                        bool overwrite) {
-  const Font font(find_font());
-  write_png(draw_map(picture, ground, font), file, overwrite);
+  const image::Font font(image::find_font());
+  image::write_png(draw_map(picture, ground, font), file, overwrite);
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

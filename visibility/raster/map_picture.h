@@ -14,7 +14,7 @@
 #include "image/point_color.h"
 #include "visibility/raster/ground.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Shading of the ground by a light in the north-west, 45 degrees high: what makes a map of heights look like
 /// land. Heights are drawn up where the land is flat.
@@ -42,14 +42,14 @@ class Relief {
 /// What one value means.
 struct MapSwatch {
   float value = 0.0f;
-  Rgb8 color{};
+  image::Rgb8 color{};
   std::string label;
 };
 
 /// Values that have no swatch, as colours from low to high.
 struct MapScale {
-  ColorMap map = ColorMap::viridis;
-  ValueRange range{};
+  image::ColorMap map = image::ColorMap::viridis;
+  image::ValueRange range{};
   std::string label;  ///< what the numbers are, with their unit
   int most_ticks = 7;
 };
@@ -62,7 +62,7 @@ struct MapMark {
 
 struct MapPicture {
   std::string title;
-  Raster<float> values;  ///< NaN: nothing is drawn
+  geo::Raster<float> values;  ///< NaN: nothing is drawn
   std::vector<MapSwatch> swatches{};
   std::optional<MapScale> scale{};
   std::vector<MapMark> marks{};  ///< those outside of the map are not drawn
@@ -74,10 +74,11 @@ struct MapPicture {
 /// there are more pixels than cells). The legend names those swatches that occur, with their share of the
 /// cells that have a value. The same pixels for the same map, font and version of FreeType. Requires
 /// longest_side >= 1.
-Canvas draw_map(const MapPicture& picture, const Ground& ground, const Font& font, int longest_side = 1000);
+image::Canvas draw_map(const MapPicture& picture, const Ground& ground, const image::Font& font,
+                       int longest_side = 1000);
 
 /// The same as a PNG file. Errors: those of write_png() and find_font().
 void write_map_picture(const MapPicture& picture, const Ground& ground, const std::filesystem::path& file,
                        bool overwrite);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

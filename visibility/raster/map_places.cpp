@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/raster/map_places.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <tbb/parallel_for.h>
 
 #include "base/error.h"
 #include "base/exact_math.h"
@@ -14,7 +14,7 @@
 #include "octree/point_surface.h"
 #include "octree/query.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 /// Levels of the widest block that has not too many places.
@@ -65,7 +65,7 @@ SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place) {
   return end.value_or(SightEnd{place});
 }
 
-MapTargets::MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+MapTargets::MapTargets(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                        int places_across, std::size_t most_places)
     : occluders_(occluders),
       ground_(ground),
@@ -167,7 +167,7 @@ Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers) {
   Bounds reached;
   for (const Observer& observer : observers) {
     const glm::dvec3 reach(observer.max_distance);
-    reached.grow(cropped(area, {observer.position - reach, observer.position + reach}));
+    reached.grow(geo::cropped(area, {observer.position - reach, observer.position + reach}));
   }
   if (reached.empty()) {
     throw Error({.problem = "no observer reaches the area of the map",
@@ -190,4 +190,4 @@ double usual_resolution(const Bounds& area, double finest) {
   return exponent < 0.0 ? 10.0 / power : 10.0 * power;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

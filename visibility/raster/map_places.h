@@ -13,7 +13,7 @@
 
 // What is looked at on a map: places above the ground of its cells.
 
-namespace alidade {
+namespace alidade::visibility {
 
 constexpr int k_most_places_across = 100;
 
@@ -50,7 +50,7 @@ class MapTargets {
   /// places_across: every cell has its square of places, evenly spread; 1 is the middle; 1 ..
   /// k_most_places_across. most_places: of a block, which has one cell at least and 2^16 at most: so the
   /// blocks are the same wherever they are made. The references must outlive this.
-  MapTargets(const Occluders& occluders, const Ground& ground, const RasterGrid& grid, int places_across,
+  MapTargets(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid, int places_across,
              std::size_t most_places);
 
   std::size_t block_count() const;
@@ -62,7 +62,7 @@ class MapTargets {
  private:
   const Occluders& occluders_;
   const Ground& ground_;
-  RasterGrid grid_;
+  geo::RasterGrid grid_;
   int places_across_;
   int block_levels_;  ///< a block is 2^this cells wide
 };
@@ -108,4 +108,4 @@ Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers);
 /// at most 1000 cells along the longer side and is not below `finest`.
 double usual_resolution(const Bounds& area, double finest = 0.0);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/raster/viewshed.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <fmt/format.h>
 #include <limits>
 #include <optional>
 #include <span>
@@ -18,7 +18,7 @@
 #include "visibility/crossing.h"
 #include "visibility/raster/map_places.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// Finds for places on the ground the lowest height above them that is seen, as viewshed.h tells it.
 class LowestSeen {
@@ -287,10 +287,10 @@ std::vector<float> lowest_heights(LowestSeen& lowest, std::span<const MapObserve
 }  // namespace
 
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
-                  const RasterGrid& grid, const ViewshedOptions& options) {
+                  const geo::RasterGrid& grid, const ViewshedOptions& options) {
   check(observers, options);
-  check_map_memory(grid, 1);
-  Viewshed result{Raster<float>(grid, k_no_ground)};
+  geo::check_map_memory(grid, 1);
+  Viewshed result{geo::Raster<float>(grid, k_no_ground)};
   const int places_across = options.mode == ViewshedMode::fraction ? options.places_across : 1;
   const std::vector<MapObserver> eyes = map_observers(occluders, observers);
   const MapTargets targets(occluders, ground, grid, places_across, most_places(eyes.size(), options.mode));
@@ -319,4 +319,4 @@ Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<co
   return result;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

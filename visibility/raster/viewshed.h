@@ -18,7 +18,7 @@
 //   const Viewshed seen = viewshed(occluders, ground, observers, grid_over(octree.bounds(), 1.0), {});
 //   if (seen.values.at(column, row) > 0.0f) ...
 
-namespace alidade {
+namespace alidade::visibility {
 
 enum class ViewshedMode {
   visible,   ///< 1 where any observer sees the middle of the cell, otherwise 0
@@ -47,7 +47,7 @@ constexpr float k_out_of_range = -1.0f;
 constexpr float k_no_ground = std::numeric_limits<float>::quiet_NaN();
 
 struct Viewshed {
-  Raster<float> values;
+  geo::Raster<float> values;
   std::uint64_t line_count = 0;  ///< sight lines that were followed, those of parts found finished left out
 };
 
@@ -68,6 +68,6 @@ struct Viewshed {
 /// check_map_memory() of one band. Errors: no observer; places_across, target height or highest out of range;
 /// not enough memory; those of `parts`.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
-                  const RasterGrid& grid, const ViewshedOptions& options);
+                  const geo::RasterGrid& grid, const ViewshedOptions& options);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
-constexpr Rgb8 k_seen{255, 205, 70}, k_hidden{96, 106, 132}, k_beyond{214, 214, 210};
+constexpr image::Rgb8 k_seen{255, 205, 70}, k_hidden{96, 106, 132}, k_beyond{214, 214, 210};
 
 bool has_value(float value) {
   return value != k_out_of_range && !std::isnan(value);
@@ -70,8 +70,8 @@ std::string title_of(ViewshedMode mode, std::size_t observers) {
 
 }  // namespace
 
-RasterBand ViewshedBand::band() const {
-  RasterBand result{.values = {}, .no_data = no_data, .description = description, .unit = unit};
+geo::RasterBand ViewshedBand::band() const {
+  geo::RasterBand result{.values = {}, .no_data = no_data, .description = description, .unit = unit};
   std::visit(
       [&](const auto& all) {
         result.values = std::span<const typename std::decay_t<decltype(all)>::value_type>(all);
@@ -130,7 +130,7 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
       break;
     case ViewshedMode::count:
       picture.swatches = {{0.0f, k_hidden, "not seen"}, beyond};
-      picture.scale = {ColorMap::viridis,
+      picture.scale = {image::ColorMap::viridis,
                        {1.0, std::max(1.0, static_cast<double>(largest))},
                        "observers",
                        std::clamp(static_cast<int>(largest), 2, 7)};
@@ -141,13 +141,13 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
            lowest > 0.0 ? fmt::format("seen at {:g}{}", lowest, unit_text) : "seen on the ground"},
           {static_cast<float>(highest), k_hidden, fmt::format("not up to {:g}{}", highest, unit_text)},
           beyond};
-      picture.scale = {ColorMap::viridis,
+      picture.scale = {image::ColorMap::viridis,
                        {lowest, std::max(lowest + 0.01, static_cast<double>(largest))},
                        length_unit.empty() ? "height" : "height, " + length_unit};
       break;
     case ViewshedMode::fraction:
       picture.swatches = {{0.0f, k_hidden, "not seen"}, beyond};
-      picture.scale = {ColorMap::viridis, {0.0, 1.0}, "share"};
+      picture.scale = {image::ColorMap::viridis, {0.0, 1.0}, "share"};
       break;
   }
   return picture;
@@ -165,4 +165,4 @@ SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options) {
           viewshed.values.values.size() - looked_at};
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -14,7 +14,7 @@
 
 // Viewsheds as they are written: numbers for programs, a picture for people.
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// What stands in a map of ViewshedMode::visible; the values of gdal_viewshed (-vv, -iv, -ov).
 struct SeenValues {
@@ -30,7 +30,7 @@ struct ViewshedBand {
   double no_data = 0.0;
   std::string description, unit;
 
-  RasterBand band() const;
+  geo::RasterBand band() const;
 };
 
 /// `visible` as bytes, `count` as 16-bit numbers (32-bit from 65535 observers on), the others as float. No
@@ -51,4 +51,4 @@ struct SeenShare {
 };
 SeenShare seen_share(const Viewshed& viewshed, const ViewshedOptions& options);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

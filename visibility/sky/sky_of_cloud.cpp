@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sky/sky_of_cloud.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,7 +9,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <tbb/parallel_for.h>
 #include <vector>
 
 #include "base/checkpoint.h"
@@ -16,7 +16,7 @@
 #include "octree/tree_walk.h"
 #include "visibility/raster/map_places.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// A point of a cloud.
 struct PlacedPoint {
@@ -126,7 +126,7 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
 
 /// The same for the cells of a map, which are told by their number in it; k_nothing for those without ground.
 template <class Answer, class Take>
-void for_each_ground_target(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+void for_each_ground_target(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                             double height, const Question& question, const LongWork& work,
                             const Answer& answer, const Take& take) {
   if (!(height >= 0.0) || !std::isfinite(height)) {
@@ -207,10 +207,11 @@ std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<cons
   return hours;
 }
 
-Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
-                               double height, const SkyViewOptions& options, const LongWork& work) {
-  check_map_memory(grid, 1);
-  Raster<float> views(grid, k_nothing);
+geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
+                                    const geo::RasterGrid& grid, double height, const SkyViewOptions& options,
+                                    const LongWork& work) {
+  geo::check_map_memory(grid, 1);
+  geo::Raster<float> views(grid, k_nothing);
   SkyViewOptions facing_up = options;
   facing_up.receiver = SkyReceiver::horizontal;
   for_each_ground_target(
@@ -224,11 +225,11 @@ Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
   return views;
 }
 
-SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                          double height, std::span<const SunBin> bins, const SunHoursOptions& options,
                          const LongWork& work) {
-  check_map_memory(grid, 2);
-  SunMaps maps{Raster<float>(grid, k_nothing), Raster<float>(grid, k_nothing)};
+  geo::check_map_memory(grid, 2);
+  SunMaps maps{geo::Raster<float>(grid, k_nothing), geo::Raster<float>(grid, k_nothing)};
   for_each_ground_target(
       occluders, ground, grid, height, {bins.size(), 2}, work,
       [&](std::span<SkyTarget> targets) {
@@ -242,4 +243,4 @@ SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const
   return maps;
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

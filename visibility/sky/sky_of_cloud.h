@@ -17,7 +17,7 @@
 //   const Occluders occluders(octree, {});
 //   const std::vector<float> views = point_sky_views(occluders, columns.normals, {});
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// How long work is watched and kept.
 struct LongWork {
@@ -43,15 +43,16 @@ std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<cons
 /// (visibility/raster/map_places.h), which faces up there (options.receiver does not matter); NaN where there is no
 /// ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band.
 /// Errors: as sky_views; height negative or not finite; not enough memory.
-Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
-                               double height, const SkyViewOptions& options, const LongWork& work = {});
+geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,
+                                    const geo::RasterGrid& grid, double height, const SkyViewOptions& options,
+                                    const LongWork& work = {});
 
 /// Direct sun of every cell, likewise on the horizontal; two bands.
 struct SunMaps {
-  Raster<float> hours, kilowatt_hours;
+  geo::Raster<float> hours, kilowatt_hours;
 };
-SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const RasterGrid& grid,
+SunMaps ground_sun_hours(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
                          double height, std::span<const SunBin> bins, const SunHoursOptions& options,
                          const LongWork& work = {});
 
-}  // namespace alidade
+}  // namespace alidade::visibility

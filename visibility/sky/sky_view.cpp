@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sky/sky_view.h"
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string>
-#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
@@ -15,7 +15,7 @@
 #include "octree/point_surface.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 glm::dvec3 spiral_direction(int i, double height) {
@@ -182,4 +182,4 @@ SkyShares sky_shares(const Occluders& occluders, const SightEnd& eye, int direct
   return {free_share(cosine_sky_directions(directions)), free_share(even_sky_directions(directions))};
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -11,7 +11,7 @@
 #include "visibility/horizon/horizon.h"
 #include "visibility/sight_line.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 constexpr int k_most_sky_directions = 1 << 20;
 
@@ -89,4 +89,4 @@ void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTa
 SkyShares sky_shares(const Occluders& occluders, const SightEnd& eye, int directions,
                      double max_distance = std::numeric_limits<double>::infinity());
 
-}  // namespace alidade
+}  // namespace alidade::visibility

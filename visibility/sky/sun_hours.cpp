@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sky/sun_hours.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
-#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <map>
-#include <tbb/parallel_for.h>
 #include <utility>
 #include <vector>
 
 #include "base/error.h"
 #include "geo/earth.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees) {
   constexpr double k_widest = 30.0;
@@ -28,7 +28,7 @@ std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees) {
   std::vector<glm::dvec3> middles;
   std::map<std::pair<int, int>, std::size_t> known;
   for (const SunStep& step : steps) {
-    const glm::dvec3 direction = compass_direction(step.azimuth, step.elevation);
+    const glm::dvec3 direction = geo::compass_direction(step.azimuth, step.elevation);
     std::size_t bin = bins.size();
     if (degrees > 0.0) {
       const double row = std::floor(step.elevation / degrees);
@@ -97,4 +97,4 @@ void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, s
   }
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -7,7 +7,7 @@
 
 #include "visibility/sky/sky_view.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// The sun in the middle of a step.
 struct SunStep {
@@ -52,4 +52,4 @@ struct SunHoursOptions {
 void sun_hours(const Occluders& occluders, std::span<const SkyTarget> targets, std::span<const SunBin> bins,
                const SunHoursOptions& options, std::span<SunHours> answers);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

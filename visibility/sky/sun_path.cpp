@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "visibility/sky/sun_path.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 #include <numbers>
 
 #include "base/error.h"
 #include "geo/earth.h"
 #include "geo/sun.h"
 
-namespace alidade {
+namespace alidade::visibility {
 namespace {
 
 /// Of clean dry air, per air mass. Source: Kasten 1996, as in Rigollier et al. 2000, equations 11 and 12.
@@ -27,7 +27,7 @@ double beam_irradiance(double elevation, double day_of_year, const ClearAir& air
   constexpr double k_eccentricity = 0.03344, k_perihelion = 0.048869;
   const double turn = 2.0 * std::numbers::pi * day_of_year / k_days;
   const double above = k_solar_constant * (1.0 + k_eccentricity * std::cos(turn - k_perihelion));
-  const double mass = air_mass(elevation) * std::exp(-air.height / 8434.5);
+  const double mass = geo::air_mass(elevation) * std::exp(-air.height / 8434.5);
   const double dimmed = above * std::exp(-0.8662 * air.linke_turbidity * mass * rayleigh_thickness(mass));
   return std::round(dimmed * 1e4) / 1e4;
 }
@@ -89,10 +89,11 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
                  .found = fmt::format("{:.0f}", count)});
   }
   constexpr double k_sea_pressure = 1013.25, k_scale_height = 8434.5;
-  const SunObserver observer{.latitude = schedule.latitude,
-                             .longitude = schedule.longitude,
-                             .height = schedule.air.height,
-                             .pressure = k_sea_pressure * std::exp(-schedule.air.height / k_scale_height)};
+  const geo::SunObserver observer{
+      .latitude = schedule.latitude,
+      .longitude = schedule.longitude,
+      .height = schedule.air.height,
+      .pressure = k_sea_pressure * std::exp(-schedule.air.height / k_scale_height)};
   std::vector<SunStep> steps;
   const auto total = static_cast<std::size_t>(count);
   for (std::size_t i = 0; i < total; ++i) {
@@ -100,7 +101,7 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
     if (i % k_report_interval == 0) report(progress, i, total);
     const double begin = static_cast<double>(i) * step, end = std::fmin(begin + step, duration);
     const Moment middle = later(schedule.from, 0.5 * (begin + end));
-    const SunPosition sun = sun_position(middle, observer);
+    const geo::SunPosition sun = geo::sun_position(middle, observer);
     const double elevation = rounded(sun.elevation);
     if (!(elevation > 0.0)) continue;
     steps.push_back({.azimuth = wrapped(rounded(sun.azimuth - schedule.grid_north)),
@@ -114,8 +115,8 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
 
 bool place_schedule(const Crs& crs, const glm::dvec2& center,
                     const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule) {
-  std::optional<GroundPlace> ground;
-  if (!crs.empty()) ground = ground_place(crs, center);
+  std::optional<geo::GroundPlace> ground;
+  if (!crs.empty()) ground = geo::ground_place(crs, center);
   if (!ground && !latitude_longitude) {
     throw Error({.problem = "the place of the sun needs a latitude and a longitude",
                  .expected = "--place LAT,LON, or a cloud with a reference system",
@@ -128,4 +129,4 @@ bool place_schedule(const Crs& crs, const glm::dvec2& center,
   return ground.has_value();
 }
 
-}  // namespace alidade
+}  // namespace alidade::visibility

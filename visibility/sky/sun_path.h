@@ -10,7 +10,7 @@
 #include "cloud/crs.h"
 #include "visibility/sky/sun_hours.h"
 
-namespace alidade {
+namespace alidade::visibility {
 
 /// The air above a place, as far as it dims the sun.
 struct ClearAir {
@@ -54,4 +54,4 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
 bool place_schedule(const Crs& crs, const glm::dvec2& center,
                     const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule);
 
-}  // namespace alidade
+}  // namespace alidade::visibility

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // LAS files that other programs wrote. Expected values were taken from the files' bytes with a few lines of
 // Python.
-#include <filesystem>
 #include <gtest/gtest.h>
+#include <filesystem>
 
 #include <algorithm>
 #include <cmath>

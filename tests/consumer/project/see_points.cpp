@@ -13,10 +13,11 @@ int main() {
       if (x >= 10) cloud.positions.emplace_back(100 * x, 100 * y, 500);
     }
   }
-  const alidade::Occluders occluders(alidade::build(cloud), {});
-  alidade::Observer observer;
+  const alidade::visibility::Occluders occluders(alidade::build(cloud), {});
+  alidade::visibility::Observer observer;
   observer.position = {1.5, 1.0, 3.0};
-  const alidade::PointVisibility seen = alidade::point_visibility(occluders, std::span(&observer, 1), {});
+  const alidade::visibility::PointVisibility seen =
+      alidade::point_visibility(occluders, std::span(&observer, 1), {});
   std::size_t count = 0;
   for (const std::uint32_t observers : seen.counts) count += observers;
   std::printf("%zu of %zu points are seen\n", count, seen.counts.size());

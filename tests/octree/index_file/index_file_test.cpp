@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "octree/index_file/index_file.h"
 
-#include <filesystem>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <filesystem>
 
 #include "cloud/read_cloud.h"
 #include "octree/index_file/indexed_cloud.h"
@@ -153,8 +153,7 @@ TEST(IndexFile, is_read_as_a_cloud_whose_points_stand_in_their_rows) {
 class IndexOfLas : public ::testing::TestWithParam<int> {};
 
 TEST_P(IndexOfLas, holds_what_the_las_file_held) {
-  const auto folder =
-      std::filesystem::temp_directory_path() / ("index_of_las_" + std::to_string(GetParam()));
+  const auto folder = std::filesystem::temp_directory_path() / ("index_of_las_" + std::to_string(GetParam()));
   std::filesystem::create_directories(folder);
   for (int version = test::oldest_las_version(GetParam()); version <= 4; ++version) {
     SCOPED_TRACE(version);
