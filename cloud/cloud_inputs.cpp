@@ -5,60 +5,188 @@
 #include <fnmatch.h>
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "base/words.h"
+#include "cloud/cloud_reader.h"
+#include "cloud/copc/copc_file.h"
 
 namespace alidade {
 namespace {
 
-std::vector<CloudDatabase>& databases() {
-  static std::vector<CloudDatabase> all;
-  return all;
+namespace fs = std::filesystem;
+
+constexpr std::size_t k_looked_at = 4096;
+constexpr const char* k_supported = "LAS, LAZ, PLY, PCD, E57, PTX, PTS, CSV, XYZ or an index file";
+
+std::string_view text_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-template <class Condition>
-const CloudDatabase* find(const Condition& condition) {
-  const auto found = std::ranges::find_if(databases(), condition);
-  return found == databases().end() ? nullptr : &*found;
+/// Without a byte order mark, which every reader of text skips.
+std::string_view unmarked_text_of(std::span<const std::byte> bytes) {
+  std::string_view text = text_of(bytes);
+  if (text.starts_with(k_byte_order_mark)) text.remove_prefix(k_byte_order_mark.size());
+  return text;
+}
+
+/// The next line without spaces at its ends; `text` keeps what follows.
+std::string_view next_line(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = trim(text.substr(0, end));
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+/// Neither NUL nor any other control character that text does not have.
+bool is_text(std::string_view start) {
+  return std::none_of(start.begin(), start.end(), [](char c) {
+    const unsigned char byte = static_cast<unsigned char>(c);
+    return (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f') || byte == 0x7f;
+  });
+}
+
+/// A PCD header begins with one of its keywords, after comments.
+bool is_pcd(std::string_view start) {
+  static constexpr std::array<std::string_view, 10> k_keywords = {
+      "VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "POINTS", "VIEWPOINT", "DATA"};
+  if (start.starts_with("# .PCD")) return true;
+  while (!start.empty()) {
+    const std::string_view line = next_line(start);
+    if (line.empty() || line.front() == '#') continue;
+    const std::string_view word = line.substr(0, line.find_first_of(" \t"));
+    return std::find(k_keywords.begin(), k_keywords.end(), word) != k_keywords.end();
+  }
+  return false;
+}
+
+/// How many numbers a line holds; -1 if it holds anything else.
+int count_numbers(std::string_view line) {
+  if (line.find_first_not_of("0123456789+-.eE \t") != std::string_view::npos) return -1;
+  int count = 0;
+  for (std::size_t place = 0; (place = line.find_first_not_of(" \t", place)) != std::string_view::npos;
+       ++count) {
+    place = std::min(line.find_first_of(" \t", place), line.size());
+  }
+  return count;
+}
+
+/// A PTX scan begins with columns, rows, four lines of three numbers (the scanner) and four of four (the
+/// transform).
+bool is_ptx(std::string_view start) {
+  for (const int expected : {1, 1, 3, 3, 3, 3, 4, 4, 4, 4}) {
+    if (count_numbers(next_line(start)) != expected) return false;
+  }
+  return true;
 }
 
 }  // namespace
 
-void add_cloud_database(const CloudDatabase& database) {
-  databases().push_back(database);
+const CloudFormat k_copc_format{.name = "COPC", .is_begun_by = is_copc, .open = open_las};
+
+const CloudFormat k_las_format{
+    .name = "LAS",
+    .is_begun_by = [](std::span<const std::byte> start) { return text_of(start).starts_with("LASF"); },
+    .open = open_las};
+
+const CloudFormat k_e57_format{
+    .name = "E57",
+    .is_begun_by = [](std::span<const std::byte> start) { return text_of(start).starts_with("ASTM-E57"); },
+    .open = open_e57};
+
+const CloudFormat k_ply_format{.name = "PLY",
+                               .is_begun_by =
+                                   [](std::span<const std::byte> start) {
+                                     const std::string_view text = unmarked_text_of(start);
+                                     return text.starts_with("ply") && text.size() > 3 &&
+                                            (is_blank(text[3]) || text[3] == '\n');
+                                   },
+                               .open = open_ply};
+
+const CloudFormat k_pcd_format{
+    .name = "PCD",
+    .is_begun_by = [](std::span<const std::byte> start) { return is_pcd(unmarked_text_of(start)); },
+    .open = open_pcd};
+
+const CloudFormat k_ptx_format{.name = "PTX",
+                               .is_begun_by =
+                                   [](std::span<const std::byte> start) {
+                                     const std::string_view text = unmarked_text_of(start);
+                                     return is_text(text) && is_ptx(text);
+                                   },
+                               .open = open_ptx};
+
+const CloudFormat k_text_format{
+    .name = "text",
+    .is_begun_by = [](std::span<const std::byte> start) { return is_text(unmarked_text_of(start)); },
+    .open = open_text};
+
+CloudFormats file_formats() {
+  static constexpr const CloudFormat* k_formats[] = {&k_copc_format, &k_las_format, &k_e57_format,
+                                                     &k_ply_format,  &k_pcd_format, &k_ptx_format,
+                                                     &k_text_format};
+  return k_formats;
 }
 
-const CloudDatabase* find_database_named(const std::string& name) {
-  return find([&](const CloudDatabase& database) { return database.is_named(name); });
+std::vector<const CloudFormat*> with_file_formats(std::initializer_list<const CloudFormat*> first) {
+  std::vector<const CloudFormat*> formats(first);
+  std::ranges::copy(file_formats(), std::back_inserter(formats));
+  return formats;
 }
 
-const CloudDatabase* find_database_begun_by(const std::string& bytes) {
-  return find([&](const CloudDatabase& database) { return database.is_begun_by(bytes); });
-}
-
-bool lies_in_database(const std::filesystem::path& name) {
-  if (find_database_named(name.string()) != nullptr) return true;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(name, error)) return false;
-  constexpr std::size_t k_looked_at = 16;
-  InputFile file(name);
-  const std::span<const std::byte> bytes = file.view_up_to(0, k_looked_at);
-  return find_database_begun_by({reinterpret_cast<const char*>(bytes.data()), bytes.size()}) != nullptr;
-}
-
-InputFile cloud_input(const std::filesystem::path& name) {
-  if (find_database_named(name.string()) != nullptr)
-    return InputFile(std::span<const std::byte>(), name.string());
+InputFile CloudInput::file() const {
+  const bool is_file = format == nullptr || format->is_named == nullptr || !format->is_named(name.string());
+  if (memory || !is_file) return InputFile(memory.value_or(std::span<const std::byte>()), name.string());
   return InputFile(name);
+}
+
+std::vector<fs::path> CloudInputs::names() const {
+  std::vector<fs::path> names;
+  for (const CloudInput& input : inputs) names.push_back(input.name);
+  return names;
+}
+
+std::string CloudInputs::title() const {
+  const std::string first = inputs.empty() ? "the cloud" : first_name().string();
+  return inputs.size() > 1 ? fmt::format("{} and {} more", first, inputs.size() - 1) : first;
+}
+
+const CloudInput* CloudInputs::only(const CloudFormat& format) const {
+  return inputs.size() == 1 && inputs.front().is(format) ? &inputs.front() : nullptr;
+}
+
+void CloudInputs::check_files() const {
+  for (const CloudInput& input : inputs) {
+    if (input.format == nullptr) input.file();
+  }
 }
 
 namespace {
 
-namespace fs = std::filesystem;
+const CloudFormat* format_named(std::string_view name, CloudFormats formats) {
+  const auto found = std::ranges::find_if(
+      formats, [&](const CloudFormat* format) { return format->is_named && format->is_named(name); });
+  return found == formats.end() ? nullptr : *found;
+}
+
+const CloudFormat* format_begun_by(std::span<const std::byte> start, CloudFormats formats) {
+  const auto found = std::ranges::find_if(
+      formats, [&](const CloudFormat* format) { return format->is_begun_by && format->is_begun_by(start); });
+  return start.empty() || found == formats.end() ? nullptr : *found;
+}
+
+/// What a file is; null if it is missing, empty or nothing that is known.
+const CloudFormat* format_of(const fs::path& path, CloudFormats formats) {
+  try {
+    InputFile file(path);
+    return format_begun_by(file.view_up_to(0, k_looked_at), formats);
+  } catch (const Error&) {
+    return nullptr;
+  }
+}
 
 constexpr std::array<std::string_view, 10> k_endings = {"las", "laz", "ply", "pcd", "e57",
                                                         "pts", "ptx", "xyz", "txt", "csv"};
@@ -160,108 +288,44 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
   return files;
 }
 
+/// The files that a name stands for.
+std::vector<fs::path> files_of_name(const fs::path& name) {
+  std::error_code error;
+  const fs::file_status status = fs::status(name, error);
+  if (fs::is_directory(status)) return files_of_folder(name);
+  return !fs::exists(status) && is_pattern(name.string()) ? files_of_pattern(name) : std::vector{name};
+}
+
 }  // namespace
 
-std::vector<fs::path> expand_cloud_files(std::span<const fs::path> names) {
-  std::vector<fs::path> files;
+CloudInputs resolve_clouds(std::span<const fs::path> names, CloudFormats formats) {
+  CloudInputs clouds;
   for (const fs::path& name : names) {
-    if (find_database_named(name.string()) != nullptr) {
-      files.push_back(name);
-      continue;
+    if (const CloudFormat* const format = format_named(name.string(), formats)) {
+      clouds.inputs.push_back({name, format});
+    } else {
+      for (fs::path& file : files_of_name(name)) clouds.inputs.push_back({std::move(file)});
     }
-    std::error_code error;
-    const fs::file_status status = fs::status(name, error);
-    std::vector<fs::path> some = fs::is_directory(status)                           ? files_of_folder(name)
-                                 : !fs::exists(status) && is_pattern(name.string()) ? files_of_pattern(name)
-                                                                                    : std::vector{name};
-    std::ranges::move(some, std::back_inserter(files));
   }
-  return files;
-}
-
-namespace {
-
-constexpr std::size_t k_looked_at = 4096;
-constexpr const char* k_supported = "LAS, LAZ, PLY, PCD, E57, PTX, PTS, CSV, XYZ or an index file";
-
-/// The next line without spaces at its ends; `text` keeps what follows.
-std::string_view next_line(std::string_view& text) {
-  const std::size_t end = std::min(text.find('\n'), text.size());
-  const std::string_view line = trim(text.substr(0, end));
-  text.remove_prefix(std::min(end + 1, text.size()));
-  return line;
-}
-
-/// Neither NUL nor any other control character that text does not have.
-bool is_text(std::string_view start) {
-  return std::none_of(start.begin(), start.end(), [](char c) {
-    const unsigned char byte = static_cast<unsigned char>(c);
-    return (byte < 0x20 && c != '\t' && c != '\n' && c != '\r' && c != '\f') || byte == 0x7f;
+  in_turns(clouds.size(), k_most_files_at_once, [&](std::size_t i) {
+    CloudInput& input = clouds.inputs[i];
+    if (input.format == nullptr) input.format = format_of(input.name, formats);
   });
+  return clouds;
 }
 
-/// A PCD header begins with one of its keywords, after comments.
-bool is_pcd(std::string_view start) {
-  static constexpr std::array<std::string_view, 10> k_keywords = {
-      "VERSION", "FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "POINTS", "VIEWPOINT", "DATA"};
-  if (start.starts_with("# .PCD")) return true;
-  while (!start.empty()) {
-    const std::string_view line = next_line(start);
-    if (line.empty() || line.front() == '#') continue;
-    const std::string_view word = line.substr(0, line.find_first_of(" \t"));
-    return std::find(k_keywords.begin(), k_keywords.end(), word) != k_keywords.end();
-  }
-  return false;
+CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name, CloudFormats formats) {
+  const std::size_t looked_at = std::min(bytes.size(), k_looked_at);
+  return {std::move(name), format_begun_by(bytes.first(looked_at), formats), bytes};
 }
 
-/// How many numbers a line holds; -1 if it holds anything else.
-int count_numbers(std::string_view line) {
-  if (line.find_first_not_of("0123456789+-.eE \t") != std::string_view::npos) return -1;
-  int count = 0;
-  for (std::size_t place = 0; (place = line.find_first_not_of(" \t", place)) != std::string_view::npos;
-       ++count) {
-    place = std::min(line.find_first_of(" \t", place), line.size());
-  }
-  return count;
-}
-
-/// A PTX scan begins with columns, rows, four lines of three numbers (the scanner) and four of four (the
-/// transform).
-bool is_ptx(std::string_view start) {
-  for (const int expected : {1, 1, 3, 3, 3, 3, 4, 4, 4, 4}) {
-    if (count_numbers(next_line(start)) != expected) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
-std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage) {
-  if (const CloudDatabase* const database = find_database_named(file.name()))
-    return database->open(file.name());
-  const std::span<const std::byte> bytes = file.view_up_to(0, k_looked_at);
-  // A copy, because the file is handed on.
-  const std::string copy(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  std::string_view start = copy;
-  if (start.empty()) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
-  if (start.starts_with("LASF")) return open_las(std::move(file), damage);
-  if (start.starts_with(std::string_view("ALIDADE\0", 8))) return open_index_cloud(std::move(file));
-  if (start.starts_with("ASTM-E57")) return open_e57(std::move(file), damage);
-  if (const CloudDatabase* const database = find_database_begun_by(copy)) return database->open(file.name());
-  // Every reader of text skips a byte order mark.
-  if (start.starts_with(k_byte_order_mark)) start.remove_prefix(k_byte_order_mark.size());
-  if (start.starts_with("ply") && start.size() > 3 && (is_blank(start[3]) || start[3] == '\n')) {
-    return open_ply(std::move(file), damage);
-  }
-  if (is_pcd(start)) return open_pcd(std::move(file), damage);
-  if (!is_text(start)) {
-    throw Error({.file = file.name(),
-                 .problem = "is of no known format",
-                 .expected = k_supported,
-                 .found = "binary data"});
-  }
-  if (is_ptx(start)) return open_ptx(std::move(file), damage);
-  return open_text(std::move(file), damage);
+std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
+  if (input.format != nullptr) return input.format->open(std::move(file), damage);
+  if (file.size() == 0) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
+  throw Error({.file = file.name(),
+               .problem = "is of no known format",
+               .expected = k_supported,
+               .found = "binary data"});
 }
 
 }  // namespace alidade

@@ -2,17 +2,80 @@
 #pragma once
 
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "cloud/cloud_reader.h"
+#include "base/input_file.h"
+#include "cloud/damage.h"
 
 namespace alidade {
 
-/// The files that names of files, folders and patterns stand for, in the order of the names:
-/// - the name of a cloud in a database (cloud_database.h) stands for itself;
+class CloudReader;
+
+/// One way a cloud can be stored.
+struct CloudFormat {
+  std::string_view name;
+  /// Whether a name is one of this format that no file has; null: there are none.
+  bool (*is_named)(std::string_view name) = nullptr;
+  /// By the first 4096 bytes of a file, or all it has; null: it is never a file.
+  bool (*is_begun_by)(std::span<const std::byte> start) = nullptr;
+  /// Errors: the content is not of this format. Of what is no file the input is empty and has its name.
+  std::unique_ptr<CloudReader> (*open)(InputFile input, Damage damage) = nullptr;
+};
+
+/// Formats that are asked in this order.
+using CloudFormats = std::span<const CloudFormat* const>;
+
+extern const CloudFormat k_copc_format, k_las_format, k_e57_format, k_ply_format, k_pcd_format, k_ptx_format,
+    k_text_format;
+
+/// The formats above: LAS and LAZ, COPC, E57, PLY, PCD, PTX, PTS, CSV and XYZ. Text is the last: it takes
+/// whatever is text.
+CloudFormats file_formats();
+
+/// Others, which are asked first, and file_formats().
+std::vector<const CloudFormat*> with_file_formats(std::initializer_list<const CloudFormat*> first);
+
+/// Where one cloud is stored. Nothing is open.
+struct CloudInput {
+  std::filesystem::path name;  ///< what messages call it
+  const CloudFormat* format =
+      nullptr;  ///< null: missing, unreadable, empty or unknown; open_cloud() says which
+  std::optional<std::span<const std::byte>> memory{};  ///< the bytes of a file that is in memory
+
+  /// Opens it. Errors: InputFile's.
+  InputFile file() const;
+  bool is(const CloudFormat& which) const { return format == &which; }
+};
+
+/// Files that are open at once, of many.
+inline constexpr std::size_t k_most_files_at_once = 32;
+
+/// Clouds that are taken together as one. Their order is that of the points.
+struct CloudInputs {
+  std::vector<CloudInput> inputs;
+
+  bool empty() const { return inputs.empty(); }
+  std::size_t size() const { return inputs.size(); }
+  /// Requires one at least.
+  const std::filesystem::path& first_name() const { return inputs.front().name; }
+  std::vector<std::filesystem::path> names() const;
+  /// "a.las", "a.las and 3 more".
+  std::string title() const;
+  /// The one that is of this format and the only one; else null.
+  const CloudInput* only(const CloudFormat& format) const;
+  /// Errors: the first file that cannot be opened.
+  void check_files() const;
+};
+
+/// The clouds that names of files, folders and patterns stand for, in the order of the names, each looked at
+/// once:
+/// - a name of one of the formats (CloudFormat::is_named) stands for itself;
 /// - what is neither a folder nor a pattern is one file, whether it is there or not;
 /// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
 ///   pts, ptx, xyz, txt or csv, in capitals or not;
@@ -26,31 +89,13 @@ namespace alidade {
 /// that two names stand for comes twice.
 ///
 /// Errors: a folder without cloud files or that cannot be read; a pattern that matches none. Each says what
-/// was looked for. Cost: one look into each folder concerned.
-std::vector<std::filesystem::path> expand_cloud_files(std::span<const std::filesystem::path> names);
+/// was looked for. A file that is missing or damaged is none. Cost: one look into each folder concerned, and at
+/// the first bytes of each file, in parallel (oneTBB). `formats` must outlive what is returned.
+CloudInputs resolve_clouds(std::span<const std::filesystem::path> names,
+                           CloudFormats formats = file_formats());
 
-/// Clouds that lie in databases. The library opens none itself; a program says how, before it reads clouds.
-struct CloudDatabase {
-  bool (*is_named)(const std::string& name);                      ///< names that are no files
-  bool (*is_begun_by)(const std::string& bytes);                  ///< files, by at least their first 16 bytes
-  std::unique_ptr<CloudReader> (*open)(const std::string& name);  ///< of either kind
-};
-
-/// Has clouds read from such databases, too. Not while clouds are being read.
-void add_cloud_database(const CloudDatabase& database);
-
-/// The one whose cloud is named so; null for names of files.
-const CloudDatabase* find_database_named(const std::string& name);
-
-/// The one whose file begins so; null if there is none.
-const CloudDatabase* find_database_begun_by(const std::string& bytes);
-
-/// Whether the cloud of that name lies in a database, whose first bytes are looked at if it is a file that is
-/// there.
-bool lies_in_database(const std::filesystem::path& name);
-
-/// The file of that name, or what stands for a cloud of that name in a database: open_cloud() knows it again.
-/// Errors: InputFile's.
-InputFile cloud_input(const std::filesystem::path& name);
+/// A file in memory, called `name`. The bytes must outlive what is returned.
+CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name,
+                           CloudFormats formats = file_formats());
 
 }  // namespace alidade

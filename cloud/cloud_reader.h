@@ -12,6 +12,7 @@
 #include "base/bounds.h"
 #include "base/input_file.h"
 #include "base/progress.h"
+#include "cloud/cloud_inputs.h"
 #include "cloud/damage.h"
 #include "cloud/point_cloud.h"
 
@@ -139,8 +140,11 @@ class CloudReader {
   virtual void rest() {}
 };
 
-/// Looks at the first bytes and opens the right reader. Errors: unreadable file, unknown format.
-std::unique_ptr<CloudReader> open_cloud(InputFile file, Damage damage = Damage::refuse);
+/// Opens a cloud by its format. Errors: it cannot be read; it is empty or of no known format.
+std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage);
+inline std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, Damage damage = Damage::refuse) {
+  return open_cloud(input, input.file(), damage);
+}
 
 /// One function per format; each throws Error if the content is not of that format. Each lives in
 /// read_<format>.cpp.
@@ -151,6 +155,5 @@ std::unique_ptr<CloudReader> open_text(InputFile file,
                                        Damage damage = Damage::refuse);  ///< XYZ, CSV with header names, PTS
 std::unique_ptr<CloudReader> open_ptx(InputFile file, Damage damage = Damage::refuse);
 std::unique_ptr<CloudReader> open_e57(InputFile file, Damage = Damage::refuse);
-std::unique_ptr<CloudReader> open_index_cloud(InputFile file);  ///< octree/index_file/index_file.h
 
 }  // namespace alidade

@@ -249,13 +249,13 @@ void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, Po
   if (!files.empty()) files.front().lost_count = count;
 }
 
-void warn_of_twins(std::span<const std::filesystem::path> files, PointCloud& cloud) {
+void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {
   std::set<std::pair<dev_t, ino_t>> known;
   SomeFiles twins;
-  for (const std::filesystem::path& file : files) {
+  for (const CloudInput& input : inputs.inputs) {
     struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) continue;
-    if (!known.emplace(status.st_dev, status.st_ino).second) twins.add(file.string());
+    if (input.memory || ::stat(input.name.c_str(), &status) != 0) continue;
+    if (!known.emplace(status.st_dev, status.st_ino).second) twins.add(input.name.string());
   }
   if (twins.count == 0) return;
   cloud.warnings.push_back(twins.text() +

@@ -86,6 +86,6 @@ void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud);
 void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, PointCloud& cloud);
 
 /// Files that are given more than once, under whatever names.
-void warn_of_twins(std::span<const std::filesystem::path> files, PointCloud& cloud);
+void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud);
 
 }  // namespace alidade

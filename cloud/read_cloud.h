@@ -7,6 +7,7 @@
 
 #include "base/bounds.h"
 #include "base/progress.h"
+#include "cloud/cloud_inputs.h"
 #include "cloud/point_cloud.h"
 
 namespace alidade {
@@ -34,11 +35,12 @@ struct ReadOptions {
   Progress progress{};  ///< in bytes of input
 };
 
-/// Reads one or more cloud files into one cloud. The format is told by content, never by the file's name:
-/// LAS 1.0-1.4 (point formats 0-10), LAZ and COPC of these, PLY, PCD, E57, PTX, PTS, CSV with header names,
-/// XYZ, and index files (octree/index_file/index_file.h), whose points come back in the rows they had.
+/// Reads one or more clouds into one. LAS 1.0-1.4 (point formats 0-10), LAZ and COPC of these, PLY, PCD, E57,
+/// PTX, PTS, CSV with header names and XYZ are told by content, never by the file's name; other formats are
+/// those that the inputs were resolved with, as index files (octree/index_file/index_file.h), whose points
+/// come back in the rows they had.
 ///
-/// A name may also be a folder or a pattern (cloud/cloud_inputs.h). Several files are joined in the
+/// Several files are joined in the
 /// order given; an attribute that only some files have is filled with zeros for the others (said in
 /// `warnings`). LAS files must share one lattice up to a whole number of steps, otherwise the odd file is an
 /// Error; so is one that states another coordinate reference system. A file that states none beside others
@@ -52,13 +54,14 @@ struct ReadOptions {
 /// in a file are checked against its size before memory is taken. Cost: one pass for LAS and LAZ, two passes
 /// for the other formats; several files, and the chunks of LAZ, are read at once by the threads of the task
 /// arena (oneTBB), and the result is the same for any number of them.
-PointCloud read_cloud(std::span<const std::filesystem::path> files, const ReadOptions& options = {});
+PointCloud read_cloud(const CloudInputs& inputs, const ReadOptions& options = {});
 
-/// The same for a single file.
+/// The same for names of files, folders and patterns (resolve_clouds()).
+PointCloud read_cloud(std::span<const std::filesystem::path> files, const ReadOptions& options = {});
 PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options = {});
 
 /// Box of all points of the files, world coordinates, as far as LAS and index files state it
-/// (FileFacts::box); empty if none does. Names as read_cloud() takes them. Errors: those of opening files.
-Bounds stated_box(std::span<const std::filesystem::path> files);
+/// (FileFacts::box); empty if none does. Errors: those of opening files.
+Bounds stated_box(const CloudInputs& inputs);
 
 }  // namespace alidade

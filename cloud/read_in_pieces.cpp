@@ -95,13 +95,15 @@ namespace {
 constexpr std::uint64_t k_few_points = 1 << 22;
 
 /// Opens files of which each is to be read, skipped, or to be looked through for its lattice.
-std::vector<CloudSource> open_sources(std::vector<InputFile> files, const ReadOptions& options) {
+std::vector<CloudSource> open_sources(const CloudInputs& inputs, const ReadOptions& options) {
+  inputs.check_files();
   const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
-  std::vector<CloudSource> sources(files.size());
-  in_turns(files.size(), k_most_files_at_once, [&](std::size_t i) {
+  std::vector<CloudSource> sources(inputs.size());
+  in_turns(inputs.size(), k_most_files_at_once, [&](std::size_t i) {
     CloudSource& source = sources[i];
-    source.bytes = files[i].size();
-    source.reader = open_cloud(std::move(files[i]), damage);
+    InputFile file = inputs.inputs[i].file();
+    source.bytes = file.size();
+    source.reader = open_cloud(inputs.inputs[i], std::move(file), damage);
     source.work = std::max(source.bytes, source.reader->work());
     source.has_lattice = source.reader->lattice().has_value();
     source.facts = source.reader->facts();
@@ -257,9 +259,9 @@ std::vector<std::optional<PointCloud>> read_pieces(std::vector<CloudSource>& sou
 
 }  // namespace
 
-PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& options,
+PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& options,
                               const CloudPieces& pieces) {
-  std::vector<CloudSource> sources = open_sources(std::move(files), options);
+  std::vector<CloudSource> sources = open_sources(inputs, options);
   std::uint64_t work = 0;
   for (const CloudSource& source : sources)
     work += source.is_skipped ? 0 : source.has_lattice ? source.work : 2 * source.work;
@@ -307,6 +309,7 @@ PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& o
   whole.point_count = joining.row_count();
   whole.attributes = joining.attributes();
   report(options.progress, work, work);
+  warn_of_twins(inputs, cloud);
   return whole;
 }
 

@@ -65,15 +65,7 @@ struct PiecewiseCloud {
 /// points are handed over as `pieces` says, and colours are as the files have them. The pieces' `take` is
 /// given clouds on the lattice of the whole; what else they say of it may still grow. Files are read one
 /// after another. Errors: as read_cloud(). Memory: that of CloudReader::read_in_pieces().
-PiecewiseCloud read_in_pieces(std::span<const std::filesystem::path> files, const ReadOptions& options,
-                              const CloudPieces& pieces);
-
-/// Files that are open, or read into pieces of their own, at once.
-inline constexpr std::size_t k_most_files_at_once = 32;
-
-/// Both over files already opened, also in memory.
-PointCloud join_files(std::vector<InputFile> files, const ReadOptions& options);
-PiecewiseCloud join_in_pieces(std::vector<InputFile> files, const ReadOptions& options,
+PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& options,
                               const CloudPieces& pieces);
 
 }  // namespace alidade

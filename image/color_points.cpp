@@ -13,7 +13,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/words.h"
-#include "cloud/cloud_inputs.h"
+#include "cloud/cloud_reader.h"
 #include "cloud/point_cloud.h"
 #include "geo/map_unit.h"
 #include "image/point_color.h"
@@ -156,13 +156,13 @@ AttributeSet attributes_for(const PointColoring& coloring) {
   }
 }
 
-AttributeSet check_color_of_files(const PointColoring& coloring, std::span<const std::filesystem::path> files,
-                                  Damage damage, const std::string& name) {
+AttributeSet check_color_of_files(const PointColoring& coloring, const CloudInputs& inputs, Damage damage,
+                                  const std::string& name) {
   const AttributeSet needed = attributes_for(coloring);
   AttributeSet seen;
   if (coloring.by == PointColor::automatic || needed == AttributeSet()) return seen;
-  for (const std::filesystem::path& file : files) {
-    seen = seen | open_cloud(cloud_input(file), damage)->attributes();
+  for (const CloudInput& input : inputs.inputs) {
+    seen = seen | open_cloud(input, damage)->attributes();
     if ((seen & needed) == needed) return seen;
   }
   fail(name, color_word(coloring), seen, {});

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cloud/cloud_inputs.h"
 #include "cloud/damage.h"
 #include "cloud/point_cloud.h"
 #include "image/color_key.h"
@@ -32,8 +33,8 @@ AttributeSet attributes_for(const PointColoring& coloring);
 /// Lets a wrong wish fail before points are read, as far as the beginnings of the files tell. `name` is the
 /// cloud's in messages. Returns the attributes that were seen. Errors: none of the files has the attribute;
 /// the message lists what they have. Those of open_cloud().
-AttributeSet check_color_of_files(const PointColoring& coloring, std::span<const std::filesystem::path> files,
-                                  Damage damage, const std::string& name);
+AttributeSet check_color_of_files(const PointColoring& coloring, const CloudInputs& inputs, Damage damage,
+                                  const std::string& name);
 
 /// A cloud that is about to be coloured.
 struct ColorSource {

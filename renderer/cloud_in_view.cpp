@@ -166,40 +166,35 @@ std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>
   return parts;
 }
 
-std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudSettings& settings) {
+std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudInputs& inputs) {
   constexpr std::size_t k_most_files = 256;  // all of which stay open
-  const std::vector<std::filesystem::path> paths = expand_cloud_files(settings.files);
   std::vector<std::unique_ptr<CopcFile>> files;
-  if (paths.size() > k_most_files) return files;
-  for (const std::filesystem::path& path : paths) {
-    InputFile file = cloud_input(path);
-    if (!is_copc(file)) return {};
+  if (inputs.size() > k_most_files) return files;
+  for (const CloudInput& input : inputs.inputs) {
+    InputFile file = input.file();
+    if (!input.is(k_copc_format)) return {};
     files.push_back(std::make_unique<CopcFile>(std::move(file)));
   }
   return files;
 }
 
-LoadedCloud load_coarse_cloud(const CloudSettings& wanted,
+LoadedCloud load_coarse_cloud(const CloudSettings& wanted, const CloudInputs& inputs,
                               const std::vector<std::unique_ptr<CopcFile>>& files,
                               const camera::Camera* camera, std::uint64_t most_points,
                               const Progress& progress) {
   CloudSettings settings = wanted;
-  settings.files.clear();
   double widest = 0.0;
-  for (const auto& file : files) {
-    settings.files.emplace_back(file->name());
-    widest = std::max(widest, file->info().spacing);
-  }
+  for (const auto& file : files) widest = std::max(widest, file->info().spacing);
   settings.radius.reset();
   settings.adapted_radius = AdaptedRadius{.max = widest};
-  const AttributeSet attributes = image::check_color_of_files(settings.color, settings.files, Damage::refuse,
-                                                              settings.files.front().string());
+  const AttributeSet attributes =
+      image::check_color_of_files(settings.color, inputs, Damage::refuse, inputs.first_name().string());
   const std::vector<ChosenNodes> nodes = nodes_in_view(files, camera, most_points);
   LoadedCloud loaded =
       index_cloud(read_copc_nodes(nodes, {.attributes = image::attributes_for(settings.color),
                                           .color_depth = settings.color_depth,
                                           .progress = progress}),
-                  attributes, settings);
+                  attributes, settings, inputs.title());
   choose_radius(settings, loaded);
   return loaded;
 }

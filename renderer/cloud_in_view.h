@@ -32,12 +32,12 @@ std::vector<ChosenNodes> nodes_in_view(std::span<const std::unique_ptr<CopcFile>
 
 /// The files of a cloud, opened, if all are COPC and no more than 256; else none. Reads their hierarchies, no
 /// points. Errors: as CopcFile's.
-std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudSettings& settings);
+std::vector<std::unique_ptr<CopcFile>> open_copc_cloud(const CloudInputs& inputs);
 
 /// Loads what shows the cloud of these files best with about `most_points` of its points: nodes_in_view() of
 /// `camera`, which may be null. Spheres grow with the gaps that this leaves, whatever radius the settings
 /// have; all else is as load_cloud()'s. `progress` is in points. Errors: as load_cloud().
-LoadedCloud load_coarse_cloud(const CloudSettings& settings,
+LoadedCloud load_coarse_cloud(const CloudSettings& settings, const CloudInputs& inputs,
                               const std::vector<std::unique_ptr<CopcFile>>& files,
                               const camera::Camera* camera, std::uint64_t most_points,
                               const Progress& progress = {});

@@ -97,15 +97,10 @@ void drop(Column& column) {
   Column().swap(column);
 }
 
-std::string names(const std::vector<std::filesystem::path>& files) {
-  const std::string first = files.empty() ? "the cloud" : files.front().string();
-  return files.size() > 1 ? first + " and " + std::to_string(files.size() - 1) + " more" : first;
-}
-
 /// Takes over what a cloud says about itself.
-void describe(LoadedCloud& loaded, const CloudSettings& settings, PointCloud&& cloud, std::uint64_t count) {
+void describe(LoadedCloud& loaded, const std::string& name, PointCloud&& cloud, std::uint64_t count) {
   loaded.warnings = std::move(cloud.warnings);
-  if (count == 0) loaded.warnings.push_back(names(settings.files) + " has no points");
+  if (count == 0) loaded.warnings.push_back(name + " has no points");
   loaded.crs = std::move(cloud.crs);
   loaded.files = std::move(cloud.files);
 }
@@ -119,62 +114,62 @@ void keep_columns(PointCloud& cloud, const image::PointColoring& coloring) {
 }
 
 /// Takes over the colours, and says where there is none to show.
-void take(image::ColoredPoints&& points, LoadedCloud& loaded, const CloudSettings& settings) {
+void take(image::ColoredPoints&& points, LoadedCloud& loaded, const std::string& name) {
   loaded.colors = std::move(points.colors);
   loaded.color = std::move(points.key);
   if (loaded.color.missing_count == 0) return;
-  loaded.warnings.push_back(fmt::format("{}: {} of {} points have no {}: they are grey",
-                                        names(settings.files), loaded.color.missing_count,
-                                        loaded.color.point_count, loaded.color.word));
+  loaded.warnings.push_back(fmt::format("{}: {} of {} points have no {}: they are grey", name,
+                                        loaded.color.missing_count, loaded.color.point_count,
+                                        loaded.color.word));
 }
 
-LoadedCloud map_cloud(const CloudSettings& settings, const Progress& progress) {
-  const IndexFile index = open_index(settings.files.front());
+LoadedCloud map_cloud(const CloudSettings& settings, const CloudInput& input, const Progress& progress) {
+  const IndexFile index(input.file());
+  const std::string& name = index.name();
   const std::uint64_t point_count = index.header().tree.point_count;
   LoadedCloud loaded;
-  describe(loaded, settings, PointCloud(index.description()), point_count);
+  describe(loaded, name, PointCloud(index.description()), point_count);
   const image::PointColoring coloring = image::choose_color(
-      settings.color, {index.columns(), index.attributes(), point_count, names(settings.files)},
-      loaded.warnings);
+      settings.color, {index.columns(), index.attributes(), point_count, name}, loaded.warnings);
   loaded.octree = index.octree(progress);
   loaded.index_checksum = checksum(encode_index_header(index.header()));
   take(image::color_points(coloring, index.columns(), index.description(), heights(loaded.octree.view())),
-       loaded, settings);
+       loaded, name);
   if (coloring.by == image::PointColor::rgb) loaded.mapped_colors = index.columns().colors;
   return loaded;
 }
 
-LoadedCloud build_cloud(const CloudSettings& settings, const Progress& reading, const Progress& afterwards) {
-  const std::string name = names(settings.files);
+LoadedCloud build_cloud(const CloudSettings& settings, const CloudInputs& inputs, const Progress& reading,
+                        const Progress& afterwards) {
+  const std::string name = inputs.title();
   const AttributeSet seen = image::check_color_of_files(
-      settings.color, settings.files, settings.partial ? Damage::read_over : Damage::refuse, name);
-  PointCloud cloud = read_cloud(settings.files, {.attributes = image::attributes_for(settings.color),
-                                                 .color_depth = settings.color_depth,
-                                                 .partial = settings.partial,
-                                                 .progress = reading});
-  return index_cloud(std::move(cloud), seen, settings, afterwards);
+      settings.color, inputs, settings.partial ? Damage::read_over : Damage::refuse, name);
+  PointCloud cloud = read_cloud(inputs, {.attributes = image::attributes_for(settings.color),
+                                         .color_depth = settings.color_depth,
+                                         .partial = settings.partial,
+                                         .progress = reading});
+  return index_cloud(std::move(cloud), seen, settings, name, afterwards);
 }
 
 }  // namespace
 
 LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const CloudSettings& settings,
-                        const Progress& progress) {
+                        const std::string& name, const Progress& progress) {
   LoadedCloud loaded;
   const image::PointColoring coloring = image::choose_color(
-      settings.color, {columns_of(cloud), attributes, cloud.size(), names(settings.files)}, cloud.warnings);
+      settings.color, {columns_of(cloud), attributes, cloud.size(), name}, cloud.warnings);
   keep_columns(cloud, coloring);
   loaded.octree = build(std::move(cloud), {.progress = progress});
   image::ColoredPoints points =
       image::color_points(coloring, columns_of(cloud), cloud, heights(loaded.octree.view()));
   if (coloring.by == image::PointColor::rgb) points.colors = std::move(cloud.colors);
-  describe(loaded, settings, std::move(cloud), loaded.octree.size());
-  take(std::move(points), loaded, settings);
+  describe(loaded, name, std::move(cloud), loaded.octree.size());
+  take(std::move(points), loaded, name);
   return loaded;
 }
 
-LoadedCloud load_cloud(const CloudSettings& wanted, const Progress& progress, const Progress& measuring) {
-  CloudSettings settings = wanted;
-  settings.files = expand_cloud_files(wanted.files);
+LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs, const Progress& progress,
+                       const Progress& measuring) {
   // Reading counts the work; what follows is asked whether to go on, at the place where reading ended.
   std::uint64_t done = 0, total = 0;
   const Progress reading = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
@@ -185,17 +180,22 @@ LoadedCloud load_cloud(const CloudSettings& wanted, const Progress& progress, co
   const Progress afterwards = [&](std::uint64_t, std::uint64_t) {
     return !progress || progress(done, total);
   };
-  const bool is_indexed = settings.files.size() == 1 && is_index_file(settings.files.front());
-  LoadedCloud loaded = is_indexed ? map_cloud(settings, reading) : build_cloud(settings, reading, afterwards);
+  const CloudInput* const index = inputs.only(k_index_format);
+  LoadedCloud loaded =
+      index ? map_cloud(settings, *index, reading) : build_cloud(settings, inputs, reading, afterwards);
   if (settings.max_level < k_max_level && loaded.octree.size() > 0 &&
       loaded.octree.view().organisation != Organisation::layered) {
-    throw Error({.file = names(settings.files),
+    throw Error({.file = inputs.title(),
                  .problem = "max_level needs points in levels",
                  .expected = "an index file made with --organisation layered"});
   }
   report(afterwards, done, total);
   choose_radius(settings, loaded, measuring);
   return loaded;
+}
+
+LoadedCloud load_cloud(const CloudSettings& settings, const Progress& progress, const Progress& measuring) {
+  return load_cloud(settings, resolve_clouds(settings.files, index_and_file_formats()), progress, measuring);
 }
 
 Bounds visible_bounds(const LoadedCloud& cloud) {

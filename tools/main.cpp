@@ -8,9 +8,7 @@
 #include "base/error.h"
 #include "base/json.h"
 #include "base/words.h"
-#include "database/server/read_server.h"
 #include "database/server/server_name.h"
-#include "database/sqlite/stored_cloud.h"
 #include "tools/command.h"
 #include "tools/console.h"
 
@@ -143,9 +141,6 @@ int main(int argument_count, char** arguments) {
   using namespace alidade;
   using namespace alidade::tools;
   catch_interrupts();
-  // The first that knows a name has it.
-  add_cloud_database(database::server_clouds());
-  add_cloud_database(database::sqlite_clouds());
   ExitCode code = ExitCode::failed;
   try {
     code = run(CommandLine(arguments, arguments + argument_count));

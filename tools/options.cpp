@@ -11,8 +11,8 @@
 #include <string_view>
 
 #include "base/output_file.h"
-#include "cloud/cloud_inputs.h"
 #include "renderer/scene.h"
+#include "tools/cloud/load_cloud.h"
 
 namespace alidade::tools {
 namespace {
@@ -167,12 +167,13 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return canonical(a) == canonical(b);
 }
 
-CLI::Option* add_cloud_files(CLI::App& command, const std::string& name,
-                             std::vector<std::filesystem::path>& files, const std::string& help) {
+CLI::Option* add_cloud_files(CLI::App& command, const std::string& name, CloudInputs& clouds,
+                             const std::string& help) {
   return command.add_option_function<std::vector<std::string>>(
       name,
-      [&files](const std::vector<std::string>& words) {
-        files = expand_cloud_files(std::vector<std::filesystem::path>(words.begin(), words.end()));
+      [&clouds](const std::vector<std::string>& words) {
+        clouds =
+            resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats());
       },
       help);
 }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "cloud/cloud_inputs.h"
 #include "tools/console.h"
 
 // Options that several commands share, and the strict reading of their values. A value with anything behind
@@ -100,9 +101,9 @@ inline const std::string k_database_help =
     "; a table of a database, too: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
-/// (expand_cloud_files()) while the command line is read. Errors then: those of expand_cloud_files().
-CLI::Option* add_cloud_files(CLI::App& command, const std::string& name,
-                             std::vector<std::filesystem::path>& files, const std::string& help);
+/// (resolve_clouds()) while the command line is read. Errors then: those of resolve_clouds().
+CLI::Option* add_cloud_files(CLI::App& command, const std::string& name, CloudInputs& clouds,
+                             const std::string& help);
 
 /// Declares --partial.
 CLI::Option* add_partial(CLI::App& command, bool& partial);

@@ -65,9 +65,8 @@ std::vector<LazChunk> find_chunks(InputFile& file, const LasHeader& header, cons
 
 }  // namespace
 
-bool is_copc(InputFile& file) {
-  const std::span<const std::byte> start = file.view_up_to(0, k_start_size);
-  return start.size() == k_start_size && las_text(start.data(), 4) == "LASF" &&
+bool is_copc(std::span<const std::byte> start) {
+  return start.size() >= k_start_size && las_text(start.data(), 4) == "LASF" &&
          las_text(start.data() + k_las_header_size + 2, 16) == "copc" &&
          load<std::uint16_t>(start.data() + k_las_header_size + 18) == 1;
 }

@@ -17,8 +17,8 @@
 
 namespace alidade {
 
-/// Whether the first bytes are those of a COPC file. Looks at 589 bytes.
-bool is_copc(InputFile& file);
+/// Whether a file that starts so, 589 bytes at least, is COPC.
+bool is_copc(std::span<const std::byte> start);
 
 /// A COPC file, opened: everything but its points is read. Thread safe.
 class CopcFile {

@@ -2,6 +2,7 @@
 // Stands for read_server_table.cpp, read_server_part.cpp and store_on_server.cpp where libpq's header was not
 // found.
 #include "base/error.h"
+#include "cloud/cloud_reader.h"
 #include "database/server/read_server.h"
 #include "database/server/store_on_server.h"
 
@@ -16,11 +17,11 @@ namespace {
 
 }  // namespace
 
-CloudDatabase server_clouds() {
-  return {.is_named = [](const std::string& name) { return is_server_name(name); },
-          .is_begun_by = [](const std::string&) { return false; },
-          .open = [](const std::string& name) -> std::unique_ptr<CloudReader> { refuse(ServerName(name)); }};
-}
+const CloudFormat k_server_format{.name = "PostgreSQL",
+                                  .is_named = is_server_name,
+                                  .open = [](InputFile input, Damage) -> std::unique_ptr<CloudReader> {
+                                    refuse(ServerName(input.name()));
+                                  }};
 
 bool has_server_parts(const std::string& name) {
   refuse(ServerName(name));
@@ -31,8 +32,8 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
   refuse(ServerName(name));
 }
 
-StoredFiles store_on_server(const ServerName& name, std::span<const std::filesystem::path>,
-                            const ReadOptions&, const ServerStoreOptions&) {
+StoredFiles store_on_server(const ServerName& name, const CloudInputs&, const ReadOptions&,
+                            const ServerStoreOptions&) {
   refuse(name);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
 #include "cloud/point_table.h"
 #include "cloud/rows.h"
@@ -353,12 +354,10 @@ void ServerCloudReader::warn(PointCloud& cloud, std::uint64_t null_count) const 
 
 }  // namespace
 
-CloudDatabase server_clouds() {
-  return {.is_named = [](const std::string& name) { return is_server_name(name); },
-          .is_begun_by = [](const std::string&) { return false; },
-          .open = [](const std::string& name) -> std::unique_ptr<CloudReader> {
-            return std::make_unique<ServerCloudReader>(name);
-          }};
-}
+const CloudFormat k_server_format{.name = "PostgreSQL",
+                                  .is_named = is_server_name,
+                                  .open = [](InputFile input, Damage) -> std::unique_ptr<CloudReader> {
+                                    return std::make_unique<ServerCloudReader>(input.name());
+                                  }};
 
 }  // namespace alidade::database

@@ -13,14 +13,14 @@ namespace alidade::database {
 /// Reads those points of a table on a server (ServerName) for which one of the filters may hold: at least all
 /// for which one does. The server finds them by its index; it would try more than 64 on too many points, and
 /// then all are read. Requires a table with its NAME_cloud. `progress` is in points, of all. Errors: those of
-/// server_clouds(); ids that are there twice.
+/// k_server_format; ids that are there twice.
 CloudPart read_server_part(const std::string& name, std::span<const PointFilter> any_of,
                            AttributeSet attributes, const Progress& progress = {});
 
 /// Whether a part can be read of the table: it has its NAME_cloud. Errors: those of opening it.
 bool has_server_parts(const std::string& name);
 
-/// Tables of PostgreSQL servers (ServerName), for add_cloud_database(). Any table, view or foreign table with
+/// Tables of PostgreSQL servers (ServerName). Any table, view or foreign table with
 /// numbers x, y, z is a cloud, as it was when it was opened:
 /// - Columns with the names that `alidade sql load` gives to attributes are these; other numbers become extra
 ///   dimensions, anything else is left out with a warning. NULL: see CloudValues.
@@ -34,6 +34,6 @@ bool has_server_parts(const std::string& name);
 /// Errors when opened: ServerName's, ServerConnection's, find_server_table()'s. When read: values out of an
 /// attribute's range; a table that is not what its NAME_cloud says. Cost: a pass over the table, and one more
 /// without NAME_cloud; on the server, points that memory does not hold are sorted by their ids.
-CloudDatabase server_clouds();
+extern const CloudFormat k_server_format;
 
 }  // namespace alidade::database

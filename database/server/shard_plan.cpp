@@ -271,7 +271,7 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
 
 }  // namespace
 
-ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const std::filesystem::path> files,
+ShardPlan write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
                            const ReadOptions& reading, std::span<const Shard> shards,
                            const ShardPlanOptions& options) {
   check_server_table(options.table);
@@ -288,7 +288,7 @@ ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const 
   }
   try {
     OrderedCloud cloud(beside);
-    cloud.whole = read_in_pieces(files, reading,
+    cloud.whole = read_in_pieces(inputs, reading,
                                  {.most_bytes = options.memory,
                                   .bytes_beside = PointStream::k_bytes_beside,
                                   .take = [&](PointCloud& piece) { cloud.points.add(piece); }});

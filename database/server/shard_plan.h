@@ -46,7 +46,7 @@ struct ShardPlan {
 /// Errors: the folder exists or cannot be written; fewer points than shards; too many columns for PostgreSQL;
 /// a table's name that is empty, longer than 40 bytes or has control characters; those of reading. Cancelled.
 /// Memory: ShardPlanOptions::memory, and what CloudReader::read_in_pieces() says.
-ShardPlan write_shard_plan(const std::filesystem::path& folder, std::span<const std::filesystem::path> files,
+ShardPlan write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
                            const ReadOptions& reading, std::span<const Shard> shards,
                            const ShardPlanOptions& options = {});
 

@@ -81,8 +81,8 @@ void store(ServerConnection& connection, const ServerName& name, const Piecewise
 
 }  // namespace
 
-StoredFiles store_on_server(const ServerName& name, std::span<const std::filesystem::path> files,
-                            const ReadOptions& reading, const ServerStoreOptions& options) {
+StoredFiles store_on_server(const ServerName& name, const CloudInputs& inputs, const ReadOptions& reading,
+                            const ServerStoreOptions& options) {
   if (name.table.empty())
     throw Error(
         {.file = name.shown(), .problem = "the table has no name", .expected = "?table=NAME at the end"});
@@ -91,7 +91,7 @@ StoredFiles store_on_server(const ServerName& name, std::span<const std::filesys
   check_tables(connection, name, options.replace);
 
   PointStream points(std::filesystem::temp_directory_path());
-  PiecewiseCloud whole = read_in_pieces(files, reading,
+  PiecewiseCloud whole = read_in_pieces(inputs, reading,
                                         {.most_bytes = options.memory,
                                          .bytes_beside = PointStream::k_bytes_beside,
                                          .take = [&](PointCloud& piece) { points.add(piece); }});

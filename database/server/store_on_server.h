@@ -20,7 +20,7 @@ struct ServerStoreOptions {
 ///
 /// Errors: check_server_table()'s; no server; no right to make tables; the table exists; the
 /// extension is not installed; those of reading. Cancelled. Memory: as store_files().
-StoredFiles store_on_server(const ServerName& name, std::span<const std::filesystem::path> files,
-                            const ReadOptions& reading, const ServerStoreOptions& options = {});
+StoredFiles store_on_server(const ServerName& name, const CloudInputs& inputs, const ReadOptions& reading,
+                            const ServerStoreOptions& options = {});
 
 }  // namespace alidade::database

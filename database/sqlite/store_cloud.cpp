@@ -276,11 +276,11 @@ void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, con
   store_stream(file, whole, points, options);
 }
 
-StoredFiles store_files(const std::filesystem::path& file, std::span<const std::filesystem::path> files,
+StoredFiles store_files(const std::filesystem::path& file, const CloudInputs& inputs,
                         const ReadOptions& reading, const StoreOptions& options) {
   check(file, options);
   PointStream points(file.parent_path());
-  PiecewiseCloud whole = read_in_pieces(files, reading,
+  PiecewiseCloud whole = read_in_pieces(inputs, reading,
                                         {.most_bytes = options.memory,
                                          .bytes_beside = PointStream::k_bytes_beside,
                                          .take = [&](PointCloud& piece) { points.add(piece); }});

@@ -43,7 +43,7 @@ struct StoredFiles {
 /// The same for cloud files (read_cloud()), whose points memory need not hold. Memory: StoreOptions::memory,
 /// 48 bytes per chunk, two blocks of 1024 points for each time that memory was full, some 100 MB for what is
 /// under way, and what CloudReader::read_in_pieces() says.
-StoredFiles store_files(const std::filesystem::path& database, std::span<const std::filesystem::path> files,
+StoredFiles store_files(const std::filesystem::path& database, const CloudInputs& inputs,
                         const ReadOptions& reading, const StoreOptions& options = {});
 
 }  // namespace alidade::database

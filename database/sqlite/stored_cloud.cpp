@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "base/bytes.h"
+#include "cloud/cloud_reader.h"
 #include "cloud/lattice.h"
 #include "cloud/point_cloud.h"
 #include "cloud/rows.h"
@@ -351,12 +352,16 @@ void SqliteCloudReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, c
 
 }  // namespace
 
-CloudDatabase sqlite_clouds() {
-  return {.is_named = [](const std::string& name) { return name.find(k_table_word) != std::string::npos; },
-          .is_begun_by = [](const std::string& bytes) { return bytes.starts_with(k_first_bytes); },
-          .open = [](const std::string& name) -> std::unique_ptr<CloudReader> {
-            return std::make_unique<SqliteCloudReader>(name);
-          }};
-}
+const CloudFormat k_sqlite_format{
+    .name = "SQLite",
+    .is_named = [](std::string_view name) { return name.find(k_table_word) != std::string_view::npos; },
+    .is_begun_by =
+        [](std::span<const std::byte> start) {
+          return std::string_view(reinterpret_cast<const char*>(start.data()), start.size())
+              .starts_with(k_first_bytes);
+        },
+    .open = [](InputFile input, Damage) -> std::unique_ptr<CloudReader> {
+      return std::make_unique<SqliteCloudReader>(input.name());
+    }};
 
 }  // namespace alidade::database

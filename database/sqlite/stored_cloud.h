@@ -93,9 +93,9 @@ class StoredCloud {
 CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> any_of,
                           AttributeSet attributes, const Progress& progress = {});
 
-/// Clouds that store_cloud() wrote, for add_cloud_database(): points come back in the rows they had, with all
+/// Clouds that store_cloud() wrote: points come back in the rows they had, with all
 /// attributes. Names: SqliteCloudName. Errors when opened: StoredCloud's. When read: ChunkStore's; ids that
 /// are no rows.
-CloudDatabase sqlite_clouds();
+extern const CloudFormat k_sqlite_format;
 
 }  // namespace alidade::database

@@ -238,13 +238,4 @@ void verify_index(const std::filesystem::path& path, const Progress& progress) {
   open_index(path).verify(progress);
 }
 
-bool is_index_file(const std::filesystem::path& path) {
-  try {
-    InputFile file = cloud_input(path);
-    return is_index_file(file.view_up_to(0, 8));
-  } catch (const Error&) {
-    return false;
-  }
-}
-
 }  // namespace alidade

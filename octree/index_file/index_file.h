@@ -9,6 +9,7 @@
 
 #include "base/input_file.h"
 #include "base/progress.h"
+#include "cloud/cloud_inputs.h"
 #include "cloud/point_cloud.h"
 #include "octree/index_file/index_header.h"
 #include "octree/octree.h"
@@ -94,7 +95,10 @@ IndexFile open_index(const std::filesystem::path& path);
 /// open_index() and IndexFile::verify().
 void verify_index(const std::filesystem::path& path, const Progress& progress = {});
 
-/// Whether a file claims to be an index file, by its first bytes. False for a file that cannot be read.
-bool is_index_file(const std::filesystem::path& path);
+/// Index files as clouds (resolve_clouds()): points come back in the rows they had.
+extern const CloudFormat k_index_format;
+
+/// Index files and file_formats().
+CloudFormats index_and_file_formats();
 
 }  // namespace alidade

@@ -8,12 +8,10 @@
 
 namespace alidade {
 
-IndexedCloud load_indexed_cloud(std::span<const std::filesystem::path> names,
-                                const IndexCloudOptions& options) {
-  const std::vector<std::filesystem::path> files = expand_cloud_files(names);
+IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options) {
   IndexedCloud loaded;
-  if (files.size() == 1 && is_index_file(files[0])) {
-    loaded.index = open_index(files[0]);
+  if (const CloudInput* const index = inputs.only(k_index_format)) {
+    loaded.index = IndexFile(index->file());
     loaded.octree = loaded.index->octree(options.read.progress);
     loaded.cloud = loaded.index->description();
     return loaded;
@@ -26,7 +24,7 @@ IndexedCloud load_indexed_cloud(std::span<const std::filesystem::path> names,
     total = all_bytes;
     return !options.read.progress || options.read.progress(bytes, all_bytes);
   };
-  loaded.cloud = read_cloud(files, read);
+  loaded.cloud = read_cloud(inputs, read);
   BuildOptions build_options = options.build;
   if (!build_options.progress) {
     build_options.progress = [&](std::uint64_t, std::uint64_t) { return read.progress(done, total); };

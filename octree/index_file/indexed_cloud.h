@@ -30,12 +30,11 @@ struct IndexCloudOptions {
   BuildOptions build{};  ///< of files that have no octree yet
 };
 
-/// Loads cloud files for queries, also by folder or pattern (cloud/cloud_inputs.h): a single index file
+/// Loads clouds for queries: a single index file
 /// is mapped and checked (IndexFile::tree), anything else goes through read_cloud() and build().
 /// read.progress is in bytes; while the octree is built it repeats the last numbers. `cloud.files` are the
 /// files that the points come from, also those an index was made of. Errors: as read_cloud(), build() and
 /// open_index(). Memory: for an index file about 1 B per point.
-IndexedCloud load_indexed_cloud(std::span<const std::filesystem::path> names,
-                                const IndexCloudOptions& options = {});
+IndexedCloud load_indexed_cloud(const CloudInputs& inputs, const IndexCloudOptions& options = {});
 
 }  // namespace alidade

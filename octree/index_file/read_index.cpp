@@ -83,11 +83,8 @@ void IndexReader::take_columns(PointCloud& cloud, AttributeSet kept, const Rows&
   if (!kept.contains(Attribute::extra_dimensions)) return;
   const std::vector<ExtraColumn>& extra = index_.columns().extra_dimensions;
   for (std::size_t i = 0; i < extra.size(); ++i) {
-    const auto equal = std::count_if(
-        extra.begin(), extra.begin() + static_cast<std::ptrdiff_t>(i),
-        [&](const ExtraColumn& earlier) { return same_meaning(earlier.description, extra[i].description); });
     const std::size_t column =
-        find_extra_dimension(cloud, extra[i].description, static_cast<std::size_t>(equal));
+        find_extra_dimension(cloud, extra[i].description, occurrence_of(extra, i, &ExtraColumn::description));
     copy(extra[i].values, cloud.extra_dimensions[column].values,
          static_cast<std::size_t>(extra[i].description.byte_count));
   }
@@ -121,8 +118,16 @@ void IndexReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
 
 }  // namespace
 
-std::unique_ptr<CloudReader> open_index_cloud(InputFile file) {
-  return std::make_unique<IndexReader>(file);
+const CloudFormat k_index_format{
+    .name = "Alidade index",
+    .is_begun_by = [](std::span<const std::byte> start) { return is_index_file(start); },
+    .open = [](InputFile file, Damage) -> std::unique_ptr<CloudReader> {
+      return std::make_unique<IndexReader>(file);
+    }};
+
+CloudFormats index_and_file_formats() {
+  static const std::vector<const CloudFormat*> formats = with_file_formats({&k_index_format});
+  return formats;
 }
 
 }  // namespace alidade

@@ -99,8 +99,9 @@ class Files {
 void load(benchmark::State& state, const Files& files, std::uint64_t memory) {
   const std::filesystem::path las = files.las();
   for (auto _ : state) {
-    on_threads(
-        2, [&] { return store_files(files.other_database(), std::span(&las, 1), {}, {.memory = memory}); });
+    on_threads(2, [&] {
+      return store_files(files.other_database(), resolve_clouds({&las, 1}), {}, {.memory = memory});
+    });
   }
   std::filesystem::remove(files.other_database());
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(k_points));

@@ -32,7 +32,8 @@ class CloudFilesTest : public ::testing::Test {
     std::vector<fs::path> paths;
     for (const std::string& name : names) paths.push_back(folder_ / name);
     std::vector<std::string> found;
-    for (const fs::path& file : expand_cloud_files(paths)) found.push_back(file.lexically_relative(folder_));
+    for (const fs::path& file : resolve_clouds(paths).names())
+      found.push_back(file.lexically_relative(folder_));
     return found;
   }
 

@@ -47,9 +47,7 @@ inline std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
 
 /// A cloud file in memory, read as if it stood on disk under the name "memory".
 inline PointCloud read_memory(std::span<const std::byte> bytes, const ReadOptions& options = {}) {
-  std::vector<InputFile> files;
-  files.emplace_back(bytes, "memory");
-  return join_files(std::move(files), options);
+  return read_cloud(CloudInputs{{cloud_in_memory(bytes, "memory")}}, options);
 }
 
 /// The message of the Error that `task` throws; empty (and a failed test) if it throws none.

@@ -131,9 +131,10 @@ std::vector<std::byte> tile(const std::string& wkt, bool has_point = true) {
 }
 
 PointCloud join(const std::vector<std::vector<std::byte>>& tiles) {
-  std::vector<InputFile> files;
-  for (std::size_t i = 0; i < tiles.size(); ++i) files.emplace_back(tiles[i], "tile_" + std::to_string(i));
-  return join_files(std::move(files), {});
+  CloudInputs files;
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    files.inputs.push_back(cloud_in_memory(tiles[i], "tile_" + std::to_string(i)));
+  return read_cloud(files);
 }
 
 TEST(CommonCrsTest, another_system_is_an_error_that_names_the_odd_file_and_both_systems) {

@@ -61,9 +61,10 @@ TEST(DamageTest, nothing_is_said_of_files_that_are_whole) {
 
 TEST(DamageTest, losses_are_told_file_by_file) {
   std::vector<std::vector<std::byte>> bytes = {cut_las(2, 1), cut_las(2, 0, 2), cut_las(2, 1, 4)};
-  std::vector<InputFile> files;
-  for (std::size_t i = 0; i < bytes.size(); ++i) files.emplace_back(bytes[i], "tile_" + std::to_string(i));
-  const PointCloud cloud = join_files(std::move(files), k_partial);
+  CloudInputs files;
+  for (std::size_t i = 0; i < bytes.size(); ++i)
+    files.inputs.push_back(cloud_in_memory(bytes[i], "tile_" + std::to_string(i)));
+  const PointCloud cloud = read_cloud(files, k_partial);
   ASSERT_EQ(cloud.size(), 4u);
   EXPECT_EQ(cloud.positions[3].x, 4);
   EXPECT_TRUE(warns(cloud, "tile_0:byte"));
@@ -179,11 +180,10 @@ TEST(DamageTest, every_beginning_of_a_file_is_an_error_or_a_cloud_with_fewer_poi
 TEST(DamageTest, a_point_that_fits_on_no_lattice_is_no_damage) {
   std::vector<std::byte> las = cut_las(1, 0);
   const std::string far = "x,y,z\n1e9,2,3\n";
-  std::vector<InputFile> files;
-  files.emplace_back(las, "las");
-  files.emplace_back(std::as_bytes(std::span(far)), "far");
-  EXPECT_NE(error_of([&] { join_files(std::move(files), k_partial); }).find("lies too far away"),
-            std::string::npos);
+  CloudInputs files;
+  files.inputs.push_back(cloud_in_memory(las, "las"));
+  files.inputs.push_back(cloud_in_memory(std::as_bytes(std::span(far)), "far"));
+  EXPECT_NE(error_of([&] { read_cloud(files, k_partial); }).find("lies too far away"), std::string::npos);
 }
 
 }  // namespace

@@ -32,9 +32,10 @@ LasFile las(std::vector<std::int32_t> steps, double offset = 0, double scale = 0
 /// Files in memory, read as one cloud; called first, second, ...
 PointCloud join(const std::vector<std::vector<std::byte>>& files, const ReadOptions& options = {}) {
   static const char* const k_names[] = {"first", "second", "third"};
-  std::vector<InputFile> opened;
-  for (std::size_t i = 0; i < files.size(); ++i) opened.emplace_back(files[i], k_names[i]);
-  return join_files(std::move(opened), options);
+  CloudInputs inputs;
+  for (std::size_t i = 0; i < files.size(); ++i)
+    inputs.inputs.push_back(cloud_in_memory(files[i], k_names[i]));
+  return read_cloud(inputs, options);
 }
 
 std::vector<std::byte> text(const std::string& content) {

@@ -25,14 +25,15 @@ using test::warns;
 using Bytes = std::vector<std::byte>;
 
 PointCloud join(const std::vector<Bytes>& tiles, const ReadOptions& options, int threads) {
-  std::vector<InputFile> files;
-  for (std::size_t i = 0; i < tiles.size(); ++i) files.emplace_back(tiles[i], "tile_" + std::to_string(i));
+  CloudInputs files;
+  for (std::size_t i = 0; i < tiles.size(); ++i)
+    files.inputs.push_back(cloud_in_memory(tiles[i], "tile_" + std::to_string(i)));
   PointCloud cloud;
   // The limit allows more threads than the machine has; the arena then asks for them.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(threads));
   tbb::task_arena arena(threads);
-  arena.execute([&] { cloud = join_files(std::move(files), options); });
+  arena.execute([&] { cloud = read_cloud(files, options); });
   return cloud;
 }
 
@@ -127,10 +128,10 @@ TEST(PiecesTest, tiles_in_pieces_are_the_same_cloud) {
     const PointCloud cloud = put_together(
         most_bytes,
         [&](const CloudPieces& pieces) {
-          std::vector<InputFile> files;
+          CloudInputs files;
           for (std::size_t i = 0; i < tiles.size(); ++i)
-            files.emplace_back(tiles[i], "tile_" + std::to_string(i));
-          return join_in_pieces(std::move(files), {}, pieces);
+            files.inputs.push_back(cloud_in_memory(tiles[i], "tile_" + std::to_string(i)));
+          return read_in_pieces(files, {}, pieces);
         },
         piece_count);
     expect_same(join(tiles, {}, 1), cloud);
@@ -153,11 +154,12 @@ TEST(PiecesTest, files_of_every_format_in_pieces_are_the_same_cloud) {
     if (!std::filesystem::exists(file)) GTEST_SKIP() << test::k_no_shared_data;
     const PointCloud whole = read_cloud(file);
     std::size_t piece_count = 0;
-    expect_same(
-        whole, put_together(
-                   whole.size(),
-                   [&](const CloudPieces& pieces) { return read_in_pieces(std::span(&file, 1), {}, pieces); },
-                   piece_count));
+    expect_same(whole, put_together(
+                           whole.size(),
+                           [&](const CloudPieces& pieces) {
+                             return read_in_pieces(resolve_clouds({&file, 1}), {}, pieces);
+                           },
+                           piece_count));
     // A chunk of LAZ stays together.
     if (file.extension() != ".laz") {
       EXPECT_GE(piece_count, std::min<std::size_t>(12, whole.size()));

@@ -13,13 +13,16 @@ using namespace database;
 
 namespace {
 
+CloudInputs clouds_of(std::initializer_list<std::filesystem::path> names) {
+  static const std::vector<const CloudFormat*> formats = with_file_formats({&k_sqlite_format});
+  return resolve_clouds(std::span(names.begin(), names.size()), formats);
+}
+
 class ReadCloudTableTest : public SqliteTest {
  protected:
-  static void SetUpTestSuite() { add_cloud_database(sqlite_clouds()); }
-
   std::string error_of_reading(const std::string& name) const {
     try {
-      read_cloud(name);
+      read_cloud(clouds_of({name}));
     } catch (const Error& error) {
       return error.what();
     }
@@ -58,17 +61,17 @@ TEST_F(ReadCloudTableTest, rows_and_attributes_come_back) {
   cloud.normals.assign(5000, glm::vec3(0.0f, 0.6f, 0.8f));
   cloud.intensities.assign(5000, 7);
   store_cloud(file_, cloud, {.chunk_points = 64});
-  const PointCloud back = read_cloud(file_);
+  const PointCloud back = read_cloud(clouds_of({file_}));
   EXPECT_EQ(back.lattice, cloud.lattice);
   EXPECT_EQ(back.positions, cloud.positions);
   EXPECT_EQ(back.crs.wkt, cloud.crs.wkt);
   expect_same_columns(back, cloud);
   EXPECT_EQ(back.files.front().format, "SQLite");
-  const Bounds box = stated_box(std::vector{file_});
+  const Bounds box = stated_box(clouds_of({file_}));
   EXPECT_EQ(box.min, cloud.bounds().min);
   EXPECT_EQ(box.max, cloud.bounds().max);
 
-  const PointCloud some = read_cloud(file_, {.attributes = Attribute::classification});
+  const PointCloud some = read_cloud(clouds_of({file_}), {.attributes = Attribute::classification});
   EXPECT_EQ(some.attributes(), AttributeSet(Attribute::classification));
   EXPECT_EQ(some.classifications, cloud.classifications);
 }
@@ -79,16 +82,16 @@ TEST_F(ReadCloudTableTest, clouds_are_joined_on_the_first_ones_lattice) {
   store_cloud(file_, site(500));
   store_cloud(file_, other, {.table = "it's"});
   const std::string name = file_.string() + "?table=";
-  const PointCloud both = read_cloud(std::vector<std::filesystem::path>{name + "points", name + "it's"});
+  const PointCloud both = read_cloud(clouds_of({name + "points", name + "it's"}));
   ASSERT_EQ(both.size(), 800u);
   for (std::size_t row = 0; row < 300; ++row) EXPECT_EQ(both.world(500 + row).x, other.world(row).x);
 }
 
 TEST_F(ReadCloudTableTest, which_cloud_is_meant_must_be_said) {
   store_cloud(file_, site(50));
-  EXPECT_EQ(read_cloud(file_).size(), 50u);
+  EXPECT_EQ(read_cloud(clouds_of({file_})).size(), 50u);
   store_cloud(file_, site(60), {.table = "more"});
-  EXPECT_EQ(read_cloud(file_.string() + "?table=more").size(), 60u);
+  EXPECT_EQ(read_cloud(clouds_of({file_.string() + "?table=more"})).size(), 60u);
   for (const char* const name : {"", "?table=", "?table=mor", "?table=more'; DROP TABLE more; --"}) {
     const std::string error = error_of_reading(file_.string() + name);
     EXPECT_NE(error.find("more, points"), std::string::npos) << error;
@@ -101,7 +104,7 @@ TEST_F(ReadCloudTableTest, which_cloud_is_meant_must_be_said) {
 
 TEST_F(ReadCloudTableTest, an_empty_cloud_is_one) {
   store_cloud(file_, PointCloud());
-  EXPECT_EQ(read_cloud(file_).size(), 0u);
+  EXPECT_EQ(read_cloud(clouds_of({file_})).size(), 0u);
 }
 
 TEST_F(ReadCloudTableTest, damage_is_told) {

@@ -169,7 +169,7 @@ class ShardPlanTest : public ::testing::Test {
 
   static void plan(const std::filesystem::path& folder, const std::filesystem::path& file,
                    const ShardPlanOptions& options = {}) {
-    write_shard_plan(folder, std::span(&file, 1), {}, k_shards, options);
+    write_shard_plan(folder, resolve_clouds({&file, 1}), {}, k_shards, options);
   }
 
   static inline const std::vector<Shard> k_shards = {

@@ -191,7 +191,7 @@ TEST_F(StoreCloudTest, the_same_cloud_gives_the_same_file) {
 
 /// Files whose points lie among each other, partly in the same places: LAS with colours of 8 bits and GeoTIFF
 /// keys, a text with a column of its own, an index file.
-std::vector<std::filesystem::path> site_files(const std::filesystem::path& folder, PointCloud cloud) {
+CloudInputs site_files(const std::filesystem::path& folder, PointCloud cloud) {
   for (Color16& color : cloud.colors) color = {color.x % 256, color.y % 256, 7};
   cloud.crs.geotiff_keys = {1, 1, 0, 1, 3072, 0, 1, 32632};
   cloud.crs.geotiff_doubles = {0.5};
@@ -205,11 +205,12 @@ std::vector<std::filesystem::path> site_files(const std::filesystem::path& folde
   }
   text.close();
   save_index(folder / "site.alidade", build(cloud), cloud);
-  return {folder / "site.las", folder / "site.csv", folder / "site.alidade"};
+  return resolve_clouds(std::vector{folder / "site.las", folder / "site.csv", folder / "site.alidade"},
+                        index_and_file_formats());
 }
 
 TEST_F(StoreCloudTest, files_that_memory_does_not_hold_give_the_same_database) {
-  const std::vector<std::filesystem::path> files = site_files(folder_, site(3000));
+  const CloudInputs files = site_files(folder_, site(3000));
   const PointCloud cloud = read_cloud(files);
   store_cloud(file_, cloud);
   const std::filesystem::path other = folder_ / "other.db";
@@ -229,18 +230,18 @@ TEST_F(StoreCloudTest, files_that_memory_does_not_hold_give_the_same_database) {
 }
 
 TEST_F(StoreCloudTest, the_reference_system_is_kept_as_it_came) {
-  const std::vector<std::filesystem::path> files = site_files(folder_, site(10));
-  store_files(file_, std::span(files).first(1), {});
+  const CloudInputs files = site_files(folder_, site(10));
+  store_files(file_, CloudInputs{{files.inputs[0]}}, {});
   const Connection database(file_, Connection::Mode::read);
   const CloudSchema schema = read_cloud_schema(database.get(), "main", "points");
-  const PointCloud cloud = read_cloud(files[0]);
+  const PointCloud cloud = read_cloud(files.first_name());
   EXPECT_FALSE(cloud.crs.geotiff_keys.empty());
   EXPECT_EQ(schema.crs, cloud.crs);
   EXPECT_EQ(schema.gps_time_is_standard, cloud.gps_time_is_standard);
 }
 
 TEST_F(StoreCloudTest, a_load_that_is_stopped_leaves_nothing_whenever_that_is) {
-  const std::vector<std::filesystem::path> files = site_files(folder_, site(3000));
+  const CloudInputs files = site_files(folder_, site(3000));
   const auto count_files = [&] {
     return std::distance(std::filesystem::directory_iterator(folder_), std::filesystem::directory_iterator());
   };

@@ -10,7 +10,7 @@
 
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/read_in_pieces.h"
+#include "cloud/read_cloud.h"
 #include "octree/copc_tree.h"
 #include "octree/query_targets.h"
 #include "octree/tree_query.h"
@@ -41,10 +41,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     // for.
     if (file.header().point_count > 1'000'000) return 0;
     const std::vector<alidade::PointHit> points = alidade::all_points(file);
-    std::vector<alidade::InputFile> files;
-    files.emplace_back(bytes, "input");
-    const alidade::PointCloud cloud =
-        alidade::join_files(std::move(files), {.attributes = alidade::AttributeSet()});
+    alidade::CloudInputs files;
+    files.inputs.push_back(alidade::cloud_in_memory(bytes, "input"));
+    const alidade::PointCloud cloud = alidade::read_cloud(files, {.attributes = alidade::AttributeSet()});
     if (cloud.size() != points.size()) std::abort();
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (points[i].point_id != i || points[i].position != cloud.world(i)) std::abort();

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "cloud/cloud_reader.h"
-#include "cloud/read_in_pieces.h"
+#include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/query.h"
@@ -66,9 +66,9 @@ void use(std::span<const std::byte> bytes) {
   } catch (const Error&) {
   }
   try {
-    std::vector<InputFile> files;
-    files.emplace_back(bytes, "input");
-    const PointCloud cloud = join_files(std::move(files), {});
+    CloudInputs files;
+    files.inputs.push_back(cloud_in_memory(bytes, "input", index_and_file_formats()));
+    const PointCloud cloud = read_cloud(files);
     // A point takes six bytes at least.
     if (is_index_file(bytes) && cloud.size() * 6 > bytes.size()) std::abort();
   } catch (const Error&) {

@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/read_in_pieces.h"
+#include "cloud/read_cloud.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));
@@ -14,10 +14,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       alidade::open_las(alidade::InputFile(bytes, "input"),
                         partial ? alidade::Damage::read_over : alidade::Damage::refuse);
       // The same file twice also goes through the joining of lattices, columns and records.
-      std::vector<alidade::InputFile> files;
-      files.emplace_back(bytes, "first");
-      files.emplace_back(bytes, "second");
-      const alidade::PointCloud cloud = alidade::join_files(std::move(files), {.partial = partial});
+      alidade::CloudInputs files;
+      files.inputs.push_back(alidade::cloud_in_memory(bytes, "first"));
+      files.inputs.push_back(alidade::cloud_in_memory(bytes, "second"));
+      const alidade::PointCloud cloud = alidade::read_cloud(files, {.partial = partial});
       if (cloud.size() * 20 > 2 * size) std::abort();
     } catch (const alidade::Error&) {
     }

@@ -9,7 +9,7 @@
 
 #include "camera/camera.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/read_in_pieces.h"
+#include "cloud/read_cloud.h"
 #include "renderer/cloud_in_view.h"
 #include "tests/cloud/copc/copc_builder.h"
 
@@ -34,9 +34,10 @@ Files files_of(const std::vector<test::CopcSample>& samples) {
 }
 
 PointCloud whole_cloud(const std::vector<test::CopcSample>& samples) {
-  std::vector<InputFile> inputs;
-  for (const test::CopcSample& sample : samples) inputs.emplace_back(sample.bytes, "all");
-  return join_files(std::move(inputs), {});
+  CloudInputs clouds;
+  for (const test::CopcSample& sample : samples)
+    clouds.inputs.push_back(cloud_in_memory(sample.bytes, "all"));
+  return read_cloud(clouds);
 }
 
 /// Looks to the east from the west of the cube, whose half side is 64 m, narrow enough to miss most of it.

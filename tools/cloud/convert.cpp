@@ -150,7 +150,7 @@ void crop(PointCloud& cloud, const CropOptions& options, const Progress& progres
 namespace {
 
 struct ConvertCommand {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   std::filesystem::path output;
   CropOptions crop;
@@ -219,12 +219,12 @@ bool only_packing_changes(const ConvertCommand& command) {
   const std::string ending = file_ending(command.output);
   const bool chooses = command.crop.given() || command.every > 1 || command.spacing.has_value();
   return (ending == ".las" || ending == ".laz") && command.files.size() == 1 && !chooses &&
-         !command.color_depth && !command.partial && can_repack(command.files[0]);
+         !command.color_depth && !command.partial && can_repack(command.files.first_name());
 }
 
 ExitCode repack(const ConvertCommand& command) {
   ProgressLine line("converting", "B", command.verbosity.verbosity());
-  const RepackedFile repacked = repack_las(command.files[0], command.output,
+  const RepackedFile repacked = repack_las(command.files.first_name(), command.output,
                                            {.overwrite = command.overwrite, .progress = line.callback()});
   line.finish();
   if (command.verbosity.quiet) return ExitCode::done;
@@ -237,7 +237,7 @@ ExitCode repack(const ConvertCommand& command) {
 ExitCode run(const ConvertCommand& command) {
   check_name(command.output);
   check_crop(command.crop);
-  check_writable(command.output, command.overwrite, command.files);
+  check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
   PointCloud cloud = read(command);
   std::uint64_t all = cloud.size();

@@ -13,7 +13,6 @@
 #include "base/output_file.h"
 #include "camera/camera_json.h"
 #include "camera/camera_set.h"
-#include "cloud/cloud_inputs.h"
 
 namespace alidade::tools {
 namespace {
@@ -56,12 +55,6 @@ void tell_each(const std::vector<Item>& items, const char* kind, Verbosity verbo
 }
 
 }  // namespace
-
-bool is_e57_file(const std::filesystem::path& file) {
-  InputFile input = cloud_input(file);
-  const auto start = input.view_up_to(0, 8);
-  return std::string_view(reinterpret_cast<const char*>(start.data()), start.size()) == "ASTM-E57";
-}
 
 Json e57_json(const E57File& file) {
   Json scans = Json::array(), images = Json::array();

@@ -13,9 +13,6 @@
 
 namespace alidade::tools {
 
-/// Whether a file begins as E57 files do. Errors: it cannot be read.
-bool is_e57_file(const std::filesystem::path& file);
-
 /// What `alidade info --json` tells about an E57 file beside what its points tell.
 nlohmann::ordered_json e57_json(const E57File& file);
 

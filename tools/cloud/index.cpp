@@ -61,7 +61,7 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
 namespace {
 
 struct IndexCommand {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   std::filesystem::path output;
   IndexRequest index;
@@ -97,7 +97,7 @@ ExitCode run(const IndexCommand& command) {
                  .expected = "--spacings 8, or none",
                  .found = std::to_string(*command.index.spacing_neighbours)});
   }
-  check_writable(command.output, command.index.overwrite, command.files);
+  check_writable(command.output, command.index.overwrite, command.files.names());
   IndexRequest request = command.index;
   request.organisation = command.organisation.value_or(Organisation::adaptive);
   PointCloud cloud = read(command);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "cloud/cloud_inputs.h"
+#include "cloud/cloud_reader.h"
 #include "cloud/crs.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
@@ -20,7 +20,7 @@ namespace alidade::tools {
 namespace {
 
 struct InfoOptions {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false, json = false, verify = false, overwrite = false;
   std::string image_folder;  ///< empty: no images are extracted
   VerbosityOptions verbosity;
@@ -46,23 +46,23 @@ Description describe(const IndexFile& index) {
           .e57_files = {}};
 }
 
-std::vector<std::filesystem::path> e57_files(const InfoOptions& options) {
-  std::vector<std::filesystem::path> files = expand_cloud_files(options.files);
-  std::erase_if(files, [](const std::filesystem::path& file) { return !is_e57_file(file); });
-  return files;
+CloudInputs e57_files(CloudInputs clouds) {
+  clouds.check_files();
+  std::erase_if(clouds.inputs, [](const CloudInput& input) { return !input.is(k_e57_format); });
+  return clouds;
 }
 
 Description describe(const InfoOptions& options) {
-  if (options.files.size() == 1 && is_index_file(options.files.front()))
-    return describe(open_index(options.files.front()));
+  if (const CloudInput* const index = options.files.only(k_index_format))
+    return describe(IndexFile(index->file()));
   Description description;
   const Damage damage = options.partial ? Damage::read_over : Damage::refuse;
-  for (const std::filesystem::path& file : options.files) {
-    if (is_index_file(file)) description.indexes.push_back(open_index(file));
-    description.attributes = description.attributes | open_cloud(cloud_input(file), damage)->attributes();
+  for (const CloudInput& input : options.files.inputs) {
+    if (input.is(k_index_format)) description.indexes.emplace_back(input.file());
+    description.attributes = description.attributes | open_cloud(input, damage)->attributes();
   }
-  for (const std::filesystem::path& file : e57_files(options)) {
-    description.e57_files.emplace_back(InputFile(file));
+  for (const CloudInput& input : e57_files(options.files).inputs) {
+    description.e57_files.emplace_back(input.file());
     description.e57_files.back().pages().rest();
   }
   // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
@@ -77,16 +77,16 @@ Description describe(const InfoOptions& options) {
 }
 
 void verify(const InfoOptions& options) {
-  for (const std::filesystem::path& file : options.files) {
+  for (const CloudInput& input : options.files.inputs) {
     // Opened first, so that a file that is not there is what the message is about.
-    cloud_input(file).rest();
-    if (!is_index_file(file)) {
-      throw Error({.file = file.string(),
+    InputFile file = input.file();
+    if (!input.is(k_index_format)) {
+      throw Error({.file = file.name(),
                    .problem = "has no checksums to verify",
                    .expected = "an index file (alidade index)"});
     }
     ProgressLine line("verifying", "B", options.verbosity.verbosity());
-    verify_index(file, line.callback());
+    IndexFile(file).verify(line.callback());
     if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
   }
 }
@@ -233,7 +233,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
 ExitCode run(const InfoOptions& options) {
   if (options.verify) verify(options);
   if (!options.image_folder.empty())
-    extract_images(e57_files(options), options.image_folder, options.overwrite);
+    extract_images(e57_files(options.files).names(), options.image_folder, options.overwrite);
   const Description description = describe(options);
   if (options.json) {
     // File names need not be UTF-8; JSON must be.

@@ -3,28 +3,32 @@
 
 #include <fmt/format.h>
 
-#include "cloud/cloud_inputs.h"
 #include "database/server/read_server.h"
-#include "database/server/server_name.h"
 #include "database/sqlite/stored_cloud.h"
+#include "octree/index_file/index_file.h"
 
 namespace alidade::tools {
 
-bool has_parts(const std::filesystem::path& name) {
-  return database::is_server_name(name.string()) ? database::has_server_parts(name.string())
-                                                 : lies_in_database(name);
+CloudFormats cloud_formats() {
+  static const std::vector<const CloudFormat*> formats =
+      with_file_formats({&database::k_server_format, &database::k_sqlite_format, &k_index_format});
+  return formats;
 }
 
-const char* part_unit(const std::filesystem::path& name) {
-  return database::is_server_name(name.string()) ? "points" : "chunks";
+bool has_parts(const CloudInput& input) {
+  return input.is(database::k_server_format) ? database::has_server_parts(input.name.string())
+                                             : input.is(database::k_sqlite_format);
 }
 
-database::CloudPart read_database_part(const std::filesystem::path& name,
-                                       std::span<const database::PointFilter> any_of, AttributeSet attributes,
-                                       const Progress& progress) {
-  if (database::is_server_name(name.string()))
-    return database::read_server_part(name.string(), any_of, attributes, progress);
-  return database::read_cloud_part(name.string(), any_of, attributes, progress);
+const char* part_unit(const CloudInput& input) {
+  return input.is(database::k_server_format) ? "points" : "chunks";
+}
+
+database::CloudPart read_database_part(const CloudInput& input, std::span<const database::PointFilter> any_of,
+                                       AttributeSet attributes, const Progress& progress) {
+  const auto read =
+      input.is(database::k_server_format) ? database::read_server_part : database::read_cloud_part;
+  return read(input.name.string(), any_of, attributes, progress);
 }
 
 std::string part_table(const database::CloudPart& part) {

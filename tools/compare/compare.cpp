@@ -15,6 +15,7 @@
 #include "compare/report/comparison_json.h"
 #include "compare/report/page.h"
 #include "compare/verdict.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/compare/compare_options.h"
 #include "tools/console.h"
@@ -154,7 +155,8 @@ void find_points(std::vector<PointsOutput>& outputs, const RegionPointsRequest& 
                  .problem = "has no layer of point ids",
                  .expected = "an EXR file rendered with the layer id"});
   ProgressLine line("reading", "B", verbosity);
-  const PointCloud cloud = read_cloud(wish.cloud, {.partial = wish.partial, .progress = line.callback()});
+  const PointCloud cloud = read_cloud(resolve_clouds(std::vector{wish.cloud}, cloud_formats()),
+                                      {.partial = wish.partial, .progress = line.callback()});
   line.finish();
   const std::vector<compare::RegionPoint> found =
       compare::region_points(facts.ids, changes, cloud.positions.size());

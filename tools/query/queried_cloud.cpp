@@ -112,17 +112,13 @@ Bounds target_bounds(const glm::dvec3& place, double radius, const Bounds&) {
 }
 
 bool asks_in_place(const QueryCommand& command, AnswerForm form) {
-  if (command.files.size() != 1 || command.is_loaded || command.partial || command.max_level ||
-      form == AnswerForm::las)
-    return false;
-  if (!std::filesystem::is_regular_file(command.files.front())) return false;
-  InputFile file(command.files.front());
-  return is_copc(file);
+  return command.files.only(k_copc_format) != nullptr && !command.is_loaded && !command.partial &&
+         !command.max_level && form != AnswerForm::las;
 }
 
 CopcSource open_copc(const QueryCommand& command) {
   CopcSource source;
-  source.file = std::make_unique<CopcFile>(InputFile(command.files.front()));
+  source.file = std::make_unique<CopcFile>(command.files.inputs.front().file());
   CopcCache::Options options;
   options.classes = command.classes;
   if (command.memory) options.byte_count = *command.memory;
@@ -220,7 +216,7 @@ database::PointFilter filter_of(const Target& target, double radius, const Bound
 /// Whether the only cloud lies in a database that can be asked for a part of it.
 bool lies_in_asked_database(const QueryCommand& command) {
   return command.files.size() == 1 && !command.partial && !command.max_level &&
-         has_parts(command.files.front());
+         has_parts(command.files.inputs.front());
 }
 
 }  // namespace
@@ -252,7 +248,7 @@ std::optional<database::CloudPart> read_query_part(const QueryCommand& command, 
     filters.resize(1);
     filters.front() = database::PointFilter{.box = region};
   }
-  return read_database_part(command.files.front(), filters, attributes, progress);
+  return read_database_part(command.files.inputs.front(), filters, attributes, progress);
 }
 
 template std::optional<database::CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily,

@@ -31,7 +31,7 @@ enum class AnswerForm { csv, json_lines, las };
 
 /// What was asked of `alidade query`.
 struct QueryCommand {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   GivenTargets targets[k_target_families];
   std::optional<double> radius, t_min, t_max, entry_min;

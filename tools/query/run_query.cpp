@@ -86,7 +86,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
 
 [[noreturn]] void refuse_classes(const QueryCommand& command) {
   throw Error(
-      {.file = command.files.front().string(), .problem = "points have no classification for --class"});
+      {.file = command.files.first_name().string(), .problem = "points have no classification for --class"});
 }
 
 /// A cloud, all or some of whose points have been loaded.
@@ -115,7 +115,7 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
                            all_files - skipped_files, all_files));
   }
   if (command.max_level && cloud.octree.view().organisation != Organisation::layered) {
-    throw Error({.file = command.files.front().string(),
+    throw Error({.file = command.files.first_name().string(),
                  .problem = "has no levels for --max-level",
                  .expected = "a layered index (alidade index --organisation layered)"});
   }
@@ -126,7 +126,7 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
 template <class Target>
 QueriedCloud load_needed(const QueryCommand& command, TargetFamily family, AnswerForm form) {
   const bool all_attributes = form == AnswerForm::las;
-  const char* const unit = part_unit(command.files.front());
+  const char* const unit = part_unit(command.files.inputs.front());
   ProgressLine line(fmt::format("loading {}", unit), unit, command.verbosity.verbosity());
   QueriedCloud cloud;
   cloud.part =
@@ -285,7 +285,7 @@ ExitCode run_query(const QueryCommand& command, TargetFamily family) {
   const AnswerForm form = chosen_form(command);
   auto query = conditions<Target>(command);
   if (!command.output.empty()) {
-    std::vector<std::filesystem::path> inputs = command.files;
+    std::vector<std::filesystem::path> inputs = command.files.names();
     const std::string& text = command.targets[static_cast<std::size_t>(family)].text;
     if (!text.empty()) inputs.emplace_back(text);
     check_writable(command.output, command.overwrite, inputs);

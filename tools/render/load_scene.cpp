@@ -45,18 +45,18 @@ void show(const RenderCommand& command, renderer::Scene scene, const View* view,
 
 }  // namespace
 
-void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const View* view,
-                      ImageWriter write_picture) {
+void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
+                      const View* view, ImageWriter write_picture) {
   const Verbosity verbosity = command.verbosity.verbosity();
   const Progress progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
   try {
-    const std::vector<std::unique_ptr<CopcFile>> files = renderer::open_copc_cloud(*scene.cloud);
+    const std::vector<std::unique_ptr<CopcFile>> files = renderer::open_copc_cloud(clouds);
     std::uint64_t all = 0;
     for (const auto& file : files) all += file->header().point_count;
     for (std::uint64_t points = command.long_render.preview_points;
          points > 0 && points <= std::min(all / 2, k_most_preview_points); points *= k_growth) {
-      const renderer::LoadedCloud cloud =
-          renderer::load_coarse_cloud(*scene.cloud, files, view ? &view->camera : nullptr, points, progress);
+      const renderer::LoadedCloud cloud = renderer::load_coarse_cloud(
+          *scene.cloud, clouds, files, view ? &view->camera : nullptr, points, progress);
       if (cloud.octree.size() == 0) return;
       show(command, scene, view, cloud, write_picture, progress);
       if (verbosity != Verbosity::quiet) {
@@ -72,9 +72,9 @@ void show_first_looks(const RenderCommand& command, const renderer::Scene& scene
 
 namespace {
 
-void check(const renderer::CloudSettings& settings, const renderer::Scene& scene,
+void check(const renderer::CloudSettings& settings, const renderer::Scene& scene, const CloudInputs& clouds,
            std::span<const View> views) {
-  if (settings.files.size() != 1 || !has_parts(settings.files.front())) {
+  if (clouds.size() != 1 || !has_parts(clouds.inputs.front())) {
     throw Error({.file = settings.files.empty() ? "" : settings.files.front().string(),
                  .problem = "--in-view needs one cloud that lies in a database",
                  .expected = "a database that 'alidade sql load' wrote"});
@@ -104,20 +104,22 @@ std::vector<database::PointFilter> view_filters(std::span<const View> views, dou
 }  // namespace
 
 renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer::Scene& scene,
-                                   std::span<const View> views, const Progress& measuring) {
+                                   const CloudInputs& clouds, std::span<const View> views,
+                                   const Progress& measuring) {
   const renderer::CloudSettings& settings = *scene.cloud;
-  check(settings, scene, views);
+  check(settings, scene, clouds, views);
+  const CloudInput& input = clouds.inputs.front();
   const Verbosity verbosity = command.verbosity.verbosity();
-  const char* const unit = part_unit(settings.files.front());
+  const char* const unit = part_unit(input);
   ProgressLine line(fmt::format("loading {} in view", unit), unit, verbosity);
-  database::CloudPart part =
-      read_database_part(settings.files.front(), view_filters(views, settings.radius.value_or(0.0)),
-                         image::attributes_for(settings.color), line.callback());
+  database::CloudPart part = read_database_part(input, view_filters(views, settings.radius.value_or(0.0)),
+                                                image::attributes_for(settings.color), line.callback());
   line.finish();
   if (verbosity != Verbosity::quiet && part.chunk_count > 0)
-    say_note(fmt::format("read {} of {} chunks of {}", part.chunks_read, part.chunk_count,
-                         settings.files.front().string()));
-  renderer::LoadedCloud loaded = renderer::index_cloud(std::move(part.cloud), part.attributes, settings);
+    say_note(
+        fmt::format("read {} of {} chunks of {}", part.chunks_read, part.chunk_count, input.name.string()));
+  renderer::LoadedCloud loaded =
+      renderer::index_cloud(std::move(part.cloud), part.attributes, settings, input.name.string());
   renderer::choose_radius(settings, loaded, measuring);
   return loaded;
 }

@@ -15,14 +15,15 @@ namespace alidade::tools {
 /// on up to half of them or 50 million. `view` is that of the picture, or null if the whole cloud is to be
 /// shown; `scene` has its sky. What cannot be shown in this way is no error: loading will tell. Errors:
 /// Cancelled.
-void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const View* view,
-                      ImageWriter write_picture);
+void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
+                      const View* view, ImageWriter write_picture);
 
 /// What the cameras of some views see of the scene's cloud, which lies in a database: points whose spheres,
 /// as far as their radius is given, may be in a picture. `measuring` as in load_cloud(). Says how much was
 /// read. Errors: the cloud is of another kind; no camera is given; layers that need the whole cloud; the
 /// database's.
 renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer::Scene& scene,
-                                   std::span<const View> views, const Progress& measuring);
+                                   const CloudInputs& clouds, std::span<const View> views,
+                                   const Progress& measuring);
 
 }  // namespace alidade::tools

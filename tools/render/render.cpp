@@ -6,6 +6,7 @@
 #include "base/instruction_set.h"
 #include "camera/camera.h"
 #include "image/image_file.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/console.h"
 #include "tools/image_module.h"
@@ -39,7 +40,7 @@ std::string radius_text(const renderer::CloudSettings& settings, const renderer:
 
 /// `views` are those of the pictures, if they are known before the cloud is.
 renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& scene,
-                           std::span<const View> views) {
+                           const CloudInputs& clouds, std::span<const View> views) {
   const renderer::CloudSettings& settings = *scene.cloud;
   const Verbosity verbosity = command.verbosity.verbosity();
   ProgressLine line("loading cloud", "B", verbosity);
@@ -51,8 +52,9 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
     }
     return measuring->callback()(done, total);
   };
-  renderer::LoadedCloud cloud = command.in_view ? load_in_view(command, scene, views, measure)
-                                                : renderer::load_cloud(settings, line.callback(), measure);
+  renderer::LoadedCloud cloud = command.in_view
+                                    ? load_in_view(command, scene, clouds, views, measure)
+                                    : renderer::load_cloud(settings, clouds, line.callback(), measure);
   if (measuring || !command.in_view) (measuring ? *measuring : line).finish();
   if (verbosity == Verbosity::quiet) return cloud;
   for (const std::string& warning : cloud.warnings) say_warning(warning);
@@ -241,10 +243,12 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   if (!views.empty()) check_views(pictures, scene, nullptr);
   prepare_sky(scene, command.scene_file, verbosity);
 
+  CloudInputs clouds = command.cloud_files;
+  if (scene.cloud && clouds.empty()) clouds = resolve_clouds(scene.cloud->files, cloud_formats());
   if (scene.cloud && !command.long_render.preview.empty() && !resumed)
-    show_first_looks(command, scene, views.empty() ? nullptr : &pictures.front().view, write_picture);
+    show_first_looks(command, scene, clouds, views.empty() ? nullptr : &pictures.front().view, write_picture);
   std::optional<renderer::LoadedCloud> loaded;
-  if (scene.cloud) loaded = load(command, scene, views);
+  if (scene.cloud) loaded = load(command, scene, clouds, views);
   const renderer::LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
   if (views.empty()) pictures.front().view = view_of_cloud(command.camera, scene, cloud, command.scene_file);
   check_views(pictures, scene, cloud);

@@ -128,11 +128,11 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
 
 /// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
 /// shading.
-renderer::Scene daylight_scene(const std::vector<std::filesystem::path>& cloud_files) {
+renderer::Scene daylight_scene(const CloudInputs& clouds) {
   renderer::Scene scene;
   scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
   renderer::CloudSettings& cloud = scene.cloud.emplace();
-  cloud.files = cloud_files;
+  cloud.files = clouds.names();
   cloud.normals = renderer::NormalMode::smooth;
   scene.sun = geo::Sun{.irradiance = {2.2f, 2.1f, 1.95f}};
   return scene;

@@ -29,7 +29,7 @@ struct RadiusRequest {
 /// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
 struct RenderCommand {
   std::filesystem::path scene_file;
-  std::vector<std::filesystem::path> cloud_files;
+  CloudInputs cloud_files;
   bool partial = false;
   bool in_view = false;  ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;

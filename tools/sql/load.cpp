@@ -7,12 +7,12 @@
 #include <optional>
 
 #include "base/words.h"
-#include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
 #include "database/server/server_name.h"
 #include "database/server/shard_plan.h"
 #include "database/server/store_on_server.h"
 #include "database/sqlite/store_cloud.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/console.h"
 #include "tools/options.h"
@@ -113,29 +113,29 @@ database::ServerName server_name(const LoadCommand& command) {
 }
 
 /// Stores files, and answers where.
-using Store = std::function<database::StoredFiles(std::span<const std::filesystem::path> files,
-                                                  const ReadOptions& reading, const Progress& storing)>;
+using Store = std::function<database::StoredFiles(const CloudInputs& files, const ReadOptions& reading,
+                                                  const Progress& storing)>;
 
 ExitCode run(const LoadCommand& command) {
   const std::filesystem::path& database = command.files.back();
   const bool is_server = database::is_server_name(database.string());
-  const auto names = std::span(command.files).first(command.files.size() - 1);
-  const std::vector<std::filesystem::path> files = expand_cloud_files(names);
+  const CloudInputs files =
+      resolve_clouds(std::span(command.files).first(command.files.size() - 1), cloud_formats());
   Store store;
   std::string place;
   if (is_server) {
     const database::ServerName name = server_name(command);
     place = name.shown();
-    store = [&, name](auto some, const ReadOptions& reading, const Progress& storing) {
+    store = [&, name](const CloudInputs& some, const ReadOptions& reading, const Progress& storing) {
       return database::store_on_server(name, some, reading,
                                        {command.store.replace, command.load.memory, storing});
     };
   } else {
     check_name(database);
     // A database that is there stays: what may be replaced is a table in it.
-    check_writable(database, true, files);
+    check_writable(database, true, files.names());
     place = fmt::format("table {} of {}", command.store.table, database.string());
-    store = [&](auto some, const ReadOptions& reading, const Progress& storing) {
+    store = [&](const CloudInputs& some, const ReadOptions& reading, const Progress& storing) {
       database::StoreOptions options = command.store;
       options.memory = command.load.memory;
       options.progress = storing;
@@ -205,7 +205,7 @@ Command add_sql_load(CLI::App& sql) {
 namespace {
 
 struct ShardPlanCommand {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   std::filesystem::path output;
   std::vector<database::Shard> shards;
   std::string table = "points";

@@ -70,8 +70,7 @@ void add_occluder_options(CLI::App& command, OccluderRequest& request) {
 
 namespace {
 
-IndexedCloud load(const std::vector<std::filesystem::path>& files, bool partial, AttributeSet attributes,
-                  Verbosity verbosity) {
+IndexedCloud load(const CloudInputs& files, bool partial, AttributeSet attributes, Verbosity verbosity) {
   ProgressLine line("loading cloud", "B", verbosity);
   IndexCloudOptions options;
   options.read.progress = line.callback();
@@ -82,7 +81,8 @@ IndexedCloud load(const std::vector<std::filesystem::path>& files, bool partial,
   if (verbosity != Verbosity::quiet) {
     for (const std::string& warning : cloud.cloud.warnings) say_warning(warning);
   }
-  if (cloud.octree.size() == 0) throw Error({.file = files.front().string(), .problem = "holds no points"});
+  if (cloud.octree.size() == 0)
+    throw Error({.file = files.first_name().string(), .problem = "holds no points"});
   return cloud;
 }
 
@@ -128,9 +128,8 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 
 }  // namespace
 
-std::unique_ptr<VisibilityCloud> load_cloud_alone(const std::vector<std::filesystem::path>& files,
-                                                  bool partial, AttributeSet attributes,
-                                                  Verbosity verbosity) {
+std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudInputs& files, bool partial,
+                                                  AttributeSet attributes, Verbosity verbosity) {
   auto loaded = std::make_unique<VisibilityCloud>();
   loaded->cloud = load(files, partial, attributes, verbosity);
   check_map_unit(loaded->cloud.cloud);

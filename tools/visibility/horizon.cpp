@@ -26,7 +26,7 @@ namespace alidade::tools {
 namespace {
 
 struct HorizonCommand {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   ObserverOptions observers;
   OccluderRequest occluders;
@@ -66,7 +66,7 @@ void check_options(const HorizonCommand& command) {
           "a name ending in .csv or .geojson");
   require(command.skyline, ends_in(command.skyline, {".png"}), "a name ending in .png");
   require(command.depth, ends_in(command.depth, {".exr"}), "a name ending in .exr");
-  std::vector<std::filesystem::path> taken = command.files;
+  std::vector<std::filesystem::path> taken = command.files.names();
   if (!command.observers.file.empty()) taken.push_back(command.observers.file);
   const std::filesystem::path outputs[] = {command.output, command.skyline, command.depth};
   check_outputs(outputs, command.overwrite, taken);

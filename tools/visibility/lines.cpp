@@ -23,7 +23,7 @@ constexpr double k_radio_factor = 4.0 / 3.0;
 
 struct LinesCommand {
   CommandLine command_line;
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   PairRequest pairs;
   std::optional<double> frequency;                    ///< Hz
@@ -55,7 +55,7 @@ visibility::LineReportOptions report_options(const LinesCommand& command, const 
   std::optional<double> factor = command.frequency ? std::optional(k_radio_factor) : std::nullopt;
   if (command.earth_factor) factor = *command.earth_factor;
   if (!command.frequency && !factor) return options;
-  const double unit = unit_of(cloud, command.files.front());
+  const double unit = unit_of(cloud, command.files.first_name());
   if (factor) options.line.earth_radius = *factor * geo::k_earth_radius / unit;
   if (command.frequency) options.wavelength = visibility::k_speed_of_light / *command.frequency / unit;
   return options;
@@ -78,7 +78,7 @@ void say_result(const LinesCommand& command, const visibility::LineTable& table)
 void check_options(const LinesCommand& command) {
   chosen_row_form(command.output);
   check_pair_request(command.pairs);
-  std::vector<std::filesystem::path> inputs = command.files;
+  std::vector<std::filesystem::path> inputs = command.files.names();
   for (const std::filesystem::path& input : {command.pairs.pairs, command.pairs.places}) {
     if (!input.empty()) inputs.push_back(input);
   }

@@ -22,7 +22,7 @@ namespace {
 
 struct PlaceCommand {
   CommandLine command_line;
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   ObserverOptions candidates;
   std::optional<double> target_height;
@@ -59,7 +59,7 @@ std::map<int, double> parse_weights(const std::string& text) {
 /// Errors that need no cloud.
 void check_options(const PlaceCommand& command) {
   chosen_row_form(command.output);
-  std::vector<std::filesystem::path> inputs = command.files;
+  std::vector<std::filesystem::path> inputs = command.files.names();
   if (!command.candidates.file.empty()) inputs.push_back(command.candidates.file);
   const std::filesystem::path outputs[] = {command.output, command.curve};
   if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png) {
@@ -74,7 +74,7 @@ void check_options(const PlaceCommand& command) {
 std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
                                                     const VisibilityCloud& cloud) {
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
-  const std::filesystem::path& file = command.files.front();
+  const std::filesystem::path& file = command.files.first_name();
   if (classes.empty() && (command.target_classes || !command.class_weights.empty()))
     throw Error({.file = file.string(), .problem = "has no classes to choose targets by"});
   // What blocks nothing is no target either, unless it is asked for.

@@ -21,7 +21,7 @@ namespace {
 enum class BlockerColumns { none, all };
 
 struct PointsCommand {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   ObserverOptions observers;
   OccluderRequest occluders;
@@ -97,7 +97,7 @@ std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
 /// Errors that need no cloud.
 void check_options(const PointsCommand& command) {
   check_points_name(command.output);
-  std::vector<std::filesystem::path> inputs = command.files;
+  std::vector<std::filesystem::path> inputs = command.files.names();
   if (!command.observers.file.empty()) inputs.push_back(command.observers.file);
   const std::filesystem::path outputs[] = {command.output, command.lists};
   check_outputs(outputs, command.overwrite, inputs);

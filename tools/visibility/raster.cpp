@@ -30,7 +30,7 @@ enum class DefaultSet { gdal, grass };
 
 /// What was asked of `alidade visibility raster`.
 struct RasterCommand {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   ObserverOptions observers;
   OccluderRequest occluders;
@@ -192,7 +192,7 @@ void check_values(const RasterCommand& command) {
 void check_options(const RasterCommand& command) {
   check_values(command);
   geo::check_raster_name(command.output);
-  std::vector<std::filesystem::path> others = command.files;
+  std::vector<std::filesystem::path> others = command.files.names();
   if (!command.observers.file.empty()) others.push_back(command.observers.file);
   check_writable(command.output, command.overwrite, others);
   check_checkpoint(command.checkpoint, command.overwrite, {{command.output, command.map.preview}}, others);
@@ -306,7 +306,7 @@ ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& gi
   geo::RasterContents contents{.grid = grid,
                                .bands = {band.band()},
                                .crs = crs,
-                               .metadata = map_metadata(words, command.files, *cloud, ground)};
+                               .metadata = map_metadata(words, command.files.names(), *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
   add_observers(observers, contents.metadata);

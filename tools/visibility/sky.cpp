@@ -38,11 +38,11 @@ void check_sky_request(const SkyRequest& request) {
     if (const std::string option = given_map_option(request.map); !option.empty())
       refuse(option, "a map (.tif)");
   }
-  check_writable(request.output, request.overwrite, request.files);
+  check_writable(request.output, request.overwrite, request.files.names());
   check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}},
-                   request.files);
+                   request.files.names());
   if (!request.is_map()) return;
-  std::vector<std::filesystem::path> others = request.files;
+  std::vector<std::filesystem::path> others = request.files.names();
   others.push_back(request.output);
   check_map_writing(request.map, request.overwrite, others);
 }
@@ -126,7 +126,7 @@ void write_sky_map(const SkyRequest& request, const CommandLine& words, const Sk
         {std::span<const float>(band.values.values), k_no_float, band.description, band.unit});
   }
   contents.crs = crs;
-  contents.metadata = map_metadata(words, request.files, *site.cloud, *site.ground);
+  contents.metadata = map_metadata(words, request.files.names(), *site.cloud, *site.ground);
   contents.metadata.insert(contents.metadata.end(), metadata.begin(), metadata.end());
   contents.metadata.emplace_back("alidade_target_height",
                                  fmt::format("{:g}", request.map.target_height.value_or(0.0)));

@@ -22,7 +22,7 @@ namespace alidade::tools {
 
 /// What both commands are asked.
 struct SkyRequest {
-  std::vector<std::filesystem::path> files;
+  CloudInputs files;
   bool partial = false;
   OccluderRequest occluders;
   std::optional<visibility::SkyReceiver> receiver;  ///< points only

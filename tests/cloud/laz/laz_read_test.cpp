@@ -129,11 +129,11 @@ INSTANTIATE_TEST_SUITE_P(Formats, LazReadOldFormatsTest, testing::Range(0, 6));
 
 TEST(LazReadTest, joins_with_las) {
   test::LasFile las = sample_las(4, 7), laz = sample_las(4, 7, 30, 2);
-  std::vector<InputFile> files;
+  CloudInputs files;
   const std::vector<std::byte> las_bytes = build_las(las), laz_bytes = build_laz(laz);
-  files.emplace_back(las_bytes, "a.las");
-  files.emplace_back(laz_bytes, "b.laz");
-  const PointCloud both = join_files(std::move(files), {});
+  files.inputs.push_back(cloud_in_memory(las_bytes, "a.las"));
+  files.inputs.push_back(cloud_in_memory(laz_bytes, "b.laz"));
+  const PointCloud both = read_cloud(files);
   const PointCloud first = read_memory(las_bytes), second = read_memory(build_las(laz));
   ASSERT_EQ(both.size(), first.size() + second.size());
   for (std::size_t i = 0; i < second.size(); ++i) {

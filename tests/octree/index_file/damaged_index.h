@@ -109,9 +109,9 @@ inline bool is_refused(const Bytes& bytes) {
   try {
     const IndexFile index = index_in_memory(bytes);
     use(index);
-    std::vector<InputFile> files;
-    files.emplace_back(bytes, "memory");
-    join_files(std::move(files), {});
+    CloudInputs files;
+    files.inputs.push_back(cloud_in_memory(bytes, "memory", index_and_file_formats()));
+    read_cloud(files);
     return false;
   } catch (const Error& error) {
     EXPECT_EQ(error.parts().file, "memory");

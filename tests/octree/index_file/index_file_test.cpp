@@ -141,7 +141,7 @@ TEST(IndexFile, is_read_as_a_cloud_whose_points_stand_in_their_rows) {
     SCOPED_TRACE(family.name);
     test::fill_everything(family.cloud, random);
     save_index(path, build(family.cloud), family.cloud, {.overwrite = true});
-    const PointCloud read = read_cloud(path);
+    const PointCloud read = read_cloud(test::clouds_of({path}));
     EXPECT_TRUE(test::equal_bits(read.positions, family.cloud.positions));
     test::expect_same_facts(read, family.cloud);
     EXPECT_EQ(read.records, family.cloud.records);
@@ -160,7 +160,7 @@ TEST_P(IndexOfLas, holds_what_the_las_file_held) {
     test::write_bytes(folder / "site.las", test::build_las(test::sample_las(version, GetParam(), 500)));
     const PointCloud cloud = read_cloud(folder / "site.las");
     save_index(folder / "site.alidade", build(cloud), cloud, {.overwrite = true});
-    const PointCloud read = read_cloud(folder / "site.alidade");
+    const PointCloud read = read_cloud(test::clouds_of({folder / "site.alidade"}));
     EXPECT_TRUE(test::equal_bits(read.positions, cloud.positions));
     test::expect_same_columns(columns_of(read), columns_of(cloud));
     test::expect_same_facts(read, cloud);
@@ -168,7 +168,7 @@ TEST_P(IndexOfLas, holds_what_the_las_file_held) {
     EXPECT_EQ(read.warnings, cloud.warnings);
     // Beside another file it joins like the LAS itself.
     const std::filesystem::path of_las[] = {folder / "site.las", folder / "site.las"};
-    const std::filesystem::path mixed[] = {folder / "site.alidade", folder / "site.las"};
+    const CloudInputs mixed = test::clouds_of({folder / "site.alidade", folder / "site.las"});
     const PointCloud twice = read_cloud(of_las), joined = read_cloud(mixed);
     EXPECT_TRUE(test::equal_bits(joined.positions, twice.positions));
     test::expect_same_columns(columns_of(joined), columns_of(twice));
@@ -193,7 +193,7 @@ TEST(IndexFile, keeps_only_wanted_attributes_when_read_as_a_cloud) {
   const auto path = test::test_folder() / "site.alidade";
   const PointCloud cloud = small_cloud();
   save_index(path, build(cloud), cloud);
-  const PointCloud read = read_cloud(path, {.attributes = Attribute::intensity});
+  const PointCloud read = read_cloud(test::clouds_of({path}), {.attributes = Attribute::intensity});
   EXPECT_EQ(read.attributes(), AttributeSet(Attribute::intensity));
   EXPECT_EQ(open_index(path).attributes(), cloud.attributes());
 }
@@ -299,7 +299,7 @@ TEST(IndexFile, holds_what_files_held_that_nobody_here_made) {
       const PointCloud cloud = read_cloud(entry.path());
       save_index(path, build(cloud), cloud, {.overwrite = true});
       EXPECT_NO_THROW(verify_index(path));
-      const PointCloud read = read_cloud(path);
+      const PointCloud read = read_cloud(test::clouds_of({path}));
       EXPECT_TRUE(test::equal_bits(read.positions, cloud.positions));
       test::expect_same_columns(columns_of(read), columns_of(cloud));
       test::expect_same_facts(read, cloud);
@@ -315,9 +315,9 @@ TEST(IndexedCloud, comes_from_the_map_or_from_reading_and_building_with_the_same
   const auto folder = test::test_folder();
   test::write_bytes(folder / "site.las", test::build_las(test::sample_las(4, 7, 500)));
   const std::filesystem::path las = folder / "site.las", alidade = folder / "site.alidade";
-  const IndexedCloud built = load_indexed_cloud({&las, 1});
+  const IndexedCloud built = load_indexed_cloud(test::clouds_of({las}));
   save_index(alidade, built.octree, built.cloud);
-  const IndexedCloud mapped = load_indexed_cloud({&alidade, 1});
+  const IndexedCloud mapped = load_indexed_cloud(test::clouds_of({alidade}));
   EXPECT_FALSE(built.index);
   ASSERT_TRUE(mapped.index);
   test::Random random;
@@ -333,9 +333,10 @@ TEST(IndexFile, is_told_by_its_content) {
   const PointCloud cloud = small_cloud();
   save_index(folder / "a.las", build(cloud), cloud);
   test::write_bytes(folder / "b.alidade", std::as_bytes(std::span("0 0 0")));
-  EXPECT_TRUE(is_index_file(folder / "a.las"));
-  EXPECT_FALSE(is_index_file(folder / "b.alidade"));
-  EXPECT_FALSE(is_index_file(folder / "absent"));
+  const CloudInputs clouds = test::clouds_of({folder / "a.las", folder / "b.alidade", folder / "absent"});
+  EXPECT_TRUE(clouds.inputs[0].is(k_index_format));
+  EXPECT_FALSE(clouds.inputs[1].is(k_index_format));
+  EXPECT_EQ(clouds.inputs[2].format, nullptr);
 }
 
 }  // namespace
