@@ -127,7 +127,7 @@ TEST_F(SqlLoadTest, a_table_is_replaced_only_with_overwrite_and_only_if_it_is_a_
   EXPECT_EQ(points("site.db"), 1);
   {
     const Connection connection(folder / "site.db", Connection::Mode::write);
-    alidade::run(connection.get(), "CREATE TABLE mine(x)");
+    alidade::database::run(connection.get(), "CREATE TABLE mine(x)");
   }
   const ProgramResult mine = load({"one.xyz", "site.db"}, {"--table=mine", "--overwrite"});
   EXPECT_EQ(mine.exit_code, 2);
