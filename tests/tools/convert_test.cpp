@@ -5,6 +5,7 @@
 
 #include "cloud/las/write_las.h"
 #include "cloud/read_cloud.h"
+#include "octree/index_file/index_file.h"
 #include "tests/cloud/las/las_builder.h"
 #include "tests/tools/program_words.h"
 #include "tests/tools/run_program.h"
@@ -44,7 +45,7 @@ class ConvertTest : public ProgramTest {
     const ProgramResult result = convert(output, options);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.out, "");
-    return read_cloud(folder / output);
+    return read_cloud(resolve_clouds(std::vector{folder / output}, index_and_file_formats()));
   }
 
   void expect_error(const Words& words, const std::string& part) {
