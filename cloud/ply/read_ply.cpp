@@ -205,15 +205,9 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
 }
 
 std::string ply_version(PlyFormat format) {
-  switch (format) {
-    case PlyFormat::ascii:
-      return "ascii 1.0";
-    case PlyFormat::binary_little_endian:
-      return "binary_little_endian 1.0";
-    case PlyFormat::binary_big_endian:
-      return "binary_big_endian 1.0";
-  }
-  return {};
+  static constexpr const char* k_versions[] = {"ascii 1.0", "binary_little_endian 1.0",
+                                               "binary_big_endian 1.0"};
+  return k_versions[static_cast<std::size_t>(format)];
 }
 
 namespace {

@@ -30,24 +30,10 @@ struct Property {
 };
 
 const char* type_name(ScalarType type) {
-  switch (type) {
-    case ScalarType::uint8:
-      return "uchar";
-    case ScalarType::int8:
-      return "char";
-    case ScalarType::uint16:
-      return "ushort";
-    case ScalarType::int16:
-      return "short";
-    case ScalarType::uint32:
-      return "uint";
-    case ScalarType::int32:
-      return "int";
-    case ScalarType::float32:
-      return "float";
-    default:
-      return "double";
-  }
+  // In the order of the types; what PLY lacks is written as double.
+  static constexpr const char* k_names[] = {"double", "uchar",  "char",   "ushort", "short", "uint",
+                                            "int",    "double", "double", "float",  "double"};
+  return k_names[static_cast<std::size_t>(type)];
 }
 
 double to_8_bits(std::uint16_t value) {
