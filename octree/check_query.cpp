@@ -158,15 +158,12 @@ void check(const glm::dvec3& point) {
   check_place(point, "point");
 }
 
-void check_level(const Octree& octree, int max_level) {
-  if (max_level == k_all_levels || octree.size() == 0) return;
-  if (octree.view().organisation == Organisation::layered) return;
-  throw Error({.problem = "max_level needs a layered octree", .expected = "an octree built as layered"});
-}
-
-void check_spacings(const Octree& octree, const RayQuery& query) {
-  if (query.spacing_factor == 0.0 || octree.size() == 0 || octree.view().spacings) return;
-  throw Error({.problem = "spacing_factor needs an octree with spacings", .expected = "with_spacings()"});
+void check_against(const Octree& octree, int max_level, double spacing_factor) {
+  if (octree.size() == 0) return;
+  if (max_level != k_all_levels && octree.view().organisation != Organisation::layered)
+    throw Error({.problem = "max_level needs a layered octree", .expected = "an octree built as layered"});
+  if (spacing_factor != 0.0 && !octree.view().spacings)
+    throw Error({.problem = "spacing_factor needs an octree with spacings", .expected = "with_spacings()"});
 }
 
 void check_room(std::size_t targets, std::size_t room) {
