@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "octree/simd/first_answers.h"
-#include "octree/simd/ray_state.h"
 #include "octree/simd/lanes-inl.h"
+#include "octree/simd/ray_state.h"
 #include "octree/tree_walk.h"
 
 // What a search does with the points that lanes could not discard. Lanes tell of every point whether it may

@@ -158,29 +158,20 @@ void find(const TreeView& tree, const glm::dvec3& point, const PointQuery& query
           std::size_t query_index, std::vector<PointHit>& answers) {
   const PointTarget target(point, query, query_index);
   const PointKernel kernel(tree, point, query.radius, static_cast<bool>(query.filter));
-  if (k >= tree.point_count) {
-    AllCollector<PointTarget> all(tree, target, answers);
-    NearestFirst(tree, kernel, all, query.max_level, k_all).run();
-    all.finish();
+  if (k < tree.point_count) {
+    find_first(tree, kernel, target, query, k, 0.0, 0.0, answers);
   } else {
-    NearestCollector<PointTarget> nearest(tree, target, k, 0.0, 0.0, answers);
-    const bool knows_all_points = !query.filter && query.max_level == k_all_levels;
-    NearestFirst(tree, kernel, nearest, query.max_level, knows_all_points ? k : k_all).run();
-    nearest.finish();
+    find_all(tree, kernel, target, query, answers);
   }
 }
 
 std::size_t count(const TreeView& tree, const glm::dvec3& point, const PointQuery& query, std::size_t k,
                   std::size_t query_index) {
-  const PointTarget target(point, query, query_index);
-  const bool knows_all_points = !query.filter && query.max_level == k_all_levels;
-  const PointKernel kernel(tree, point, query.radius, !knows_all_points);
-  CountCollector<PointTarget> counter(tree, target, k);
-  NearestFirst(tree, kernel, counter, query.max_level, k_all).run();
-  return counter.count();
+  const PointKernel kernel(tree, point, query.radius, !knows_all_points(query));
+  return count_first(tree, kernel, PointTarget(point, query, query_index), query, k);
 }
 
-constexpr PointSearch k_point_search{find, count};
+constexpr Search<glm::dvec3> k_point_search{find, count};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd
@@ -189,7 +180,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace alidade::simd {
 
-const PointSearch& point_search(InstructionSet instruction_set) {
+template <>
+const Search<glm::dvec3>& search(InstructionSet instruction_set) {
   ALIDADE_CHOOSE_TABLE(instruction_set, k_point_search)
 }
 

@@ -249,61 +249,46 @@ class RayKernel {
   float entry_min_;
 };
 
-bool knows_all_points(const RayQuery& query) {
-  return !query.filter && query.max_level == k_all_levels;
-}
-
 /// A sphere without limits is entered nowhere.
 bool admits_none(const RayQuery& query) {
   return std::isinf(query.radius) && query.entry_min > -std::numeric_limits<double>::infinity();
 }
 
 template <Measure measure>
-void find_first(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k,
-                std::size_t query_index, std::vector<Hit>& answers) {
-  const RayTarget target(ray, query, query_index);
+void find_by(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k,
+             std::size_t query_index, std::vector<Hit>& answers) {
   const LineFromRoot line(tree, ray);
   const RayKernel<measure> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
   constexpr bool is_place = measure != Measure::distance;
-  NearestCollector<RayTarget> nearest(tree, target, k, is_place ? line.shift : 0.0,
-                                      is_place ? line.error : 0.0, answers);
-  NearestFirst(tree, kernel, nearest, query.max_level, knows_all_points(query) ? k : k_all).run();
-  nearest.finish();
+  find_first(tree, kernel, RayTarget(ray, query, query_index), query, k, is_place ? line.shift : 0.0,
+             is_place ? line.error : 0.0, answers);
 }
 
 void find(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k, std::size_t query_index,
           std::vector<Hit>& answers) {
   if (admits_none(query)) return;
-  if (k < tree.point_count) {
-    if (query.measure == Measure::distance) {
-      find_first<Measure::distance>(tree, ray, query, k, query_index, answers);
-    } else if (query.measure == Measure::t) {
-      find_first<Measure::t>(tree, ray, query, k, query_index, answers);
-    } else {
-      find_first<Measure::entry>(tree, ray, query, k, query_index, answers);
-    }
-    return;
+  if (k >= tree.point_count) {
+    const LineFromRoot line(tree, ray);
+    const RayKernel<Measure::t> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
+    find_all(tree, kernel, RayTarget(ray, query, query_index), query, answers);
+  } else if (query.measure == Measure::distance) {
+    find_by<Measure::distance>(tree, ray, query, k, query_index, answers);
+  } else if (query.measure == Measure::t) {
+    find_by<Measure::t>(tree, ray, query, k, query_index, answers);
+  } else {
+    find_by<Measure::entry>(tree, ray, query, k, query_index, answers);
   }
-  const RayTarget target(ray, query, query_index);
-  const LineFromRoot line(tree, ray);
-  const RayKernel<Measure::t> kernel(tree, line, ray, query, static_cast<bool>(query.filter));
-  AllCollector<RayTarget> all(tree, target, answers);
-  NearestFirst(tree, kernel, all, query.max_level, k_all).run();
-  all.finish();
 }
 
 std::size_t count(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k,
                   std::size_t query_index) {
   if (admits_none(query)) return 0;
-  const RayTarget target(ray, query, query_index);
   const LineFromRoot line(tree, ray);
   const RayKernel<Measure::t> kernel(tree, line, ray, query, !knows_all_points(query));
-  CountCollector<RayTarget> counter(tree, target, k);
-  NearestFirst(tree, kernel, counter, query.max_level, k_all).run();
-  return counter.count();
+  return count_first(tree, kernel, RayTarget(ray, query, query_index), query, k);
 }
 
-constexpr RaySearch k_ray_search{find, count};
+constexpr Search<Ray> k_ray_search{find, count};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd
@@ -312,12 +297,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace alidade::simd {
 
-const RaySearch& ray_search(InstructionSet instruction_set) {
+template <>
+const Search<Ray>& search(InstructionSet instruction_set) {
   ALIDADE_CHOOSE_TABLE(instruction_set, k_ray_search)
 }
 
 bool suits_lanes(const TreeView& tree, const Ray& ray, const RayQuery& query) {
-  if (tree.node_count == 0) return false;
+  if (tree.node_count == 0 || query.spacing_factor > 0.0) return false;
   const glm::dvec3& d = ray.direction;
   const double square = d.x * d.x + d.y * d.y + d.z * d.z;
   double width = 0.0;
