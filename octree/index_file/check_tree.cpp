@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "octree/index_file/check_tree.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
 #include <cstring>
-#include <fmt/format.h>
 #include <mutex>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 #include <vector>
 
 #include "cloud/lattice.h"
@@ -131,8 +131,6 @@ std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, 
 }
 
 namespace {
-
-using Array = TreeFault::Array;
 
 constexpr std::size_t k_nodes_per_task = 1024;
 
