@@ -6,10 +6,10 @@
 #include <hwy/foreach_target.h>
 
 #include "octree/candidate.h"
+#include "octree/simd/box_test-inl.h"
 #include "octree/simd/choose_table.h"
 #include "octree/simd/first_answers.h"
 #include "octree/simd/lattice_box.h"
-#include "octree/simd/ray_traversal-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {

@@ -7,9 +7,9 @@
 #define ALIDADE_SIMD_NEAREST_FIRST_INL_H
 #endif
 
+#include "octree/simd/box_test-inl.h"
 #include "octree/simd/collectors-inl.h"
 #include "octree/simd/first_answers.h"
-#include "octree/simd/ray_traversal-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {

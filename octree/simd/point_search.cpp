@@ -19,8 +19,8 @@ namespace HWY_NAMESPACE {
 /// from there on an axis. `error` exceeds what can go wrong between a float distance and the double one that
 /// decides, in units of 2^-24:
 /// - a coordinate: rounding of scale, of the local point and of their difference, together 2 W + 2 D; the
-/// norm of
-///   three of them 3.5 (W + D);
+/// norm
+///   of three of them 3.5 (W + D);
 /// - squares, sum and root: 3 roundings of at most 1.8 (W + D), and as much again for `low` and `high`;
 /// together
 ///   7 (W + D). The sum stays below 11 (W + D); the budget is 16 (W + D).

@@ -24,14 +24,11 @@ namespace HWY_NAMESPACE {
 /// - a coordinate: rounding of scale, foot and their difference, for centres and half sides of boxes twice:
 ///   3 W + 2 D;
 /// - t, a sum of three products with components of the direction, whatever these are: three times 1.8 W + D
-/// for
-///   their rounding, 5.2 W + 3.5 D from the coordinates; together 11 W + 7 D;
+///   for their rounding, 5.2 W + 3.5 D from the coordinates; together 11 W + 7 D;
 /// - a component of the cross product with a box, two products: the same rounding, 4.3 W + 2.9 D from
-/// coordinates
-///   and 3 W from half sides; together 13 W + 6 D, and 1.8 times that for their norm;
+///   coordinates and 3 W from half sides; together 13 W + 6 D, and 1.8 times that for their norm;
 /// - the part of a point across the line, coordinate - t * component: with t's error below 16 W + 10 D per
-/// axis,
-///   but along the line, so the norm stays below 28 W + 18 D.
+///   axis, but along the line, so the norm stays below 28 W + 18 D.
 /// The budget is 64 (W + D). In double: 2^-48 (largest coordinate or offset + way), `way` that from the ray's
 /// origin to the far end of the points. Squares out of the range of floats: 1e-18.
 /// Boxes are widened by `error`; for the rounding of squares and sums, `limit` and k_up allow.
