@@ -35,37 +35,21 @@ inline bool has_traversal(const Octree& octree, const RayQuery& query) {
          is_short(tree.lattice.scale * std::ldexp(1.0, tree.root_level));
 }
 
-inline const simd::RaySearch& search_for(const Octree& octree, const Ray&) {
-  return simd::ray_search(octree.instruction_set());
-}
-inline const simd::PointSearch& search_for(const Octree& octree, const glm::dvec3&) {
-  return simd::point_search(octree.instruction_set());
-}
-inline const simd::BoxSearch& search_for(const Octree& octree, const Bounds&) {
-  return simd::box_search(octree.instruction_set());
-}
-
 template <class Target>
-constexpr bool k_has_search = requires(const Octree& octree, const Target& target) {
-  search_for(octree, target);
+constexpr bool k_has_search = requires(const TreeView& tree, const Target& target,
+                                       const QueryOf<Target>& query) {
+  simd::suits_lanes(tree, target, query);
 };
-
-/// Whether lanes know all that the query asks for.
-template <class Target, class Query>
-bool has_search(const Octree& octree, const Target& target, const Query& query) {
-  if constexpr (std::is_same_v<Target, Ray>) {
-    if (query.spacing_factor > 0.0) return false;
-  }
-  return simd::suits_lanes(octree.view(), target, query);
-}
 
 /// Appends the k first answers.
 template <class Target, class Query, class Answer>
 void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                std::size_t query_index, std::vector<Answer>& answers) {
   if constexpr (k_has_search<Target>) {
-    if (has_search(octree, target, query))
-      return search_for(octree, target).find(octree.view(), target, query, k, query_index, answers);
+    if (simd::suits_lanes(octree.view(), target, query)) {
+      const auto& lanes = simd::search<Target>(octree.instruction_set());
+      return lanes.find(octree.view(), target, query, k, query_index, answers);
+    }
   }
   with_tree_target(octree.view(), target, query, query_index, [&](const auto& tree, const auto& asked) {
     Nearest neighbors(asked, k);
@@ -79,8 +63,10 @@ template <class Target, class Query>
 std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                      std::size_t query_index) {
   if constexpr (k_has_search<Target>) {
-    if (has_search(octree, target, query))
-      return search_for(octree, target).count(octree.view(), target, query, k, query_index);
+    if (simd::suits_lanes(octree.view(), target, query)) {
+      const auto& lanes = simd::search<Target>(octree.instruction_set());
+      return lanes.count(octree.view(), target, query, k, query_index);
+    }
   }
   Counter counter(k);
   with_tree_target(octree.view(), target, query, query_index,

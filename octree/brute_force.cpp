@@ -12,98 +12,51 @@
 namespace alidade::brute_force {
 namespace {
 
-/// A path with its segments ready, so that all families are decided by evaluate(target, query, ...).
-struct ReadyPath {
-  const Path& path;
-  std::vector<Segment> segments;
-};
-
-std::optional<PathHit> evaluate(const ReadyPath& ready, const PathQuery& query, const glm::dvec3& position,
-                                std::uint64_t point_id) {
-  return alidade::evaluate(project(ready.segments, position), ready.path.t_min, ready.path.t_max, query,
-                           position, point_id);
-}
-
-/// A ray, and the spacings of the points it may meet.
-struct ReadyRay {
-  const Ray& ray;
-  std::span<const double> spacings;
-};
-
-std::optional<Hit> evaluate(const ReadyRay& ready, const RayQuery& query, const glm::dvec3& position,
-                            std::uint64_t point_id) {
-  const bool own = query.spacing_factor > 0.0;
-  const double radius = own ? own_radius(query, ready.spacings[point_id]) : query.radius;
-  return alidade::evaluate(ready.ray, query, radius, position, point_id, 0);
-}
-
-template <class Target>
-const Target& ready(const Target& target) {
-  return target;
-}
-ReadyPath ready(const Path& path) {
-  return {path, segments_of(path)};
-}
-
-template <class Query>
-Measure measure_of(const Query& query) {
-  if constexpr (requires { query.measure; }) return query.measure;
-  return Measure::distance;
-}
-
-void check_target(const ReadyRay& ready, const RayQuery& query) {
-  alidade::check_target(ready.ray, query);
-}
-
-/// The ray of a query, once there is a spacing for every point if the query asks for them.
-ReadyRay with_spacings(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
-                       std::span<const double> spacings) {
-  check(query);
-  if (query.spacing_factor > 0.0 && spacings.size() != cloud.size()) {
-    throw Error({.problem = "spacing_factor needs the spacings of the points",
-                 .expected = std::to_string(cloud.size()),
-                 .found = std::to_string(spacings.size())});
+/// Whether a point answers: evaluate() of octree/candidate.h, with what a path or a ray needs made ready.
+template <class Target, class Query>
+auto evaluator(const Target& target, const Query& query, std::span<const double> spacings) {
+  if constexpr (std::is_same_v<Target, Path>) {
+    return [&, segments = segments_of(target)](const glm::dvec3& position, std::uint64_t id) {
+      return evaluate(project(segments, position), target.t_min, target.t_max, query, position, id);
+    };
+  } else if constexpr (std::is_same_v<Target, Ray>) {
+    return [&, spacings](const glm::dvec3& position, std::uint64_t id) {
+      const double radius = query.spacing_factor > 0.0 ? own_radius(query, spacings[id]) : query.radius;
+      return evaluate(target, query, radius, position, id, 0);
+    };
+  } else {
+    return
+        [&](const glm::dvec3& position, std::uint64_t id) { return evaluate(target, query, position, id); };
   }
-  return {ray, spacings};
 }
 
 template <class Target, class Query>
-void check_all(const Target& target, const Query& query) {
+void check_all(const PointCloud& cloud, const Target& target, const Query& query,
+               std::span<const double> spacings) {
+  if constexpr (std::is_same_v<Target, Ray>) {
+    check(query);
+    if (query.spacing_factor > 0.0 && spacings.size() != cloud.size()) {
+      throw Error({.problem = "spacing_factor needs the spacings of the points",
+                   .expected = std::to_string(cloud.size()),
+                   .found = std::to_string(spacings.size())});
+    }
+  }
   check_target(target, query);
   if (query.max_level != k_all_levels)
     throw Error({.problem = "a cloud without an octree has no levels", .expected = "no max_level"});
 }
 
 /// All answers, in the order of the points.
-template <class Target, class Query>
-auto all(const PointCloud& cloud, const Target& target, const Query& query) {
-  check_all(target, query);
-  const auto& asked = ready(target);
-  std::vector<typename decltype(evaluate(asked, query, glm::dvec3(), 0))::value_type> answers;
+template <Askable T>
+std::vector<AnswerOf<T>> all(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
+                             std::span<const double> spacings) {
+  check_all(cloud, target, query, spacings);
+  const auto answer_of = evaluator(target, query, spacings);
+  std::vector<AnswerOf<T>> answers;
   for (std::size_t id = 0; id < cloud.size(); ++id) {
-    if (const auto answer = evaluate(asked, query, cloud.world(id), id)) answers.push_back(*answer);
+    if (const auto answer = answer_of(cloud.world(id), id)) answers.push_back(*answer);
   }
   return answers;
-}
-
-template <class Target, class Query>
-auto find_first(const PointCloud& cloud, const Target& target, const Query& query, std::size_t k) {
-  auto answers = all(cloud, target, query);
-  std::sort(answers.begin(), answers.end(),
-            [&](const auto& a, const auto& b) { return precedes(measure_of(query), a, b); });
-  if (answers.size() > k) answers.resize(k);
-  return answers;
-}
-
-template <class Target, class Query>
-std::optional<Hit> first(const PointCloud& cloud, const Target& target, const Query& query) {
-  const std::vector<Hit> answers = find_first(cloud, target, query, 1);
-  return answers.empty() ? std::nullopt : std::optional(answers.front());
-}
-
-template <class Target, class Query>
-std::size_t count_to_k(const PointCloud& cloud, const Target& target, const Query& query) {
-  return std::min(all(cloud, target, query).size(), query.k);
 }
 
 }  // namespace
@@ -127,72 +80,50 @@ std::vector<double> spacings(const PointCloud& cloud, int neighbours) {
   return answers;
 }
 
-std::optional<Hit> closest(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
-                           std::span<const double> spacings) {
-  return first(cloud, with_spacings(cloud, ray, query, spacings), query);
+template <Askable T>
+std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
+                              std::span<const double> spacings) {
+  std::vector<AnswerOf<T>> answers = all(cloud, target, query, spacings);
+  std::ranges::sort(answers, [&](const auto& a, const auto& b) { return precedes(measure_of(query), a, b); });
+  if (answers.size() > query.k) answers.resize(query.k);
+  return answers;
 }
 
-std::optional<Hit> closest(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {
-  return first(cloud, cone, query);
-}
-
-bool occluded(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
-              std::span<const double> spacings) {
-  return !all(cloud, with_spacings(cloud, ray, query, spacings), query).empty();
-}
-
-bool occluded(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {
-  return !all(cloud, cone, query).empty();
-}
-
-std::vector<Hit> find(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
-                      std::span<const double> spacings) {
-  return find_first(cloud, with_spacings(cloud, ray, query, spacings), query, query.k);
-}
-
-std::vector<Hit> find(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {
-  return find_first(cloud, cone, query, query.k);
-}
-
-std::vector<PathHit> find(const PointCloud& cloud, const Path& path, const PathQuery& query) {
-  return find_first(cloud, path, query, query.k);
-}
-
-std::vector<PointHit> find(const PointCloud& cloud, const HalfSpaces& region, const PointQuery& query) {
-  return find_first(cloud, region, query, query.k);
-}
-
-std::vector<PointHit> find(const PointCloud& cloud, const Bounds& box, const PointQuery& query) {
-  return find_first(cloud, box, query, query.k);
-}
-
-std::vector<PointHit> find(const PointCloud& cloud, const glm::dvec3& point, const PointQuery& query) {
-  return find_first(cloud, point, query, query.k);
-}
-
-std::size_t count(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+template <Askable T>
+std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
                   std::span<const double> spacings) {
-  return count_to_k(cloud, with_spacings(cloud, ray, query, spacings), query);
+  return std::min(all(cloud, target, query, spacings).size(), query.k);
 }
 
-std::size_t count(const PointCloud& cloud, const Cone& cone, const ConeQuery& query) {
-  return count_to_k(cloud, cone, query);
+template <AskableAlong T>
+std::optional<Hit> closest(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
+                           std::span<const double> spacings) {
+  const std::vector<Hit> answers = find(cloud, target, query, spacings);
+  return answers.empty() ? std::nullopt : std::optional(answers.front());
 }
 
-std::size_t count(const PointCloud& cloud, const Path& path, const PathQuery& query) {
-  return count_to_k(cloud, path, query);
+template <AskableAlong T>
+bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query,
+              std::span<const double> spacings) {
+  return !all(cloud, target, query, spacings).empty();
 }
 
-std::size_t count(const PointCloud& cloud, const HalfSpaces& region, const PointQuery& query) {
-  return count_to_k(cloud, region, query);
-}
-
-std::size_t count(const PointCloud& cloud, const Bounds& box, const PointQuery& query) {
-  return count_to_k(cloud, box, query);
-}
-
-std::size_t count(const PointCloud& cloud, const glm::dvec3& point, const PointQuery& query) {
-  return count_to_k(cloud, point, query);
-}
+using Spacings = std::span<const double>;
+template std::optional<Hit> closest(const PointCloud&, const Ray&, const RayQuery&, Spacings);
+template std::optional<Hit> closest(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
+template bool occluded(const PointCloud&, const Ray&, const RayQuery&, Spacings);
+template bool occluded(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
+template std::vector<Hit> find(const PointCloud&, const Ray&, const RayQuery&, Spacings);
+template std::vector<Hit> find(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
+template std::vector<PathHit> find(const PointCloud&, const Path&, const PathQuery&, Spacings);
+template std::vector<PointHit> find(const PointCloud&, const HalfSpaces&, const PointQuery&, Spacings);
+template std::vector<PointHit> find(const PointCloud&, const Bounds&, const PointQuery&, Spacings);
+template std::vector<PointHit> find(const PointCloud&, const glm::dvec3&, const PointQuery&, Spacings);
+template std::size_t count(const PointCloud&, const Ray&, const RayQuery&, Spacings);
+template std::size_t count(const PointCloud&, const Cone&, const ConeQuery&, Spacings);
+template std::size_t count(const PointCloud&, const Path&, const PathQuery&, Spacings);
+template std::size_t count(const PointCloud&, const HalfSpaces&, const PointQuery&, Spacings);
+template std::size_t count(const PointCloud&, const Bounds&, const PointQuery&, Spacings);
+template std::size_t count(const PointCloud&, const glm::dvec3&, const PointQuery&, Spacings);
 
 }  // namespace alidade::brute_force

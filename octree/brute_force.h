@@ -19,28 +19,20 @@ namespace alidade::brute_force {
 /// Cost: quadratic.
 std::vector<double> spacings(const PointCloud& cloud, int neighbours);
 
-std::optional<Hit> closest(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+// spacings: by point id, for rays; other targets need none.
+template <AskableAlong T>
+std::optional<Hit> closest(const PointCloud& cloud, const T& target,
+                           const QueryOf<T>& query = no_conditions<T>(),
                            std::span<const double> spacings = {});
-std::optional<Hit> closest(const PointCloud& cloud, const Cone& cone, const ConeQuery& query = {});
-
-bool occluded(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+template <AskableAlong T>
+bool occluded(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>(),
               std::span<const double> spacings = {});
-bool occluded(const PointCloud& cloud, const Cone& cone, const ConeQuery& query = {});
-
-std::vector<Hit> find(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
-                      std::span<const double> spacings = {});
-std::vector<Hit> find(const PointCloud& cloud, const Cone& cone, const ConeQuery& query = {});
-std::vector<PathHit> find(const PointCloud& cloud, const Path& path, const PathQuery& query);
-std::vector<PointHit> find(const PointCloud& cloud, const HalfSpaces& region, const PointQuery& query = {});
-std::vector<PointHit> find(const PointCloud& cloud, const Bounds& box, const PointQuery& query = {});
-std::vector<PointHit> find(const PointCloud& cloud, const glm::dvec3& point, const PointQuery& query);
-
-std::size_t count(const PointCloud& cloud, const Ray& ray, const RayQuery& query,
+template <Askable T>
+std::vector<AnswerOf<T>> find(const PointCloud& cloud, const T& target,
+                              const QueryOf<T>& query = no_conditions<T>(),
+                              std::span<const double> spacings = {});
+template <Askable T>
+std::size_t count(const PointCloud& cloud, const T& target, const QueryOf<T>& query = no_conditions<T>(),
                   std::span<const double> spacings = {});
-std::size_t count(const PointCloud& cloud, const Cone& cone, const ConeQuery& query = {});
-std::size_t count(const PointCloud& cloud, const Path& path, const PathQuery& query);
-std::size_t count(const PointCloud& cloud, const HalfSpaces& region, const PointQuery& query = {});
-std::size_t count(const PointCloud& cloud, const Bounds& box, const PointQuery& query = {});
-std::size_t count(const PointCloud& cloud, const glm::dvec3& point, const PointQuery& query);
 
 }  // namespace alidade::brute_force

@@ -50,8 +50,8 @@ int level_of_cells(const Lattice& lattice, double cell_size) {
 /// Level of the largest cells that hold at most leaf_size points on average, empty ones not counted.
 template <class Entry>
 int level_of_filled_cells(const SortedPoints<Entry>& sorted, int leaf_size) {
-  std::array<std::size_t, 33>
-      first_of_cell{};  // how many points are the first in their cell of this level, not above
+  // How many points are the first in their cell of this level, not above.
+  std::array<std::size_t, 33> first_of_cell{};
   for (std::size_t i = 1; i < sorted.size(); ++i) {
     const int bit = highest_bit(sorted[i - 1].key() ^ sorted[i].key());
     if (bit >= 0) ++first_of_cell[bit / 3];

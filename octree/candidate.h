@@ -132,6 +132,13 @@ inline double measured(Measure, const PointHit& hit) {
   return hit.distance;
 }
 
+/// What a query orders by; distance if it knows one order only.
+template <class Query>
+Measure measure_of(const Query& query) {
+  if constexpr (requires { query.measure; }) return query.measure;
+  return Measure::distance;
+}
+
 /// Order of answers: by the measure, then by point id.
 template <class Answer>
 bool precedes(Measure measure, const Answer& a, const Answer& b) {

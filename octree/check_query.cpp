@@ -14,20 +14,18 @@ namespace {
 
 constexpr double k_length_tolerance = 1e-6;
 
+template <class Found>
+void require(bool holds, const char* problem, const char* expected, const Found& found) {
+  if (!holds) throw Error({.problem = problem, .expected = expected, .found = fmt::format("{}", found)});
+}
+
 void check_k(std::size_t k, int max_level) {
   if (k == 0) throw Error({.problem = "k of a query is 0", .expected = "at least 1"});
-  if (max_level < 0) {
-    throw Error({.problem = "max_level of a query is negative",
-                 .expected = "at least 0",
-                 .found = fmt::format("{}", max_level)});
-  }
+  require(max_level >= 0, "max_level of a query is negative", "at least 0", max_level);
 }
 
 void check_radius(double radius) {
-  if (radius >= 0.0) return;
-  throw Error({.problem = "radius of a query is out of range",
-               .expected = "at least 0",
-               .found = fmt::format("{}", radius)});
+  require(radius >= 0.0, "radius of a query is out of range", "at least 0", radius);
 }
 
 bool is_finite(const glm::dvec3& v) {
@@ -57,11 +55,8 @@ void check_interval(double t_min, double t_max) {
     throw Error({.problem = "limit of the interval is not a number"});
 }
 
-void check_width(double width, const char* what) {
-  if (width >= 0.0 && std::isfinite(width)) return;
-  throw Error({.problem = fmt::format("{} is out of range", what),
-               .expected = "a finite number, at least 0",
-               .found = fmt::format("{}", width)});
+void check_width(double width, const char* problem) {
+  require(width >= 0.0 && std::isfinite(width), problem, "a finite number, at least 0", width);
 }
 
 }  // namespace
@@ -69,17 +64,11 @@ void check_width(double width, const char* what) {
 void check(const RayQuery& query) {
   check_k(query.k, query.max_level);
   check_radius(query.radius);
-  if (!(query.spacing_factor >= 0.0 && std::isfinite(query.spacing_factor))) {
-    throw Error({.problem = "spacing_factor of a query is out of range",
-                 .expected = "a finite number, at least 0",
-                 .found = fmt::format("{}", query.spacing_factor)});
-  }
+  require(query.spacing_factor >= 0.0 && std::isfinite(query.spacing_factor),
+          "spacing_factor of a query is out of range", "a finite number, at least 0", query.spacing_factor);
   if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min of a query is not a number"});
-  if (query.measure == Measure::entry && std::isinf(query.radius)) {
-    throw Error({.problem = "measure entry needs a radius",
-                 .expected = "a finite radius, or measure t or distance",
-                 .found = "none"});
-  }
+  require(query.measure != Measure::entry || !std::isinf(query.radius), "measure entry needs a radius",
+          "a finite radius, or measure t or distance", "none");
 }
 
 void check(const ConeQuery& query) {
@@ -100,10 +89,7 @@ void check(const PointQuery& query) {
 
 void check_without_radius(const PointQuery& query) {
   check(query);
-  if (std::isinf(query.radius)) return;
-  throw Error({.problem = "a box or half-space query has a radius",
-               .expected = "none",
-               .found = fmt::format("{}", query.radius)});
+  require(std::isinf(query.radius), "a box or half-space query has a radius", "none", query.radius);
 }
 
 void check(const Ray& ray) {
@@ -114,16 +100,12 @@ void check(const Ray& ray) {
 
 void check(const Cone& cone) {
   check(cone.axis);
-  check_width(cone.radius, "radius of the cone");
-  check_width(cone.slope, "slope of the cone");
+  check_width(cone.radius, "radius of the cone is out of range");
+  check_width(cone.slope, "slope of the cone is out of range");
 }
 
 void check(const Path& path) {
-  if (path.vertices.size() < 2) {
-    throw Error({.problem = "path has too few vertices",
-                 .expected = "at least 2",
-                 .found = fmt::format("{}", path.vertices.size())});
-  }
+  require(path.vertices.size() >= 2, "path has too few vertices", "at least 2", path.vertices.size());
   if (path.vertex_t.size() != path.vertices.size()) {
     throw Error({.problem = "path does not have one t per vertex",
                  .expected = fmt::format("{}", path.vertices.size()),
@@ -158,15 +140,12 @@ void check(const glm::dvec3& point) {
   check_place(point, "point");
 }
 
-void check_level(const Octree& octree, int max_level) {
-  if (max_level == k_all_levels || octree.size() == 0) return;
-  if (octree.view().organisation == Organisation::layered) return;
-  throw Error({.problem = "max_level needs a layered octree", .expected = "an octree built as layered"});
-}
-
-void check_spacings(const Octree& octree, const RayQuery& query) {
-  if (query.spacing_factor == 0.0 || octree.size() == 0 || octree.view().spacings) return;
-  throw Error({.problem = "spacing_factor needs an octree with spacings", .expected = "with_spacings()"});
+void check_against(const Octree& octree, int max_level, double spacing_factor) {
+  if (octree.size() == 0) return;
+  if (max_level != k_all_levels && octree.view().organisation != Organisation::layered)
+    throw Error({.problem = "max_level needs a layered octree", .expected = "an octree built as layered"});
+  if (spacing_factor != 0.0 && !octree.view().spacings)
+    throw Error({.problem = "spacing_factor needs an octree with spacings", .expected = "with_spacings()"});
 }
 
 void check_room(std::size_t targets, std::size_t room) {

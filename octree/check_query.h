@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <atomic>
 #include <exception>
 #include <mutex>
 #include <span>
 #include <string>
-#include <tbb/parallel_for.h>
 #include <type_traits>
 #include <vector>
 
@@ -42,8 +42,7 @@ void check(const glm::dvec3& point);
 /// The query, by the rules of the target's family.
 template <class Target, class Query>
 void check_conditions(const Query& query) {
-  constexpr bool has_no_radius = std::is_same_v<Target, Bounds> || std::is_same_v<Target, HalfSpaces>;
-  if constexpr (has_no_radius) {
+  if constexpr (std::is_same_v<Query, PointQuery> && QueryFamily<Target>::limits_itself) {
     check_without_radius(query);
   } else {
     check(query);
@@ -57,36 +56,27 @@ void check_target(const Target& target, const Query& query) {
   check(target);
 }
 
-/// Errors: max_level for an octree that has points and is not layered.
-void check_level(const Octree& octree, int max_level);
+/// What the query asks of the octree. Errors: max_level for one that has points and is not layered;
+/// spacing_factor for one that has points and no spacings.
+void check_against(const Octree& octree, int max_level, double spacing_factor);
+template <class Query>
+void check_against(const Octree& octree, const Query& query) {
+  double spacing_factor = 0.0;
+  if constexpr (requires { query.spacing_factor; }) spacing_factor = query.spacing_factor;
+  check_against(octree, query.max_level, spacing_factor);
+}
 
-/// Errors: spacing_factor for an octree that has points and no spacings.
-void check_spacings(const Octree& octree, const RayQuery& query);
+/// All of it.
+template <class Target, class Query>
+void check_target(const Octree& octree, const Target& target, const Query& query) {
+  check_target(target, query);
+  check_against(octree, query);
+}
 
 /// Errors: room for answers that is not as long as the targets.
 void check_room(std::size_t targets, std::size_t room);
 
 // Many targets at once: in parallel, answered in their order, with errors that name the target.
-
-/// What errors call a target in a batch.
-inline const char* target_name(const Ray*) {
-  return "ray";
-}
-inline const char* target_name(const Cone*) {
-  return "cone";
-}
-inline const char* target_name(const Path*) {
-  return "path";
-}
-inline const char* target_name(const HalfSpaces*) {
-  return "region";
-}
-inline const char* target_name(const Bounds*) {
-  return "box";
-}
-inline const char* target_name(const glm::dvec3*) {
-  return "point";
-}
 
 /// Checks a target; the Error names its number.
 template <class Target>
@@ -95,7 +85,7 @@ void check_numbered(std::span<const Target> targets, std::size_t i) {
     check(targets[i]);
   } catch (const Error& error) {
     Error::Parts parts = error.parts();
-    parts.problem = std::string(target_name(targets.data())) + " " + std::to_string(i) + ": " + parts.problem;
+    parts.problem = std::string(QueryFamily<Target>::name) + " " + std::to_string(i) + ": " + parts.problem;
     throw Error(std::move(parts));
   }
 }

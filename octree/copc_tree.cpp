@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <fmt/format.h>
 #include <utility>
 
 #include "base/bytes.h"
@@ -14,13 +14,6 @@
 
 namespace alidade {
 namespace {
-
-void grow(BoxedPoints::Box& box, const LatticePosition& min, const LatticePosition& max) {
-  for (int axis = 0; axis < 3; ++axis) {
-    box.min[axis] = std::min(box.min[axis], min[axis]);
-    box.max[axis] = std::max(box.max[axis], max[axis]);
-  }
-}
 
 struct SortedPoint {
   std::uint64_t key;
@@ -33,20 +26,16 @@ struct SortedPoint {
 
 /// Order along the curve, on the finest grid of 2^21 cells per axis that holds all points.
 std::vector<SortedPoint> morton_order(const std::vector<LatticePosition>& positions) {
-  BoxedPoints::Box all{positions[0], positions[0]};
-  for (const LatticePosition& position : positions) grow(all, position, position);
-  std::uint32_t longest = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    longest = std::max(longest,
-                       static_cast<std::uint32_t>(all.max[axis]) - static_cast<std::uint32_t>(all.min[axis]));
-  }
+  LatticeExtent all;
+  for (const LatticePosition& position : positions) all.grow(position);
+  const auto steps = [&](const LatticePosition& to, int axis) {
+    return static_cast<std::uint32_t>(to[axis]) - static_cast<std::uint32_t>(all.low[axis]);
+  };
+  const std::uint32_t longest = std::max({steps(all.high, 0), steps(all.high, 1), steps(all.high, 2)});
   const int shift = std::max(0, static_cast<int>(std::bit_width(longest)) - k_morton_bits);
   std::vector<SortedPoint> order(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
-    const auto cell = [&](int axis) {
-      return (static_cast<std::uint32_t>(positions[i][axis]) - static_cast<std::uint32_t>(all.min[axis])) >>
-             shift;
-    };
+    const auto cell = [&](int axis) { return steps(positions[i], axis) >> shift; };
     order[i] = {morton_key(cell(0), cell(1), cell(2)), static_cast<std::uint32_t>(i)};
   }
   std::sort(order.begin(), order.end());
@@ -67,16 +56,16 @@ BoxedPoints::BoxedPoints(std::vector<LatticePosition> positions, std::vector<std
   std::vector<Box>& blocks = boxes_.emplace_back();
   blocks.reserve((positions_.size() + k_block_points - 1) / k_block_points);
   for (std::size_t i = 0; i < positions_.size(); ++i) {
-    if (i % k_block_points == 0) blocks.push_back({positions_[i], positions_[i]});
-    grow(blocks.back(), positions_[i], positions_[i]);
+    if (i % k_block_points == 0) blocks.emplace_back();
+    blocks.back().grow(positions_[i]);
   }
   while (boxes_.back().size() > k_fan_out) {
     std::vector<Box> above;
     const std::vector<Box>& below = boxes_.back();
     above.reserve((below.size() + k_fan_out - 1) / k_fan_out);
     for (std::size_t i = 0; i < below.size(); ++i) {
-      if (i % k_fan_out == 0) above.push_back(below[i]);
-      grow(above.back(), below[i].min, below[i].max);
+      if (i % k_fan_out == 0) above.emplace_back();
+      above.back().grow(below[i]);
     }
     boxes_.push_back(std::move(above));
   }

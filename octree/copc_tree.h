@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <tbb/enumerable_thread_specific.h>
 #include <algorithm>
 #include <bitset>
 #include <cstddef>
@@ -9,7 +10,6 @@
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <tbb/enumerable_thread_specific.h>
 #include <vector>
 
 #include "base/bounds.h"
@@ -30,9 +30,7 @@ class BoxedPoints {
   /// positions[i] is the point of row rows[i]. Cost: n log n.
   BoxedPoints(std::vector<LatticePosition> positions, std::vector<std::uint32_t> rows);
 
-  struct Box {
-    LatticePosition min, max;  ///< inclusive
-  };
+  using Box = LatticeExtent;
 
   std::size_t size() const { return positions_.size(); }
   /// Levels of boxes: 0 are the blocks. None if there are no points.
@@ -182,7 +180,7 @@ class CopcTree {
                    std::size_t first, std::size_t last, const Visit& visit) const {
     for (std::size_t i = first; i < last; ++i) {
       const BoxedPoints::Box& box = points->boxes(level)[i];
-      visit(Node{.bounds = {to_world(lattice(), box.min), to_world(lattice(), box.max)},
+      visit(Node{.bounds = {to_world(lattice(), box.low), to_world(lattice(), box.high)},
                  .kind = Kind::box,
                  .level = static_cast<std::int8_t>(level),
                  .number = number,

@@ -22,17 +22,8 @@ struct Explained {
 };
 
 /// Contracts and Errors: as `find`. Cost: as `find` without lanes.
-Explained<Hit> explain(const Octree& octree, const Ray& ray, const RayQuery& query,
-                       const Pruning& pruning = {});
-Explained<Hit> explain(const Octree& octree, const Cone& cone, const ConeQuery& query,
-                       const Pruning& pruning = {});
-Explained<PathHit> explain(const Octree& octree, const Path& path, const PathQuery& query,
-                           const Pruning& pruning = {});
-Explained<PointHit> explain(const Octree& octree, const HalfSpaces& region, const PointQuery& query,
-                            const Pruning& pruning = {});
-Explained<PointHit> explain(const Octree& octree, const Bounds& box, const PointQuery& query,
-                            const Pruning& pruning = {});
-Explained<PointHit> explain(const Octree& octree, const glm::dvec3& point, const PointQuery& query,
-                            const Pruning& pruning = {});
+template <Askable T>
+Explained<AnswerOf<T>> explain(const Octree& octree, const T& target, const QueryOf<T>& query,
+                               const Pruning& pruning = {});
 
 }  // namespace alidade

@@ -70,8 +70,8 @@ PointSurface surface_of(const TreeView& tree, std::uint64_t point_id);
 /// The nearest edge of the sheet of a point.
 struct SheetEdge {
   glm::dvec3 direction{0.0};  ///< of length 1, in the plane of the sheet, towards the edge
-  double distance =
-      std::numeric_limits<double>::infinity();  ///< in spacings of the point; infinite if none is near
+  /// In spacings of the point; infinite if none is near.
+  double distance = std::numeric_limits<double>::infinity();
 };
 
 /// The edge of a point's sheet in 8 bits, 0 for none: that direction in which the sheet's points within 2.5

@@ -24,39 +24,9 @@ std::size_t stream_grain(std::size_t rays) {
 }
 
 template <class Target, class Query>
-void check_one(const Octree& octree, const Target& target, const Query& query) {
-  check_target(target, query);
-  check_level(octree, query.max_level);
-  if constexpr (std::is_same_v<Query, RayQuery>) check_spacings(octree, query);
-}
-
-template <class Target, class Query>
 void check_many(const Octree& octree, std::span<const Target>, const Query& query) {
   check_conditions<Target>(query);
-  check_level(octree, query.max_level);
-  if constexpr (std::is_same_v<Query, RayQuery>) check_spacings(octree, query);
-}
-
-template <class Answer, class Target, class Query>
-std::vector<Answer> find_one(const Octree& octree, const Target& target, const Query& query) {
-  check_one(octree, target, query);
-  std::vector<Answer> answers;
-  find_into(octree, target, query, query.k, 0, answers);
-  return answers;
-}
-
-template <class Answer, class Target, class Query>
-Answers<Answer> find_many(const Octree& octree, std::span<const Target> targets, const Query& query) {
-  check_many(octree, targets, query);
-  return answer_all<Answer>(targets, k_grain, [&](std::size_t i, std::vector<Answer>& answers) {
-    find_into(octree, targets[i], query, query.k, i, answers);
-  });
-}
-
-template <class Target, class Query>
-std::size_t count_one(const Octree& octree, const Target& target, const Query& query) {
-  check_one(octree, target, query);
-  return count_to(octree, target, query, query.k, 0);
+  check_against(octree, query);
 }
 
 template <class Target, class Query, class Answer, class Ask>
@@ -96,25 +66,12 @@ void ask_rays(const Octree& octree, std::span<const Ray> rays, const RayQuery& q
   });
 }
 
-template <class Target, class Query>
-void count_many(const Octree& octree, std::span<const Target> targets, const Query& query,
-                std::span<std::size_t> counts) {
-  ask_many(octree, targets, query, counts,
-           [](const Octree& tree, const Target& target, const Query& asked, std::size_t i) {
-             return count_to(tree, target, asked, asked.k, i);
-           });
-}
-
 }  // namespace
 
-std::optional<Hit> closest(const Octree& octree, const Ray& ray, const RayQuery& query) {
-  check_one(octree, ray, query);
-  return first_hit(octree, ray, query, 0);
-}
-
-std::optional<Hit> closest(const Octree& octree, const Cone& cone, const ConeQuery& query) {
-  check_one(octree, cone, query);
-  return first_hit(octree, cone, query, 0);
+template <AskableAlong T>
+std::optional<Hit> closest(const Octree& octree, const T& target, const QueryOf<T>& query) {
+  check_target(octree, target, query);
+  return first_hit(octree, target, query, 0);
 }
 
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
@@ -123,14 +80,10 @@ void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& qu
            first_hit<Ray, RayQuery>);
 }
 
-bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query) {
-  check_one(octree, ray, query);
-  return any_hit(octree, ray, query, 0);
-}
-
-bool occluded(const Octree& octree, const Cone& cone, const ConeQuery& query) {
-  check_one(octree, cone, query);
-  return any_hit(octree, cone, query, 0);
+template <AskableAlong T>
+bool occluded(const Octree& octree, const T& target, const QueryOf<T>& query) {
+  check_target(octree, target, query);
+  return any_hit(octree, target, query, 0);
 }
 
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
@@ -139,106 +92,48 @@ void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& q
            any_hit<Ray, RayQuery>);
 }
 
-std::vector<Hit> find(const Octree& octree, const Ray& ray, const RayQuery& query) {
-  return find_one<Hit>(octree, ray, query);
+template <Askable T>
+std::vector<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, const T& target,
+                                                const QueryOf<T>& query) {
+  check_target(octree, target, query);
+  std::vector<AnswerOf<T>> answers;
+  find_into(octree, target, query, query.k, 0, answers);
+  return answers;
 }
 
-std::vector<Hit> find(const Octree& octree, const Cone& cone, const ConeQuery& query) {
-  return find_one<Hit>(octree, cone, query);
+template <Askable T>
+Answers<AnswerOf<T>> FamilyAnswers<T>::find(const Octree& octree, std::span<const T> targets,
+                                            const QueryOf<T>& query) {
+  check_many(octree, targets, query);
+  return answer_all<AnswerOf<T>>(targets, k_grain, [&](std::size_t i, std::vector<AnswerOf<T>>& answers) {
+    find_into(octree, targets[i], query, query.k, i, answers);
+  });
 }
 
-std::vector<PathHit> find(const Octree& octree, const Path& path, const PathQuery& query) {
-  return find_one<PathHit>(octree, path, query);
+template <Askable T>
+std::size_t FamilyAnswers<T>::count(const Octree& octree, const T& target, const QueryOf<T>& query) {
+  check_target(octree, target, query);
+  return count_to(octree, target, query, query.k, 0);
 }
 
-std::vector<PointHit> find(const Octree& octree, const HalfSpaces& region, const PointQuery& query) {
-  return find_one<PointHit>(octree, region, query);
+template <Askable T>
+void FamilyAnswers<T>::count(const Octree& octree, std::span<const T> targets, const QueryOf<T>& query,
+                             std::span<std::size_t> counts) {
+  ask_many(octree, targets, query, counts,
+           [](const Octree& tree, const T& target, const QueryOf<T>& asked, std::size_t i) {
+             return count_to(tree, target, asked, asked.k, i);
+           });
 }
 
-std::vector<PointHit> find(const Octree& octree, const Bounds& box, const PointQuery& query) {
-  return find_one<PointHit>(octree, box, query);
-}
-
-std::vector<PointHit> find(const Octree& octree, const glm::dvec3& point, const PointQuery& query) {
-  return find_one<PointHit>(octree, point, query);
-}
-
-Answers<Hit> find(const Octree& octree, std::span<const Ray> rays, const RayQuery& query) {
-  return find_many<Hit>(octree, rays, query);
-}
-
-Answers<Hit> find(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query) {
-  return find_many<Hit>(octree, cones, query);
-}
-
-Answers<PathHit> find(const Octree& octree, std::span<const Path> paths, const PathQuery& query) {
-  return find_many<PathHit>(octree, paths, query);
-}
-
-Answers<PointHit> find(const Octree& octree, std::span<const HalfSpaces> regions, const PointQuery& query) {
-  return find_many<PointHit>(octree, regions, query);
-}
-
-Answers<PointHit> find(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query) {
-  return find_many<PointHit>(octree, boxes, query);
-}
-
-Answers<PointHit> find(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query) {
-  return find_many<PointHit>(octree, points, query);
-}
-
-std::size_t count(const Octree& octree, const Ray& ray, const RayQuery& query) {
-  return count_one(octree, ray, query);
-}
-
-std::size_t count(const Octree& octree, const Cone& cone, const ConeQuery& query) {
-  return count_one(octree, cone, query);
-}
-
-std::size_t count(const Octree& octree, const Path& path, const PathQuery& query) {
-  return count_one(octree, path, query);
-}
-
-std::size_t count(const Octree& octree, const HalfSpaces& region, const PointQuery& query) {
-  return count_one(octree, region, query);
-}
-
-std::size_t count(const Octree& octree, const Bounds& box, const PointQuery& query) {
-  return count_one(octree, box, query);
-}
-
-std::size_t count(const Octree& octree, const glm::dvec3& point, const PointQuery& query) {
-  return count_one(octree, point, query);
-}
-
-void count(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
-           std::span<std::size_t> counts) {
-  count_many(octree, rays, query, counts);
-}
-
-void count(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query,
-           std::span<std::size_t> counts) {
-  count_many(octree, cones, query, counts);
-}
-
-void count(const Octree& octree, std::span<const Path> paths, const PathQuery& query,
-           std::span<std::size_t> counts) {
-  count_many(octree, paths, query, counts);
-}
-
-void count(const Octree& octree, std::span<const HalfSpaces> regions, const PointQuery& query,
-           std::span<std::size_t> counts) {
-  count_many(octree, regions, query, counts);
-}
-
-void count(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query,
-           std::span<std::size_t> counts) {
-  count_many(octree, boxes, query, counts);
-}
-
-void count(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query,
-           std::span<std::size_t> counts) {
-  count_many(octree, points, query, counts);
-}
+template std::optional<Hit> closest(const Octree&, const Ray&, const RayQuery&);
+template std::optional<Hit> closest(const Octree&, const Cone&, const ConeQuery&);
+template bool occluded(const Octree&, const Ray&, const RayQuery&);
+template bool occluded(const Octree&, const Cone&, const ConeQuery&);
+template struct FamilyAnswers<Ray>;
+template struct FamilyAnswers<Cone>;
+template struct FamilyAnswers<Path>;
+template struct FamilyAnswers<HalfSpaces>;
+template struct FamilyAnswers<Bounds>;
+template struct FamilyAnswers<glm::dvec3>;
 
 }  // namespace alidade

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <optional>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -165,56 +167,104 @@ struct Answers {
   }
 };
 
+/// The family of a target: the query it takes, what answers, its name in errors, and whether the target
+/// limits its points itself, so that it may go without conditions. No member: not a target.
+template <class Target>
+struct QueryFamily {};
+
+template <class Query_, class Answer_, bool limits = false>
+struct FamilyOf {
+  using Query = Query_;
+  using Answer = Answer_;
+  static constexpr bool limits_itself = limits;
+};
+
+// clang-format off
+template <> struct QueryFamily<Ray> : FamilyOf<RayQuery, Hit> { static constexpr auto name = "ray"; };
+template <> struct QueryFamily<Cone> : FamilyOf<ConeQuery, Hit, true> { static constexpr auto name = "cone"; };
+template <> struct QueryFamily<Path> : FamilyOf<PathQuery, PathHit> { static constexpr auto name = "path"; };
+template <> struct QueryFamily<HalfSpaces> : FamilyOf<PointQuery, PointHit, true> { static constexpr auto name = "region"; };
+template <> struct QueryFamily<Bounds> : FamilyOf<PointQuery, PointHit, true> { static constexpr auto name = "box"; };
+template <> struct QueryFamily<glm::dvec3> : FamilyOf<PointQuery, PointHit> { static constexpr auto name = "point"; };
+// clang-format on
+
+/// Ray, Cone, Path, HalfSpaces, Bounds and glm::dvec3 (a point).
+template <class T>
+concept Askable = requires {
+  typename QueryFamily<T>::Query;
+};
+template <Askable T>
+using QueryOf = typename QueryFamily<T>::Query;
+template <Askable T>
+using AnswerOf = typename QueryFamily<T>::Answer;
+
+/// Rays and cones: of their points one comes first.
+template <class T>
+concept AskableAlong = Askable<T> && std::same_as<AnswerOf<T>, Hit>;
+
+/// Many targets: a vector, array or span of them.
+template <class T>
+concept AskableRange = std::ranges::contiguous_range<const T> && std::ranges::sized_range<const T> &&
+    Askable<std::ranges::range_value_t<const T>>;
+template <AskableRange T>
+using TargetIn = std::ranges::range_value_t<const T>;
+
+/// Of targets that limit themselves; all others must come with a query.
+template <Askable T>
+QueryOf<T> no_conditions() {
+  static_assert(QueryFamily<T>::limits_itself, "this target needs a query");
+  return {};
+}
+
 /// The first point by the measure among those with distance <= radius, t_min <= t <= t_max (the ray's closed
 /// interval, on the projection t whatever the measure), entry >= entry_min, that the filter admits. Cost: a
 /// few hundred nanoseconds to microseconds; grows with the number of points in the ray's cylinder before the
 /// hit.
-std::optional<Hit> closest(const Octree& octree, const Ray& ray, const RayQuery& query);
-std::optional<Hit> closest(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
+template <AskableAlong T>
+std::optional<Hit> closest(const Octree& octree, const T& target,
+                           const QueryOf<T>& query = no_conditions<T>());
 void closest(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
              std::span<std::optional<Hit>> hits);
 
 /// Whether any point fulfils the conditions; stops at the first it finds. k, and the measure but for its
 /// Errors, do not matter.
-bool occluded(const Octree& octree, const Ray& ray, const RayQuery& query);
-bool occluded(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
+template <AskableAlong T>
+bool occluded(const Octree& octree, const T& target, const QueryOf<T>& query = no_conditions<T>());
 void occluded(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
               std::span<std::uint8_t> answers);
 
+/// `find` and `count` of one family, as they are compiled once.
+template <Askable T>
+struct FamilyAnswers {
+  static std::vector<AnswerOf<T>> find(const Octree& octree, const T& target, const QueryOf<T>& query);
+  static Answers<AnswerOf<T>> find(const Octree& octree, std::span<const T> targets, const QueryOf<T>& query);
+  static std::size_t count(const Octree& octree, const T& target, const QueryOf<T>& query);
+  static void count(const Octree& octree, std::span<const T> targets, const QueryOf<T>& query,
+                    std::span<std::size_t> counts);
+};
+
 /// The k first points by the measure, in its order. Cost with k: like `closest`, and grows with k; without:
 /// with the number of points in reach.
-std::vector<Hit> find(const Octree& octree, const Ray& ray, const RayQuery& query);
-std::vector<Hit> find(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
-std::vector<PathHit> find(const Octree& octree, const Path& path, const PathQuery& query);
-std::vector<PointHit> find(const Octree& octree, const HalfSpaces& region, const PointQuery& query = {});
-std::vector<PointHit> find(const Octree& octree, const Bounds& box, const PointQuery& query = {});
-std::vector<PointHit> find(const Octree& octree, const glm::dvec3& point, const PointQuery& query);
-Answers<Hit> find(const Octree& octree, std::span<const Ray> rays, const RayQuery& query);
-Answers<Hit> find(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query = {});
-Answers<PathHit> find(const Octree& octree, std::span<const Path> paths, const PathQuery& query);
-Answers<PointHit> find(const Octree& octree, std::span<const HalfSpaces> regions,
-                       const PointQuery& query = {});
-Answers<PointHit> find(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query = {});
-Answers<PointHit> find(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query);
+template <Askable T>
+std::vector<AnswerOf<T>> find(const Octree& octree, const T& target,
+                              const QueryOf<T>& query = no_conditions<T>()) {
+  return FamilyAnswers<T>::find(octree, target, query);
+}
+template <AskableRange Targets, Askable T = TargetIn<Targets>>
+Answers<AnswerOf<T>> find(const Octree& octree, const Targets& targets,
+                          const QueryOf<T>& query = no_conditions<T>()) {
+  return FamilyAnswers<T>::find(octree, std::span<const T>(targets), query);
+}
 
 /// How many points `find` would answer; stops at k.
-std::size_t count(const Octree& octree, const Ray& ray, const RayQuery& query);
-std::size_t count(const Octree& octree, const Cone& cone, const ConeQuery& query = {});
-std::size_t count(const Octree& octree, const Path& path, const PathQuery& query);
-std::size_t count(const Octree& octree, const HalfSpaces& region, const PointQuery& query = {});
-std::size_t count(const Octree& octree, const Bounds& box, const PointQuery& query = {});
-std::size_t count(const Octree& octree, const glm::dvec3& point, const PointQuery& query);
-void count(const Octree& octree, std::span<const Ray> rays, const RayQuery& query,
-           std::span<std::size_t> counts);
-void count(const Octree& octree, std::span<const Cone> cones, const ConeQuery& query,
-           std::span<std::size_t> counts);
-void count(const Octree& octree, std::span<const Path> paths, const PathQuery& query,
-           std::span<std::size_t> counts);
-void count(const Octree& octree, std::span<const HalfSpaces> regions, const PointQuery& query,
-           std::span<std::size_t> counts);
-void count(const Octree& octree, std::span<const Bounds> boxes, const PointQuery& query,
-           std::span<std::size_t> counts);
-void count(const Octree& octree, std::span<const glm::dvec3> points, const PointQuery& query,
-           std::span<std::size_t> counts);
+template <Askable T>
+std::size_t count(const Octree& octree, const T& target, const QueryOf<T>& query = no_conditions<T>()) {
+  return FamilyAnswers<T>::count(octree, target, query);
+}
+template <AskableRange Targets, Askable T = TargetIn<Targets>>
+void count(const Octree& octree, const Targets& targets, const QueryOf<T>& query,
+           std::span<std::size_t> counts) {
+  FamilyAnswers<T>::count(octree, std::span<const T>(targets), query, counts);
+}
 
 }  // namespace alidade

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "octree/spacing.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <tbb/parallel_for.h>
 #include <tuple>
 #include <vector>
 
@@ -27,55 +27,39 @@ namespace {
 // open, and their 90th percentile is sqrt(ln 10 / (pi n)); so the factor f leaves open 10^(-f^2), here 0.3 %.
 constexpr double k_radius_factor = 1.6;
 
-double distance_sq(const glm::dvec3& a, const glm::dvec3& b) {
-  const double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
-  return x * x + y * y + z * z;
-}
+/// Finds the n-th nearest of the points that stand at another place.
+class Neighbours {
+ public:
+  Neighbours(const Octree& octree, int number, int max_level = k_all_levels)
+      : octree_(octree), number_(static_cast<std::size_t>(number)), max_level_(max_level) {}
 
-double distance_sq(const glm::dvec3& point, const Bounds& box) {
-  double sum = 0.0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double outside = std::max({box.min[axis] - point[axis], 0.0, point[axis] - box.max[axis]});
-    sum += outside * outside;
+  /// Distance to it from the place of a point; infinite if there are fewer.
+  double spacing(const glm::dvec3& place) {
+    // The point itself comes first. Where it has twins, they must not crowd out the others.
+    if (const auto found = others(place, {.k = number_ + 1, .max_level = max_level_})) return *found;
+    const auto elsewhere = [](const Candidate& candidate) { return candidate.distance > 0.0; };
+    return others(place, {.k = number_, .max_level = max_level_, .filter = elsewhere})
+        .value_or(std::numeric_limits<double>::infinity());
   }
-  return sum;
-}
+
+ private:
+  /// Distance of the n-th point elsewhere among the first k.
+  std::optional<double> others(const glm::dvec3& place, const PointQuery& query) {
+    nearest_.clear();
+    find_into(octree_, place, query, query.k, 0, nearest_);
+    const auto first = std::ranges::find_if(nearest_, [](const PointHit& hit) { return hit.distance > 0.0; });
+    if (static_cast<std::size_t>(nearest_.end() - first) < number_) return std::nullopt;
+    return (first + static_cast<std::ptrdiff_t>(number_ - 1))->distance;
+  }
+
+  const Octree& octree_;
+  const std::size_t number_;
+  const int max_level_;
+  std::vector<PointHit> nearest_;
+};
 
 bool before(const glm::dvec3& a, const glm::dvec3& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-}
-
-/// Squared distance to the nearest point that is not at the very place; infinite if there is none.
-double nearest_other_sq(const TreeView& tree, const glm::dvec3& from, const Frame& frame, int max_level,
-                        double best = std::numeric_limits<double>::infinity()) {
-  struct Child {
-    double distance_sq;
-    int slot;
-  };
-  std::array<Child, k_node_width> children;
-  int count = 0;
-  const Node& node = tree.nodes[frame.node];
-  for (int slot = 0; slot < k_node_width; ++slot) {
-    if (node.kind[slot] == 0) continue;
-    const Child child{distance_sq(from, child_bounds(tree, frame, slot)), slot};
-    int at = count++;
-    for (; at > 0 && children[at - 1].distance_sq > child.distance_sq; --at) children[at] = children[at - 1];
-    children[at] = child;
-  }
-  for (int c = 0; c < count && children[c].distance_sq < best; ++c) {
-    const int slot = children[c].slot;
-    if (is_inner(node.kind[slot])) {
-      if (frame.depth < max_level)
-        best = nearest_other_sq(tree, from, child_frame(tree, frame, slot), max_level, best);
-      continue;
-    }
-    const Leaf leaf = child_leaf(tree, frame, slot);
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const double d = distance_sq(from, to_world(tree.lattice, position_of(tree, leaf, i)));
-      if (d > 0.0) best = std::min(best, d);
-    }
-  }
-  return best;
 }
 
 }  // namespace
@@ -107,7 +91,6 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
 }
 
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count, int max_level) {
-  const TreeView& tree = octree.view();
   std::vector<glm::dvec3> samples = sample_positions(octree, sample_count, max_level);
   // A search passes over all points at its own place; so each place is searched once, however many points it
   // holds.
@@ -119,9 +102,9 @@ Spacing measure_spacing(const Octree& octree, std::size_t sample_count, int max_
   std::vector<double> distances(samples.size());
   tbb::parallel_for(std::size_t{0}, firsts.size(), [&](std::size_t f) {
     const std::size_t begin = firsts[f], end = f + 1 < firsts.size() ? firsts[f + 1] : samples.size();
-    const double distance = std::sqrt(nearest_other_sq(tree, samples[begin], root_frame(tree), max_level));
     std::fill(distances.begin() + static_cast<std::ptrdiff_t>(begin),
-              distances.begin() + static_cast<std::ptrdiff_t>(end), distance);
+              distances.begin() + static_cast<std::ptrdiff_t>(end),
+              Neighbours(octree, 1, max_level).spacing(samples[begin]));
   });
   std::erase_if(distances, [](double d) { return std::isinf(d); });
   if (distances.empty()) return {};
@@ -151,14 +134,14 @@ struct Spacings {
 class SpacingMeter {
  public:
   SpacingMeter(const Octree& octree, int neighbours)
-      : octree_(octree), neighbours_(static_cast<std::size_t>(neighbours)) {}
+      : tree_(octree.view()), neighbours_(octree, neighbours) {}
 
   void measure(const Leaf& leaf, std::uint16_t* spacings) {
-    const TreeView& tree = octree_.view();
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const LatticePosition position = position_of(tree, leaf, i);
+      const LatticePosition position = position_of(tree_, leaf, i);
       // Points of one place mostly stand one after another.
-      if (!known_ || position != last_) bits_ = spacing_bits(spacing(to_world(tree.lattice, position)));
+      if (!known_ || position != last_)
+        bits_ = spacing_bits(neighbours_.spacing(to_world(tree_.lattice, position)));
       known_ = true;
       last_ = position;
       spacings[leaf.place + i] = bits_;
@@ -166,26 +149,8 @@ class SpacingMeter {
   }
 
  private:
-  double spacing(const glm::dvec3& place) {
-    // The point itself comes first. Where it has twins, they must not crowd out the others.
-    if (const auto found = others(place, {.k = neighbours_ + 1}, neighbours_ + 1)) return *found;
-    const auto elsewhere = [](const Candidate& candidate) { return candidate.distance > 0.0; };
-    return others(place, {.k = neighbours_, .filter = elsewhere}, neighbours_)
-        .value_or(std::numeric_limits<double>::infinity());
-  }
-
-  /// Distance of the n-th point elsewhere among the first k.
-  std::optional<double> others(const glm::dvec3& place, const PointQuery& query, std::size_t k) {
-    nearest_.clear();
-    find_into(octree_, place, query, k, 0, nearest_);
-    const auto first = std::ranges::find_if(nearest_, [](const PointHit& hit) { return hit.distance > 0.0; });
-    if (static_cast<std::size_t>(nearest_.end() - first) < neighbours_) return std::nullopt;
-    return (first + static_cast<std::ptrdiff_t>(neighbours_ - 1))->distance;
-  }
-
-  const Octree& octree_;
-  const std::size_t neighbours_;
-  std::vector<PointHit> nearest_;
+  const TreeView& tree_;
+  Neighbours neighbours_;
   bool known_ = false;
   LatticePosition last_{};
   std::uint16_t bits_ = 0;

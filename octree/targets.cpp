@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "octree/targets.h"
 
-#include <cmath>
 #include <fmt/format.h>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/ray.h"

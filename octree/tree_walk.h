@@ -52,18 +52,35 @@ inline Leaf child_leaf(const TreeView& tree, const Frame& frame, int slot) {
   return leaf;
 }
 
-/// Box of a child in world coordinates; every point below it lies inside.
-inline Bounds child_bounds(const TreeView& tree, const Frame& frame, int slot) {
+/// Box in lattice steps from the root's corner, both ends inclusive.
+struct SlotBox {
+  std::array<std::int64_t, 3> low{}, high{};
+};
+
+/// Box of a child; every point below it lies inside.
+inline SlotBox slot_box(const TreeView& tree, const Frame& frame, int slot) {
   const Node& node = tree.nodes[frame.node];
   const int shift = frame.level - k_min_frame_level;
+  SlotBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t corner = frame.corner[axis];
+    box.low[axis] = corner + (std::int64_t{node.low[axis][slot]} << shift);
+    box.high[axis] = corner + ((std::int64_t{node.high[axis][slot]} + 1) << shift) - 1;
+  }
+  return box;
+}
+
+/// The same in world coordinates.
+inline Bounds child_bounds(const TreeView& tree, const Frame& frame, int slot) {
+  const SlotBox box = slot_box(tree, frame, slot);
+  const auto world = [&](int axis, std::int64_t steps) {
+    return tree.lattice.offset[axis] +
+           tree.lattice.scale[axis] * static_cast<double>(tree.base[axis] + steps);
+  };
   Bounds bounds;
   for (int axis = 0; axis < 3; ++axis) {
-    const double low =
-        static_cast<double>(frame.corner[axis]) + (std::uint64_t{node.low[axis][slot]} << shift);
-    const double high =
-        static_cast<double>(frame.corner[axis]) + ((node.high[axis][slot] + std::uint64_t{1}) << shift) - 1;
-    bounds.min[axis] = tree.lattice.offset[axis] + tree.lattice.scale[axis] * (tree.base[axis] + low);
-    bounds.max[axis] = tree.lattice.offset[axis] + tree.lattice.scale[axis] * (tree.base[axis] + high);
+    bounds.min[axis] = world(axis, box.low[axis]);
+    bounds.max[axis] = world(axis, box.high[axis]);
   }
   return bounds;
 }

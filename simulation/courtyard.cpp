@@ -14,12 +14,10 @@ using glm::dvec3;
 
 namespace {
 
-constexpr dvec3 k_up(0.0, 0.0, 1.0);
-constexpr dvec3 k_iron(0.17, 0.18, 0.18);
+const Finish k_iron{.material = SiteMaterial::metal, .tint = {0.17, 0.18, 0.18}};
 
 void add_fountain(Objects& objects, const dvec2& place) {
-  const dvec3 foot(place, 0.0);
-  const auto at = [&](double height) { return foot + height * k_up; };
+  const auto at = [&](double height) { return dvec3(place, height); };
   const Finish stone{.material = SiteMaterial::stone, .tint = {0.72, 0.69, 0.63}, .seed = 101};
   const Finish water{.material = SiteMaterial::water, .seed = 102};
   objects.push_back({rod(at(-0.1), at(0.55), 2.55, 2.5), stone});
@@ -40,7 +38,6 @@ void add_fountain(Objects& objects, const dvec2& place) {
 /// A slatted bench that faces `forward`.
 void add_bench(Objects& objects, const dvec2& place, const dvec2& forward) {
   const Finish wood{.material = SiteMaterial::wood, .tint = {0.56, 0.39, 0.24}, .seed = 110};
-  const Finish iron{.material = SiteMaterial::metal, .tint = k_iron};
   const auto at = [&](double ahead, double sideways, double height) {
     return dvec3(place + ahead * forward + sideways * dvec2(-forward.y, forward.x), height);
   };
@@ -50,23 +47,21 @@ void add_bench(Objects& objects, const dvec2& place, const dvec2& forward) {
     objects.push_back(
         {turned_box(at(-0.30 - 0.1 * (height - 0.6), 0.0, height), forward, {0.018, 0.9, 0.055}), wood});
   for (const double side : {-0.7, 0.7}) {
-    objects.push_back({turned_box(at(0.0, side, 0.215), forward, {0.24, 0.03, 0.215}), iron});
-    objects.push_back({turned_box(at(-0.335, side, 0.5), forward, {0.02, 0.03, 0.5}), iron});
+    objects.push_back({turned_box(at(0.0, side, 0.215), forward, {0.24, 0.03, 0.215}), k_iron});
+    objects.push_back({turned_box(at(-0.335, side, 0.5), forward, {0.02, 0.03, 0.5}), k_iron});
   }
 }
 
 void add_lamp_post(Objects& objects, const dvec2& place) {
-  const Finish iron{.material = SiteMaterial::metal, .tint = k_iron};
-  const dvec3 foot(place, 0.0);
-  const auto at = [&](double height) { return foot + height * k_up; };
-  objects.push_back({rod(at(-0.1), at(0.7), 0.13, 0.10), iron});
-  objects.push_back({rod(at(0.7), at(3.6), 0.065, 0.045), iron});
-  objects.push_back({rod(at(3.6), at(3.72), 0.05, 0.16), iron});
+  const auto at = [&](double height) { return dvec3(place, height); };
+  objects.push_back({rod(at(-0.1), at(0.7), 0.13, 0.10), k_iron});
+  objects.push_back({rod(at(0.7), at(3.6), 0.065, 0.045), k_iron});
+  objects.push_back({rod(at(3.6), at(3.72), 0.05, 0.16), k_iron});
   objects.push_back({rod(at(3.72), at(4.12), 0.14, 0.21),
                      {.material = SiteMaterial::lamp_glass, .tint = {0.88, 0.86, 0.78}}});
-  objects.push_back({rod(at(4.12), at(4.36), 0.27, 0.05), iron});
-  objects.push_back({shapes::Disc{at(4.12), k_up, 0.27, 0.0}, iron});
-  objects.push_back({shapes::Sphere{at(4.4), 0.06}, iron});
+  objects.push_back({rod(at(4.12), at(4.36), 0.27, 0.05), k_iron});
+  objects.push_back({shapes::Disc{at(4.12), k_up, 0.27, 0.0}, k_iron});
+  objects.push_back({shapes::Sphere{at(4.4), 0.06}, k_iron});
 }
 
 void add_barrel(Objects& objects, const dvec2& place) {
@@ -101,9 +96,8 @@ void add_target(Objects& objects, const dvec2& place) {
 void add_furniture(Objects& objects) {
   add_fountain(objects, {0.0, -0.5});
   constexpr double k_diagonal = 0.70710678118654752;
-  for (const dvec2 direction : {dvec2(k_diagonal, k_diagonal), dvec2(-k_diagonal, k_diagonal),
-                                dvec2(-k_diagonal, -k_diagonal), dvec2(k_diagonal, -k_diagonal)})
-    add_bench(objects, dvec2(0.0, -0.5) + 6.0 * direction, -direction);
+  for (const dvec2 direction : {dvec2(1, 1), dvec2(-1, 1), dvec2(-1, -1), dvec2(1, -1)})
+    add_bench(objects, dvec2(0.0, -0.5) + 6.0 * (k_diagonal * direction), -k_diagonal * direction);
   add_bench(objects, {-23.6, 2.0}, {1.0, 0.0});
   for (const dvec2 place : {dvec2(-8.6, -13.0), dvec2(1.6, -13.0), dvec2(-8.0, 13.9), dvec2(8.0, 13.9),
                             dvec2(-30.0, -31.2), dvec2(2.0, -31.2), dvec2(34.0, -31.2)})
@@ -117,9 +111,6 @@ void add_furniture(Objects& objects) {
   for (const dvec2 place : {dvec2(5.6, 10.4), dvec2(-17.5, 0.5), dvec2(9.0, -6.0), dvec2(20.5, 1.6)})
     add_target(objects, place);
 }
-
-using glm::dvec2;
-using glm::dvec3;
 
 namespace {
 
@@ -155,12 +146,13 @@ void add_wheel(Objects& objects, const CarFrame& frame, double x, double side) {
   const auto at = [&](double y) { return frame.position({x, side * y, k_radius}); };
   const dvec3 outward = side * frame.left;
   const Finish tyre{.material = SiteMaterial::tyre};
+  const auto dark = [](double shade) {
+    return Finish{.material = SiteMaterial::car_body, .tint = dvec3(shade)};
+  };
   objects.push_back({rod(at(0.66), at(0.905), k_radius, k_radius), tyre});
   objects.push_back({shapes::Disc{at(0.905), outward, k_radius, 0.0}, tyre});
-  objects.push_back({shapes::Disc{at(0.66), outward, k_radius, 0.0},
-                     {.material = SiteMaterial::car_body, .tint = dvec3(0.08)}});
-  objects.push_back({shapes::Disc{at(0.893), outward, 0.395, 0.0},
-                     {.material = SiteMaterial::car_body, .tint = dvec3(0.07)}});
+  objects.push_back({shapes::Disc{at(0.66), outward, k_radius, 0.0}, dark(0.08)});
+  objects.push_back({shapes::Disc{at(0.893), outward, 0.395, 0.0}, dark(0.07)});
 }
 
 void add_car(Objects& objects, const dvec3& place, const dvec2& forward, const dvec3& tint) {
@@ -218,14 +210,7 @@ void add_cars(Objects& objects, const shapes::Ground& ground) {
   add_car(objects, dvec3(street, shapes::height_at(ground, street).height), {-1.0, 0.0}, {0.80, 0.80, 0.79});
 }
 
-}  // namespace alidade::simulation::courtyard_parts
-
-namespace alidade::simulation {
-
-namespace courtyard_parts {
-
 shapes::Ground ground() {
-  using glm::dvec2;
   const int cobble = static_cast<int>(Pavement::cobble), slab = static_cast<int>(Pavement::slab),
             gravel = static_cast<int>(Pavement::gravel), asphalt = static_cast<int>(Pavement::asphalt),
             soil = static_cast<int>(Pavement::soil), grass = static_cast<int>(Pavement::grass);
@@ -263,7 +248,14 @@ shapes::Ground ground() {
   return ground;
 }
 
-}  // namespace courtyard_parts
+}  // namespace alidade::simulation::courtyard_parts
+
+namespace alidade::simulation {
+namespace {
+
+const glm::dvec3 k_origin(690000.0, 5325000.0, 600.0);
+
+}  // namespace
 
 Site courtyard() {
   using namespace courtyard_parts;
@@ -275,44 +267,38 @@ Site courtyard() {
   add_plants(objects, land);
   add_furniture(objects);
   add_cars(objects, land);
-  return Site(std::move(objects), {690000.0, 5325000.0, 600.0});
+  return Site(std::move(objects), k_origin);
 }
 
 ScanOptions courtyard_scan(std::uint64_t point_count, std::uint64_t seed) {
-  const glm::dvec3 origin(690000.0, 5325000.0, 600.0);
   ScanOptions options;
   options.point_count = point_count;
   options.seed = seed;
-  const glm::dvec2 yard[] = {{-16.5, -1.5}, {-3.2, 9.5},  {8.0, 3.0},    {19.5, 9.8},
-                             {18.2, -8.4},  {5.2, -12.6}, {-11.9, -14.8}};
-  const glm::dvec2 street[] = {{-5.0, -30.5}, {28.0, -38.0}, {-36.0, -36.5}};
+  // Seven in the yard, three in the street.
+  const glm::dvec2 places[] = {{-16.5, -1.5}, {-3.2, 9.5},    {8.0, 3.0},    {19.5, 9.8},   {18.2, -8.4},
+                               {5.2, -12.6},  {-11.9, -14.8}, {-5.0, -30.5}, {28.0, -38.0}, {-36.0, -36.5}};
   const shapes::Ground ground = courtyard_parts::ground();
-  const auto set_up = [&](const glm::dvec2& place) {
-    constexpr double k_tripod = 1.7;
+  constexpr double k_tripod = 1.7;
+  for (const glm::dvec2& place : places)
     options.stations.push_back(
-        {origin + glm::dvec3(place, shapes::height_at(ground, place).height + k_tripod)});
-  };
-  for (const glm::dvec2& place : yard) set_up(place);
-  for (const glm::dvec2& place : street) set_up(place);
+        {k_origin + glm::dvec3(place, shapes::height_at(ground, place).height + k_tripod)});
 
   constexpr double k_height = 60.0;
   // Straight down along x; then along y looking ahead, there and back, for the walls.
   for (const double y : {-26.0, 0.0, 26.0})
     options.flight_lines.push_back(
-        {origin + glm::dvec3(-59.0, y, k_height), origin + glm::dvec3(59.0, y, k_height), 0.0, 46.0});
+        {k_origin + glm::dvec3(-59.0, y, k_height), k_origin + glm::dvec3(59.0, y, k_height), 0.0, 46.0});
   for (const double x : {-36.0, -12.0, 12.0, 36.0}) {
     const double direction = x == -36.0 || x == 12.0 ? 1.0 : -1.0;
-    options.flight_lines.push_back({origin + glm::dvec3(x, -direction * 86.0, k_height),
-                                    origin + glm::dvec3(x, direction * 14.0, k_height), 30.0, 32.0});
+    options.flight_lines.push_back({k_origin + glm::dvec3(x, -direction * 86.0, k_height),
+                                    k_origin + glm::dvec3(x, direction * 14.0, k_height), 30.0, 32.0});
   }
   return options;
 }
 
 void generate_courtyard(const std::filesystem::path& path, const GenerateOptions& options) {
   const Site site = courtyard();
-  LasWriteOptions write_options;
-  write_options.overwrite = options.overwrite;
-  LasWriter writer(path, scan_header(site), scan_attributes(), write_options);
+  LasWriter writer(path, scan_header(site), scan_attributes(), {.overwrite = options.overwrite});
   scan(
       site, courtyard_scan(options.point_count, options.seed),
       [&](const PointCloud& batch) { writer.write(batch); }, options.progress);

@@ -31,6 +31,8 @@ void add_furniture(Objects& objects);
 /// Two cars in the yard's corner and one in the street.
 void add_cars(Objects& objects, const shapes::Ground& ground);
 
+constexpr glm::dvec3 k_up(0.0, 0.0, 1.0);
+
 /// Box along the axes from corner to corner.
 shapes::Box upright_box(const glm::dvec3& min, const glm::dvec3& max);
 /// Box turned about the vertical: its own x axis points along `forward` (level, length 1), z up.
@@ -66,14 +68,13 @@ struct WallPlan {
 /// eaves.
 void add_wall(Objects& objects, const WallPlan& plan);
 
-/// `count` windows evenly over [from, to] of a wall.
-void add_windows(WallPlan& plan, int count, double from, double to, double bottom, const glm::dvec2& size);
+enum class Ridge { along_x, along_y };
 
-/// A gable roof over a rectangle, its ridge along x or y, with gutters and ridge tiles. Gable walls are
+/// A gable roof over a rectangle, with gutters and ridge tiles. Gable walls are
 /// closed at both ends.
 struct RoofPlan {
   glm::dvec2 min{0.0}, max{1.0};  ///< of the walls below
-  bool ridge_along_x = true;
+  Ridge run = Ridge::along_x;
   double eaves = 6.0, ridge = 9.0;  ///< heights
   glm::dvec3 tint{0.62, 0.33, 0.22};
   glm::dvec3 gable_tint{0.8};

@@ -47,23 +47,19 @@ void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& grou
   const dvec3 foot(plan.place, shapes::height_at(ground, plan.place).height);
   const dvec3 crown = foot + dvec3(0, 0, 0.62 * plan.height);
   const dvec3 crown_radii(plan.crown_radius, plan.crown_radius, 0.36 * plan.height);
-  const dvec3 bark_tint(0.40, 0.335, 0.27);
-  const auto bark = [&] {
-    return Finish{.material = SiteMaterial::bark, .tint = bark_tint, .seed = dice.bits()};
-  };
 
   // One draw per statement: the order of evaluation within one is the compiler's choice.
   const double lean_x = dice.between(-0.2, 0.2);
   const double lean_y = dice.between(-0.2, 0.2);
   const dvec3 fork = foot + dvec3(lean_x, lean_y, 0.36 * plan.height);
-  objects.push_back({rod(foot - dvec3(0, 0, 0.3), foot + dvec3(0, 0, 0.35), 1.7 * plan.trunk_radius,
-                         1.05 * plan.trunk_radius),
-                     bark()});
-  objects.push_back(
-      {rod(foot + dvec3(0, 0, 0.3), fork, 1.05 * plan.trunk_radius, 0.75 * plan.trunk_radius), bark()});
-  objects.push_back({rod(fork, crown + dvec3(0, 0, 0.4 * crown_radii.z), 0.75 * plan.trunk_radius,
-                         0.15 * plan.trunk_radius),
-                     bark()});
+  // Radii in those of the trunk.
+  const auto add_wood = [&](const dvec3& from, const dvec3& to, double from_radius, double to_radius) {
+    const Finish bark{.material = SiteMaterial::bark, .tint = {0.40, 0.335, 0.27}, .seed = dice.bits()};
+    objects.push_back({rod(from, to, from_radius * plan.trunk_radius, to_radius * plan.trunk_radius), bark});
+  };
+  add_wood(foot - dvec3(0, 0, 0.3), foot + dvec3(0, 0, 0.35), 1.7, 1.05);
+  add_wood(foot + dvec3(0, 0, 0.3), fork, 1.05, 0.75);
+  add_wood(fork, crown + dvec3(0, 0, 0.4 * crown_radii.z), 0.75, 0.15);
 
   struct Clump {
     dvec3 center;
@@ -77,15 +73,13 @@ void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& grou
     clumps.push_back({crown + reach * outward * crown_radii, dice.between(0.26, 0.42) * plan.crown_radius});
   }
   for (int i = 0; i < k_branch_count; ++i)
-    objects.push_back({rod(fork + dvec3(0, 0, 0.12 * i), clumps[i].center, 0.42 * plan.trunk_radius,
-                           0.1 * plan.trunk_radius),
-                       bark()});
+    add_wood(fork + dvec3(0, 0, 0.12 * i), clumps[i].center, 0.42, 0.1);
 
   for (int i = 0; i < plan.leaf_count; ++i) {
     const Clump& clump = clumps[static_cast<std::size_t>(i % k_clump_count)];
     const dvec3 outward = dice.direction();
-    const double reach =
-        std::max(dice.between(0.1, 1.0), dice.between(0.1, 1.0));  // more leaves outside than inside
+    // More leaves outside than inside.
+    const double reach = std::max(dice.between(0.1, 1.0), dice.between(0.1, 1.0));
     const dvec3 place = clump.center + clump.radius * reach * outward;
     const dvec3 facing = glm::normalize(outward + 0.9 * dice.direction() + dvec3(0, 0, 0.5));
     const double height_share = (place.z - crown.z) / crown_radii.z;  // sunlit leaves on top are yellower

@@ -13,8 +13,7 @@ using glm::dvec3;
 
 namespace {
 
-constexpr dvec3 k_up(0.0, 0.0, 1.0);
-constexpr dvec3 k_trim_tint(0.80, 0.755, 0.675);
+const Finish k_trim{.material = SiteMaterial::trim, .tint = {0.80, 0.755, 0.675}};
 
 std::uint32_t seed_of(const dvec3& place) {
   return static_cast<std::uint32_t>(cell_noise(16.0 * (place.x + 7.0 * place.z), 16.0 * place.y, 5) *
@@ -36,9 +35,8 @@ struct WallFrame {
 };
 
 void add_niche(Objects& objects, const WallPlan& plan, const WallFrame& frame, const WallOpening& opening) {
-  constexpr double k_depth = 0.22,
-                   k_lap =
-                       0.002;  // the niche is a trifle wider than the hole, so that no ray slips between them
+  constexpr double k_depth = 0.22;
+  constexpr double k_lap = 0.002;  // wider than the hole, so that no ray slips between them
   const bool is_door = opening.filling == Filling::door;
   const double u_min = opening.u - 0.5 * opening.size.x, u_max = opening.u + 0.5 * opening.size.x;
   const shapes::Box box = frame.box(u_min - k_lap, u_max + k_lap, opening.bottom - k_lap,
@@ -52,18 +50,18 @@ void add_niche(Objects& objects, const WallPlan& plan, const WallFrame& frame, c
 
 void add_frame(Objects& objects, const WallFrame& frame, const WallOpening& opening) {
   constexpr double k_width = 0.14, k_front = 0.035;
-  const Finish stone{.material = SiteMaterial::trim, .tint = k_trim_tint};
   const double left = opening.u - 0.5 * opening.size.x, right = opening.u + 0.5 * opening.size.x;
   const double bottom = opening.bottom, top = opening.bottom + opening.size.y;
-  objects.push_back({frame.box(left - k_width, left, bottom, top, 0.0, k_front), stone});
-  objects.push_back({frame.box(right, right + k_width, bottom, top, 0.0, k_front), stone});
+  objects.push_back({frame.box(left - k_width, left, bottom, top, 0.0, k_front), k_trim});
+  objects.push_back({frame.box(right, right + k_width, bottom, top, 0.0, k_front), k_trim});
   objects.push_back(
-      {frame.box(left - k_width, right + k_width, top, top + 1.3 * k_width, 0.0, 1.6 * k_front), stone});
-  if (opening.filling == Filling::window)
-    objects.push_back(
-        {frame.box(left - 1.3 * k_width, right + 1.3 * k_width, bottom - 0.09, bottom, 0.0, 0.13), stone});
-  else
-    objects.push_back({frame.box(left - 0.25, right + 0.25, bottom - 0.6, bottom, 0.0, 0.55), stone});
+      {frame.box(left - k_width, right + k_width, top, top + 1.3 * k_width, 0.0, 1.6 * k_front), k_trim});
+  // Sill of a window, step of a door.
+  const bool is_window = opening.filling == Filling::window;
+  const double beside = is_window ? 1.3 * k_width : 0.25, height = is_window ? 0.09 : 0.6;
+  objects.push_back(
+      {frame.box(left - beside, right + beside, bottom - height, bottom, 0.0, is_window ? 0.13 : 0.55),
+       k_trim});
 }
 
 void add_shutters(Objects& objects, const WallPlan& plan, const WallFrame& frame,
@@ -94,11 +92,6 @@ shapes::Frustum rod(const dvec3& from, const dvec3& to, double from_radius, doub
   return {from, (to - from) / length, length, from_radius, to_radius, dvec3(0.0)};
 }
 
-void add_windows(WallPlan& plan, int count, double from, double to, double bottom, const dvec2& size) {
-  for (int i = 0; i < count; ++i)
-    plan.openings.push_back({from + (to - from) * (i + 0.5) / count, bottom, size, Filling::window});
-}
-
 void add_wall(Objects& objects, const WallPlan& plan) {
   const dvec2 run = plan.right - plan.left;
   const double width = glm::length(run);
@@ -123,17 +116,16 @@ void add_wall(Objects& objects, const WallPlan& plan) {
                       .size = {0.0, plan.plinth - plan.base},
                       .seed = seed_of(frame.corner)}});
   if (!plan.cornice) return;
-  const Finish stone{.material = SiteMaterial::trim, .tint = k_trim_tint};
-  objects.push_back({frame.box(0.0, width, plan.top - 0.34, plan.top - 0.10, 0.0, 0.10), stone});
-  objects.push_back({frame.box(0.0, width, plan.top - 0.10, plan.top, 0.0, 0.20), stone});
+  objects.push_back({frame.box(0.0, width, plan.top - 0.34, plan.top - 0.10, 0.0, 0.10), k_trim});
+  objects.push_back({frame.box(0.0, width, plan.top - 0.10, plan.top, 0.0, 0.20), k_trim});
 }
 
 void add_roof(Objects& objects, const RoofPlan& plan) {
   constexpr double k_thickness = 0.16, k_eaves_overhang = 0.55;
   const dvec3 min(plan.min, 0.0), max(plan.max, 0.0);
-  const dvec3 along = plan.ridge_along_x ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+  const bool is_along_x = plan.run == Ridge::along_x;
+  const dvec3 along(is_along_x, !is_along_x, 0), across(!is_along_x, is_along_x, 0);
   const double length = glm::dot(max - min, along);
-  const dvec3 across = plan.ridge_along_x ? dvec3(0, 1, 0) : dvec3(1, 0, 0);
   const double half_depth = 0.5 * glm::dot(max - min, across);
   const dvec3 middle = 0.5 * (min + max);
   const dvec3 ridge_middle = dvec3(middle.x, middle.y, plan.ridge);
@@ -173,7 +165,7 @@ void add_chimney(Objects& objects, const dvec2& place, double bottom, double top
        {.material = SiteMaterial::brick, .tint = {0.56, 0.33, 0.26}, .seed = 3}});
   objects.push_back(
       {upright_box({place.x - 0.53, place.y - 0.43, top}, {place.x + 0.53, place.y + 0.43, top + 0.14}),
-       {.material = SiteMaterial::trim, .tint = k_trim_tint}});
+       k_trim});
 }
 
 }  // namespace alidade::simulation::courtyard_parts

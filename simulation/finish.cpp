@@ -13,24 +13,28 @@
 
 // What the colours of a site are put together from. Only +, -, *, / and floor, see finish.h.
 
-namespace alidade::simulation::patterns {
+namespace alidade::simulation {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
 
 /// Eases from 0 at `low` to 1 at `high`.
-inline double step_between(double low, double high, double x) {
+double step_between(double low, double high, double x) {
   const double place = std::clamp((x - low) / (high - low), 0.0, 1.0);
   return place * place * (3.0 - 2.0 * place);
 }
 
-inline glm::dvec3 blend(const glm::dvec3& from, const glm::dvec3& to, double share) {
+dvec3 blend(const dvec3& from, const dvec3& to, double share) {
   return from + share * (to - from);
 }
 
 /// Noise around 0, from -1 to 1, with features of `size` metres.
-inline double blotches(const glm::dvec3& position, double size, std::uint32_t seed) {
+double blotches(const dvec3& position, double size, std::uint32_t seed) {
   return 2.0 * smooth_noise(position / size, seed) - 1.0;
 }
 
-inline double fraction(double x) {
+double fraction(double x) {
   return x - std::floor(x);
 }
 
@@ -41,8 +45,7 @@ struct Stone {
   double joint = 0.0;  ///< 0 on the stone, 1 in the joint
 };
 
-inline Stone stone_at(const glm::dvec2& place, const glm::dvec2& size, double joint_width,
-                      std::uint32_t seed) {
+Stone stone_at(const dvec2& place, const dvec2& size, double joint_width, std::uint32_t seed) {
   const double row = std::floor(place.y / size.y);
   const double along = place.x / size.x + fraction(0.5 * row);
   const double to_joint_x = (0.5 - std::fabs(fraction(along) - 0.5)) * size.x;
@@ -50,18 +53,6 @@ inline Stone stone_at(const glm::dvec2& place, const glm::dvec2& size, double jo
   return {2.0 * cell_noise(along, row, seed) - 1.0,
           1.0 - step_between(0.25 * joint_width, joint_width, std::min(to_joint_x, to_joint_y))};
 }
-
-}  // namespace alidade::simulation::patterns
-
-namespace alidade::simulation {
-
-/// What color_of() answers on terrain, before it is cut to 0 .. 1.
-glm::dvec3 pavement_color(Pavement pavement, const glm::dvec3& position);
-
-using namespace patterns;
-using glm::dvec3;
-
-namespace {
 
 dvec3 grass(const dvec3& position) {
   const double wide = blotches(position, 6.0, 11), patch = blotches(position, 0.9, 12),
@@ -86,21 +77,10 @@ dvec3 slab(const dvec3& position) {
   return blend(sandstone * shade, dvec3(0.47, 0.44, 0.39), 0.7 * stone.joint);
 }
 
-dvec3 gravel(const dvec3& position) {
-  return dvec3(0.72, 0.67, 0.575) *
-         (1.0 + 0.05 * blotches(position, 2.0, 41) + 0.10 * blotches(position, 0.06, 42));
-}
-
 dvec3 asphalt(const dvec3& position) {
   return dvec3(0.35, 0.355, 0.365) *
          (1.0 + 0.07 * blotches(position, 2.5, 51) + 0.06 * blotches(position, 0.08, 52));
 }
-
-dvec3 soil(const dvec3& position) {
-  return dvec3(0.38, 0.30, 0.22) * (1.0 + 0.12 * blotches(position, 0.25, 61));
-}
-
-}  // namespace
 
 dvec3 pavement_color(Pavement pavement, const dvec3& position) {
   switch (pavement) {
@@ -109,25 +89,19 @@ dvec3 pavement_color(Pavement pavement, const dvec3& position) {
     case Pavement::slab:
       return slab(position);
     case Pavement::gravel:
-      return gravel(position);
+      return dvec3(0.72, 0.67, 0.575) *
+             (1.0 + 0.05 * blotches(position, 2.0, 41) + 0.10 * blotches(position, 0.06, 42));
     case Pavement::asphalt:
       return asphalt(position);
     case Pavement::road_marking:
       return fraction(position.x / 6.0) < 0.5 ? dvec3(0.80, 0.80, 0.78) : asphalt(position);
     case Pavement::soil:
-      return soil(position);
+      return dvec3(0.38, 0.30, 0.22) * (1.0 + 0.12 * blotches(position, 0.25, 61));
     case Pavement::grass:
       break;
   }
   return grass(position);
 }
-
-using namespace patterns;
-
-namespace {
-
-using glm::dvec2;
-using glm::dvec3;
 
 dvec3 plaster(const Finish& finish, const dvec2& uv, const dvec3& position) {
   const double weather =
@@ -162,18 +136,15 @@ dvec3 roof_tiles(const Finish& finish, const shapes::SurfacePoint& surface, cons
   const double row = std::floor(surface.uv.y / k_tile_length);
   const double along = surface.uv.x / k_tile_width + fraction(0.5 * row);
   const double shade = 2.0 * cell_noise(along, row, finish.seed) - 1.0;
-  const double odd =
-      cell_noise(along, row, finish.seed + 7);  // a few replaced tiles are clearly lighter or darker
+  // A few replaced tiles are clearly lighter or darker.
+  const double odd = cell_noise(along, row, finish.seed + 7);
+  const double replaced = odd > 0.96 ? 0.16 : odd < 0.03 ? -0.2 : 0.0;
   const double bulge = 1.0 - 2.0 * std::fabs(fraction(along) - 0.5);
   const double above_edge = fraction(surface.uv.y / k_tile_length) * k_tile_length;
   const double shadow = 1.0 - step_between(0.0, 0.07, above_edge);
   const double moss = step_between(
       0.25, 0.8, blotches(position, 4.0, finish.seed + 3) + 0.5 * blotches(position, 0.7, finish.seed + 4));
-  const dvec3 tile = finish.tint * (1.0 + 0.11 * shade +
-                                    (odd > 0.96   ? 0.16
-                                     : odd < 0.03 ? -0.2
-                                                  : 0.0) +
-                                    0.10 * (bulge - 0.5));
+  const dvec3 tile = finish.tint * (1.0 + 0.11 * shade + replaced + 0.10 * (bulge - 0.5));
   return blend(tile, dvec3(0.40, 0.38, 0.29), 0.35 * moss) * (1.0 - 0.38 * shadow);
 }
 
@@ -227,10 +198,6 @@ dvec3 car_body(const Finish& finish, const dvec3& normal, const dvec3& position)
   return blend(finish.tint * (0.94 + 0.10 * normal.z), dvec3(0.10), 0.85 * sill);
 }
 
-dvec3 car_cabin(const Finish& finish, const dvec3& normal) {
-  return normal.z > 0.9 ? finish.tint * 1.03 : dvec3(0.10, 0.12, 0.14);
-}
-
 dvec3 unclamped_color(const Finish& finish, const shapes::SurfacePoint& surface, const dvec3& position) {
   switch (finish.material) {
     case SiteMaterial::terrain:
@@ -263,7 +230,7 @@ dvec3 unclamped_color(const Finish& finish, const shapes::SurfacePoint& surface,
     case SiteMaterial::car_body:
       return car_body(finish, surface.normal, position);
     case SiteMaterial::car_cabin:
-      return car_cabin(finish, surface.normal);
+      return surface.normal.z > 0.9 ? finish.tint * 1.03 : dvec3(0.10, 0.12, 0.14);
     case SiteMaterial::tyre:
       return surface.uv.x < 0.19 && surface.uv.x > 0.0 ? dvec3(0.62, 0.63, 0.65) : dvec3(0.09);
     case SiteMaterial::metal:
@@ -285,38 +252,33 @@ std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint&
   constexpr std::uint8_t k_unclassified = 1, k_ground = 2, k_low_vegetation = 3, k_high_vegetation = 5,
                          k_building = 6, k_water = 9, k_road = 11, k_car = 64, k_furniture = 65,
                          k_target = 66;
-  switch (finish.material) {
-    case SiteMaterial::terrain: {
-      const auto pavement = static_cast<Pavement>(surface.face);
-      return pavement == Pavement::asphalt || pavement == Pavement::road_marking ? k_road : k_ground;
-    }
-    case SiteMaterial::plaster:
-    case SiteMaterial::trim:
-    case SiteMaterial::brick:
-    case SiteMaterial::roof_tile:
-    case SiteMaterial::window:
-    case SiteMaterial::door:
-      return k_building;
-    case SiteMaterial::bark:
-    case SiteMaterial::leaf:
-      return position.z > 2.0 ? k_high_vegetation : k_low_vegetation;
-    case SiteMaterial::hedge:
-      return k_low_vegetation;
-    case SiteMaterial::water:
-      return k_water;
-    case SiteMaterial::car_body:
-    case SiteMaterial::car_cabin:
-    case SiteMaterial::tyre:
-      return k_car;
-    case SiteMaterial::stone:
-    case SiteMaterial::wood:
-    case SiteMaterial::metal:
-    case SiteMaterial::lamp_glass:
-      return k_furniture;
-    case SiteMaterial::target:
-      return k_target;
-  }
-  return k_unclassified;
+  // In the order of SiteMaterial.
+  constexpr std::uint8_t k_classes[] = {k_ground,
+                                        k_building,
+                                        k_building,
+                                        k_building,
+                                        k_furniture,
+                                        k_building,
+                                        k_building,
+                                        k_building,
+                                        k_furniture,
+                                        k_furniture,
+                                        k_high_vegetation,
+                                        k_high_vegetation,
+                                        k_low_vegetation,
+                                        k_water,
+                                        k_car,
+                                        k_car,
+                                        k_car,
+                                        k_furniture,
+                                        k_target};
+  const auto material = static_cast<std::size_t>(finish.material);
+  if (material >= std::size(k_classes)) return k_unclassified;
+  const std::uint8_t usual = k_classes[material];
+  const auto pavement = static_cast<Pavement>(surface.face);
+  if (usual == k_ground && (pavement == Pavement::asphalt || pavement == Pavement::road_marking))
+    return k_road;
+  return usual == k_high_vegetation && !(position.z > 2.0) ? k_low_vegetation : usual;
 }
 
 double reflectance_of(SiteMaterial material, const glm::dvec3& color) {

@@ -28,21 +28,23 @@ inline double unit_of(std::uint64_t bits) {
   return static_cast<double>(bits >> 11) * 0x1p-53;
 }
 
+/// Number of the cell that a coordinate lies in.
+inline std::uint64_t cell_of(double coordinate) {
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(coordinate)));
+}
+
 /// A number in [0, 1) for an integer cell of the plane.
 inline double cell_noise(double x, double y, std::uint32_t seed) {
-  const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(x)));
-  const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(y)));
-  return unit_of(mix_bits(column * 0x8cb92ba72f3d8dd7u ^ mix_bits(row + (std::uint64_t{seed} << 32))));
+  return unit_of(
+      mix_bits(cell_of(x) * 0x8cb92ba72f3d8dd7u ^ mix_bits(cell_of(y) + (std::uint64_t{seed} << 32))));
 }
 
 /// Smooth noise in [0, 1): random values at integer places, eased between them.
 inline double smooth_noise(const glm::dvec3& place, std::uint32_t seed) {
-  const double floor_x = std::floor(place.x), floor_y = std::floor(place.y), floor_z = std::floor(place.z);
-  const double x = place.x - floor_x, y = place.y - floor_y, z = place.z - floor_z;
+  const double x = place.x - std::floor(place.x), y = place.y - std::floor(place.y),
+               z = place.z - std::floor(place.z);
   const double u = x * x * (3.0 - 2.0 * x), v = y * y * (3.0 - 2.0 * y), w = z * z * (3.0 - 2.0 * z);
-  const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_x));
-  const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_y));
-  const auto level = static_cast<std::uint64_t>(static_cast<std::int64_t>(floor_z));
+  const std::uint64_t column = cell_of(place.x), row = cell_of(place.y), level = cell_of(place.z);
   const auto corner = [&](std::uint64_t dx, std::uint64_t dy, std::uint64_t dz) {
     const std::uint64_t bits =
         mix_bits((column + dx) * 0x8cb92ba72f3d8dd7u ^ (row + dy) * 0xabc98388fb8fac03u ^

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "simulation/noise.h"
 
@@ -131,8 +132,8 @@ double deviate(std::uint64_t seed, std::uint64_t source, std::uint64_t beam) {
   std::uint64_t sum = 0;
   for (const std::uint64_t word : bits)
     for (int shift = 0; shift < 64; shift += 16) sum += (word >> shift) & 0xffffu;
-  constexpr double k_deviation =
-      0.81649658092772603 * 65536.0;  // sqrt(8 / 12) of a uniform number over 65536
+  // sqrt(8 / 12) of a uniform number over 65536.
+  constexpr double k_deviation = 0.81649658092772603 * 65536.0;
   return (static_cast<double>(sum) - 4.0 * 65535.0) / k_deviation;
 }
 
@@ -175,13 +176,9 @@ void measure(const Site& site, const Emission& emission, const Beam& beam, std::
 
 void reserve(PointCloud& batch, std::size_t count) {
   batch.positions.reserve(count);
-  batch.colors.reserve(count);
-  batch.intensities.reserve(count);
-  batch.classifications.reserve(count);
-  batch.returns.reserve(count);
-  batch.scan_angles.reserve(count);
-  batch.point_source_ids.reserve(count);
-  batch.gps_times.reserve(count);
+  for_each_column(batch, batch, [&](Attribute attribute, auto& column, auto&) {
+    if (scan_attributes().contains(attribute)) column.reserve(count);
+  });
 }
 
 /// Hands batches on until all points asked for are there.
@@ -219,13 +216,10 @@ void send_beams(const Site& site, const PointCloud& header, const Emission& emis
   std::exception_ptr failure;
   std::atomic<bool> finished = false;
   std::uint64_t next = 0;
-  const auto source = tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order,
-                                                            [&](tbb::flow_control& control) {
-                                                              const std::uint64_t begin = next;
-                                                              if (begin >= count || finished) control.stop();
-                                                              next += k_beams_per_batch;
-                                                              return begin;
-                                                            });
+  const auto begin_batch = [&](tbb::flow_control& control) {
+    if (next >= count || finished) control.stop();
+    return std::exchange(next, next + k_beams_per_batch);
+  };
   const auto trace = [&](std::uint64_t begin) {
     const auto traced = std::make_shared<Traced>();
     try {
@@ -253,7 +247,8 @@ void send_beams(const Site& site, const PointCloud& header, const Emission& emis
   };
   tbb::parallel_pipeline(
       k_batches_under_way,
-      source & tbb::make_filter<std::uint64_t, std::shared_ptr<Traced>>(tbb::filter_mode::parallel, trace) &
+      tbb::make_filter<void, std::uint64_t>(tbb::filter_mode::serial_in_order, begin_batch) &
+          tbb::make_filter<std::uint64_t, std::shared_ptr<Traced>>(tbb::filter_mode::parallel, trace) &
           tbb::make_filter<std::shared_ptr<Traced>, void>(tbb::filter_mode::serial_in_order, deliver));
   if (failure) std::rethrow_exception(failure);
 }

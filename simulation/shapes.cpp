@@ -30,8 +30,9 @@ struct Crossing {
   bool empty() const { return !(enter <= exit); }
 };
 
-/// Crosses a box of half_size around the frame's zero.
-Crossing cross_box(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& half_size) {
+Crossing cross_box(const Box& box, const Ray& ray) {
+  const glm::dvec3 origin = (ray.origin - box.center) * box.axes, direction = ray.direction * box.axes;
+  const glm::dvec3& half_size = box.half_size;
   Crossing crossing;
   for (int axis = 0; axis < 3; ++axis) {
     if (direction[axis] == 0.0) {
@@ -45,6 +46,14 @@ Crossing cross_box(const glm::dvec3& origin, const glm::dvec3& direction, const 
     if (far < crossing.exit) crossing.exit = far, crossing.exit_side = 2 * axis + (forward ? 1 : 0);
   }
   return crossing;
+}
+
+/// Where the ray meets a plane.
+std::optional<double> cross_plane(const glm::dvec3& place, const glm::dvec3& normal, const Ray& ray) {
+  const double slope = glm::dot(ray.direction, normal);
+  if (slope == 0.0) return std::nullopt;
+  const double t = glm::dot(place - ray.origin, normal) / slope;
+  return within(ray, t) ? std::optional(t) : std::nullopt;
 }
 
 std::optional<double> intersect_shape(const Sphere& sphere, const Ray& ray) {
@@ -98,11 +107,9 @@ std::optional<double> intersect_shape(const Frustum& frustum, const Ray& ray) {
 }
 
 std::optional<double> intersect_shape(const Disc& disc, const Ray& ray) {
-  const double slope = glm::dot(ray.direction, disc.normal);
-  if (slope == 0.0) return std::nullopt;
-  const double t = glm::dot(disc.center - ray.origin, disc.normal) / slope;
-  if (!within(ray, t)) return std::nullopt;
-  const glm::dvec3 radial = ray.origin + t * ray.direction - disc.center;
+  const std::optional<double> t = cross_plane(disc.center, disc.normal, ray);
+  if (!t) return std::nullopt;
+  const glm::dvec3 radial = ray.origin + *t * ray.direction - disc.center;
   const double distance_sq = glm::dot(radial, radial);
   if (distance_sq > disc.radius * disc.radius || distance_sq < disc.inner_radius * disc.inner_radius)
     return std::nullopt;
@@ -110,8 +117,7 @@ std::optional<double> intersect_shape(const Disc& disc, const Ray& ray) {
 }
 
 std::optional<double> intersect_shape(const Box& box, const Ray& ray) {
-  const Crossing crossing =
-      cross_box((ray.origin - box.center) * box.axes, ray.direction * box.axes, box.half_size);
+  const Crossing crossing = cross_box(box, ray);
   if (crossing.empty()) return std::nullopt;
   return first_within(ray, crossing.enter, crossing.exit);
 }
@@ -119,8 +125,7 @@ std::optional<double> intersect_shape(const Box& box, const Ray& ray) {
 std::optional<double> intersect_shape(const Niche& niche, const Ray& ray) {
   constexpr int k_open_side = 5;
   const Box& box = niche.box;
-  const Crossing crossing =
-      cross_box((ray.origin - box.center) * box.axes, ray.direction * box.axes, box.half_size);
+  const Crossing crossing = cross_box(box, ray);
   if (crossing.empty()) return std::nullopt;
   if (crossing.enter_side != k_open_side && within(ray, crossing.enter)) return crossing.enter;
   if (crossing.exit_side != k_open_side && within(ray, crossing.exit)) return crossing.exit;
@@ -136,12 +141,9 @@ bool inside(const Opening& opening, double u, double v) {
 }
 
 std::optional<double> intersect_shape(const Panel& panel, const Ray& ray) {
-  const glm::dvec3 normal = glm::cross(panel.u_axis, panel.v_axis);
-  const double slope = glm::dot(ray.direction, normal);
-  if (slope == 0.0) return std::nullopt;
-  const double t = glm::dot(panel.corner - ray.origin, normal) / slope;
-  if (!within(ray, t)) return std::nullopt;
-  const glm::dvec3 from_corner = ray.origin + t * ray.direction - panel.corner;
+  const std::optional<double> t = cross_plane(panel.corner, glm::cross(panel.u_axis, panel.v_axis), ray);
+  if (!t) return std::nullopt;
+  const glm::dvec3 from_corner = ray.origin + *t * ray.direction - panel.corner;
   const double u = glm::dot(from_corner, panel.u_axis), v = glm::dot(from_corner, panel.v_axis);
   if (!(u >= 0.0 && u <= panel.size.x && v >= 0.0 && v <= panel.size.y)) return std::nullopt;
   for (const Opening& opening : panel.openings)
@@ -149,14 +151,16 @@ std::optional<double> intersect_shape(const Panel& panel, const Ray& ray) {
   return t;
 }
 
+/// Across the polygon, not of length 1.
+glm::dvec3 area_vector(const Polygon& polygon) {
+  return glm::cross(polygon.corners[1] - polygon.corners[0], polygon.corners[2] - polygon.corners[0]);
+}
+
 std::optional<double> intersect_shape(const Polygon& polygon, const Ray& ray) {
-  const glm::dvec3 normal =
-      glm::cross(polygon.corners[1] - polygon.corners[0], polygon.corners[2] - polygon.corners[0]);
-  const double slope = glm::dot(ray.direction, normal);
-  if (slope == 0.0) return std::nullopt;
-  const double t = glm::dot(polygon.corners[0] - ray.origin, normal) / slope;
-  if (!within(ray, t)) return std::nullopt;
-  const glm::dvec3 position = ray.origin + t * ray.direction;
+  const glm::dvec3 normal = area_vector(polygon);
+  const std::optional<double> t = cross_plane(polygon.corners[0], normal, ray);
+  if (!t) return std::nullopt;
+  const glm::dvec3 position = ray.origin + *t * ray.direction;
   const std::size_t count = polygon.corners.size();
   for (std::size_t i = 0; i < count; ++i) {
     const glm::dvec3& corner = polygon.corners[i];
@@ -195,11 +199,6 @@ std::optional<double> intersect(const Shape& shape, const Ray& ray) {
 
 namespace {
 
-glm::dvec3 normal_of(const Polygon& polygon) {
-  return glm::normalize(
-      glm::cross(polygon.corners[1] - polygon.corners[0], polygon.corners[2] - polygon.corners[0]));
-}
-
 SurfacePoint surface_of(const Sphere& sphere, const glm::dvec3& position) {
   return {glm::normalize(position - sphere.center), {}, 0};
 }
@@ -220,33 +219,26 @@ SurfacePoint surface_of(const Disc& disc, const glm::dvec3& position) {
   return {disc.normal, {glm::length(position - disc.center), 0.0}, 0};
 }
 
-SurfacePoint surface_of(const Box& box, const glm::dvec3& position) {
+/// A niche is a box without +z, seen from within.
+SurfacePoint surface_of(const Box& box, const glm::dvec3& position, bool is_niche) {
   const glm::dvec3 place = (position - box.center) * box.axes;
-  int axis = 0;
-  double closest = k_infinity;
-  for (int i = 0; i < 3; ++i) {
-    const double gap = std::fabs(box.half_size[i] - std::fabs(place[i]));
-    if (gap < closest) closest = gap, axis = i;
-  }
-  const bool positive = place[axis] > 0.0;
+  const double gaps[] = {std::fabs(box.half_size.x - std::fabs(place.x)),
+                         std::fabs(box.half_size.y - std::fabs(place.y)),
+                         std::fabs(box.half_size.z - (is_niche ? -place.z : std::fabs(place.z)))};
+  const int axis = static_cast<int>(std::min_element(gaps, gaps + 3) - gaps);
+  const bool positive = !(is_niche && axis == 2) && place[axis] > 0.0;
   const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
-  return {positive ? box.axes[axis] : -box.axes[axis],
+  return {positive != is_niche ? box.axes[axis] : -box.axes[axis],
           {place[first] + box.half_size[first], place[second] + box.half_size[second]},
           2 * axis + (positive ? 1 : 0)};
 }
 
+SurfacePoint surface_of(const Box& box, const glm::dvec3& position) {
+  return surface_of(box, position, false);
+}
+
 SurfacePoint surface_of(const Niche& niche, const glm::dvec3& position) {
-  const Box& box = niche.box;
-  const glm::dvec3 place = (position - box.center) * box.axes;
-  const double gaps[] = {std::fabs(box.half_size.x - std::fabs(place.x)),
-                         std::fabs(box.half_size.y - std::fabs(place.y)),
-                         std::fabs(box.half_size.z + place.z)};
-  const int axis = static_cast<int>(std::min_element(gaps, gaps + 3) - gaps);
-  const bool positive = axis != 2 && place[axis] > 0.0;
-  const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
-  return {positive ? -box.axes[axis] : box.axes[axis],
-          {place[first] + box.half_size[first], place[second] + box.half_size[second]},
-          2 * axis + (positive ? 1 : 0)};
+  return surface_of(niche.box, position, true);
 }
 
 SurfacePoint surface_of(const Panel& panel, const glm::dvec3& position) {
@@ -257,7 +249,7 @@ SurfacePoint surface_of(const Panel& panel, const glm::dvec3& position) {
 }
 
 SurfacePoint surface_of(const Polygon& polygon, const glm::dvec3&) {
-  return {normal_of(polygon), {}, 0};
+  return {glm::normalize(area_vector(polygon)), {}, 0};
 }
 
 SurfacePoint surface_of(const ConvexSolid& solid, const glm::dvec3& position) {

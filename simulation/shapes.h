@@ -107,8 +107,7 @@ struct Patch {
 };
 
 /// The height field z = fade(x, y) * sum of waves, over |x| <= half_size.x, |y| <= half_size.y. Inside the
-/// core
-/// (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves fade in over
+/// core (|x| <= core.x, |y| <= core.y) the ground is the plane z = 0; outside it the waves fade in over
 /// `fade_width`.
 struct Ground {
   glm::dvec2 half_size{60.0, 50.0};

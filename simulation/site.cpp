@@ -57,8 +57,8 @@ struct ShapeTree::Builder {
                        });
       return middle;
     };
-    constexpr int k_depth_for_halves =
-        k_deepest - 32;  // 2^32 items at most: halving from here on stays within k_deepest
+    // 2^32 items at most: halving from here on stays within k_deepest.
+    constexpr int k_depth_for_halves = k_deepest - 32;
     if (!(size[axis] > 0.0) || depth >= k_depth_for_halves) return halves();
 
     const auto bin_of = [&](std::uint32_t item) {
@@ -146,22 +146,20 @@ void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint3
     nearest = Nearest{*t, index};
 }
 
-SiteHit describe(const Site& site, const Nearest& nearest, const Ray& ray, const Ray& local) {
-  const SiteObject& object = site.objects()[nearest.object];
-  const glm::dvec3 position = local.position(nearest.t);
+std::optional<SiteHit> describe(const Site& site, const std::optional<Nearest>& nearest, const Ray& ray,
+                                const Ray& local) {
+  if (!nearest) return std::nullopt;
+  const SiteObject& object = site.objects()[nearest->object];
+  const glm::dvec3 position = local.position(nearest->t);
   const shapes::SurfacePoint surface = shapes::surface_at(object.shape, position);
   const bool from_behind = glm::dot(surface.normal, ray.direction) > 0.0;
-  return {.t = nearest.t,
-          .position = site.origin() + position,
-          .normal = from_behind ? -surface.normal : surface.normal,
-          .color = color_of(object.finish, surface, position),
-          .material = object.finish.material,
-          .classification = classification_of(object.finish, surface, position),
-          .object = nearest.object};
-}
-
-bool is_ground(const SiteObject& object) {
-  return std::holds_alternative<shapes::Ground>(object.shape);
+  return SiteHit{.t = nearest->t,
+                 .position = site.origin() + position,
+                 .normal = from_behind ? -surface.normal : surface.normal,
+                 .color = color_of(object.finish, surface, position),
+                 .material = object.finish.material,
+                 .classification = classification_of(object.finish, surface, position),
+                 .object = nearest->object};
 }
 
 }  // namespace
@@ -173,7 +171,7 @@ Site::Site(std::vector<SiteObject> objects, const glm::dvec3& origin)
   for (std::uint32_t index = 0; index < objects_.size(); ++index) {
     const Bounds bounds = shapes::bounds_of(objects_[index].shape);
     local.grow(bounds);
-    if (is_ground(objects_[index])) {
+    if (std::holds_alternative<shapes::Ground>(objects_[index].shape)) {
       grounds_.push_back(index);
     } else {
       boxes.push_back(bounds);
@@ -193,8 +191,7 @@ std::optional<SiteHit> Site::closest(const Ray& ray) const {
     return nearest ? nearest->t : local.t_max;
   });
   for (const std::uint32_t index : grounds_) offer(nearest, objects_[index], index, local);
-  if (!nearest) return std::nullopt;
-  return describe(*this, *nearest, ray, local);
+  return describe(*this, nearest, ray, local);
 }
 
 bool Site::occluded(const Ray& ray) const {
@@ -217,8 +214,7 @@ std::optional<SiteHit> closest(const Site& site, const Ray& ray) {
   std::optional<Nearest> nearest;
   for (std::uint32_t index = 0; index < site.objects().size(); ++index)
     offer(nearest, site.objects()[index], index, local);
-  if (!nearest) return std::nullopt;
-  return describe(site, *nearest, ray, local);
+  return describe(site, nearest, ray, local);
 }
 
 bool occluded(const Site& site, const Ray& ray) {

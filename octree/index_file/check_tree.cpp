@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "octree/index_file/check_tree.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
 #include <cstring>
-#include <fmt/format.h>
 #include <mutex>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_reduce.h>
 #include <vector>
 
 #include "cloud/lattice.h"
@@ -132,8 +132,6 @@ std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, 
 
 namespace {
 
-using Array = TreeFault::Array;
-
 constexpr std::size_t k_nodes_per_task = 1024;
 
 /// Bits that threads set.
@@ -167,27 +165,10 @@ class FirstFault {
   std::optional<TreeFault> fault_;
 };
 
-/// Box in lattice steps from the root's corner, both ends inclusive.
-struct StepBox {
-  std::array<std::int64_t, 3> low, high;
-
-  bool holds(const StepBox& other) const {
-    for (int axis = 0; axis < 3; ++axis)
-      if (other.low[axis] < low[axis] || other.high[axis] > high[axis]) return false;
-    return true;
-  }
-};
-
-StepBox slot_box(const TreeView& tree, const Frame& frame, int slot) {
-  const Node& node = tree.nodes[frame.node];
-  const int shift = frame.level - k_min_frame_level;
-  StepBox box{};
-  for (int axis = 0; axis < 3; ++axis) {
-    box.low[axis] = std::int64_t{frame.corner[axis]} + (std::int64_t{node.low[axis][slot]} << shift);
-    box.high[axis] =
-        std::int64_t{frame.corner[axis]} + ((std::int64_t{node.high[axis][slot]} + 1) << shift) - 1;
-  }
-  return box;
+bool holds(const SlotBox& box, const SlotBox& other) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (other.low[axis] < box.low[axis] || other.high[axis] > box.high[axis]) return false;
+  return true;
 }
 
 /// Lowest and highest of some ids.
@@ -261,10 +242,10 @@ class PointCheck {
 
   /// What queries among points of one place rely on: the slots before hold the lower ids.
   void check_order_of_equal_slots(const Frame& frame) {
-    const auto is_one_place = [](const StepBox& box) { return box.low == box.high; };
+    const auto is_one_place = [](const SlotBox& box) { return box.low == box.high; };
     for (int slot = 1; slot < k_node_width; ++slot) {
       if (tree_.nodes[frame.node].kind[slot - 1] == 0 || tree_.nodes[frame.node].kind[slot] == 0) continue;
-      const StepBox before = slot_box(tree_, frame, slot - 1), box = slot_box(tree_, frame, slot);
+      const SlotBox before = slot_box(tree_, frame, slot - 1), box = slot_box(tree_, frame, slot);
       if (!is_one_place(before) || !is_one_place(box) || before.low != box.low) continue;
       const std::uint64_t highest = ids_below(frame, slot - 1).high, lowest = ids_below(frame, slot).low;
       if (tree_.spacings && slot_spacing(frame, slot - 1) != slot_spacing(frame, slot)) {
@@ -297,10 +278,10 @@ class PointCheck {
   }
 
   void check_child(const Frame& frame, int slot) {
-    const StepBox box = slot_box(tree_, frame, slot);
+    const SlotBox box = slot_box(tree_, frame, slot);
     const Frame& child = frames_[child_frame(tree_, frame, slot).node];
     for (int inner = 0; inner < k_node_width; ++inner) {
-      if (tree_.nodes[child.node].kind[inner] == 0 || box.holds(slot_box(tree_, child, inner))) continue;
+      if (tree_.nodes[child.node].kind[inner] == 0 || holds(box, slot_box(tree_, child, inner))) continue;
       first_.add(frame.node, {Array::nodes, frame.node,
                               fmt::format("its box in slot {} does not hold the boxes of its child", slot)});
     }
@@ -310,7 +291,7 @@ class PointCheck {
     return slot_spacings(tree_, frame.node)[slot];
   }
 
-  void check_spacings(const Frame& frame, const StepBox& box, const Leaf& leaf) {
+  void check_spacings(const Frame& frame, const SlotBox& box, const Leaf& leaf) {
     constexpr std::uint16_t k_infinite = 0x7f80;
     const bool is_one_place = frame.level == k_min_frame_level && box.low == box.high;
     for (std::uint32_t place = leaf.place; place < leaf.place + leaf.count; ++place) {
@@ -322,7 +303,7 @@ class PointCheck {
   }
 
   void check_leaf(const Frame& frame, int slot, LatticeExtent& extent) {
-    const StepBox box = slot_box(tree_, frame, slot);
+    const SlotBox box = slot_box(tree_, frame, slot);
     const Leaf leaf = child_leaf(tree_, frame, slot);
     if (tree_.spacings) check_spacings(frame, box, leaf);
     points_seen_.fetch_add(leaf.count, std::memory_order_relaxed);
@@ -330,12 +311,12 @@ class PointCheck {
       const std::uint32_t place = leaf.place + i;
       const LatticePosition position = position_of(tree_, leaf, i);
       extent.grow(position);
-      StepBox point{};
+      SlotBox point;
       for (int axis = 0; axis < 3; ++axis)
         point.low[axis] = point.high[axis] =
             static_cast<std::uint32_t>(position[axis]) - static_cast<std::uint32_t>(tree_.base[axis]);
       const bool is_exact = tree_.positions && leaf.place >= tree_.first_exact;
-      if (!box.holds(point))
+      if (!holds(box, point))
         first_.add(frame.node, {is_exact ? Array::positions : Array::coordinates,
                                 is_exact ? place - tree_.first_exact : place,
                                 "the point lies outside the box of its leaf"});
@@ -350,7 +331,7 @@ class PointCheck {
   }
 
   bool has_right_coordinates(const Frame& frame, const Leaf& leaf, std::uint32_t i,
-                             const StepBox& point) const {
+                             const SlotBox& point) const {
     const std::uint16_t* const coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
     for (int axis = 0; axis < 3; ++axis) {
       const std::int64_t steps = point.low[axis] - std::int64_t{frame.corner[axis]};

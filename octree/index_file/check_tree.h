@@ -21,9 +21,9 @@ struct TreeFault {
 /// Whether every query ends and stays inside the arrays: each node but the root is the child of exactly one
 /// node before it; levels and depth stay within their limits; leaves have at most k_max_leaf_size points, lie
 /// inside the point count, and have exact positions where they need them; points below low frames stand one
-/// after another, as octree/octree.h says. What it does not look at: the boxes, and where points lie. Requires
-/// arrays of the sizes the view says, with a root level from 8 to 32 and at most k_max_tree_depth levels.
-/// Cost: two passes over the nodes, on one thread; 6 B per node.
+/// after another, as octree/octree.h says. What it does not look at: the boxes, and where points lie.
+/// Requires arrays of the sizes the view says, with a root level from 8 to 32 and at most k_max_tree_depth
+/// levels. Cost: two passes over the nodes, on one thread; 6 B per node.
 std::optional<TreeFault> find_broken_link(const TreeView& tree);
 
 /// Whether every id is a row: below the point count. Cost: one pass over the ids from place `begin` up to

@@ -63,53 +63,31 @@ void check_record_bytes(const IndexSections& sections, const IndexMetadata& meta
 
 TreeView tree_in(const IndexSections& sections) {
   TreeView tree = sections.header().tree;
-  tree.coordinates = sections.values<std::uint16_t>(IndexSection::coordinates).data();
-  if (sections.header().find(IndexSection::ids))
-    tree.ids = sections.values<std::uint32_t>(IndexSection::ids).data();
-  if (sections.header().find(IndexSection::positions))
-    tree.positions = sections.values<LatticePosition>(IndexSection::positions).data();
-  if (sections.header().find(IndexSection::spacings)) {
-    tree.spacings = sections.values<std::uint16_t>(IndexSection::spacings).data();
-    tree.slot_spacings = sections.values<std::uint16_t>(IndexSection::slot_spacings).data();
-  }
-  if (sections.header().find(IndexSection::surfaces)) {
-    tree.surfaces = sections.values<std::uint32_t>(IndexSection::surfaces).data();
-    tree.sheet_edges = sections.values<std::uint8_t>(IndexSection::sheet_edges).data();
-  }
+  const auto point_to = [&]<class T>(const T*& values, IndexSection kind) {
+    if (sections.header().find(kind)) values = sections.values<T>(kind).data();
+  };
+  point_to(tree.coordinates, IndexSection::coordinates);
+  point_to(tree.ids, IndexSection::ids);
+  point_to(tree.positions, IndexSection::positions);
+  point_to(tree.spacings, IndexSection::spacings);
+  point_to(tree.slot_spacings, IndexSection::slot_spacings);
+  point_to(tree.surfaces, IndexSection::surfaces);
+  point_to(tree.sheet_edges, IndexSection::sheet_edges);
   return tree;
 }
 
-[[noreturn]] void fail(const IndexSections& sections, const TreeFault& fault) {
-  using Array = TreeFault::Array;
-  switch (fault.array) {
-    case Array::nodes:
-      sections.fail(IndexSection::nodes, fault.index * sizeof(Node),
-                    fmt::format("node {}: {}", fault.index, fault.problem));
-    case Array::ids:
-      sections.fail(IndexSection::ids, fault.index * sizeof(std::uint32_t), fault.problem);
-    case Array::coordinates:
-      sections.fail(IndexSection::coordinates, fault.index * 3 * sizeof(std::uint16_t), fault.problem);
-    case Array::spacings:
-      sections.fail(IndexSection::spacings, fault.index * sizeof(std::uint16_t), fault.problem);
-    case Array::slot_spacings:
-      sections.fail(IndexSection::slot_spacings, fault.index * sizeof(std::uint16_t), fault.problem);
-    case Array::positions:
-      break;
-  }
-  sections.fail(IndexSection::positions, fault.index * sizeof(LatticePosition), fault.problem);
-}
-
-void check_ids(const IndexSections& sections, const TreeView& tree, const Progress& progress) {
-  sections.check(IndexSection::ids, progress, [&](std::uint64_t begin, std::uint64_t end) {
-    const auto place = [](std::uint64_t byte) {
-      return static_cast<std::uint32_t>(byte / sizeof(std::uint32_t));
-    };
-    if (const auto fault = find_bad_id(tree, place(begin), place(end))) fail(sections, *fault);
-  });
-}
-
-void check_links(const IndexSections& sections, const TreeView& tree) {
-  if (const auto fault = find_broken_link(tree)) fail(sections, *fault);
+/// Throws the Error about what was found wrong, if anything.
+void require_none(const IndexSections& sections, const std::optional<TreeFault>& fault) {
+  if (!fault) return;
+  // In the order of TreeFault::Array.
+  constexpr IndexSection k_kinds[] = {IndexSection::nodes,       IndexSection::ids,
+                                      IndexSection::coordinates, IndexSection::positions,
+                                      IndexSection::spacings,    IndexSection::slot_spacings};
+  const IndexSection kind = k_kinds[static_cast<std::size_t>(fault->array)];
+  const std::uint64_t values = kind == IndexSection::coordinates ? 3 * fault->index : fault->index;
+  sections.fail(kind, values * element_bytes(kind),
+                kind == IndexSection::nodes ? fmt::format("node {}: {}", fault->index, fault->problem)
+                                            : fault->problem);
 }
 
 /// Progress of work on one section after others.
@@ -132,8 +110,13 @@ HugeArray<Node> check_tree(const IndexSections& sections, TreeView& tree, const 
       IndexSection::nodes, part_of(progress, 0, total), [&](std::uint64_t begin, std::uint64_t end) {
         std::memcpy(reinterpret_cast<std::byte*>(copy.data()) + begin, stored.data() + begin, end - begin);
       });
-  tbb::parallel_invoke([&] { check_links(sections, tree); },
-                       [&] { check_ids(sections, tree, part_of(progress, nodes, total)); });
+  const auto check_ids = [&](std::uint64_t begin, std::uint64_t end) {
+    require_none(sections, find_bad_id(tree, static_cast<std::uint32_t>(begin / sizeof(std::uint32_t)),
+                                       static_cast<std::uint32_t>(end / sizeof(std::uint32_t))));
+  };
+  tbb::parallel_invoke(
+      [&] { require_none(sections, find_broken_link(tree)); },
+      [&] { sections.check(IndexSection::ids, part_of(progress, nodes, total), check_ids); });
   return copy;
 }
 
@@ -223,10 +206,8 @@ void IndexFile::verify(const Progress& progress) const {
   for (const SectionEntry& section : header().sections)
     sections.check(section.kind, part_of(progress, section.place, header().file_bytes));
   sections.check_gaps();
-  if (const auto fault = find_misplaced_point(tree())) fail(sections, *fault);
-  if (tree().spacings) {
-    if (const auto fault = find_bad_slot_spacing(tree())) fail(sections, *fault);
-  }
+  require_none(sections, find_misplaced_point(tree()));
+  if (tree().spacings) require_none(sections, find_bad_slot_spacing(tree()));
   report(progress, header().file_bytes, header().file_bytes);
 }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "octree/index_file/index_header.h"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
-#include <fmt/format.h>
 
 #include "base/bytes.h"
 #include "base/error.h"
@@ -21,65 +21,46 @@ IndexSection column_section(Attribute attribute) {
                                    std::countr_zero(static_cast<std::uint32_t>(attribute)));
 }
 
-std::uint32_t element_bytes(IndexSection kind) {
-  constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
-  switch (kind) {
-    case IndexSection::nodes:
-      return sizeof(Node);
-    case IndexSection::coordinates:
-    case IndexSection::spacings:
-    case IndexSection::slot_spacings:
-      return sizeof(std::uint16_t);
-    case IndexSection::ids:
-    case IndexSection::surfaces:
-      return sizeof(std::uint32_t);
-    case IndexSection::positions:
-      return sizeof(LatticePosition);
-    case IndexSection::sheet_edges:
-    case IndexSection::metadata:
-    case IndexSection::record_data:
-      return 1;
-    case IndexSection::checksums:
-      return sizeof(std::uint64_t);
-    default: {
-      const std::uint32_t column =
-          static_cast<std::uint32_t>(kind) - static_cast<std::uint32_t>(IndexSection::first_column);
-      return column < k_columns.size() ? k_columns[column] : 0;
-    }
-  }
+namespace {
+
+/// The sections that are no columns.
+constexpr struct {
+  IndexSection kind;
+  const char* name;
+  std::uint32_t element_bytes;
+} k_sections[] = {
+    {IndexSection::nodes, "nodes", sizeof(Node)},
+    {IndexSection::coordinates, "coordinates", sizeof(std::uint16_t)},
+    {IndexSection::ids, "ids", sizeof(std::uint32_t)},
+    {IndexSection::positions, "positions", sizeof(LatticePosition)},
+    {IndexSection::spacings, "spacings", sizeof(std::uint16_t)},
+    {IndexSection::slot_spacings, "slot spacings", sizeof(std::uint16_t)},
+    {IndexSection::surfaces, "surfaces", sizeof(std::uint32_t)},
+    {IndexSection::sheet_edges, "sheet edges", 1},
+    {IndexSection::metadata, "metadata", 1},
+    {IndexSection::record_data, "record data", 1},
+    {IndexSection::checksums, "checksums", sizeof(std::uint64_t)},
+};
+
+std::uint32_t column_number(IndexSection kind) {
+  return static_cast<std::uint32_t>(kind) - static_cast<std::uint32_t>(IndexSection::first_column);
 }
 
-std::string name(IndexSection section) {
-  switch (section) {
-    case IndexSection::nodes:
-      return "nodes";
-    case IndexSection::coordinates:
-      return "coordinates";
-    case IndexSection::ids:
-      return "ids";
-    case IndexSection::positions:
-      return "positions";
-    case IndexSection::spacings:
-      return "spacings";
-    case IndexSection::slot_spacings:
-      return "slot spacings";
-    case IndexSection::surfaces:
-      return "surfaces";
-    case IndexSection::sheet_edges:
-      return "sheet edges";
-    case IndexSection::metadata:
-      return "metadata";
-    case IndexSection::record_data:
-      return "record data";
-    case IndexSection::checksums:
-      return "checksums";
-    default: {
-      AttributeSet attribute;
-      attribute.bits = 1u << (static_cast<std::uint32_t>(section) -
-                              static_cast<std::uint32_t>(IndexSection::first_column));
-      return "column " + attribute_names(attribute).front();
-    }
-  }
+}  // namespace
+
+std::uint32_t element_bytes(IndexSection kind) {
+  constexpr std::array<std::uint32_t, 12> k_columns = {6, 2, 2, 1, 2, 1, 4, 1, 2, 8, 12, 1};
+  for (const auto& section : k_sections)
+    if (section.kind == kind) return section.element_bytes;
+  return column_number(kind) < k_columns.size() ? k_columns[column_number(kind)] : 0;
+}
+
+std::string name(IndexSection kind) {
+  for (const auto& section : k_sections)
+    if (section.kind == kind) return section.name;
+  AttributeSet attribute;
+  attribute.bits = 1u << column_number(kind);
+  return "column " + attribute_names(attribute).front();
 }
 
 // Byte positions below are those of docs/index_file.md.
@@ -260,21 +241,16 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
     page.require(header.find(needed) != nullptr, k_section_table,
                  fmt::format("there is no section {}", name(needed)), "one", "none");
   }
-  const bool has_spacings = header.tree.spacing_neighbours > 0;
-  for (const IndexSection needed : {IndexSection::spacings, IndexSection::slot_spacings}) {
-    const bool is_there = header.find(needed) != nullptr;
-    page.require(is_there == has_spacings, k_section_table,
-                 fmt::format("sections and header disagree about {}", name(needed)),
-                 has_spacings ? "the section" : "none", is_there ? "the section" : "none");
-  }
-  const bool has_surfaces = header.tree.surface_unit > 0.0;
-  for (const IndexSection needed : {IndexSection::surfaces, IndexSection::sheet_edges}) {
-    const bool is_there = header.find(needed) != nullptr;
-    page.require(is_there == has_surfaces, k_section_table,
-                 fmt::format("sections and header disagree about {}", name(needed)),
-                 has_surfaces ? "the section, as 'alidade index --surfaces' writes it" : "none",
+  const auto agree = [&](IndexSection kind, bool is_said, const char* section) {
+    const bool is_there = header.find(kind) != nullptr;
+    page.require(is_there == is_said, k_section_table,
+                 fmt::format("sections and header disagree about {}", name(kind)), is_said ? section : "none",
                  is_there ? "the section" : "none");
-  }
+  };
+  for (const IndexSection kind : {IndexSection::spacings, IndexSection::slot_spacings})
+    agree(kind, header.tree.spacing_neighbours > 0, "the section");
+  for (const IndexSection kind : {IndexSection::surfaces, IndexSection::sheet_edges})
+    agree(kind, header.tree.surface_unit > 0.0, "the section, as 'alidade index --surfaces' writes it");
   page.require(header.sections.back().end() == header.file_bytes, 24, "bytes behind the last section",
                fmt::format("{} bytes in all", header.sections.back().end()), header.file_bytes);
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "octree/index_file/index_sections.h"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <atomic>
-#include <fmt/format.h>
 #include <limits>
 #include <mutex>
-#include <tbb/parallel_for.h>
 
 #include "base/bytes.h"
 #include "base/error.h"
@@ -109,23 +109,38 @@ namespace {
 // A point of a LAS file takes at most so many bytes, and so does what a point carries here.
 constexpr std::uint32_t k_longest_extra_dimension = 65535;
 
+// The metadata are described once, by functions that visit their fields in order: with a Writer and the cloud
+// to store, or with a Reader and the cloud to fill. What a field may be is checked by the Reader only.
+
 class Writer {
  public:
   template <class T>
-  void add(const T& value) {
-    const auto bytes = std::as_bytes(std::span(&value, 1));
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  void value(const T& value) {
+    add(std::as_bytes(std::span(&value, 1)));
   }
+  void flag(bool flag) { value(static_cast<std::uint8_t>(flag)); }
   /// Number of values, then the values.
   template <class Values>
-  void add_all(const Values& values) {
-    add<std::uint64_t>(values.size());
-    const auto bytes = std::as_bytes(std::span(values));
-    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+  void all(const Values& values) {
+    value<std::uint64_t>(values.size());
+    add(std::as_bytes(std::span(values)));
+  }
+  template <class Entries, class Visit>
+  void list(const Entries& entries, std::size_t, const Visit& visit) {
+    value<std::uint64_t>(entries.size());
+    for (const auto& entry : entries) visit(entry);
+  }
+  template <class... Complaint>
+  void require(bool, const Complaint&...) {}
+  template <class Entries>
+  bool at_end(const Entries& last_list) const {
+    return last_list.empty();
   }
   std::vector<std::byte> take() { return std::move(bytes_); }
 
  private:
+  void add(std::span<const std::byte> bytes) { bytes_.insert(bytes_.end(), bytes.begin(), bytes.end()); }
+
   std::vector<std::byte> bytes_;
 };
 
@@ -135,53 +150,59 @@ class Reader {
       : bytes_(bytes), place_(place), file_(file_name) {}
 
   template <class T>
-  T get() {
-    return load<T>(take(sizeof(T)));
+  void value(T& value) {
+    value = load<T>(take(sizeof(T)));
   }
-  /// A number of things that each take at least `least_bytes` of what is left.
-  std::uint64_t count(std::size_t least_bytes) {
-    const std::uint64_t count = get<std::uint64_t>();
-    if (count > (bytes_.size() - used_) / least_bytes)
-      fail(8, "a list does not fit into the metadata",
-           fmt::format("at most {}", (bytes_.size() - used_) / least_bytes), std::to_string(count));
-    return count;
+  void flag(bool& flag) {
+    std::uint8_t stored;
+    value(stored);
+    require(stored <= 1, 1, "bad flag in the metadata", "0 or 1", stored);
+    flag = stored == 1;
   }
   template <class Values>
-  Values all() {
+  void all(Values& values) {
     using Value = typename Values::value_type;
-    Values values(static_cast<std::size_t>(count(sizeof(Value))), Value{});
+    values.assign(static_cast<std::size_t>(count(sizeof(Value))), Value{});
     const std::size_t bytes = values.size() * sizeof(Value);
     const std::byte* const from = take(bytes);
     if (bytes > 0) std::memcpy(values.data(), from, bytes);
-    return values;
   }
-  std::string text() { return all<std::string>(); }
-  bool flag() {
-    const auto value = get<std::uint8_t>();
-    if (value > 1) fail(1, "bad flag in the metadata", "0 or 1", std::to_string(value));
-    return value == 1;
+  /// Entries that each take at least `least_bytes` of what is left.
+  template <class Entries, class Visit>
+  void list(Entries& entries, std::size_t least_bytes, const Visit& visit) {
+    for (std::uint64_t left = count(least_bytes); left > 0; --left) visit(entries.emplace_back());
   }
-  bool at_end() const { return used_ == bytes_.size(); }
+  template <class Entries>
+  bool at_end(const Entries&) const {
+    return used_ == bytes_.size();
+  }
   void finish() const {
-    if (used_ != bytes_.size())
-      fail(0, "bytes behind the metadata", std::to_string(used_), std::to_string(bytes_.size()));
+    require(used_ == bytes_.size(), 0, "bytes behind the metadata", std::to_string(used_), bytes_.size());
   }
-  /// Complains about what stands `back` bytes before the next one.
-  [[noreturn]] void fail(std::size_t back, std::string problem, std::string expected,
-                         std::string found) const {
+  /// Complains about what stands `back` bytes before the next one unless what is asked holds.
+  template <class Found>
+  void require(bool holds, std::size_t back, const char* problem, const std::string& expected,
+               const Found& found) const {
+    if (holds) return;
     throw Error({.file = file_,
                  .place = fmt::format("byte {}", place_ + used_ - back),
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = std::move(found)});
+                 .problem = problem,
+                 .expected = expected,
+                 .found = std::to_string(found)});
   }
 
  private:
+  std::uint64_t count(std::size_t least_bytes) {
+    std::uint64_t count;
+    value(count);
+    const std::uint64_t most = (bytes_.size() - used_) / least_bytes;
+    require(count <= most, 8, "a list does not fit into the metadata", fmt::format("at most {}", most),
+            count);
+    return count;
+  }
   const std::byte* take(std::size_t count) {
-    if (count > bytes_.size() - used_) {
-      fail(0, "the metadata end early", fmt::format("{} bytes from here", count),
-           std::to_string(bytes_.size() - used_));
-    }
+    const std::size_t left = bytes_.size() - used_;
+    require(count <= left, 0, "the metadata end early", fmt::format("{} bytes from here", count), left);
     const std::byte* const at = bytes_.data() + used_;
     used_ += count;
     return at;
@@ -193,129 +214,93 @@ class Reader {
   std::size_t used_ = 0;
 };
 
-void write_extra_dimension(Writer& writer, const ExtraDimension& dimension) {
-  writer.add_all(dimension.name);
-  writer.add_all(dimension.description);
-  writer.add(static_cast<std::uint8_t>(dimension.type));
-  writer.add(static_cast<std::uint32_t>(dimension.byte_count));
-  writer.add(dimension.scale);
-  writer.add(dimension.offset);
-  writer.add<std::uint8_t>(dimension.has_scale);
-  writer.add<std::uint8_t>(dimension.has_offset);
-  writer.add<std::uint8_t>(dimension.no_data.has_value());
-  writer.add(dimension.no_data.value_or(std::array<std::uint8_t, 8>{}));
-}
-
-ExtraDimension read_extra_dimension(Reader& reader) {
-  ExtraDimension dimension;
-  dimension.name = reader.text();
-  dimension.description = reader.text();
-  const auto type = reader.get<std::uint8_t>();
-  if (type > static_cast<std::uint8_t>(ScalarType::float64))
-    reader.fail(1, "bad type of an extra dimension", "0 to 10", std::to_string(type));
-  dimension.type = static_cast<ScalarType>(type);
-  const auto bytes = reader.get<std::uint32_t>();
+template <class Stream, class Dimension>
+void visit_extra_dimension(Stream& stream, Dimension& dimension) {
+  stream.all(dimension.name);
+  stream.all(dimension.description);
+  stream.value(dimension.type);
+  stream.require(dimension.type <= ScalarType::float64, 1, "bad type of an extra dimension", "0 to 10",
+                 static_cast<int>(dimension.type));
+  auto bytes = static_cast<std::uint32_t>(dimension.byte_count);
+  stream.value(bytes);
   const auto size = static_cast<std::uint32_t>(scalar_size(dimension.type));
-  if (size == 0 ? bytes < 1 || bytes > k_longest_extra_dimension : bytes != size) {
-    reader.fail(4, "bad size of an extra dimension",
-                size == 0 ? fmt::format("1 to {}", k_longest_extra_dimension) : std::to_string(size),
-                std::to_string(bytes));
+  stream.require(size == 0 ? bytes >= 1 && bytes <= k_longest_extra_dimension : bytes == size, 4,
+                 "bad size of an extra dimension",
+                 size == 0 ? fmt::format("1 to {}", k_longest_extra_dimension) : std::to_string(size), bytes);
+  stream.value(dimension.scale);
+  stream.value(dimension.offset);
+  stream.flag(dimension.has_scale);
+  stream.flag(dimension.has_offset);
+  bool has_no_data = dimension.no_data.has_value();
+  auto no_data = dimension.no_data.value_or(std::array<std::uint8_t, 8>{});
+  stream.flag(has_no_data);
+  stream.value(no_data);
+  if constexpr (!std::is_const_v<Dimension>) {
+    dimension.byte_count = static_cast<int>(bytes);
+    if (has_no_data) dimension.no_data = no_data;
   }
-  dimension.byte_count = static_cast<int>(bytes);
-  dimension.scale = reader.get<double>();
-  dimension.offset = reader.get<double>();
-  dimension.has_scale = reader.flag();
-  dimension.has_offset = reader.flag();
-  const bool has_no_data = reader.flag();
-  const auto no_data = reader.get<std::array<std::uint8_t, 8>>();
-  if (has_no_data) dimension.no_data = no_data;
-  return dimension;
 }
 
-void write_file(Writer& writer, const CloudFile& file) {
-  writer.add_all(file.path.string());
-  writer.add_all(file.format);
-  writer.add_all(file.version);
-  writer.add<std::int32_t>(file.point_format.value_or(-1));
-  writer.add(file.point_count);
-  writer.add(file.dropped_count);
+template <class Stream, class File>
+void visit_file(Stream& stream, File& file) {
+  std::string path = file.path.string();
+  std::int32_t point_format = file.point_format.value_or(-1);
+  stream.all(path);
+  stream.all(file.format);
+  stream.all(file.version);
+  stream.value(point_format);
+  stream.value(file.point_count);
+  stream.value(file.dropped_count);
+  if constexpr (!std::is_const_v<File>) {
+    file.path = path;
+    if (point_format >= 0) file.point_format = point_format;
+  }
 }
 
-CloudFile read_file(Reader& reader) {
-  CloudFile file;
-  file.path = reader.text();
-  file.format = reader.text();
-  file.version = reader.text();
-  const auto point_format = reader.get<std::int32_t>();
-  if (point_format >= 0) file.point_format = point_format;
-  file.point_count = reader.get<std::uint64_t>();
-  file.dropped_count = reader.get<std::uint64_t>();
-  return file;
+/// visit_record_bytes(bytes): the size of a record's data.
+template <class Stream, class Cloud, class VisitRecordBytes>
+void visit_metadata(Stream& stream, Cloud& cloud, const VisitRecordBytes& visit_record_bytes) {
+  // The fewest bytes that an entry of each list takes.
+  constexpr std::size_t k_file = 44, k_warning = 8, k_extra_dimension = 48, k_record = 27, k_scanner = 32;
+  stream.all(cloud.crs.wkt);
+  stream.all(cloud.crs.geotiff_keys);
+  stream.all(cloud.crs.geotiff_doubles);
+  stream.all(cloud.crs.geotiff_ascii);
+  stream.list(cloud.files, k_file, [&](auto& file) { visit_file(stream, file); });
+  stream.list(cloud.warnings, k_warning, [&](auto& warning) { stream.all(warning); });
+  stream.list(cloud.extra_dimensions, k_extra_dimension,
+              [&](auto& dimension) { visit_extra_dimension(stream, dimension); });
+  stream.list(cloud.records, k_record, [&](auto& record) {
+    stream.all(record.user_id);
+    stream.value(record.record_id);
+    stream.all(record.description);
+    stream.flag(record.extended);
+    std::uint64_t bytes = record.data.size();
+    stream.value(bytes);
+    visit_record_bytes(bytes);
+  });
+  // A cloud without scanner positions has no list of them, as the first index files had none.
+  if (stream.at_end(cloud.scanner_positions)) return;
+  stream.list(cloud.scanner_positions, k_scanner, [&](auto& scanner) {
+    stream.all(scanner.scan);
+    for (int axis = 0; axis < 3; ++axis) stream.value(scanner.position[axis]);
+  });
 }
 
 }  // namespace
 
 std::vector<std::byte> encode_index_metadata(const PointCloud& cloud) {
   Writer writer;
-  writer.add_all(cloud.crs.wkt);
-  writer.add_all(cloud.crs.geotiff_keys);
-  writer.add_all(cloud.crs.geotiff_doubles);
-  writer.add_all(cloud.crs.geotiff_ascii);
-  writer.add<std::uint64_t>(cloud.files.size());
-  for (const CloudFile& file : cloud.files) write_file(writer, file);
-  writer.add<std::uint64_t>(cloud.warnings.size());
-  for (const std::string& warning : cloud.warnings) writer.add_all(warning);
-  writer.add<std::uint64_t>(cloud.extra_dimensions.size());
-  for (const ExtraDimension& dimension : cloud.extra_dimensions) write_extra_dimension(writer, dimension);
-  writer.add<std::uint64_t>(cloud.records.size());
-  for (const VariableLengthRecord& record : cloud.records) {
-    writer.add_all(record.user_id);
-    writer.add(record.record_id);
-    writer.add_all(record.description);
-    writer.add<std::uint8_t>(record.extended);
-    writer.add<std::uint64_t>(record.data.size());
-  }
-  if (cloud.scanner_positions.empty()) return writer.take();
-  writer.add<std::uint64_t>(cloud.scanner_positions.size());
-  for (const ScannerPosition& scanner : cloud.scanner_positions) {
-    writer.add_all(scanner.scan);
-    for (int axis = 0; axis < 3; ++axis) writer.add(scanner.position[axis]);
-  }
+  visit_metadata(writer, cloud, [](std::uint64_t) {});
   return writer.take();
 }
 
 IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t place,
                                   const std::string& file_name) {
-  // The fewest bytes that an entry of each list takes.
-  constexpr std::size_t k_file = 44, k_warning = 8, k_extra_dimension = 48, k_record = 27, k_scanner = 32;
   Reader reader(section, place, file_name);
   IndexMetadata metadata;
-  PointCloud& cloud = metadata.cloud;
-  cloud.crs.wkt = reader.text();
-  cloud.crs.geotiff_keys = reader.all<std::vector<std::uint16_t>>();
-  cloud.crs.geotiff_doubles = reader.all<std::vector<double>>();
-  cloud.crs.geotiff_ascii = reader.text();
-  for (std::uint64_t left = reader.count(k_file); left > 0; --left) cloud.files.push_back(read_file(reader));
-  for (std::uint64_t left = reader.count(k_warning); left > 0; --left)
-    cloud.warnings.push_back(reader.text());
-  for (std::uint64_t left = reader.count(k_extra_dimension); left > 0; --left)
-    cloud.extra_dimensions.push_back(read_extra_dimension(reader));
-  for (std::uint64_t left = reader.count(k_record); left > 0; --left) {
-    VariableLengthRecord& record = cloud.records.emplace_back();
-    record.user_id = reader.text();
-    record.record_id = reader.get<std::uint16_t>();
-    record.description = reader.text();
-    record.extended = reader.flag();
-    metadata.record_bytes.push_back(reader.get<std::uint64_t>());
-  }
-  // A cloud without scanner positions has no list of them, as the first index files had none.
-  if (!reader.at_end()) {
-    for (std::uint64_t left = reader.count(k_scanner); left > 0; --left) {
-      ScannerPosition& scanner = cloud.scanner_positions.emplace_back();
-      scanner.scan = reader.text();
-      for (int axis = 0; axis < 3; ++axis) scanner.position[axis] = reader.get<double>();
-    }
-  }
+  visit_metadata(reader, metadata.cloud,
+                 [&](std::uint64_t bytes) { metadata.record_bytes.push_back(bytes); });
   reader.finish();
   return metadata;
 }

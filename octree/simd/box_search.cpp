@@ -6,11 +6,10 @@
 #include <hwy/foreach_target.h>
 
 #include "octree/candidate.h"
+#include "octree/simd/box_test-inl.h"
 #include "octree/simd/choose_table.h"
-#include "octree/simd/lattice_box.h"
-#include "octree/simd/ray_traversal-inl.h"
-#include "octree/simd/lattice_box.h"
 #include "octree/simd/first_answers.h"
+#include "octree/simd/lattice_box.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -266,7 +265,7 @@ void find(const TreeView& tree, const Bounds& box, const PointQuery& query, std:
   finder.finish(k, answers);
 }
 
-constexpr BoxSearch k_box_search{find, count};
+constexpr Search<Bounds> k_box_search{find, count};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd
@@ -275,7 +274,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace alidade::simd {
 
-const BoxSearch& box_search(InstructionSet instruction_set) {
+template <>
+const Search<Bounds>& search(InstructionSet instruction_set) {
   ALIDADE_CHOOSE_TABLE(instruction_set, k_box_search)
 }
 

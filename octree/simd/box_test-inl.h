@@ -11,7 +11,6 @@
 #include <cstring>
 
 #include "octree/simd/lanes-inl.h"
-#include "octree/simd/own_radii-inl.h"
 #include "octree/simd/ray_state.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "octree/simd/first_answers.h"
-#include "octree/simd/ray_state.h"
 #include "octree/simd/lanes-inl.h"
+#include "octree/simd/ray_state.h"
 #include "octree/tree_walk.h"
 
 // What a search does with the points that lanes could not discard. Lanes tell of every point whether it may
@@ -27,8 +27,7 @@ namespace HWY_NAMESPACE {
 /// What lanes tell of the points of a leaf.
 struct TestedPoints {
   std::uint32_t possible = 0;  ///< bit per point: may count
-  std::uint32_t certain =
-      0;  ///< of these, those that do whatever rounding did; only the measure is not known
+  std::uint32_t certain = 0;   ///< of these, those that do whatever rounding did; their measure is not known
   alignas(64) float low[k_max_leaf_size];  ///< the measure lies between
   alignas(64) float high[k_max_leaf_size];
 };

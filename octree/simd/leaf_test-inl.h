@@ -14,7 +14,6 @@
 #include <span>
 
 #include "octree/simd/lanes-inl.h"
-#include "octree/simd/own_radii-inl.h"
 #include "octree/simd/ray_state.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -7,8 +7,8 @@
 #define ALIDADE_SIMD_NEAREST_FIRST_INL_H
 #endif
 
+#include "octree/simd/box_test-inl.h"
 #include "octree/simd/collectors-inl.h"
-#include "octree/simd/ray_traversal-inl.h"
 #include "octree/simd/first_answers.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -134,6 +134,38 @@ class NearestFirst {
   int stack_count_ = 0;
   OpenNode stack_[k_stack_size];
 };
+
+template <class Query>
+bool knows_all_points(const Query& query) {
+  return !query.filter && query.max_level == k_all_levels;
+}
+
+/// Appends the k first answers. measure_shift, shift_error: as NearestCollector takes them.
+template <class Kernel, class Target, class Query, class Answer>
+void find_first(const TreeView& tree, const Kernel& kernel, const Target& target, const Query& query,
+                std::size_t k, double measure_shift, double shift_error, std::vector<Answer>& answers) {
+  NearestCollector<Target> nearest(tree, target, k, measure_shift, shift_error, answers);
+  NearestFirst(tree, kernel, nearest, query.max_level, knows_all_points(query) ? k : k_all).run();
+  nearest.finish();
+}
+
+/// Appends all answers.
+template <class Kernel, class Target, class Query, class Answer>
+void find_all(const TreeView& tree, const Kernel& kernel, const Target& target, const Query& query,
+              std::vector<Answer>& answers) {
+  AllCollector<Target> all(tree, target, answers);
+  NearestFirst(tree, kernel, all, query.max_level, k_all).run();
+  all.finish();
+}
+
+/// How many answers, up to k.
+template <class Kernel, class Target, class Query>
+std::size_t count_first(const TreeView& tree, const Kernel& kernel, const Target& target, const Query& query,
+                        std::size_t k) {
+  CountCollector<Target> counter(tree, target, k);
+  NearestFirst(tree, kernel, counter, query.max_level, k_all).run();
+  return counter.count();
+}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd

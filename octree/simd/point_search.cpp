@@ -7,39 +7,171 @@
 
 #include "octree/query_targets.h"
 #include "octree/simd/choose_table.h"
-#include "octree/simd/point_kernel-inl.h"
+#include "octree/simd/nearest_first-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
+/// Distances to a point, for NearestFirst. Bounds are squares of distances.
+///
+/// All places are told from the corner of a node's frame, whose width is W; D is the farthest the point lies
+/// from there on an axis. `error` exceeds what can go wrong between a float distance and the double one that
+/// decides, in units of 2^-24:
+/// - a coordinate: rounding of scale, of the local point and of their difference, together 2 W + 2 D; the
+/// norm
+///   of three of them 3.5 (W + D);
+/// - squares, sum and root: 3 roundings of at most 1.8 (W + D), and as much again for `low` and `high`;
+/// together
+///   7 (W + D). The sum stays below 11 (W + D); the budget is 16 (W + D).
+/// - in double (offset, scale and steps to world coordinates; the point to local ones): 2^-48 of the largest
+///   coordinate or offset;
+/// - where squares leave the range of floats: 1e-18.
+/// Boxes are widened by `error`, so that only the rounding of squares and sums is left, which `limit` allows
+/// for.
+class PointKernel {
+ public:
+  struct Local {
+    float point[3];
+    float error;
+  };
+
+  PointKernel(const TreeView& tree, const glm::dvec3& point, double radius, bool filtered)
+      : tree_(tree), radius_(at_least(radius)), all_in_double_(filtered) {
+    const glm::dvec3 corner = to_world(tree.lattice, tree.base);
+    double largest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      point_[axis] = point[axis] - corner[axis];
+      float_scale_[axis] = static_cast<float>(tree.lattice.scale[axis]);
+      widest_scale_ = std::max(widest_scale_, tree.lattice.scale[axis]);
+      largest = std::max({largest, std::fabs(point[axis]), std::fabs(corner[axis]),
+                          std::fabs(tree.bounds.max[axis]), std::fabs(tree.lattice.offset[axis])});
+    }
+    double_error_ = 0x1p-48 * largest + 1e-18;
+    if (std::isinf(radius)) radius_ = std::numeric_limits<float>::infinity();
+    certain_radius_ = std::isinf(radius) ? radius_ : at_most(radius);
+  }
+
+  HWY_INLINE Local at(const std::uint32_t* corner, int level) const {
+    Local local;
+    double farthest = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double from_corner = point_[axis] - tree_.lattice.scale[axis] * corner[axis];
+      farthest = std::max(farthest, std::fabs(from_corner));
+      local.point[axis] = static_cast<float>(from_corner);
+    }
+    local.error =
+        static_cast<float>(double_error_ + 0x1p-20 * (widest_scale_ * power_of_two(level) + farthest)) * k_up;
+    return local;
+  }
+
+  HWY_INLINE float limit(float cut) const {
+    const float distance = std::min(cut, radius_);
+    return distance * distance * k_up;
+  }
+
+  template <bool tests_inside>
+  HWY_INLINE void test_boxes(const Local& local, const Node& node, int level, float cut,
+                             TestedBoxes& boxes) const {
+    const ChildLanes d;
+    const auto grid_step = static_cast<float>(power_of_two(level - k_min_frame_level));
+    const auto limit_sq = hn::Set(d, limit(cut));
+    const float inner = std::max(certain_radius_ - local.error, 0.0f);
+    const auto inner_sq = hn::Set(d, inner * inner * k_down);
+    for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
+      auto nearest_sq = hn::Zero(d), farthest_sq = hn::Zero(d);
+      for (int axis = 0; axis < 3; ++axis) {
+        const float step = float_scale_[axis] * grid_step;
+        // `high` is inclusive: its points stand up to one lattice step below the next grid step.
+        const auto to_low = hn::MulAdd(load_as_float(d, node.low[axis] + lane), hn::Set(d, step),
+                                       hn::Set(d, -local.point[axis] - local.error));
+        const auto from_high =
+            hn::NegMulAdd(load_as_float(d, node.high[axis] + lane), hn::Set(d, step),
+                          hn::Set(d, local.point[axis] - (step - float_scale_[axis]) - local.error));
+        const auto gap = hn::Max(hn::Max(to_low, from_high), hn::Zero(d));
+        nearest_sq = hn::MulAdd(gap, gap, nearest_sq);
+        if constexpr (tests_inside) {
+          const auto reach = hn::Neg(hn::Min(to_low, from_high));
+          farthest_sq = hn::MulAdd(reach, reach, farthest_sq);
+        }
+      }
+      hn::Store(nearest_sq, d, boxes.bound + lane);
+      boxes.met |= mask_bits(d, hn::Le(nearest_sq, limit_sq)) << lane;
+      if constexpr (tests_inside)
+        if (!all_in_double_ && inner > 0.0f)
+          boxes.inside |= mask_bits(d, hn::Le(farthest_sq, inner_sq)) << lane;
+    }
+  }
+
+  HWY_INLINE void test_points(const Local& local, const Leaf& leaf, int level, float cut,
+                              TestedPoints& points) const {
+    const PointLanes d;
+    const auto lanes = static_cast<int>(hn::Lanes(d));
+    const int shift = coordinate_shift(level);
+    const auto step = static_cast<float>(power_of_two(shift));
+    // Coordinates lose up to a step when they are shifted; half of it on either side of the middle.
+    const float lost = shift > 0 ? static_cast<float>(widest_scale_) * step : 0.0f;
+    const float error = local.error + lost;
+    const float outer = std::min(cut, radius_) + error;
+    const auto outer_sq = hn::Set(d, outer * outer * k_up);
+    const auto inner = hn::Set(d, all_in_double_ ? -1.0f : certain_radius_);
+    const auto float_error = hn::Set(d, error);
+    hn::Vec<PointLanes> scale[3], origin[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      scale[axis] = hn::Set(d, float_scale_[axis] * step);
+      origin[axis] =
+          hn::Set(d, local.point[axis] - (shift > 0 ? 0.5f * float_scale_[axis] * (step - 1.0f) : 0.0f));
+    }
+    points.possible = points.certain = 0;
+    const std::uint16_t* coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
+    const auto end = static_cast<int>(leaf.count);
+    for (int first = 0; first < end; first += lanes) {
+      const auto x = hn::MulSub(load_as_float(d, coordinates + first), scale[0], origin[0]),
+                 y = hn::MulSub(load_as_float(d, coordinates + end + first), scale[1], origin[1]),
+                 z = hn::MulSub(load_as_float(d, coordinates + 2 * end + first), scale[2], origin[2]);
+      const auto distance_sq = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
+      unsigned bits = mask_bits(d, hn::Le(distance_sq, outer_sq));
+      if (end - first < lanes) bits &= (1u << (end - first)) - 1u;
+      if (bits == 0) continue;
+      const auto distance = hn::Sqrt(distance_sq);
+      const auto high = hn::Add(distance, float_error);
+      hn::Store(hn::Sub(distance, float_error), d, points.low + first);
+      hn::Store(high, d, points.high + first);
+      points.possible |= bits << first;
+      points.certain |= (mask_bits(d, hn::Le(high, inner)) & bits) << first;
+    }
+  }
+
+ private:
+  /// For the few roundings of float expressions of positive numbers.
+  static constexpr float k_up = 1.0f + 0x1p-20f, k_down = 1.0f - 0x1p-20f;
+
+  const TreeView& tree_;
+  double point_[3];  ///< from the root's corner
+  double widest_scale_ = 0.0, double_error_ = 0.0;
+  float float_scale_[3];
+  float radius_, certain_radius_;  ///< not below and not above the radius
+  const bool all_in_double_;
+};
+
 void find(const TreeView& tree, const glm::dvec3& point, const PointQuery& query, std::size_t k,
           std::size_t query_index, std::vector<PointHit>& answers) {
   const PointTarget target(point, query, query_index);
   const PointKernel kernel(tree, point, query.radius, static_cast<bool>(query.filter));
-  if (k >= tree.point_count) {
-    AllCollector<PointTarget> all(tree, target, answers);
-    NearestFirst(tree, kernel, all, query.max_level, k_all).run();
-    all.finish();
+  if (k < tree.point_count) {
+    find_first(tree, kernel, target, query, k, 0.0, 0.0, answers);
   } else {
-    NearestCollector<PointTarget> nearest(tree, target, k, 0.0, 0.0, answers);
-    const bool knows_all_points = !query.filter && query.max_level == k_all_levels;
-    NearestFirst(tree, kernel, nearest, query.max_level, knows_all_points ? k : k_all).run();
-    nearest.finish();
+    find_all(tree, kernel, target, query, answers);
   }
 }
 
 std::size_t count(const TreeView& tree, const glm::dvec3& point, const PointQuery& query, std::size_t k,
                   std::size_t query_index) {
-  const PointTarget target(point, query, query_index);
-  const bool knows_all_points = !query.filter && query.max_level == k_all_levels;
-  const PointKernel kernel(tree, point, query.radius, !knows_all_points);
-  CountCollector<PointTarget> counter(tree, target, k);
-  NearestFirst(tree, kernel, counter, query.max_level, k_all).run();
-  return counter.count();
+  const PointKernel kernel(tree, point, query.radius, !knows_all_points(query));
+  return count_first(tree, kernel, PointTarget(point, query, query_index), query, k);
 }
 
-constexpr PointSearch k_point_search{find, count};
+constexpr Search<glm::dvec3> k_point_search{find, count};
 
 }  // namespace HWY_NAMESPACE
 }  // namespace alidade::simd
@@ -48,7 +180,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace alidade::simd {
 
-const PointSearch& point_search(InstructionSet instruction_set) {
+template <>
+const Search<glm::dvec3>& search(InstructionSet instruction_set) {
   ALIDADE_CHOOSE_TABLE(instruction_set, k_point_search)
 }
 

@@ -62,10 +62,9 @@ enum class Radii {
 /// steps together stay below F), of the ray's local origin F + r, of the four sums in t at most 8 F + 7 r,
 /// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). Where points have radii of
 /// their own, theirs take the place of r in the widening; that is a sum and two products more, and the budget
-/// is 32 (F + r). What goes wrong in double
-/// comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way, W the largest coordinate with the
-/// lattice's offset and `way` that from a ray's origin to the far end of the points: cancellation in point -
-/// origin and in t, and direction components that are kept 1e-12 away from zero.
+/// is 32 (F + r). What goes wrong in double comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way,
+/// W the largest coordinate with the lattice's offset and `way` that from a ray's origin to the far end of
+/// the points: cancellation in point - origin and in t, and direction components kept 1e-12 away from zero.
 struct QuerySetup {
   /// For rays that start not farther away than a few times the extent of the points; others get a setup of
   /// their own.

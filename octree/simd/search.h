@@ -31,59 +31,40 @@ struct Traversal {
 /// The traversal for an available instruction set (not `best`).
 const Traversal& traversal(InstructionSet instruction_set);
 
-/// Ray queries that `Traversal` does not answer, by any measure and with any conditions, compiled for one
-/// instruction set. Lanes only discard what double arithmetic would discard too; what remains is decided by
-/// octree/candidate.h. So all sets give the same bits. Requires: checked query and ray; a tree and a ray that
-/// suit lanes.
-struct RaySearch {
+/// Queries of one family, by any measure and with any conditions, compiled for one instruction set: of rays
+/// those that `Traversal` does not answer, of points, and of boxes. Lanes only discard what double arithmetic
+/// would discard too; what remains is decided by octree/candidate.h. So all sets give the same bits. World
+/// coordinates grow with lattice steps, so a box in the world is a box of lattice steps, and no test needs a
+/// number that is not whole: nodes are compared byte by byte, points 16 bits at a time, and what stands
+/// wholly inside is not compared at all. Requires: checked query and target; a tree and a target that suit
+/// lanes.
+template <Askable T>
+struct Search {
   /// Appends the k first points in order.
-  void (*find)(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k,
-               std::size_t query_index, std::vector<Hit>& answers);
-  std::size_t (*count)(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t k,
+  void (*find)(const TreeView& tree, const T& target, const QueryOf<T>& query, std::size_t k,
+               std::size_t query_index, std::vector<AnswerOf<T>>& answers);
+  std::size_t (*count)(const TreeView& tree, const T& target, const QueryOf<T>& query, std::size_t k,
                        std::size_t query_index);
 };
 
 /// The search for an available instruction set (not `best`).
-const RaySearch& ray_search(InstructionSet instruction_set);
+template <Askable T>
+const Search<T>& search(InstructionSet instruction_set);
+template <>
+const Search<Ray>& search<Ray>(InstructionSet instruction_set);
+template <>
+const Search<glm::dvec3>& search<glm::dvec3>(InstructionSet instruction_set);
+template <>
+const Search<Bounds>& search<Bounds>(InstructionSet instruction_set);
 
-/// Whether floats can tell the points of the tree apart along there: not an empty tree, a direction of length
-/// 1 but for rounding, no lengths beyond what floats can square, and no line so far away that all points are
-/// equally near.
+// suits_lanes(): whether floats can tell the points of the tree apart; never those of an empty one.
+
+/// Along there: a direction of length 1 but for rounding, no lengths beyond what floats can square, no line
+/// so far away that all points are equally near, and no radii of the points' own.
 bool suits_lanes(const TreeView& tree, const Ray& ray, const RayQuery& query);
-
-/// Queries by the distance to a point, compiled for one instruction set. Lanes only discard what double
-/// arithmetic would discard too; what remains is decided by octree/candidate.h. So all sets give the same
-/// bits. Requires: checked query and point; a tree and a point that suit lanes.
-struct PointSearch {
-  /// Appends the k first points in order.
-  void (*find)(const TreeView& tree, const glm::dvec3& point, const PointQuery& query, std::size_t k,
-               std::size_t query_index, std::vector<PointHit>& answers);
-  std::size_t (*count)(const TreeView& tree, const glm::dvec3& point, const PointQuery& query, std::size_t k,
-                       std::size_t query_index);
-};
-
-/// The search for an available instruction set (not `best`).
-const PointSearch& point_search(InstructionSet instruction_set);
-
-/// Whether floats can tell the points of the tree apart from there: not an empty tree, not one of lengths
-/// beyond what floats can square, and no place so far away that all points are equally near.
+/// From there: no lengths beyond what floats can square, no place so far away that all points are equally
+/// near.
 bool suits_lanes(const TreeView& tree, const glm::dvec3& point, const PointQuery& query);
-
-/// Box queries, compiled for one instruction set. World coordinates grow with lattice steps, so a box in the
-/// world is a box of lattice steps, and no test needs a number that is not whole: nodes are compared byte by
-/// byte, points 16 bits at a time, and what stands wholly inside is not compared at all. Requires: checked
-/// query and box, a tree that is not empty.
-struct BoxSearch {
-  /// Appends the k first points in order, by their ids.
-  void (*find)(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
-               std::size_t query_index, std::vector<PointHit>& answers);
-  std::size_t (*count)(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
-                       std::size_t query_index);
-};
-
-/// The search for an available instruction set (not `best`).
-const BoxSearch& box_search(InstructionSet instruction_set);
-
 /// Any box.
 inline bool suits_lanes(const TreeView& tree, const Bounds&, const PointQuery&) {
   return tree.node_count != 0;

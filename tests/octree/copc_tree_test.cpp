@@ -228,8 +228,8 @@ TEST(BoxedPointsTest, boxes_hold_their_points_and_rows_stay_with_them) {
       EXPECT_EQ(points.boxes(level).capacity(), points.boxes(level).size());
       for (std::size_t i = 0; i < count; ++i) {
         const BoxedPoints::Box& box = points.boxes(level)[i / group];
-        EXPECT_TRUE(glm::all(glm::lessThanEqual(box.min, points.positions()[i])) &&
-                    glm::all(glm::lessThanEqual(points.positions()[i], box.max)));
+        EXPECT_TRUE(glm::all(glm::lessThanEqual(box.low, points.positions()[i])) &&
+                    glm::all(glm::lessThanEqual(points.positions()[i], box.high)));
       }
     }
     std::vector<bool> met(count);

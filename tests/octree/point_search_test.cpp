@@ -23,7 +23,7 @@ using test::PointFamily;
 using test::Random;
 using test::same_hits;
 
-class EveryInstructionSet : public ::testing::TestWithParam<InstructionSet> {};
+class PointSearchVsBruteForce : public ::testing::TestWithParam<InstructionSet> {};
 
 /// find and count of all cases, in all organisations.
 template <class Case, class MakeCases>
@@ -58,7 +58,7 @@ TEST(PointSearch, points_in_a_box_are_those_of_brute_force_in_every_organisation
       [](const PointCloud& cloud, Random& random) { return box_cases(cloud, 200, random); });
 }
 
-TEST_P(EveryInstructionSet, gives_the_bits_of_brute_force) {
+TEST_P(PointSearchVsBruteForce, gives_the_bits_of_brute_force) {
   for (const PointFamily& family : point_families()) {
     Random random(family.name + "_instruction_sets");
     const std::vector<PointCase> near_points = point_cases(family.cloud, 100, random);
@@ -84,7 +84,8 @@ TEST_P(EveryInstructionSet, gives_the_bits_of_brute_force) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(PointSearch, EveryInstructionSet, ::testing::ValuesIn(available_instruction_sets()),
+INSTANTIATE_TEST_SUITE_P(PointSearch, PointSearchVsBruteForce,
+                         ::testing::ValuesIn(available_instruction_sets()),
                          [](const auto& set) { return std::string(name(set.param)); });
 
 TEST(PointSearch, many_neighbours_are_those_of_brute_force) {

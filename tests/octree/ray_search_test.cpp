@@ -21,7 +21,7 @@ using test::PointFamily;
 using test::Random;
 using test::same_hits;
 
-class EveryInstructionSet : public ::testing::TestWithParam<InstructionSet> {};
+class RaySearchVsBruteForce : public ::testing::TestWithParam<InstructionSet> {};
 
 TEST(RaySearch, points_along_a_ray_are_those_of_brute_force_in_every_organisation) {
   std::size_t hit_count = 0, miss_count = 0;
@@ -43,7 +43,7 @@ TEST(RaySearch, points_along_a_ray_are_those_of_brute_force_in_every_organisatio
   EXPECT_GT(miss_count, 1000u);
 }
 
-TEST_P(EveryInstructionSet, gives_the_bits_of_brute_force) {
+TEST_P(RaySearchVsBruteForce, gives_the_bits_of_brute_force) {
   for (const PointFamily& family : point_families()) {
     Random random(family.name + "_instruction_sets");
     const std::vector<FindRayCase> cases = find_ray_cases(family.cloud, 200, random);
@@ -62,7 +62,7 @@ TEST_P(EveryInstructionSet, gives_the_bits_of_brute_force) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(RaySearch, EveryInstructionSet, ::testing::ValuesIn(available_instruction_sets()),
+INSTANTIATE_TEST_SUITE_P(RaySearch, RaySearchVsBruteForce, ::testing::ValuesIn(available_instruction_sets()),
                          [](const auto& set) { return std::string(name(set.param)); });
 
 TEST(RaySearch, many_points_are_those_of_brute_force_by_every_measure) {
