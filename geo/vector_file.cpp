@@ -4,6 +4,8 @@
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 #include <ogrsf_frmts.h>
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "base/error.h"
@@ -64,7 +66,46 @@ std::string wkt_of_layer(OGRLayerH layer) {
   return wkt;
 }
 
+VectorPoint point_of(OGRGeometryH geometry) {
+  VectorPoint point{.position = {OGR_G_GetX(geometry, 0), OGR_G_GetY(geometry, 0)}};
+  if (OGR_G_Is3D(geometry) != 0) point.z = OGR_G_GetZ(geometry, 0);
+  if (OGR_G_IsEmpty(geometry) != 0) point.position.x = std::numeric_limits<double>::quiet_NaN();
+  return point;
+}
+
 }  // namespace
+
+long long VectorFeature::id() const {
+  return OGR_F_GetFID(feature_);
+}
+
+std::string VectorFeature::geometry_type() const {
+  const OGRGeometryH geometry = OGR_F_GetGeometryRef(feature_);
+  return geometry != nullptr ? OGRGeometryTypeToName(wkbFlatten(OGR_G_GetGeometryType(geometry)))
+                             : "no geometry";
+}
+
+std::optional<std::vector<VectorPoint>> VectorFeature::points() const {
+  const OGRGeometryH geometry = OGR_F_GetGeometryRef(feature_);
+  const OGRwkbGeometryType type = geometry != nullptr ? wkbFlatten(OGR_G_GetGeometryType(geometry)) : wkbNone;
+  if (type == wkbPoint) return std::vector{point_of(geometry)};
+  if (type != wkbMultiPoint) return std::nullopt;
+  std::vector<VectorPoint> points;
+  for (int i = 0; i < OGR_G_GetGeometryCount(geometry); ++i)
+    points.push_back(point_of(OGR_G_GetGeometryRef(geometry, i)));
+  return points;
+}
+
+std::optional<VectorField> VectorFeature::field(std::string_view name) const {
+  const int index = OGR_F_GetFieldIndex(feature_, std::string(name).c_str());
+  if (index < 0) return std::nullopt;
+  if (!OGR_F_IsFieldSetAndNotNull(feature_, index)) return VectorField{};
+  VectorField field{.is_set = true, .text = OGR_F_GetFieldAsString(feature_, index)};
+  const OGRFieldType type = OGR_Fld_GetType(OGR_F_GetFieldDefnRef(feature_, index));
+  if (type == OFTInteger || type == OFTInteger64 || type == OFTReal)
+    field.number = OGR_F_GetFieldAsDouble(feature_, index);
+  return field;
+}
 
 std::string read_vector_file(const std::filesystem::path& path, const VectorContent& content,
                              const std::function<void(void* feature)>& take) {
