@@ -19,8 +19,11 @@ target_compile_definitions(alidade_flags INTERFACE ALIDADE_VERSION="${PROJECT_VE
 function(alidade_library name)
   add_library(alidade_${name} STATIC ${ARGN})
   add_library(alidade::${name} ALIAS alidade_${name})
-  set_target_properties(alidade_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON
-                        UNITY_BUILD "${ALIDADE_UNITY}" UNITY_BUILD_BATCH_SIZE 6)
+  set_target_properties(alidade_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  # Elsewhere files of a room still share helpers' names, or whoever links one file would load OpenImageIO with its neighbour.
+  if(name MATCHES "^(base|cloud|octree|simulation|database|database_server|sqlite)$")
+    set_target_properties(alidade_${name} PROPERTIES UNITY_BUILD "${ALIDADE_UNITY}" UNITY_BUILD_BATCH_SIZE 6)
+  endif()
   target_compile_features(alidade_${name} PUBLIC cxx_std_20)
   target_compile_options(alidade_${name} PUBLIC -ffp-contract=off)
   target_include_directories(alidade_${name} PUBLIC

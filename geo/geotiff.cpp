@@ -20,7 +20,7 @@
 namespace alidade::geo {
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
+[[noreturn]] void fail_geotiff(const std::filesystem::path& file, const char* what) {
   const std::string said = CPLGetLastErrorMsg();
   throw Error(
       {.file = file.string(), .problem = fmt::format("GeoTIFF cannot be written: {}", what), .found = said});
@@ -37,7 +37,7 @@ void write_rows(void* dataset, const GroundPicture& picture, const FillRows& fil
     fill(begin, rows, std::span(pixels).first(row_size * rows));
     if (GDALDatasetRasterIO(dataset, GF_Write, 0, begin, picture.width, rows, pixels.data(), picture.width,
                             rows, GDT_Byte, 4, nullptr, 4, 4 * picture.width, 1) != CE_None)
-      fail(file, "rows were refused");
+      fail_geotiff(file, "rows were refused");
   }
 }
 
@@ -51,15 +51,16 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
   GDALRegister_GTiff();
   const GdalMemoryFile memory;
   const GDALDriverH driver = GDALGetDriverByName("GTiff");
-  if (driver == nullptr) fail(name, "GDAL lacks its GTiff driver");
+  if (driver == nullptr) fail_geotiff(name, "GDAL lacks its GTiff driver");
   char** options = nullptr;
   for (const char* const option : {"COMPRESS=DEFLATE", "PREDICTOR=2", "TILED=YES", "PHOTOMETRIC=RGB",
                                    "ALPHA=UNASSOCIATED", "BIGTIFF=IF_SAFER", "NUM_THREADS=1"})
     options = CSLAddString(options, option);
   GdalDataset dataset(GDALCreate(driver, memory.name(), picture.width, picture.height, 4, GDT_Byte, options));
   CSLDestroy(options);
-  if (!dataset) fail(name, "it cannot be created");
-  if (GDALSetGeoTransform(dataset.get(), transform.data()) != CE_None) fail(name, "its place was refused");
+  if (!dataset) fail_geotiff(name, "it cannot be created");
+  if (GDALSetGeoTransform(dataset.get(), transform.data()) != CE_None)
+    fail_geotiff(name, "its place was refused");
   GDALSetRasterColorInterpretation(GDALGetRasterBand(dataset.get(), 4), GCI_AlphaBand);
   // A reference system that GDAL does not understand is left out; the picture is right without it.
   if (!wkt.empty()) GDALSetProjection(dataset.get(), wkt.c_str());
@@ -72,7 +73,8 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
   write_rows(dataset.get(), picture, fill, name);
   CPLErrorReset();
   dataset.reset();
-  if (CPLGetLastErrorType() >= CE_Failure || memory.bytes().empty()) fail(name, "it cannot be completed");
+  if (CPLGetLastErrorType() >= CE_Failure || memory.bytes().empty())
+    fail_geotiff(name, "it cannot be completed");
   file.write(memory.bytes());
 }
 

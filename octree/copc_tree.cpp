@@ -80,7 +80,7 @@ std::size_t BoxedPoints::byte_count() const {
 
 namespace {
 
-std::string text(const glm::dvec3& place) {
+std::string text_of(const glm::dvec3& place) {
   return fmt::format("({}, {}, {})", place.x, place.y, place.z);
 }
 
@@ -181,8 +181,8 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
                                 const glm::dvec3 world = to_world(lattice, position);
                                 if (!bounds.contains(world)) {
                                   fail(first + i, "the point lies outside the cube of its node",
-                                       "a place from " + text(bounds.min) + " to " + text(bounds.max),
-                                       text(world));
+                                       "a place from " + text_of(bounds.min) + " to " + text_of(bounds.max),
+                                       text_of(world));
                                 }
                                 const auto point_class = load<std::uint8_t>(records + k_classification_place);
                                 if (options_.classes && !options_.classes->test(point_class)) continue;

@@ -23,7 +23,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_block_bytes = 1 << 20;
+constexpr std::size_t k_repacked_bytes = 1 << 20;
 
 // Fields of the header: LAS Specification 1.4 R15, table 3.
 constexpr std::size_t k_points_place = 96, k_record_count = 100, k_point_format = 104;
@@ -180,7 +180,7 @@ void copy_points(Source& source, RecordOutput& output, const Progress& progress)
   }
   const std::size_t size = source.header.point_size;
   const std::uint64_t end = source.header.points_end();
-  const std::uint64_t step = std::max<std::uint64_t>(k_block_bytes / size, 1) * size;
+  const std::uint64_t step = std::max<std::uint64_t>(k_repacked_bytes / size, 1) * size;
   for (std::uint64_t place = source.header.points_place; place < end; place += step) {
     const auto count = static_cast<std::size_t>(std::min(step, end - place));
     output.write(source.file.view(place, count));
@@ -189,8 +189,8 @@ void copy_points(Source& source, RecordOutput& output, const Progress& progress)
 }
 
 void copy_bytes(Source& source, std::uint64_t place, OutputFile& file) {
-  for (; place < source.file.size(); place += k_block_bytes) {
-    const auto count = std::min<std::uint64_t>(k_block_bytes, source.file.size() - place);
+  for (; place < source.file.size(); place += k_repacked_bytes) {
+    const auto count = std::min<std::uint64_t>(k_repacked_bytes, source.file.size() - place);
     file.write(source.file.view(place, static_cast<std::size_t>(count)));
   }
 }

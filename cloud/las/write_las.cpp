@@ -21,7 +21,7 @@
 namespace alidade {
 namespace {
 
-constexpr std::size_t k_block_bytes = 1 << 18;
+constexpr std::size_t k_written_block_bytes = 1 << 18;
 
 int smallest_point_format(AttributeSet attributes) {
   if (attributes.contains(Attribute::near_infrared)) return 8;
@@ -204,7 +204,7 @@ void LasWriter::State::count_points(const PointCloud& batch, std::size_t first, 
 void LasWriter::write(const PointCloud& batch) {
   State& state = *state_;
   assert(batch.lattice == state.header.lattice);
-  const std::size_t step = std::max<std::size_t>(k_block_bytes / state.header.point_size, 1);
+  const std::size_t step = std::max<std::size_t>(k_written_block_bytes / state.header.point_size, 1);
   const std::uint64_t total = state.header.point_count + batch.size();
   for (std::size_t first = 0; first < batch.size(); first += step) {
     const std::size_t count = std::min(step, batch.size() - first);

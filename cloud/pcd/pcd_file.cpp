@@ -100,7 +100,7 @@ std::vector<std::uint64_t> require_counts(const TextScanner& scanner, const Word
   return counts;
 }
 
-PcdFormat require_format(const TextScanner& scanner, const Words& words) {
+PcdFormat require_pcd_format(const TextScanner& scanner, const Words& words) {
   if (words.size() == 2 && words[1] == "ascii") return PcdFormat::ascii;
   if (words.size() == 2 && words[1] == "binary") return PcdFormat::binary;
   if (words.size() == 2 && words[1] == "binary_compressed") return PcdFormat::binary_compressed;
@@ -208,7 +208,7 @@ PcdHeader read_pcd_header(InputFile& input, Damage damage) {
     if (words[0] == "DATA") break;
     take_line(scanner, words, lines, header);
   }
-  header.format = require_format(scanner, words);
+  header.format = require_pcd_format(scanner, words);
   take_fields(scanner, lines, header);
   take_point_count(scanner, lines, header);
   header.data_place = scanner.place();

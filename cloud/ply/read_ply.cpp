@@ -80,7 +80,7 @@ ScalarType require_type(const TextScanner& scanner, std::string_view word) {
                quote(word));
 }
 
-PlyFormat require_format(const TextScanner& scanner, const Words& words) {
+PlyFormat require_ply_format(const TextScanner& scanner, const Words& words) {
   std::string found;
   for (std::size_t i = 1; i < words.size(); ++i) {
     if (i > 1) found += ' ';
@@ -182,7 +182,7 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
     if (keyword == "end_header") break;
     if (keyword == "comment" || keyword == "obj_info") continue;
     if (keyword == "format") {
-      header.format = require_format(scanner, words);
+      header.format = require_ply_format(scanner, words);
       has_format = true;
     } else if (keyword == "element") {
       header.elements.push_back(require_element(scanner, words));
@@ -212,7 +212,7 @@ std::string ply_version(PlyFormat format) {
 
 namespace {
 
-constexpr std::uint64_t k_rows_per_report = 1 << 16;
+constexpr std::uint64_t k_points_per_report = 1 << 16;
 
 class PlyReader final : public TableReader {
  public:
@@ -254,7 +254,7 @@ class PlyReader final : public TableReader {
     const std::vector<PlyProperty>& properties = vertex().properties;
     std::vector<Cell> row(properties.size());
     for (std::uint64_t point = 0; point < vertex().count; ++point) {
-      if (point % k_rows_per_report == 0) report(progress, cursor.place(), input_.size());
+      if (point % k_points_per_report == 0) report(progress, cursor.place(), input_.size());
       for (std::size_t i = 0; i < properties.size(); ++i) {
         if (properties[i].is_list) {
           skip_list(properties[i], cursor, order);
@@ -315,7 +315,7 @@ class PlyReader final : public TableReader {
       for (std::uint64_t instance = 0; instance < element.count; ++instance) next_words(scanner, element);
     }
     for (std::uint64_t point = 0; point < vertex().count; ++point) {
-      if (point % k_rows_per_report == 0) report(progress, scanner.place(), input_.size());
+      if (point % k_points_per_report == 0) report(progress, scanner.place(), input_.size());
       next_words(scanner, vertex());
       parse_row(scanner, row);
       visit(row);

@@ -13,7 +13,7 @@ namespace alidade {
 
 namespace {
 
-constexpr std::uint64_t k_lines_per_report = 1 << 15;
+constexpr std::uint64_t k_points_per_ptx_report = 1 << 15;
 
 /// Rows of the matrix that takes a point of the scan, as a row vector (x, y, z, 1), to the world.
 /// More than any file holds; keeps products within 64 bits.
@@ -69,7 +69,7 @@ class PtxReader final : public TableReader {
       const auto& axis = header.transform[0];
       scale_ = std::min(scale_, std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]));
       for (std::uint64_t point = 0; point < header.point_count; ++point) {
-        if (point % k_lines_per_report == 0) report(progress, scanner.place(), input_.size());
+        if (point % k_points_per_ptx_report == 0) report(progress, scanner.place(), input_.size());
         if (!scanner.next_words(words_)) fail_early(scanner);
         parse_row(scanner, header.transform);
         visit(row_);

@@ -20,7 +20,7 @@ constexpr std::string_view k_signature{"PGCOPY\n\377\r\n\0", 11};
 constexpr std::size_t k_head = k_signature.size() + 2 * sizeof(std::int32_t);
 constexpr std::int32_t k_longest = 8;
 
-[[noreturn]] void refuse(std::string expected, std::string found) {
+[[noreturn]] void refuse_rows(std::string expected, std::string found) {
   throw Error({.problem = "the server sends rows that cannot be read",
                .expected = std::move(expected),
                .found = std::move(found)});
@@ -32,10 +32,10 @@ constexpr std::int32_t k_longest = 8;
 std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   if (bytes.size() < k_head) return 0;
   if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
-    refuse("rows of COPY in binary", "another beginning");
+    refuse_rows("rows of COPY in binary", "another beginning");
   const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
   const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
-  if (flags != 0 || more != 0) refuse("a head without flags", "one with some");
+  if (flags != 0 || more != 0) refuse_rows("a head without flags", "one with some");
   place_ = Place::rows;
   return k_head;
 }
@@ -52,13 +52,13 @@ std::size_t CopyDecoder::take_row(std::span<const std::byte> bytes) {
     return at;
   }
   if (count < 0 || static_cast<std::size_t>(count) != fields_.size())
-    refuse(std::to_string(fields_.size()) + " values in a row", std::to_string(count));
+    refuse_rows(std::to_string(fields_.size()) + " values in a row", std::to_string(count));
   for (CopyField& field : fields_) {
     if (!has(sizeof(std::int32_t))) return 0;
     const auto length = load<std::int32_t>(bytes.data() + at, std::endian::big);
     at += sizeof length;
     if (length < -1 || length > k_longest)
-      refuse("values of at most 8 bytes", std::to_string(length) + " bytes");
+      refuse_rows("values of at most 8 bytes", std::to_string(length) + " bytes");
     const auto size = static_cast<std::size_t>(length < 0 ? 0 : length);
     if (!has(size)) return 0;
     field = bytes.subspan(at, size);
@@ -75,7 +75,8 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
     bytes = left_;
   }
   while (!bytes.empty()) {
-    if (place_ == Place::end) refuse("nothing behind the last row", std::to_string(bytes.size()) + " bytes");
+    if (place_ == Place::end)
+      refuse_rows("nothing behind the last row", std::to_string(bytes.size()) + " bytes");
     const std::size_t taken = place_ == Place::head ? take_head(bytes) : take_row(bytes);
     if (taken == 0) break;
     bytes = bytes.subspan(taken);
@@ -85,7 +86,7 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
 }
 
 void CopyDecoder::finish() const {
-  if (place_ != Place::end) refuse("an end behind the last row", "none");
+  if (place_ != Place::end) refuse_rows("an end behind the last row", "none");
 }
 
 namespace {

@@ -52,7 +52,7 @@ namespace {
 /// The version of the interface, which has been the same since PostgreSQL 8.2.
 constexpr const char* k_file = "libpq.so.5";
 
-[[noreturn]] void refuse() {
+[[noreturn]] void refuse_library() {
   const char* const reason = ::dlerror();
   throw Error({.problem = "servers cannot be asked without PostgreSQL's client library",
                .expected = "Debian's package libpq5, or its like",
@@ -62,12 +62,12 @@ constexpr const char* k_file = "libpq.so.5";
 template <class Function>
 void find(void* library, const char* name, Function& function) {
   function = reinterpret_cast<Function>(::dlsym(library, name));
-  if (function == nullptr) refuse();
+  if (function == nullptr) refuse_library();
 }
 
 ServerLibrary load() {
   void* const library = ::dlopen(k_file, RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) refuse();
+  if (library == nullptr) refuse_library();
   ServerLibrary all;
   find(library, "PQconnectdbParams", all.connect);
   find(library, "PQfinish", all.finish);

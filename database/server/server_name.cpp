@@ -15,13 +15,13 @@ namespace {
 constexpr std::string_view k_schemes[] = {"postgresql://", "postgres://"};
 constexpr const char* k_form = "postgresql://HOST:PORT/DATABASE?table=NAME";
 
-[[noreturn]] void refuse(std::string problem, std::string expected = k_form) {
+[[noreturn]] void refuse_name(std::string problem, std::string expected = k_form) {
   throw Error({.problem = std::move(problem), .expected = std::move(expected)});
 }
 
 [[noreturn]] void refuse_password() {
-  refuse("a password does not belong into the name of a table: everybody sees command lines",
-         "it in ~/.pgpass, PGPASSFILE or PGPASSWORD");
+  refuse_name("a password does not belong into the name of a table: everybody sees command lines",
+              "it in ~/.pgpass, PGPASSFILE or PGPASSWORD");
 }
 
 std::string decoded(std::string_view text) {
@@ -33,11 +33,12 @@ std::string decoded(std::string_view text) {
       const std::string_view digits = text.substr(i + 1, 2);
       const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
       if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || value == 0)
-        refuse("the name of a table on a server has a '%' without a letter's number", "%25 for a '%' itself");
+        refuse_name("the name of a table on a server has a '%' without a letter's number",
+                    "%25 for a '%' itself");
       letter = static_cast<char>(value);
       i += 2;
     }
-    if (letter == '\0') refuse("the name of a table on a server has a letter without a shape (NUL)");
+    if (letter == '\0') refuse_name("the name of a table on a server has a letter without a shape (NUL)");
     result += letter;
   }
   return result;
@@ -72,7 +73,7 @@ void check_port(const std::string& text) {
   int port = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
   if (error != std::errc() || end != text.data() + text.size() || port < 1 || port > 65535)
-    refuse("the port of a server is no number from 1 to 65535");
+    refuse_name("the port of a server is no number from 1 to 65535");
 }
 
 }  // namespace
@@ -108,7 +109,7 @@ ServerName::ServerName(std::string_view text) {
     host = host.substr(0, colon);
   }
   if (bracket != std::string_view::npos) {
-    if (bracket + 1 != host.size()) refuse("the host of a server is no address");
+    if (bracket + 1 != host.size()) refuse_name("the host of a server is no address");
     host = host.substr(1, bracket - 1);
   }
   take("host", host);
@@ -119,7 +120,7 @@ ServerName::ServerName(std::string_view text) {
     if (is_secret(word)) refuse_password();
     // A part of a password that has marks in it is no word, and must not be repeated either.
     if (word.empty() || word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos)
-      refuse("the name of a table on a server has something that is no WORD=VALUE");
+      refuse_name("the name of a table on a server has something that is no WORD=VALUE");
     if (word == "table")
       table = decoded(value);
     else if (word == "schema")

@@ -23,7 +23,7 @@
 namespace alidade::database {
 namespace {
 
-[[noreturn]] void refuse(std::string_view text, std::string problem) {
+[[noreturn]] void refuse_shard(std::string_view text, std::string problem) {
   // What is in front of an @ may be a password, which must not stand in a message.
   const std::size_t at = text.rfind('@');
   const std::string found(at == std::string_view::npos ? text : text.substr(at));
@@ -36,7 +36,7 @@ int parse_port(std::string_view text, std::string_view whole) {
   int port = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
   if (error != std::errc() || end != text.data() + text.size() || port < 1 || port > 65535)
-    refuse(whole, "a shard's port is no number from 1 to 65535");
+    refuse_shard(whole, "a shard's port is no number from 1 to 65535");
   return port;
 }
 
@@ -52,9 +52,9 @@ bool is_plain(std::string_view name) {
 
 Shard parse_shard(std::string_view text) {
   if (text.find('@') != std::string_view::npos)
-    refuse(text, "users and passwords do not belong to the name of a shard, but to its user mapping");
+    refuse_shard(text, "users and passwords do not belong to the name of a shard, but to its user mapping");
   const std::size_t slash = text.rfind('/');
-  if (slash == std::string_view::npos) refuse(text, "a shard's name has no database");
+  if (slash == std::string_view::npos) refuse_shard(text, "a shard's name has no database");
   std::string_view host = text.substr(0, slash);
   Shard shard{.host = {}, .database = std::string(text.substr(slash + 1))};
 
@@ -65,12 +65,12 @@ Shard parse_shard(std::string_view text) {
     host = host.substr(0, colon);
   }
   if (bracket != std::string_view::npos) {
-    if (bracket + 1 != host.size()) refuse(text, "a shard's host is no address");
+    if (bracket + 1 != host.size()) refuse_shard(text, "a shard's host is no address");
     host = host.substr(1, bracket - 1);
   }
   shard.host = host;
   if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
-    refuse(text, "a shard's name lacks host or database");
+    refuse_shard(text, "a shard's name lacks host or database");
   return shard;
 }
 
@@ -97,7 +97,7 @@ namespace {
 
 /// What every script begins with: an error ends it, and nothing that it did stays. Whatever the client's
 /// settings say, names and texts end where they end here.
-constexpr const char* k_head =
+constexpr const char* k_script_head =
     "\\set ON_ERROR_STOP on\n\\set QUIET on\n\\encoding UTF8\nSET standard_conforming_strings = on;\n"
     "SET client_min_messages = warning;\nBEGIN;\n";
 
@@ -146,7 +146,7 @@ std::string shard_script(const std::string& table, const std::vector<StoredColum
       "{6};\n"
       "COMMIT;\n"
       "ANALYZE {2};\n",
-      shard + 1, k_head, name, server_columns(columns), box_check(box), shard_name(shard),
+      shard + 1, k_script_head, name, server_columns(columns), box_check(box), shard_name(shard),
       server_index(name));
 }
 
@@ -161,7 +161,7 @@ std::string coordinator_script(const std::string& table, const std::vector<Store
       "-- The rows are in the tables that inherit from this one.\n"
       "CREATE TABLE {1}({2},\n"
       "  CONSTRAINT no_rows_here CHECK (false) NO INHERIT);\n",
-      k_head, sql_name(table), server_columns(columns));
+      k_script_head, sql_name(table), server_columns(columns));
   for (std::size_t i = 0; i < shards.size(); ++i) {
     const std::string name = sql_name(table + "_" + shard_name(i));
     // extensions: conditions on distances are for the shard. async_capable: shards work at the same time.

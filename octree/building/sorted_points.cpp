@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "octree/building/sorted_points.h"
 
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_reduce.h>
 #include <utility>
 #include <vector>
 

@@ -36,7 +36,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   std::vector<std::byte> bytes(input.begin(), input.end());
   alidade::test::seal_e57(bytes);
   alidade::test::fuzz_damaged(alidade::open_e57, reinterpret_cast<const std::uint8_t*>(bytes.data()), size,
-                             k_most_per_byte);
+                              k_most_per_byte);
   read_images(bytes);
   return 0;
 }

@@ -194,7 +194,8 @@ TEST_F(SqlTest, names_of_tables_and_files_are_no_sql) {
 
 TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
   write("broken.db", "no database at all, but long enough to be looked at by whoever opens such files");
-  alidade::database::run(Connection(folder / "site.db", Connection::Mode::write).get(), "CREATE TABLE notes(text)");
+  alidade::database::run(Connection(folder / "site.db", Connection::Mode::write).get(),
+                         "CREATE TABLE notes(text)");
   const std::string whole = read("site.db");
   write("nul.sql", std::string("SELECT 1 AS a;\0SELECT 2", 23));
   write("short.db", whole.substr(0, whole.size() / 2));

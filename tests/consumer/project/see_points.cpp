@@ -17,7 +17,7 @@ int main() {
   alidade::visibility::Observer observer;
   observer.position = {1.5, 1.0, 3.0};
   const alidade::visibility::PointVisibility seen =
-      alidade::point_visibility(occluders, std::span(&observer, 1), {});
+      alidade::visibility::point_visibility(occluders, std::span(&observer, 1), {});
   std::size_t count = 0;
   for (const std::uint32_t observers : seen.counts) count += observers;
   std::printf("%zu of %zu points are seen\n", count, seen.counts.size());
