@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -172,20 +173,27 @@ struct Answers {
 template <class Target>
 struct QueryFamily {};
 
-template <class Query_, class Answer_, bool limits = false>
+template <std::size_t size>
+struct FamilyName {
+  char text[size];
+  constexpr FamilyName(const char (&name)[size]) { std::copy_n(name, size, text); }
+};
+
+template <FamilyName family_name, class Query_, class Answer_, bool limits = false>
 struct FamilyOf {
   using Query = Query_;
   using Answer = Answer_;
+  static constexpr const char* name = family_name.text;
   static constexpr bool limits_itself = limits;
 };
 
 // clang-format off
-template <> struct QueryFamily<Ray> : FamilyOf<RayQuery, Hit> { static constexpr auto name = "ray"; };
-template <> struct QueryFamily<Cone> : FamilyOf<ConeQuery, Hit, true> { static constexpr auto name = "cone"; };
-template <> struct QueryFamily<Path> : FamilyOf<PathQuery, PathHit> { static constexpr auto name = "path"; };
-template <> struct QueryFamily<HalfSpaces> : FamilyOf<PointQuery, PointHit, true> { static constexpr auto name = "region"; };
-template <> struct QueryFamily<Bounds> : FamilyOf<PointQuery, PointHit, true> { static constexpr auto name = "box"; };
-template <> struct QueryFamily<glm::dvec3> : FamilyOf<PointQuery, PointHit> { static constexpr auto name = "point"; };
+template <> struct QueryFamily<Ray> : FamilyOf<"ray", RayQuery, Hit> {};
+template <> struct QueryFamily<Cone> : FamilyOf<"cone", ConeQuery, Hit, true> {};
+template <> struct QueryFamily<Path> : FamilyOf<"path", PathQuery, PathHit> {};
+template <> struct QueryFamily<HalfSpaces> : FamilyOf<"region", PointQuery, PointHit, true> {};
+template <> struct QueryFamily<Bounds> : FamilyOf<"box", PointQuery, PointHit, true> {};
+template <> struct QueryFamily<glm::dvec3> : FamilyOf<"point", PointQuery, PointHit> {};
 // clang-format on
 
 /// Ray, Cone, Path, HalfSpaces, Bounds and glm::dvec3 (a point).
