@@ -5,6 +5,8 @@
 #include <array>
 #include <string_view>
 
+#include "base/words.h"
+#include "database/server/server_name.h"
 #include "tools/command.h"
 
 namespace alidade::tools {
@@ -38,6 +40,81 @@ std::string quoted(const std::string& word) {
   return word.find_first_of(" \t'\"") == std::string::npos ? word : fmt::format("\"{}\"", word);
 }
 
+/// "unknown KIND 'WORD'", with the known word it was probably meant to be.
+std::string unknown(const std::string& kind, const std::string& word, const std::vector<std::string>& known) {
+  const std::vector<std::string_view> views(known.begin(), known.end());
+  const std::string_view nearest = nearest_word(word, views);
+  return fmt::format("unknown {} '{}'", kind, word) +
+         (nearest.empty() ? "" : fmt::format("; did you mean '{}'?", nearest));
+}
+
+const Command* find_command(const std::vector<Command>& commands, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(commands, [&](const Command& command) { return command.options.name() == name; });
+  return found == commands.end() ? nullptr : &*found;
+}
+
+/// Explains a misspelt command or option better than the parser can; empty if there is none. `words` are
+/// those where one of `commands` is expected.
+std::string explain_unknown_word(std::span<const std::string> words, const std::vector<Command>& commands) {
+  if (words.empty() || words[0].starts_with("-")) return {};
+  const Command* const chosen = find_command(commands, words[0]);
+  if (chosen == nullptr) {
+    std::vector<std::string> command_names;
+    for (const Command& command : commands) command_names.push_back(command.options.name());
+    return unknown("command", words[0], command_names);
+  }
+  const bool has_part = words.size() > 1 && find_command(chosen->parts, words[1]) != nullptr;
+  if (!chosen->run || has_part) return explain_unknown_word(words.subspan(1), chosen->parts);
+
+  const std::vector<std::string> option_names = chosen->options.long_names();
+  for (std::size_t i = 1; i < words.size() && words[i] != "--"; ++i) {
+    const std::string option = words[i].substr(0, words[i].find('='));
+    if (!option.starts_with("--")) continue;
+    if (std::find(option_names.begin(), option_names.end(), option) == option_names.end()) {
+      return unknown("option", option, option_names);
+    }
+    if (words[i].ends_with("=")) return fmt::format("option {} has no value behind its '='", option);
+  }
+  return {};
+}
+
+/// The command whose manual explains these words: "alidade query".
+std::string manual_of(std::span<const std::string> words, const std::vector<Command>& commands) {
+  std::string manual = "alidade";
+  const std::vector<Command>* known = &commands;
+  for (const std::string& word : words) {
+    const Command* const command = find_command(*known, word);
+    if (command == nullptr) break;
+    manual += " " + word;
+    known = &command->parts;
+  }
+  return manual;
+}
+
+ExitCode say_usage_error(const std::string& text, std::span<const std::string> words,
+                         const std::vector<Command>& commands) {
+  say_error(fmt::format("{}; see '{} --help'", text, manual_of(words, commands)));
+  return ExitCode::failed;
+}
+
+/// Errors: a word, or what is behind its '=', names a table on a server in a way that might hold a password,
+/// which no message may repeat.
+void check_server_names(const CommandLine& words) {
+  for (const std::string& word : words) {
+    const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+    const std::string name = equals == std::string::npos ? word : word.substr(equals + 1);
+    if (database::is_server_name(name)) database::ServerName{name};
+  }
+}
+
+/// Runs the one of these commands, or of their parts, that was chosen.
+ExitCode run_chosen(const std::vector<Command>& commands) {
+  const auto is_chosen = [](const Command& command) { return command.options.chosen(); };
+  const Command& command = *std::ranges::find_if(commands, is_chosen);
+  return std::ranges::any_of(command.parts, is_chosen) ? run_chosen(command.parts) : command.run();
+}
+
 }  // namespace
 
 std::string picture_command(const CommandLine& words) {
@@ -54,19 +131,46 @@ std::string picture_command(const CommandLine& words) {
   return text;
 }
 
-Command add_visibility(CLI::App& program, const CommandLine& command_line) {
-  CLI::App* const visibility =
-      program.add_subcommand("visibility", "Find what is seen from where, on the cloud itself");
-  visibility->require_subcommand(1);
-  visibility->footer("'alidade visibility COMMAND --help' is the manual of a command.\n");
-  const std::vector<Command> parts = {add_visibility_points(*visibility),
-                                      add_visibility_raster(*visibility, command_line),
-                                      add_visibility_horizon(*visibility, command_line),
-                                      add_visibility_sky(*visibility, command_line),
-                                      add_visibility_sun(*visibility, command_line),
-                                      add_visibility_lines(*visibility, command_line),
-                                      add_visibility_place(*visibility, command_line)};
-  return {visibility, [parts] { return run_chosen(parts); }, parts};
+Command add_visibility(const Options& program, const CommandLine& command_line) {
+  const Options visibility =
+      program.command("visibility", "Find what is seen from where, on the cloud itself").require_command();
+  return {visibility,
+          {},
+          {add_visibility_points(visibility), add_visibility_raster(visibility, command_line),
+           add_visibility_horizon(visibility, command_line), add_visibility_sky(visibility, command_line),
+           add_visibility_sun(visibility, command_line), add_visibility_lines(visibility, command_line),
+           add_visibility_place(visibility, command_line)}};
+}
+
+ExitCode run_program(const CommandLine& command_line) {
+  check_server_names(command_line);
+  Parser parser;
+  const Options program = parser.program();
+  const std::vector<Command> commands = {add_info(program),    add_generate(program),
+                                         add_index(program),   add_convert(program),
+                                         add_query(program),   add_render(program, command_line),
+                                         add_compare(program), add_visibility(program, command_line),
+                                         add_sql(program)};
+  // Behind the program's name.
+  const auto words = std::span(command_line).subspan(std::min<std::size_t>(command_line.size(), 1));
+
+  const std::string explanation = explain_unknown_word(words, commands);
+  if (!explanation.empty()) return say_usage_error(explanation, words, commands);
+  try {
+    switch (parser.parse(words)) {
+      case Parser::Wish::help:
+        write_to_stdout(parser.help());
+        return ExitCode::done;
+      case Parser::Wish::version:
+        write_to_stdout("alidade " ALIDADE_VERSION "\n");
+        return ExitCode::done;
+      case Parser::Wish::work:
+        break;
+    }
+  } catch (const UsageError& error) {
+    return say_usage_error(error.what(), words, commands);
+  }
+  return run_chosen(commands);
 }
 
 }  // namespace alidade::tools

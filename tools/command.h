@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "tools/console.h"
+#include "tools/options.h"
 
 // A sub-command is one function: it declares its options on the program and returns what to do when it is
 // chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
@@ -19,43 +19,41 @@ using Run = std::function<ExitCode()>;
 
 /// A declared command.
 struct Command {
-  CLI::App* options;  ///< owned by the program
-  Run run;
-  /// Of a group of commands: those of which one follows its name, or may, if the group does something itself.
+  Options options;
+  Run run;  ///< empty for a group that does nothing itself
+  /// Of a group: the commands of which one follows its name, or may, if the group does something itself.
   std::vector<Command> parts{};
 };
 
 /// The words the program was started with, as they go into the metadata of what it writes.
 using CommandLine = std::vector<std::string>;
 
-Command add_info(CLI::App& program);
-Command add_generate(CLI::App& program);
-Command add_index(CLI::App& program);
-Command add_convert(CLI::App& program);
-Command add_query(CLI::App& program);
-Command add_render(CLI::App& program, const CommandLine& command_line);
-Command add_compare(CLI::App& program);
-Command add_visibility(CLI::App& program, const CommandLine& command_line);
-Command add_sql(CLI::App& program);
+Command add_info(const Options& program);
+Command add_generate(const Options& program);
+Command add_index(const Options& program);
+Command add_convert(const Options& program);
+Command add_query(const Options& program);
+Command add_render(const Options& program, const CommandLine& command_line);
+Command add_compare(const Options& program);
+Command add_visibility(const Options& program, const CommandLine& command_line);
+Command add_sql(const Options& program);
 
-/// Runs the one of these commands that was chosen.
-ExitCode run_chosen(const std::vector<Command>& commands);
+/// Runs what the command line asks for, whose first word is the program's name. Errors: those of the commands.
+ExitCode run_program(const CommandLine& command_line);
 
-/// `alidade sql load`.
-Command add_sql_load(CLI::App& sql);
-
-/// `alidade sql load`.
-Command add_sql_shard_plan(CLI::App& sql);
+/// `alidade sql load` and `alidade sql shard-plan`.
+Command add_sql_load(const Options& sql);
+Command add_sql_shard_plan(const Options& sql);
 
 // The commands of `alidade visibility`.
 
-Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_line);
-Command add_visibility_place(CLI::App& visibility, const CommandLine& command_line);
-Command add_visibility_points(CLI::App& visibility);
-Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_line);
-Command add_visibility_horizon(CLI::App& visibility, const CommandLine& words);
-Command add_visibility_sky(CLI::App& visibility, const CommandLine& words);
-Command add_visibility_sun(CLI::App& visibility, const CommandLine& words);
+Command add_visibility_lines(const Options& visibility, const CommandLine& command_line);
+Command add_visibility_place(const Options& visibility, const CommandLine& command_line);
+Command add_visibility_points(const Options& visibility);
+Command add_visibility_raster(const Options& visibility, const CommandLine& command_line);
+Command add_visibility_horizon(const Options& visibility, const CommandLine& words);
+Command add_visibility_sky(const Options& visibility, const CommandLine& words);
+Command add_visibility_sun(const Options& visibility, const CommandLine& words);
 
 /// The command line as metadata keep it: without the words that only say where the picture goes, how it is
 /// computed and who watches, so that the same picture is the same file.

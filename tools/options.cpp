@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -13,6 +14,7 @@
 #include "base/output_file.h"
 #include "renderer/scene.h"
 #include "tools/cloud/load_cloud.h"
+#include "tools/manuals.h"
 
 namespace alidade::tools {
 namespace {
@@ -32,9 +34,9 @@ double parse_double(const std::string& text) {
 
 double parse_number(const std::string& text, double least, double most) {
   const double number = parse_double(text);
-  if (!std::isfinite(number)) throw CLI::ValidationError("expected a number, found '" + text + "'");
+  if (!std::isfinite(number)) throw UsageError("expected a number, found '" + text + "'");
   if (number < least || number > most) {
-    throw CLI::ValidationError(fmt::format("expected a number from {} to {}, found '{}'", least, most, text));
+    throw UsageError(fmt::format("expected a number from {} to {}, found '{}'", least, most, text));
   }
   return number;
 }
@@ -42,7 +44,7 @@ double parse_number(const std::string& text, double least, double most) {
 double parse_limit(const std::string& text) {
   const double limit = parse_double(text);
   if (std::isnan(limit)) {
-    throw CLI::ValidationError("expected a number, inf or -inf, found '" + text + "'");
+    throw UsageError("expected a number, inf or -inf, found '" + text + "'");
   }
   return limit;
 }
@@ -50,15 +52,14 @@ double parse_limit(const std::string& text) {
 std::optional<double> parse_length_limit(const std::string& text) {
   const double length = parse_double(text);
   if (!(length >= 0.0)) {
-    throw CLI::ValidationError("expected a number, at least 0, or inf, found '" + text + "'");
+    throw UsageError("expected a number, at least 0, or inf, found '" + text + "'");
   }
   return std::isinf(length) ? std::nullopt : std::optional(length);
 }
 
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
-  const auto refuse = [&]() -> CLI::ValidationError {
-    return CLI::ValidationError(
-        fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text));
+  const auto refuse = [&]() -> UsageError {
+    return UsageError(fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text));
   };
   std::uint64_t count = 0;
   const char* const end = text.data() + text.size();
@@ -76,54 +77,199 @@ std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uin
 ImageSize parse_image_size(const std::string& text) {
   const std::size_t cross = text.find('x');
   if (cross == std::string::npos) {
-    throw CLI::ValidationError("expected WIDTHxHEIGHT in pixels, as 600x400, found '" + text + "'");
+    throw UsageError("expected WIDTHxHEIGHT in pixels, as 600x400, found '" + text + "'");
   }
   const std::uint64_t width = parse_count(text.substr(0, cross), 1, k_largest_side);
   const std::uint64_t height = parse_count(text.substr(cross + 1), 1, k_largest_side);
   if (width * height > camera::k_max_pixels) {
-    throw CLI::ValidationError(
+    throw UsageError(
         fmt::format("expected at most {} pixels in all, found {}", camera::k_max_pixels, width * height));
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }
 
-CLI::Option* add_value(CLI::App& command, const std::string& names, const std::string& kind,
-                       const std::string& help, std::function<void(const std::string&)> take) {
-  const auto take_or_name_option = [names, take](const std::string& text) {
+namespace {
+
+/// What reads a value, naming the option in its errors.
+Options::Take naming(const std::string& names, Options::Take take) {
+  return [names, take = std::move(take)](const std::string& text) {
     try {
       take(text);
-    } catch (const CLI::ValidationError& error) {
+    } catch (const UsageError& error) {
       throw CLI::ValidationError(names, error.what());
     }
   };
-  return command.add_option_function<std::string>(names, take_or_name_option, help)
-      ->option_text(kind)
-      ->take_last();
 }
 
-void add_verbosity(CLI::App& command, VerbosityOptions& options) {
-  CLI::Option* quiet =
-      command.add_flag("-q,--quiet", options.quiet, "say nothing but errors")->option_text(" ");
-  command.add_flag("-v,--verbose", options.verbose, "say more about what is done")
-      ->option_text(" ")
-      ->excludes(quiet);
+std::string full_name(const CLI::Option& option) {
+  if (!option.get_lnames().empty()) return option.get_lnames().front();
+  if (!option.get_snames().empty()) return option.get_snames().front();
+  return option.get_name();
 }
 
-void add_threads(CLI::App& command, std::optional<int>& threads) {
-  add_value(command, "--threads", "N",
-            "number of threads (default: all of the machine); results do not depend on it",
-            [&threads](const std::string& text) {
-              threads = static_cast<int>(parse_count(text, 1, k_most_threads));
-            });
+}  // namespace
+
+Option Option::required() const {
+  option_->required();
+  return *this;
 }
 
-void with_threads(std::optional<int> threads, const std::function<void()>& work) {
+Option Option::at_least(int words) const {
+  option_->expected(words, -1);
+  return *this;
+}
+
+Option Option::needs(const Option& other) const {
+  option_->needs(other.option_);
+  return *this;
+}
+
+Option Option::excludes(const Option& other) const {
+  option_->excludes(other.option_);
+  return *this;
+}
+
+bool Option::given() const {
+  return option_->count() > 0;
+}
+
+Options Options::command(const std::string& name, const std::string& description) const {
+  CLI::App* const command = app_->add_subcommand(name, description);
+  command->footer(std::string(tools::manual(app_->get_parent() ? app_->get_name() + "_" + name : name)));
+  return {command, {}};
+}
+
+Options Options::require_command() const {
+  app_->require_subcommand(1);
+  return *this;
+}
+
+void Options::manual(const std::string& text) const {
+  app_->footer(text);
+}
+
+Option Options::listed(CLI::Option* option, const std::string& kind) const {
+  option->option_text(kind);
+  if (!heading_.empty()) option->group(heading_);
+  return Option(option);
+}
+
+Option Options::value(const std::string& names, const std::string& kind, const std::string& help,
+                      Take take) const {
+  return listed(
+      app_->add_option_function<std::string>(names, naming(names, std::move(take)), help)->take_last(), kind);
+}
+
+Option Options::values(const std::string& names, const std::string& kind, const std::string& help,
+                       Take take) const {
+  const auto take_all = [take = naming(names, std::move(take))](const std::vector<std::string>& texts) {
+    for (const std::string& text : texts) take(text);
+  };
+  return listed(
+      app_->add_option_function<std::vector<std::string>>(names, take_all, help)->allow_extra_args(false),
+      kind);
+}
+
+Option Options::words(const std::string& names, const std::string& kind, const std::string& help,
+                      std::function<void(const std::vector<std::string>&)> take) const {
+  return listed(app_->add_option_function<std::vector<std::string>>(names, std::move(take), help), kind);
+}
+
+Option Options::text(const std::string& names, const std::string& kind, const std::string& help,
+                     std::string& target) const {
+  return listed(app_->add_option(names, target, help), kind);
+}
+
+Option Options::text(const std::string& names, const std::string& kind, const std::string& help,
+                     std::vector<std::string>& target) const {
+  return listed(app_->add_option(names, target, help)->allow_extra_args(false), kind);
+}
+
+Option Options::file(const std::string& names, const std::string& kind, const std::string& help,
+                     std::filesystem::path& target) const {
+  return listed(app_->add_option(names, target, help), kind);
+}
+
+Option Options::flag(const std::string& names, const std::string& help, bool& target) const {
+  return listed(app_->add_flag(names, target, help), " ");
+}
+
+Option Options::flag(const std::string& names, const std::string& help, std::function<void()> take) const {
+  return listed(app_->add_flag_callback(names, std::move(take), help), " ");
+}
+
+std::string Options::name() const {
+  return app_->get_name();
+}
+
+bool Options::chosen() const {
+  return app_->parsed();
+}
+
+std::vector<std::pair<std::string, std::vector<std::string>>> Options::given() const {
+  std::vector<std::pair<std::string, std::vector<std::string>>> all;
+  for (const CLI::Option* option : app_->get_options())
+    all.emplace_back(full_name(*option), option->results());
+  return all;
+}
+
+std::vector<std::string> Options::long_names() const {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app_->get_options())
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+Parser::Parser()
+    : app_(std::make_unique<CLI::App>(
+          "Alidade: ray queries on raw point clouds, and path-traced pictures of them.", "alidade")) {
+  app_->require_subcommand(1);
+  app_->set_version_flag("--version", ALIDADE_VERSION);
+  app_->footer(std::string(manual("alidade")));
+}
+
+Parser::~Parser() = default;
+
+Options Parser::program() const {
+  return {app_.get(), {}};
+}
+
+Parser::Wish Parser::parse(std::span<const std::string> words) {
+  try {
+    // The parser takes the words last one first.
+    app_->parse(std::vector<std::string>(words.rbegin(), words.rend()));
+  } catch (const CLI::CallForHelp&) {
+    return Wish::help;
+  } catch (const CLI::CallForVersion&) {
+    return Wish::version;
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(error.what());
+  }
+  return Wish::work;
+}
+
+std::string Parser::help() const {
+  return app_->help();
+}
+
+void add_verbosity(const Options& command, VerbosityOptions& options) {
+  const Option quiet = command.flag("-q,--quiet", "say nothing but errors", options.quiet);
+  command.flag("-v,--verbose", "say more about what is done", options.verbose).excludes(quiet);
+}
+
+void add_threads(const Options& command, std::optional<int>& threads) {
+  command.count("--threads", "N",
+                "number of threads (default: all of the machine); results do not depend on it", threads, 1,
+                k_most_threads);
+}
+
+ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work) {
   if (!threads) return work();
   // The limit allows more threads than the machine has; the arena then asks for them.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   static_cast<std::size_t>(*threads));
   tbb::task_arena arena(*threads);
-  arena.execute(work);
+  return arena.execute(work);
 }
 
 void check_writable(const std::filesystem::path& output, bool overwrite,
@@ -167,22 +313,17 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return canonical(a) == canonical(b);
 }
 
-CLI::Option* add_cloud_files(CLI::App& command, const std::string& name, CloudInputs& clouds,
-                             const std::string& help) {
-  return command.add_option_function<std::vector<std::string>>(
-      name,
-      [&clouds](const std::vector<std::string>& words) {
-        clouds =
-            resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats());
-      },
-      help);
+Option add_cloud_files(const Options& command, const std::string& name, const std::string& kind,
+                       const std::string& help, CloudInputs& clouds) {
+  return command.words(name, kind, help, [&clouds](const std::vector<std::string>& words) {
+    clouds = resolve_clouds(std::vector<std::filesystem::path>(words.begin(), words.end()), cloud_formats());
+  });
 }
 
-CLI::Option* add_partial(CLI::App& command, bool& partial) {
-  return command
-      .add_flag("--partial", partial,
-                "read what is whole of damaged files, and say what is lost; without it they are errors")
-      ->option_text(" ");
+Option add_partial(const Options& command, bool& partial) {
+  return command.flag("--partial",
+                      "read what is whole of damaged files, and say what is lost; without it they are errors",
+                      partial);
 }
 
 std::size_t parse_size(const std::string& text) {

@@ -1,26 +1,39 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "cloud/cloud_inputs.h"
 #include "tools/console.h"
 
-// Options that several commands share, and the strict reading of their values. A value with anything behind
-// the number is an error, as is one outside its limits; both are CLI::ValidationError naming the option.
+// The command line: declaring commands and options, options that several commands share, and the strict reading of
+// their values. A value with anything behind the number is an error, as is one outside its limits. The parser is CLI11,
+// which only options.cpp includes: it takes longer to compile than most commands.
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace alidade::tools {
+
+/// A wrong value or use of an option; the message names the option.
+struct UsageError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// "2000000", "2e6", "1.5e3": a whole number in [least, most].
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most);
@@ -41,26 +54,167 @@ struct ImageSize {
 };
 ImageSize parse_image_size(const std::string& text);
 
-/// Declares an option whose text `take` reads; `kind` stands behind the option's name in the help text.
-CLI::Option* add_value(CLI::App& command, const std::string& names, const std::string& kind,
-                       const std::string& help, std::function<void(const std::string&)> take);
+template <class Target>
+struct OptionalValue {
+  using type = Target;
+};
+template <class Value>
+struct OptionalValue<std::optional<Value>> {
+  using type = Value;
+};
+/// What an option stores: Value, for a target that is a Value or an optional one.
+template <class Target>
+using ValueOf = typename OptionalValue<Target>::type;
 
-/// Declares an option that takes one of the named values.
-template <typename Value>
-CLI::Option* add_choice(CLI::App& command, const std::string& names, const std::string& help,
-                        std::optional<Value>& target, std::vector<std::pair<std::string, Value>> values) {
-  std::string kind;
-  for (const auto& value : values) kind += (kind.empty() ? "" : "|") + value.first;
-  return add_value(command, names, kind, help, [&target, kind, values](const std::string& text) {
-    for (const auto& [word, value] : values) {
-      if (text == word) {
-        target = value;
-        return;
+/// An option or operand of a command. Copies mean the same one.
+class Option {
+ public:
+  Option required() const;
+  /// Takes so many words or more.
+  Option at_least(int words) const;
+  Option needs(const Option& other) const;
+  Option excludes(const Option& other) const;
+  /// Whether it is on the command line.
+  bool given() const;
+
+ private:
+  friend class Options;
+  explicit Option(CLI::Option* option) : option_(option) {}
+
+  CLI::Option* option_;
+};
+
+/// The options of a command, or those of them that stand under one heading of its manual. Copies mean the same
+/// command. `names` are as "-o,--output", or a word without hyphens for an operand; `kind` stands behind them in the manual,
+/// as FILE. Values go where `target` points, which must live as long as the program parses; whoever reads a value
+/// throws UsageError without the option's name.
+class Options {
+ public:
+  using Take = std::function<void(const std::string&)>;
+
+  /// The same command; what is declared through the answer stands under this heading.
+  Options group(const std::string& heading) const { return {app_, heading}; }
+
+  /// Declares a sub-command, whose manual is tools/manuals/NAME.txt, or GROUP_NAME.txt for one of a group.
+  Options command(const std::string& name, const std::string& description) const;
+
+  /// Makes a command that is nothing without one of its sub-commands.
+  Options require_command() const;
+
+  /// Replaces the text of the manual's end, where a part of it is computed.
+  void manual(const std::string& text) const;
+
+  /// Of an option given more than once the last value holds.
+  Option value(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
+
+  /// An option that may be given again; every value is read.
+  Option values(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
+
+  /// An option, or an operand, with one or several words behind it; all are read at once.
+  Option words(const std::string& names, const std::string& kind, const std::string& help,
+               std::function<void(const std::vector<std::string>&)> take) const;
+
+  /// Text as it is: one of it, or one per use.
+  Option text(const std::string& names, const std::string& kind, const std::string& help,
+              std::string& target) const;
+  Option text(const std::string& names, const std::string& kind, const std::string& help,
+              std::vector<std::string>& target) const;
+
+  /// The name of a file or folder, once.
+  Option file(const std::string& names, const std::string& kind, const std::string& help,
+              std::filesystem::path& target) const;
+
+  Option flag(const std::string& names, const std::string& help, bool& target) const;
+  Option flag(const std::string& names, const std::string& help, std::function<void()> take) const;
+
+  /// A number in [least, most], as parse_number() reads it.
+  template <class Target>
+  Option number(const std::string& names, const std::string& kind, const std::string& help, Target& target,
+                double least = std::numeric_limits<double>::lowest(),
+                double most = std::numeric_limits<double>::max()) const {
+    return value(names, kind, help, [&target, least, most](const std::string& text) {
+      target = parse_number(text, least, most);
+    });
+  }
+
+  /// A length above 0.
+  template <class Target>
+  Option length(const std::string& names, const std::string& kind, const std::string& help,
+                Target& target) const {
+    return value(names, kind, help, [&target](const std::string& text) {
+      const double number = parse_number(text, 0.0);
+      if (number == 0.0) throw UsageError("expected a length above 0, found '0'");
+      target = number;
+    });
+  }
+
+  /// A whole number in [least, most], as parse_count() reads it, into an integer or an optional one.
+  template <class Target>
+  Option count(const std::string& names, const std::string& kind, const std::string& help, Target& target,
+               std::uint64_t least, std::uint64_t most) const {
+    return value(names, kind, help, [&target, least, most](const std::string& text) {
+      target = static_cast<ValueOf<Target>>(parse_count(text, least, most));
+    });
+  }
+
+  /// One of the named values.
+  template <class Target>
+  Option choice(const std::string& names, const std::string& help, Target& target,
+                std::vector<std::pair<std::string, ValueOf<Target>>> values) const {
+    std::string kind;
+    for (const auto& value : values) kind += (kind.empty() ? "" : "|") + value.first;
+    return value(names, kind, help, [&target, kind, values](const std::string& text) {
+      for (const auto& [word, value] : values) {
+        if (text == word) {
+          target = value;
+          return;
+        }
       }
-    }
-    throw CLI::ValidationError("expected " + kind + ", found '" + text + "'");
-  });
-}
+      throw UsageError("expected " + kind + ", found '" + text + "'");
+    });
+  }
+
+  /// The last word of the command: "raster".
+  std::string name() const;
+
+  /// Whether this command is on the command line.
+  bool chosen() const;
+
+  /// Every option and operand of the command, as it is called in full, with the words given to it.
+  std::vector<std::pair<std::string, std::vector<std::string>>> given() const;
+
+  /// "--radius" and so on: all long names.
+  std::vector<std::string> long_names() const;
+
+ private:
+  friend class Parser;
+  Options(CLI::App* app, std::string heading) : app_(app), heading_(std::move(heading)) {}
+  Option listed(CLI::Option* option, const std::string& kind) const;
+
+  CLI::App* app_;
+  std::string heading_;
+};
+
+/// Reads a command line into what its commands declared.
+class Parser {
+ public:
+  enum class Wish { work, help, version };
+
+  Parser();
+  ~Parser();
+
+  /// The program itself, which wants one of its commands.
+  Options program() const;
+
+  /// Reads the words behind the program's name. Errors: UsageError.
+  Wish parse(std::span<const std::string> words);
+
+  /// The manual of the command that was asked for it.
+  std::string help() const;
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+};
 
 /// -q and -v.
 struct VerbosityOptions {
@@ -69,13 +223,13 @@ struct VerbosityOptions {
     return quiet ? Verbosity::quiet : verbose ? Verbosity::verbose : Verbosity::normal;
   }
 };
-void add_verbosity(CLI::App& command, VerbosityOptions& options);
+void add_verbosity(const Options& command, VerbosityOptions& options);
 
 /// --threads N; empty = as many as the machine has.
-void add_threads(CLI::App& command, std::optional<int>& threads);
+void add_threads(const Options& command, std::optional<int>& threads);
 
-/// Runs `work` on exactly this many threads.
-void with_threads(std::optional<int> threads, const std::function<void()>& work);
+/// What `work` answers, run on exactly this many threads.
+ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
 
 /// Lets a long task fail before it starts: Error if the file is one of `inputs` by whatever name ("-" is
 /// standard input), exists and may not be replaced, is no regular file, or if its folder cannot be written
@@ -102,11 +256,11 @@ inline const std::string k_database_help =
 
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
 /// (resolve_clouds()) while the command line is read. Errors then: those of resolve_clouds().
-CLI::Option* add_cloud_files(CLI::App& command, const std::string& name, CloudInputs& clouds,
-                             const std::string& help);
+Option add_cloud_files(const Options& command, const std::string& name, const std::string& kind,
+                       const std::string& help, CloudInputs& clouds);
 
 /// Declares --partial.
-CLI::Option* add_partial(CLI::App& command, bool& partial);
+Option add_partial(const Options& command, bool& partial);
 
 /// What stands between the commas of a text, one word at least.
 inline std::vector<std::string> split_list(const std::string& text) {
@@ -120,7 +274,7 @@ inline std::vector<std::string> split_list(const std::string& text) {
   }
 }
 
-/// "800000000", "512M", "2G": bytes. Errors: CLI::ValidationError.
+/// "800000000", "512M", "2G": bytes. Errors: UsageError.
 std::size_t parse_size(const std::string& text);
 
 }  // namespace alidade::tools

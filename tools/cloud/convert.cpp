@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -35,13 +34,13 @@ struct CropOptions {
 
   bool given() const { return !text.empty(); }
 };
-void add_crop_options(CLI::App& command, CropOptions& options);
+void add_crop_options(const Options& command, CropOptions& options);
 
 /// Finds what is wrong before a cloud is read. Errors: no such file; --crop-crs without a file.
 void check_crop(const CropOptions& options);
 
 /// Crops a cloud, which may lack the files outside the box (ReadOptions::region). Errors: as read_polygons()
-/// of geo/read_polygons.h and load_module_function(); no point is left of a cloud that had some.
+/// of geo/read_polygons.h and image_module(); no point is left of a cloud that had some.
 void crop(PointCloud& cloud, const CropOptions& options, const Progress& progress);
 
 namespace {
@@ -56,8 +55,7 @@ Bounds parse_box(const std::string& text) {
   std::vector<double> numbers;
   for (const std::string& word : split_list(text)) numbers.push_back(parse_number(word));
   if (numbers.size() != 4 && numbers.size() != 6) {
-    throw CLI::ValidationError("expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a file of polygons, found '" +
-                               text + "'");
+    throw UsageError("expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a file of polygons, found '" + text + "'");
   }
   const std::size_t axes = numbers.size() / 2;
   Bounds box{glm::dvec3(std::numeric_limits<double>::lowest()),
@@ -67,8 +65,8 @@ Bounds parse_box(const std::string& text) {
     box.min[place] = numbers[axis];
     box.max[place] = numbers[axes + axis];
     if (box.min[place] > box.max[place]) {
-      throw CLI::ValidationError(fmt::format("expected the lower {0} first, found {0} from {1} to {2}",
-                                             "xyz"[axis], box.min[place], box.max[place]));
+      throw UsageError(fmt::format("expected the lower {0} first, found {0} from {1} to {2}", "xyz"[axis],
+                                   box.min[place], box.max[place]));
     }
   }
   return box;
@@ -88,32 +86,28 @@ std::string whereabouts(const PointCloud& cloud) {
 }
 
 std::vector<PlanePolygon> read_polygons(const CropOptions& options, const Crs& crs) {
-  using Reader = void (*)(const std::filesystem::path& path, const geo::ObserverReference& reference,
-                          std::vector<PlanePolygon>& polygons);
-  std::vector<PlanePolygon> polygons;
-  load_module_function<Reader>("alidade_read_polygons")(
+  return image_module().read_polygons(
       options.polygons,
-      {.given = options.reference, .cloud = crs, .option = "--crop-crs", .whose = "polygons"}, polygons);
-  return polygons;
+      {.given = options.reference, .cloud = crs, .option = "--crop-crs", .whose = "polygons"});
 }
 
 }  // namespace
 
-void add_crop_options(CLI::App& command, CropOptions& options) {
-  add_value(
-      command, "--crop", "BOX|FILE",
+void add_crop_options(const Options& command, CropOptions& options) {
+  command.value(
+      "--crop", "BOX|FILE",
       "keep what lies in x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, coordinates of the cloud in its unit, mostly "
       "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; what lies on the border stays",
       [&options](const std::string& text) {
-        if (text.empty()) throw CLI::ValidationError("expected a box or a file, found nothing");
+        if (text.empty()) throw UsageError("expected a box or a file, found nothing");
         options.text = text;
         options.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
         options.polygons = options.box ? "" : text;
       });
-  add_value(command, "--crop-crs", "SYSTEM",
-            "reference system of the polygons, as EPSG:4326, above what their file says; 'cloud' for the "
-            "cloud's own",
-            [&options](const std::string& text) { options.reference = text; });
+  command.value("--crop-crs", "SYSTEM",
+                "reference system of the polygons, as EPSG:4326, above what their file says; 'cloud' for the "
+                "cloud's own",
+                [&options](const std::string& text) { options.reference = text; });
 }
 
 void check_crop(const CropOptions& options) {
@@ -252,61 +246,35 @@ ExitCode run(const ConvertCommand& command) {
 
 }  // namespace
 
-Command add_convert(CLI::App& program) {
+Command add_convert(const Options& program) {
   auto command = std::make_shared<ConvertCommand>();
-  CLI::App* convert =
-      program.add_subcommand("convert", "Write clouds in another format, joined, cropped or thinned");
-  add_cloud_files(*convert, "files", command->files,
+  const Options convert =
+      program.command("convert", "Write clouds in another format, joined, cropped or thinned");
+  add_cloud_files(convert, "files", "FILE...",
                   "cloud files, folders or patterns as 'tiles/*.las', taken together as one, or index files" +
-                      k_database_help)
-      ->option_text("FILE...")
-      ->required();
-  convert->add_option("-o,--output", command->output, "file to write; its name tells the format")
-      ->option_text("FILE.las|.laz|.ply|.alidade")
-      ->required();
-  add_crop_options(*convert, command->crop);
-  add_value(*convert, "--every", "N", "keep the first of the points, and every N-th from there on",
-            [command](const std::string& text) { command->every = parse_count(text, 1, UINT64_MAX); });
-  add_value(*convert, "--spacing", "LENGTH",
-            "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one nearest to "
-            "the mean of the cube's points, with the mean of their colours and intensities",
-            [command](const std::string& text) {
-              command->spacing = parse_number(text, 0.0);
-              if (*command->spacing == 0.0)
-                throw CLI::ValidationError("expected a length above 0, found '0'");
-            });
-  add_choice<ColorDepth>(*convert, "--color-depth",
-                         "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
-                         command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_partial(*convert, command->partial);
-  convert->add_flag("--overwrite", command->overwrite, "replace an existing output");
-  add_threads(*convert, command->threads);
-  add_verbosity(*convert, command->verbosity);
-  convert->footer(
-      "Form:\n"
-      "  alidade convert FILE... -o FILE.las|.laz|.ply|.alidade [OPTIONS]\n"
-      "\n"
-      "First --crop is applied, then --every, then --spacing. What stays keeps its order, its steps on the "
-      "lattice,\n"
-      "all attributes and extra dimensions, the coordinate reference system and the LAS records. LAS and LAZ "
-      "are written\n"
-      "as version 1.4; PLY has no place for reference system and records; an index is what 'alidade index' "
-      "makes.\n"
-      "If no point is left, nothing is written. One LAS or LAZ file of which nothing is chosen keeps its "
-      "version "
-      "and\n"
-      "every byte of its records: packed as LAZ and unpacked again it is the same file.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade convert site.las -o site.laz\n"
-      "  alidade convert tile_1.las tile_2.las -o yard.las --crop 690000,5324980,690020,5325000\n"
-      "  alidade convert site.las -o parcel.las --crop parcel.geojson --crop-crs EPSG:4326\n"
-      "  alidade convert site.las -o thin.ply --spacing 0.05\n");
-  return {convert, [command] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command); });
-            return code;
-          }};
+                      k_database_help,
+                  command->files)
+      .required();
+  convert
+      .file("-o,--output", "FILE.las|.laz|.ply|.alidade", "file to write; its name tells the format",
+            command->output)
+      .required();
+  add_crop_options(convert, command->crop);
+  convert.count("--every", "N", "keep the first of the points, and every N-th from there on", command->every,
+                1, UINT64_MAX);
+  convert.length(
+      "--spacing", "LENGTH",
+      "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one nearest to "
+      "the mean of the cube's points, with the mean of their colours and intensities",
+      command->spacing);
+  convert.choice("--color-depth",
+                 "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
+                 command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_partial(convert, command->partial);
+  convert.flag("--overwrite", "replace an existing output", command->overwrite);
+  add_threads(convert, command->threads);
+  add_verbosity(convert, command->verbosity);
+  return {convert, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
 }
 
 }  // namespace alidade::tools

@@ -107,82 +107,50 @@ ExitCode run(const IndexCommand& command) {
 
 }  // namespace
 
-Command add_index(CLI::App& program) {
+Command add_index(const Options& program) {
   auto command = std::make_shared<IndexCommand>();
-  CLI::App* index =
-      program.add_subcommand("index", "Make an index file, which takes the place of cloud files");
-  add_cloud_files(*index, "files", command->files,
-                  "cloud files, folders or patterns as 'tiles/*.las'; several are joined into one cloud")
-      ->option_text("FILE...")
-      ->required();
-  index->add_option("-o,--output", command->output, "index file to write")
-      ->option_text("FILE.alidade")
-      ->required();
-  add_choice<Organisation>(
-      *index, "--organisation",
-      "how points are spread over the octree; answers are the same (default adaptive): cells "
-      "split until few points are left, a grid of cells of one size, or coarse to fine, so "
-      "that a prefix of levels is a thinned cloud",
-      command->organisation,
-      {{"adaptive", Organisation::adaptive},
-       {"fixed", Organisation::fixed},
-       {"layered", Organisation::layered}});
-  add_value(
-      *index, "--cell-size", "LENGTH",
+  const Options index = program.command("index", "Make an index file, which takes the place of cloud files");
+  add_cloud_files(index, "files", "FILE...",
+                  "cloud files, folders or patterns as 'tiles/*.las'; several are joined into one cloud",
+                  command->files)
+      .required();
+  index.file("-o,--output", "FILE.alidade", "index file to write", command->output).required();
+  index.choice("--organisation",
+               "how points are spread over the octree; answers are the same (default adaptive): cells "
+               "split until few points are left, a grid of cells of one size, or coarse to fine, so "
+               "that a prefix of levels is a thinned cloud",
+               command->organisation,
+               {{"adaptive", Organisation::adaptive},
+                {"fixed", Organisation::fixed},
+                {"layered", Organisation::layered}});
+  index.length(
+      "--cell-size", "LENGTH",
       "longest side of a cell of --organisation fixed, in the unit of the CRS, mostly metres (default: cells "
       "that hold 32 points on average)",
-      [command](const std::string& text) {
-        command->index.cell_size = parse_number(text, 0.0);
-        if (command->index.cell_size == 0.0)
-          throw CLI::ValidationError("expected a length above 0, found '0'");
-      });
-  index->add_flag(
-      "--stored-order", command->index.stored_order,
+      command->index.cell_size);
+  index.flag(
+      "--stored-order",
       "number the points as the octree stores them: 4 bytes per point less, but point ids are not those "
-      "of the input any more");
-  add_choice<ColorDepth>(*index, "--color-depth",
-                         "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps 16",
-                         command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_value(*index, "--spacings", "N",
-            "store the distance of every point to its N-th nearest neighbour, 1 to 64 (the usual one is 8): "
-            "'alidade "
-            "render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
-            [command](const std::string& text) {
-              command->index.spacing_neighbours =
-                  static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
-            });
-  index->add_flag(
-      "--surfaces", command->index.surfaces,
-      "store the surface that each point lies on, for 'alidade visibility', which then has nothing "
-      "to measure; implies --spacings 8; 4 bytes per point");
-  index->add_flag("--overwrite", command->index.overwrite, "replace an existing output");
-  add_partial(*index, command->partial);
-  add_threads(*index, command->threads);
-  add_verbosity(*index, command->verbosity);
-  index->footer(
-      "Form:\n"
-      "  alidade index FILE... -o FILE.alidade [OPTIONS]\n"
-      "\n"
-      "The index file holds the octree, every attribute of every point, the coordinate reference system, the "
-      "LAS\n"
-      "records, and which files it was made of. It is read wherever a cloud file is, without building "
-      "anything,\n"
-      "and gives the same answers and pictures. About 11 bytes per point for the octree, which holds all "
-      "positions\n"
-      "without loss, and what the attributes take: 22 bytes for LAS point format 7, with colours and GPS "
-      "time.\n"
-      "'alidade info --verify' checks it byte by byte. The format: docs/index_file.md.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade index site.las -o site.alidade\n"
-      "  alidade index tiles/ -o site.alidade --organisation layered\n"
-      "  alidade index site.las -o site.alidade --spacings 8\n"
-      "  alidade index site.las -o site.alidade --surfaces\n");
-  return {index, [command] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command); });
-            return code;
-          }};
+      "of the input any more",
+      command->index.stored_order);
+  index.choice("--color-depth",
+               "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps 16",
+               command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  index.count(
+      "--spacings", "N",
+      "store the distance of every point to its N-th nearest neighbour, 1 to 64 (the usual one is 8): "
+      "'alidade "
+      "render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
+      command->index.spacing_neighbours, 1, k_most_spacing_neighbours);
+  index.flag("--surfaces",
+             "store the surface that each point lies on, for 'alidade visibility', which then has nothing "
+             "to measure; implies --spacings 8; 4 bytes per point",
+             command->index.surfaces);
+  index.flag("--overwrite", "replace an existing output", command->index.overwrite);
+  add_partial(index, command->partial);
+  add_threads(index, command->threads);
+  add_verbosity(index, command->verbosity);
+  return {index, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
 }
 
 }  // namespace alidade::tools

@@ -22,7 +22,7 @@ namespace {
 struct InfoOptions {
   CloudInputs files;
   bool partial = false, json = false, verify = false, overwrite = false;
-  std::string image_folder;  ///< empty: no images are extracted
+  std::filesystem::path image_folder;  ///< empty: no images are extracted
   VerbosityOptions verbosity;
 };
 
@@ -250,66 +250,28 @@ ExitCode run(const InfoOptions& options) {
 
 }  // namespace
 
-Command add_info(CLI::App& program) {
+Command add_info(const Options& program) {
   auto options = std::make_shared<InfoOptions>();
-  CLI::App* command = program.add_subcommand("info", "Say what cloud files hold");
+  const Options command = program.command("info", "Say what cloud files hold");
   add_cloud_files(
-      *command, "files", options->files,
+      command, "files", "FILE...",
       "cloud files, folders or patterns as 'tiles/*.las'; several are taken together as one cloud" +
-          k_database_help)
-      ->option_text("FILE...")
-      ->required();
-  command->add_flag("--json", options->json, "print JSON instead of a table; the keys are below");
-  command->add_flag(
-      "--verify", options->verify,
-      "read all of each index file, compare it with its checksums, and check that its octree holds "
-      "every point once; damage is an error that names section and byte");
-  add_partial(*command, options->partial);
-  CLI::Option* const folder =
-      command
-          ->add_option("--extract-images", options->image_folder,
-                       "write the images in E57 files into this folder, with their cameras as camera files "
-                       "for 'alidade render --camera' and what is known about each in images.json")
-          ->option_text("FOLDER");
-  command->add_flag("--overwrite", options->overwrite, "replace extracted files that exist")->needs(folder);
-  add_verbosity(*command, options->verbosity);
-  command->footer(
-      "Formats are told by content: LAS 1.0-1.4, LAZ, COPC, PLY, PCD, E57, PTX, PTS, CSV with header names, "
-      "XYZ,\n"
-      "and index files ('alidade index'), which tell what the files they were made of told, at once.\n"
-      "Coordinates, scale and rounding are in the unit of the file's coordinate reference system (CRS), "
-      "mostly metres.\n"
-      "The table names the CRS; -v prints all of its WKT. The bounds are computed from the points, never "
-      "taken from a header.\n"
-      "\n"
-      "Keys of the JSON object:\n"
-      "  points            number of points in all files\n"
-      "  files             list of {file, format, version, point_format (LAS, else null), points, dropped, "
-      "lost,\n"
-      "                    header_box ({min, max} as the header of a LAS file states it, else null)}\n"
-      "  bounds            {min: [x, y, z], max: [x, y, z]}; null for both if there are no points\n"
-      "  scale, offset     of the lattice: coordinate = offset + scale * integer\n"
-      "  rounding_error    largest error of a coordinate per axis; 0 for LAS, whose integers are kept\n"
-      "  attributes        names of what a point carries beside its position\n"
-      "  extra_dimensions  names of further columns\n"
-      "  crs               WKT, or null\n"
-      "  geotiff_keys      GeoTIFF key directory as stored, in groups of four; empty if there is none\n"
-      "  epsg              EPSG codes the GeoTIFF keys name\n"
-      "  scanner_positions list of {scan, position: [x, y, z]} of scans with a pose (E57)\n"
-      "  indexes           of each index file: {file, version, bytes, bytes_per_point, "
-      "octree_bytes_per_point,\n"
-      "                    organisation, levels, nodes, stored_order, verified}\n"
-      "  e57               of each E57 file: {file, guid, scans: [{name, guid, records, scanner, fields}],\n"
-      "                    images: [{name, guid, scan_guid, camera, pictures: [{projection, format, width,\n"
-      "                    height, bytes, mask}]}]}\n"
-      "  warnings          oddities of the files, one sentence each\n"
-      "\n"
-      "Examples:\n"
-      "  alidade info site.las\n"
-      "  alidade info --json tiles/\n"
-      "  alidade info --partial 'tiles/*.las'\n"
-      "  alidade info --verify site.alidade\n"
-      "  alidade info --extract-images photographs site.e57\n");
+          k_database_help,
+      options->files)
+      .required();
+  command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
+  command.flag("--verify",
+               "read all of each index file, compare it with its checksums, and check that its octree holds "
+               "every point once; damage is an error that names section and byte",
+               options->verify);
+  add_partial(command, options->partial);
+  const Option folder =
+      command.file("--extract-images", "FOLDER",
+                   "write the images in E57 files into this folder, with their cameras as camera files "
+                   "for 'alidade render --camera' and what is known about each in images.json",
+                   options->image_folder);
+  command.flag("--overwrite", "replace extracted files that exist", options->overwrite).needs(folder);
+  add_verbosity(command, options->verbosity);
   return {command, [options] { return run(*options); }};
 }
 

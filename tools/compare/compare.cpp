@@ -20,6 +20,7 @@
 #include "tools/compare/compare_options.h"
 #include "tools/console.h"
 #include "tools/image_module.h"
+#include "tools/manuals.h"
 
 namespace alidade::tools {
 
@@ -196,8 +197,8 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
                  const compare::Verdict& verdict, const compare::Verdict& warnings) {
   std::string page;
   if (!request.report.empty())
-    load_report_maker()(comparison, verdict, request.packing.value_or(image::PicturePacking::automatic),
-                        warnings, page);
+    page = image_module().report_page(comparison, verdict,
+                                      request.packing.value_or(image::PicturePacking::automatic), warnings);
   std::vector<MapOutput> maps;
   if (comparison.pictures) maps = maps_to_write(request, *comparison.pictures);
   std::vector<PointsOutput> points;
@@ -207,7 +208,7 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
     find_points(points, request.test_points, comparison.test, *comparison.changes, verbosity);
   }
   // Maps first: they need a font, which may be missing.
-  for (const MapOutput& map : maps) load_difference_writer()(*map.map, map.file, request.overwrite);
+  for (const MapOutput& map : maps) image_module().write_difference(*map.map, map.file, request.overwrite);
   if (!request.report.empty()) compare::write_page(page, request.report, request.overwrite);
   for (const PointsOutput& output : points) {
     write_las(output.file, output.points, {.overwrite = request.overwrite});
@@ -220,8 +221,8 @@ ExitCode compare_one(const CompareRequest& request) {
   compare::ComparisonOptions options = request.comparison;
   options.keep_pictures = !request.report.empty() || request.has_maps();
   ProgressLine line("comparing", "pixels", request.verbosity.verbosity());
-  compare::Comparison comparison;
-  load_file_comparer()(request.reference, request.test, options, line.callback(), comparison);
+  const compare::Comparison comparison =
+      image_module().compare_files(request.reference, request.test, options, line.callback());
   line.finish();
   const compare::Verdict verdict = compare::judge(comparison, request.fail_above),
                          warnings = compare::judge(comparison, request.warn_above);
@@ -249,8 +250,8 @@ ExitCode compare_many(const CompareRequest& request) {
                                       .overwrite = request.overwrite,
                                       .kept = {request.pairs, request.comparison.mask, request.report}};
   ProgressLine line("comparing", "pairs", request.verbosity.verbosity());
-  std::vector<compare::PairOutcome> outcomes;
-  load_pair_comparer()(pairs, options, line.callback(), outcomes);
+  const std::vector<compare::PairOutcome> outcomes =
+      image_module().compare_pairs(pairs, options, line.callback());
   line.finish();
   if (!request.report.empty()) {
     const bool is_table = !request.pairs.empty();
@@ -302,43 +303,16 @@ std::string names_of_figures() {
 
 }  // namespace
 
-Command add_compare(CLI::App& program) {
+Command add_compare(const Options& program) {
   auto request = std::make_shared<CompareRequest>();
-  CLI::App* const compare =
-      program.add_subcommand("compare", "Judge a picture by a reference: figures, maps, regions, a page");
-  add_compare_options(*compare, *request);
-  compare->footer(
-      "Form:\n"
-      "  alidade compare REFERENCE TEST [OPTIONS]\n"
-      "  alidade compare --pairs FILE.csv [OPTIONS]\n"
-      "\n"
-      "REFERENCE and TEST are pictures of any format that OpenImageIO reads, or two folders, of which "
-      "pictures of the same\n"
-      "name are compared, in parallel; one without a counterpart is an error. Files of whole numbers hold "
-      "sRGB codes, files\n"
-      "of half or float numbers linear light, of which FLIP is computed over a range of exposures. Layers Z "
-      "(metres), N and\n"
-      "id of EXR files are compared too. NaN and infinite pixels are counted, told and left out.\n"
-      "\n"
-      "Names for thresholds, as in --json and tables:\n" +
-      names_of_figures() +
-      "\n"
-      "Exit codes: 0 pass, or no thresholds; 1 beyond a threshold, which NaN always is; 2 anything wrong, "
-      "also pictures of\n"
-      "different size; of many pairs 2 if any cannot be compared, else 1 if any fails.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade compare reference.png render.png\n"
-      "  alidade compare reference.exr render.exr --fail-above 'flip=0.05,psnr<30' --json\n"
-      "  alidade compare photo.jpg render.png --match exposure --align --report photo.html\n"
-      "  alidade compare before.exr after.exr --changes depth --reference-cloud before.las "
-      "--reference-points gone.las\n"
-      "  alidade compare expected/ rendered/ --fail-above flip=0.02 --report summary.html --reports pages\n");
+  const Options compare =
+      program.command("compare", "Judge a picture by a reference: figures, maps, regions, a page");
+  add_compare_options(compare, *request);
+  compare.manual(fmt::format(fmt::runtime(manual("compare")), fmt::arg("figures", names_of_figures())));
   return {compare, [request] {
-            ExitCode code = ExitCode::failed;
-            with_threads(request->threads,
-                         [&] { code = request->idiff_codes ? run_as_idiff(*request) : run(*request); });
-            return code;
+            return with_threads(request->threads, [&] {
+              return request->idiff_codes ? run_as_idiff(*request) : run(*request);
+            });
           }};
 }
 

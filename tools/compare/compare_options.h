@@ -37,7 +37,7 @@ struct CompareRequest {
 };
 
 /// Declares the options.
-void add_compare_options(CLI::App& command, CompareRequest& request);
+void add_compare_options(const Options& command, CompareRequest& request);
 
 /// Files that the run writes, all of them.
 std::vector<std::filesystem::path> outputs_of(const CompareRequest& request);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <bitset>
 #include <filesystem>
 #include <memory>
@@ -50,7 +49,7 @@ struct QueryCommand {
 };
 
 /// Declares the command's options; they fill what is returned.
-std::shared_ptr<QueryCommand> add_query_options(CLI::App& query);
+std::shared_ptr<QueryCommand> add_query_options(const Options& query);
 
 /// The family that targets were given of. Errors: none, several, or in two ways.
 TargetFamily chosen_family(const QueryCommand& command);

@@ -25,7 +25,7 @@ std::string without_blanks_around(const std::string& text) {
 glm::dvec2 parse_pair(const std::string& text, double largest_first, double largest_second) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw CLI::ValidationError("expected two numbers with a comma between, found '" + text + "'");
+    throw UsageError("expected two numbers with a comma between, found '" + text + "'");
   return {parse_number(without_blanks_around(text.substr(0, comma)), -largest_first, largest_first),
           parse_number(without_blanks_around(text.substr(comma + 1)), -largest_second, largest_second)};
 }
@@ -37,7 +37,7 @@ Moment parse_moment(std::string text) {
   try {
     return parse_date_time(text);
   } catch (const Error& error) {
-    throw CLI::ValidationError(error.what());
+    throw UsageError(error.what());
   }
 }
 
@@ -45,8 +45,8 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
   std::optional<geo::SceneMap> map;
   if (cloud != nullptr && cloud->octree.size() > 0)
     map = geo::SceneMap{cloud->crs, glm::dvec2(renderer::visible_bounds(*cloud).center())};
-  geo::PlacedSun placed;
-  load_sun_placer()(*scene.sun_by_time, map, placed, scene.sun_origin);
+  const geo::PlacedSun placed = image_module().place_sun(*scene.sun_by_time, map);
+  scene.sun_origin = image_module().describe_sun(*scene.sun_by_time, placed);
   scene.sun_by_time.reset();
   if (placed.is_up) scene.sun = placed.sun;
   if (verbosity == Verbosity::quiet) return;
@@ -59,9 +59,9 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
 
 }  // namespace
 
-void add_light_options(CLI::App& render, LightRequest& request) {
-  add_choice<renderer::RenderMode>(
-      render, "--mode",
+void add_light_options(const Options& render, LightRequest& request) {
+  render.choice(
+      "--mode",
       "path: light of sun, sky and lamps (default); ambient_occlusion: colours, darker where other surfaces "
       "are "
       "near; headlight: colours lit from the camera, no shadows; flat: the colours themselves",
@@ -70,39 +70,43 @@ void add_light_options(CLI::App& render, LightRequest& request) {
         for (const renderer::NamedMode& each : renderer::k_modes) words.emplace_back(each.name, each.mode);
         return words;
       }());
-  add_value(render, "--ao-distance", "METRES|auto",
-            "what counts as near for ambient_occlusion (default auto: a twentieth of the cloud's diagonal)",
-            [&request](const std::string& text) {
-              if (text == "auto")
-                request.ao_distance.emplace();
-              else
-                request.ao_distance.emplace(parse_number(text, 1e-6, 1e12));
-            });
-  CLI::Option* const sun = add_value(
-      render, "--sun", "AZIMUTH,ELEVATION",
+  render.value(
+      "--ao-distance", "METRES|auto",
+      "what counts as near for ambient_occlusion (default auto: a twentieth of the cloud's diagonal)",
+      [&request](const std::string& text) {
+        if (text == "auto")
+          request.ao_distance.emplace();
+        else
+          request.ao_distance.emplace(parse_number(text, 1e-6, 1e12));
+      });
+  const Option sun = render.value(
+      "--sun", "AZIMUTH,ELEVATION",
       "where the sun stands, degrees: azimuth clockwise from north (+y), elevation above the horizon; the "
       "scene's brightness stays",
       [&request](const std::string& text) {
         request.sun = parse_pair(text, 360.0, 90.0);
         if (request.sun->y == -90.0)
-          throw CLI::ValidationError("expected an elevation above -90, found '" + text + "'");
+          throw UsageError("expected an elevation above -90, found '" + text + "'");
       });
-  CLI::Option* const time =
-      add_value(render, "--sun-time", "DATE-TIME",
-                "the sun as it stands then, such as 2026-06-21T12:00:00+02:00; brightness by elevation, even "
-                "where the scene's sun by angles has its own",
-                [&request](const std::string& text) { request.sun_time = parse_moment(text); })
-          ->excludes(sun);
-  CLI::Option* const place =
-      add_value(render, "--sun-place", "LAT,LON",
-                "latitude and longitude for --sun-time, degrees (default: from the cloud's reference system)",
-                [&request](const std::string& text) { request.sun_place = parse_pair(text, 90.0, 180.0); })
-          ->excludes(sun);
-  render.add_flag("--no-sun", request.no_sun, "no sun, only the sky")
-      ->option_text(" ")
-      ->excludes(sun)
-      ->excludes(time)
-      ->excludes(place);
+  const Option time =
+      render
+          .value(
+              "--sun-time", "DATE-TIME",
+              "the sun as it stands then, such as 2026-06-21T12:00:00+02:00; brightness by elevation, even "
+              "where the scene's sun by angles has its own",
+              [&request](const std::string& text) { request.sun_time = parse_moment(text); })
+          .excludes(sun);
+  const Option place =
+      render
+          .value(
+              "--sun-place", "LAT,LON",
+              "latitude and longitude for --sun-time, degrees (default: from the cloud's reference system)",
+              [&request](const std::string& text) { request.sun_place = parse_pair(text, 90.0, 180.0); })
+          .excludes(sun);
+  render.flag("--no-sun", "no sun, only the sky", request.no_sun)
+      .excludes(sun)
+      .excludes(time)
+      .excludes(place);
 }
 
 void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
@@ -160,7 +164,7 @@ void prepare_sky(renderer::Scene& scene, const std::filesystem::path& scene_file
   if (sky == nullptr) return;
   image::SkyPixels pixels;
   try {
-    load_sky_image_reader()(sky->file, pixels);
+    pixels = image_module().read_sky_image(sky->file);
   } catch (const Error& error) {
     Error::Parts parts = error.parts();
     parts.problem += fmt::format(" (at /sky/file of {})", scene_file.string());
@@ -199,10 +203,9 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
 
 image::ValueRange parse_range(const std::string& text, double least, double most) {
   const std::vector<std::string> ends = parts_of(text, ',');
-  if (ends.size() != 2) throw CLI::ValidationError("expected two numbers, found '" + text + "'");
+  if (ends.size() != 2) throw UsageError("expected two numbers, found '" + text + "'");
   const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
-  if (!(range.low < range.high))
-    throw CLI::ValidationError("expected the smaller number first, found '" + text + "'");
+  if (!(range.low < range.high)) throw UsageError("expected the smaller number first, found '" + text + "'");
   return range;
 }
 
@@ -212,7 +215,7 @@ std::vector<image::ClassColor> parse_classes(const std::string& text) {
     const std::size_t sign = part.find('=');
     const std::optional<Color16> color =
         sign == std::string::npos ? std::nullopt : image::parse_hex_color(part.substr(sign + 1));
-    if (!color) throw CLI::ValidationError("expected CLASS=#rrggbb, found '" + part + "'");
+    if (!color) throw UsageError("expected CLASS=#rrggbb, found '" + part + "'");
     classes.push_back({static_cast<std::uint8_t>(parse_count(part.substr(0, sign), 0, 255)), *color});
   }
   return classes;
@@ -221,7 +224,7 @@ std::vector<image::ClassColor> parse_classes(const std::string& text) {
 std::filesystem::path parse_legend(const std::string& text) {
   const std::filesystem::path file(text);
   if (file.extension() != ".png" && file.extension() != ".PNG")
-    throw CLI::ValidationError("expected a name ending in .png, found '" + text + "'");
+    throw UsageError("expected a name ending in .png, found '" + text + "'");
   return file;
 }
 
@@ -230,8 +233,8 @@ ImageSize parse_legend_size(const std::string& text) {
   constexpr int k_least_side = 24;
   const ImageSize size = parse_image_size(text);
   if (size.width < k_least_side || size.height < k_least_side) {
-    throw CLI::ValidationError("expected at least " + std::to_string(k_least_side) +
-                               " pixels each way, found '" + text + "'");
+    throw UsageError("expected at least " + std::to_string(k_least_side) + " pixels each way, found '" +
+                     text + "'");
   }
   return size;
 }
@@ -244,42 +247,42 @@ std::vector<std::pair<std::string, std::optional<image::ColorMap>>> map_words() 
 
 }  // namespace
 
-void add_color_options(CLI::App& command, ColorRequest& request) {
-  add_value(command, "--color-by,--color", "NAME",
-            "what colours the points: rgb, intensity, height, classification, normal, gps_time, "
-            "return_number, number_of_returns, or another attribute by its name (default: rgb, else "
-            "intensity, else height)",
-            [&request](const std::string& text) {
-              if (text.empty()) throw CLI::ValidationError("expected a name, found ''");
-              request.by = text;
-            });
-  add_choice<std::optional<image::ColorMap>>(
-      command, "--color-map",
-      "colours of numbers (default auto: grey for intensity, terrain for height, else viridis)", request.map,
-      map_words());
-  CLI::Option* const range = add_value(
-      command, "--color-range", "MIN,MAX", "values of the first and last colour (default: by percentiles)",
+void add_color_options(const Options& command, ColorRequest& request) {
+  command.value("--color-by,--color", "NAME",
+                "what colours the points: rgb, intensity, height, classification, normal, gps_time, "
+                "return_number, number_of_returns, or another attribute by its name (default: rgb, else "
+                "intensity, else height)",
+                [&request](const std::string& text) {
+                  if (text.empty()) throw UsageError("expected a name, found ''");
+                  request.by = text;
+                });
+  command.choice("--color-map",
+                 "colours of numbers (default auto: grey for intensity, terrain for height, else viridis)",
+                 request.map, map_words());
+  const Option range = command.value(
+      "--color-range", "MIN,MAX", "values of the first and last colour (default: by percentiles)",
       [&request](const std::string& text) {
         request.range = parse_range(text, -image::k_largest_value, image::k_largest_value);
       });
-  add_value(command, "--color-percentiles", "LOW,HIGH",
-            "percentiles of the values that the colours span (default 1,99)",
-            [&request](const std::string& text) { request.percentiles = parse_range(text, 0.0, 100.0); })
-      ->excludes(range);
-  add_value(command, "--class-color", "CLASS=#RRGGBB,...",
-            "other colours for single classes of --color-by classification",
-            [&request](const std::string& text) { request.classes = parse_classes(text); });
-  CLI::Option* const legend =
-      add_value(command, "--legend", "FILE.png",
-                "also write what the colours mean: a colour bar, or the classes with their numbers of points",
-                [&request](const std::string& text) { request.legend = parse_legend(text); });
-  add_value(command, "--legend-size", "WIDTHxHEIGHT",
-            "size of the legend in pixels (default: as its texts need)",
-            [&request](const std::string& text) {
-              const ImageSize size = parse_legend_size(text);
-              request.legend_size = glm::ivec2(size.width, size.height);
-            })
-      ->needs(legend);
+  command
+      .value("--color-percentiles", "LOW,HIGH",
+             "percentiles of the values that the colours span (default 1,99)",
+             [&request](const std::string& text) { request.percentiles = parse_range(text, 0.0, 100.0); })
+      .excludes(range);
+  command.value("--class-color", "CLASS=#RRGGBB,...",
+                "other colours for single classes of --color-by classification",
+                [&request](const std::string& text) { request.classes = parse_classes(text); });
+  const Option legend = command.value(
+      "--legend", "FILE.png",
+      "also write what the colours mean: a colour bar, or the classes with their numbers of points",
+      [&request](const std::string& text) { request.legend = parse_legend(text); });
+  command
+      .value("--legend-size", "WIDTHxHEIGHT", "size of the legend in pixels (default: as its texts need)",
+             [&request](const std::string& text) {
+               const ImageSize size = parse_legend_size(text);
+               request.legend_size = glm::ivec2(size.width, size.height);
+             })
+      .needs(legend);
 }
 
 std::string given_option(const ColorRequest& request) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -26,7 +25,7 @@ struct LightRequest {
 };
 
 /// Declares the options; they fill `request`.
-void add_light_options(CLI::App& render, LightRequest& request);
+void add_light_options(const Options& render, LightRequest& request);
 
 /// Lays the options over the scene. A sun that gets another place in the sky keeps its brightness, one that
 /// gets another time keeps all else; one that had no time keeps its angular diameter only, since brightness
@@ -57,7 +56,7 @@ struct ColorRequest {
 };
 
 /// Declares the options; they fill `request`, which must live as long as the program's options.
-void add_color_options(CLI::App& command, ColorRequest& request);
+void add_color_options(const Options& command, ColorRequest& request);
 
 /// The name of one of the options that were given; empty if there is none.
 std::string given_option(const ColorRequest& request);

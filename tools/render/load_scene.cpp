@@ -30,14 +30,14 @@ camera::Camera reduced(const camera::Camera& camera) {
 
 /// Renders a scene of which only a part of the cloud is there, and shows it.
 void show(const RenderCommand& command, renderer::Scene scene, const View* view,
-          const renderer::LoadedCloud& cloud, ImageWriter write_picture, const Progress& progress) {
+          const renderer::LoadedCloud& cloud, const Progress& progress) {
   scene.camera =
       reduced(view ? view->camera : view_of_cloud(command.camera, scene, &cloud, command.scene_file).camera);
   prepare_light(scene, &cloud, Verbosity::quiet);
   scene.render.samples = std::min(scene.render.samples, k_samples);
   LongRenderRequest preview_only;
   preview_only.preview = command.long_render.preview;
-  render_options(preview_only, scene.output, false, {}, write_picture)
+  render_options(preview_only, scene.output, false, {})
       .preview->show(renderer::render(
           scene, &cloud,
           {.progress = progress, .layers = std::vector{image::Layer::color}, .time_limit = k_seconds}));
@@ -46,7 +46,7 @@ void show(const RenderCommand& command, renderer::Scene scene, const View* view,
 }  // namespace
 
 void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
-                      const View* view, ImageWriter write_picture) {
+                      const View* view) {
   const Verbosity verbosity = command.verbosity.verbosity();
   const Progress progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
   try {
@@ -58,7 +58,7 @@ void show_first_looks(const RenderCommand& command, const renderer::Scene& scene
       const renderer::LoadedCloud cloud = renderer::load_coarse_cloud(
           *scene.cloud, clouds, files, view ? &view->camera : nullptr, points, progress);
       if (cloud.octree.size() == 0) return;
-      show(command, scene, view, cloud, write_picture, progress);
+      show(command, scene, view, cloud, progress);
       if (verbosity != Verbosity::quiet) {
         say_note(fmt::format("{} shows {} of {} points", command.long_render.preview.string(),
                              short_count(static_cast<double>(cloud.octree.size())),

@@ -16,7 +16,7 @@ namespace alidade::tools {
 /// shown; `scene` has its sky. What cannot be shown in this way is no error: loading will tell. Errors:
 /// Cancelled.
 void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
-                      const View* view, ImageWriter write_picture);
+                      const View* view);
 
 /// What the cameras of some views see of the scene's cloud, which lies in a database: points whose spheres,
 /// as far as their radius is given, may be in a picture. `measuring` as in load_cloud(). Says how much was

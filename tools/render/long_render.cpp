@@ -49,8 +49,8 @@ std::string error_text(double error, int digits) {
 class PreviewFile {
  public:
   PreviewFile(const std::filesystem::path& file, const image::OutputSettings& output,
-              const renderer::ImageMetadata& metadata, ImageWriter write_picture)
-      : metadata_(metadata), write_picture_(write_picture) {
+              const renderer::ImageMetadata& metadata)
+      : metadata_(metadata) {
     settings_.file = file;
     settings_.exposure = output.exposure;
     const std::string text = "of a picture under way, maybe reduced";
@@ -61,7 +61,7 @@ class PreviewFile {
 
   void show(const image::Film& film) {
     try {
-      write_picture_(film, settings_, metadata_, true);
+      image_module().write_image(film, settings_, metadata_, true);
     } catch (const Error& error) {
       if (!warned_) say_warning(std::string("no preview: ") + error.what());
       warned_ = true;
@@ -71,55 +71,51 @@ class PreviewFile {
  private:
   image::OutputSettings settings_;
   renderer::ImageMetadata metadata_;
-  ImageWriter write_picture_;
   bool warned_ = false;
 };
 
 }  // namespace
 
-void add_long_render_options(CLI::App& render, LongRenderRequest& request) {
-  add_value(
-      render, "--time-limit", "S",
+void add_long_render_options(const Options& render, LongRenderRequest& request) {
+  render.number(
+      "--time-limit", "S",
       "seconds for each picture: it ends with what there is by then, and says how many samples that "
       "were. One sample per pixel is always taken, --samples is the most. The bytes depend on the time",
-      [&request](const std::string& text) { request.time_limit = parse_number(text, 0.0, k_most_seconds); });
-  add_value(render, "--target-noise", "E",
-            "stop where the estimated relative error of a tile of about 16x16 pixels is at most E, such as "
-            "0.02; a tile gets 32 samples at least and --samples at most",
-            [&request](const std::string& text) { request.target_noise = parse_number(text, 1e-6, 1e6); });
-  CLI::Option* const preview =
-      add_value(render, "--preview", "FILE",
-                "a small picture of what there is so far, .png or .jpg, written anew every few seconds",
-                [&request](const std::string& text) { request.preview = text; });
-  add_value(render, "--preview-interval", "S", "seconds between previews (default 3)",
-            [&request](const std::string& text) {
-              request.preview_interval = parse_number(text, 0.0, k_most_seconds);
-            })
-      ->needs(preview);
-  add_value(
-      render, "--preview-points", "N",
-      "before COPC files of more than 2 N points are loaded, the preview shows N of them, those the camera "
-      "sees best, then 8 N and so on (default 300000; 0: only the picture itself)",
-      [&request](const std::string& text) {
-        request.preview_points = parse_count(text, 0, k_most_preview_points);
-      })
-      ->needs(preview);
-  CLI::Option* const checkpoint = add_value(
-      render, "--checkpoint", "FILE",
+      request.time_limit, 0.0, k_most_seconds);
+  render.number(
+      "--target-noise", "E",
+      "stop where the estimated relative error of a tile of about 16x16 pixels is at most E, such as "
+      "0.02; a tile gets 32 samples at least and --samples at most",
+      request.target_noise, 1e-6, 1e6);
+  const Option preview =
+      render.value("--preview", "FILE",
+                   "a small picture of what there is so far, .png or .jpg, written anew every few seconds",
+                   [&request](const std::string& text) { request.preview = text; });
+  render
+      .number("--preview-interval", "S", "seconds between previews (default 3)", request.preview_interval,
+              0.0, k_most_seconds)
+      .needs(preview);
+  render
+      .count("--preview-points", "N",
+             "before COPC files of more than 2 N points are loaded, the preview shows N of them, those the "
+             "camera "
+             "sees best, then 8 N and so on (default 300000; 0: only the picture itself)",
+             request.preview_points, 0, k_most_preview_points)
+      .needs(preview);
+  const Option checkpoint = render.value(
+      "--checkpoint", "FILE",
       "keep what has been computed in FILE, written anew every minute and on Ctrl-C; removed once the "
       "picture is written",
       [&request](const std::string& text) { request.checkpoint = text; });
-  add_value(render, "--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
-            [&request](const std::string& text) {
-              request.checkpoint_interval = parse_number(text, 1e-3, k_most_seconds);
-            })
-      ->needs(checkpoint);
   render
-      .add_flag(
-          "--resume", request.resume,
-          "go on from the checkpoint, if it is there; the picture has the bytes of an uninterrupted run")
-      ->option_text(" ")
-      ->needs(checkpoint);
+      .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
+              request.checkpoint_interval, 1e-3, k_most_seconds)
+      .needs(checkpoint);
+  render
+      .flag("--resume",
+            "go on from the checkpoint, if it is there; the picture has the bytes of an uninterrupted run",
+            request.resume)
+      .needs(checkpoint);
 }
 
 void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
@@ -194,8 +190,7 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
 }
 
 renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
-                                       bool resume, const renderer::ImageMetadata& metadata,
-                                       ImageWriter write_picture) {
+                                       bool resume, const renderer::ImageMetadata& metadata) {
   renderer::RenderOptions options;
   options.layers = image::image_format(output.file) == image::ImageFormat::exr
                        ? output.layers
@@ -203,7 +198,7 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
   options.time_limit = request.time_limit;
   options.target_noise = request.target_noise;
   if (!request.preview.empty()) {
-    const auto file = std::make_shared<PreviewFile>(request.preview, output, metadata, write_picture);
+    const auto file = std::make_shared<PreviewFile>(request.preview, output, metadata);
     options.preview = {.show = [file](const image::Film& film) { file->show(film); },
                        .interval = request.preview_interval};
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -27,7 +26,7 @@ struct LongRenderRequest {
 };
 
 /// Declares the options; they fill `request`.
-void add_long_render_options(CLI::App& render, LongRenderRequest& request);
+void add_long_render_options(const Options& render, LongRenderRequest& request);
 
 /// Which files that are there already may be replaced. A checkpoint must be one even then.
 struct Replaceable {
@@ -61,8 +60,7 @@ void warn_of_few_samples(const LongRenderRequest& request, int samples);
 
 /// The options for one picture, progress left out. `metadata` and `write_picture` must outlive them.
 renderer::RenderOptions render_options(const LongRenderRequest& request, const image::OutputSettings& output,
-                                       bool resume, const renderer::ImageMetadata& metadata,
-                                       ImageWriter write_picture);
+                                       bool resume, const renderer::ImageMetadata& metadata);
 
 /// What was reached, as metadata and for people (with what ended it, if that is not what was asked for), if
 /// the end was not settled beforehand; else nothing.

@@ -172,8 +172,7 @@ void check_views(std::span<const Picture> pictures, const renderer::Scene& scene
 /// on from.
 renderer::RenderStatistics render_all(std::span<const Picture> pictures, renderer::Scene& scene,
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
-                                      const CommandLine& words, const std::optional<Resumption>& resumed,
-                                      ImageWriter write_picture) {
+                                      const CommandLine& words, const std::optional<Resumption>& resumed) {
   std::uint64_t total = 0, done = 0;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
   const Verbosity verbosity = command.verbosity.verbosity();
@@ -189,8 +188,8 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
     total -= camera_rays(scene, picture.view.camera);
     std::uint64_t rays_of_picture = 0;
     renderer::ImageMetadata texts = metadata(scene, picture.view, cloud, words);
-    renderer::RenderOptions options = render_options(
-        command.long_render, scene.output, resumed && &picture == &pictures.front(), texts, write_picture);
+    renderer::RenderOptions options =
+        render_options(command.long_render, scene.output, resumed && &picture == &pictures.front(), texts);
     if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
       options.checkpoint->resumed = [&] { line.interject(resumed->note); };
     options.progress = [&](std::uint64_t rays, std::uint64_t all_rays) {
@@ -201,7 +200,7 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
     const image::Film film = renderer::render(scene, cloud, options, &of_picture);
     for (auto& text : reached_texts(command.long_render, of_picture))
       texts.further.push_back(std::move(text));
-    write_picture(film, scene.output, texts, command.overwrite);
+    image_module().write_image(film, scene.output, texts, command.overwrite);
     remove_checkpoint(command.long_render);
     const std::string reached = describe_reached(command.long_render, of_picture);
     if (!reached.empty() && verbosity != Verbosity::quiet)
@@ -234,7 +233,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
       find_resumption(command.long_render, list.files(), list.finished, verbosity);
   if (verbosity != Verbosity::quiet) warn_of_few_samples(command.long_render, scene.render.samples);
   // Before the work, so that a program that cannot write pictures does not render for hours first.
-  const ImageWriter write_picture = load_image_writer();
+  image_module();
   const bool wants_legend = is_wanted(command.color.legend, command, resumed.has_value());
   if (wants_legend) check_legend_file(command, scene, pictures);
   if (verbosity == Verbosity::verbose) {
@@ -246,7 +245,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   CloudInputs clouds = command.cloud_files;
   if (scene.cloud && clouds.empty()) clouds = resolve_clouds(scene.cloud->files, cloud_formats());
   if (scene.cloud && !command.long_render.preview.empty() && !resumed)
-    show_first_looks(command, scene, clouds, views.empty() ? nullptr : &pictures.front().view, write_picture);
+    show_first_looks(command, scene, clouds, views.empty() ? nullptr : &pictures.front().view);
   std::optional<renderer::LoadedCloud> loaded;
   if (scene.cloud) loaded = load(command, scene, clouds, views);
   const renderer::LoadedCloud* const cloud = loaded ? &*loaded : nullptr;
@@ -254,11 +253,12 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   check_views(pictures, scene, cloud);
   prepare_light(scene, cloud, verbosity);
   if (wants_legend)
-    load_legend_writer()(cloud->color, command.color.legend, command.color.legend_size, command.overwrite);
+    image_module().write_legend(cloud->color, command.color.legend, command.color.legend_size,
+                                command.overwrite);
 
   renderer::RenderStatistics statistics;
   try {
-    statistics = render_all(pictures, scene, cloud, command, words, resumed, write_picture);
+    statistics = render_all(pictures, scene, cloud, command, words, resumed);
   } catch (const Cancelled&) {
     say_how_to_resume(command.long_render, verbosity);
     throw;
@@ -277,41 +277,11 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
 
 }  // namespace
 
-Command add_render(CLI::App& program, const CommandLine& command_line) {
-  CLI::App* render = program.add_subcommand("render", "Path-trace a picture of a scene or of cloud files");
-  const std::shared_ptr<RenderCommand> command = add_render_options(*render);
-  render->footer(
-      "Forms:\n"
-      "  alidade render SCENE.json [-o FILE] [OPTIONS]\n"
-      "  alidade render --cloud FILE... -o FILE [OPTIONS]\n"
-      "  ... --camera FOLDER -o 'out_%04d.png'   one picture for every camera\n"
-      "  ... --panorama X,Y,Z                    everything around a place\n"
-      "  ... --orthographic top --resolution M   from straight above; -o FILE.tif is a GeoTIFF\n"
-      "  ... --sun-time DATE-TIME                by the sun of that moment\n"
-      "\n"
-      "With --cloud and no scene, the whole cloud is shown three-quarter from above, under a sun and a blue "
-      "sky.\n"
-      "Options stand above what the scene file says. Lengths are in metres (the unit of the cloud's CRS), "
-      "angles in degrees.\n"
-      "The bytes of the picture do not depend on the number of threads nor on the machine, nor on previews "
-      "and checkpoints; with --time-limit they depend on the time.\n"
-      "Scene files: docs/scene_format.md; cameras: docs/cameras.md; light: docs/light.md; pictures that take "
-      "long: "
-      "docs/rendering.md.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade render scenes/courtyard.json -o courtyard.png\n"
-      "  alidade render --cloud site.las -o site.png\n"
-      "  alidade render --cloud site.las --orthographic top --resolution 0.1 -o site.tif\n"
-      "  alidade render --cloud site.las --camera sparse/0 -o 'render/%s.png'\n"
-      "  alidade render scenes/courtyard.json --samples 4096 --preview now.png --checkpoint yard.state "
-      "--resume -o courtyard.exr\n"
-      "  alidade render --cloud a.las b.las --size 1200x800 --samples 200 --radius 0.03 -o both.exr --layers "
-      "color,depth,id\n");
+Command add_render(const Options& program, const CommandLine& command_line) {
+  const Options render = program.command("render", "Path-trace a picture of a scene or of cloud files");
+  const std::shared_ptr<RenderCommand> command = add_render_options(render);
   return {render, [command, command_line] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command, command_line); });
-            return code;
+            return with_threads(command->threads, [&] { return run(*command, command_line); });
           }};
 }
 

@@ -27,7 +27,7 @@ std::vector<image::Layer> parse_layers(const std::string& text) {
   for (std::string word; std::getline(words, word, ',');) {
     const auto known = std::ranges::find(image::k_layers, word, &image::NamedLayer::name);
     if (known == image::k_layers.end()) {
-      throw CLI::ValidationError("expected some of " + layer_list() + ", found '" + word + "'");
+      throw UsageError("expected some of " + layer_list() + ", found '" + word + "'");
     }
     layers.push_back(known->layer);
   }
@@ -36,7 +36,7 @@ std::vector<image::Layer> parse_layers(const std::string& text) {
 
 double parse_positive(const std::string& text, const std::string& expected) {
   const double value = parse_number(text);
-  if (!(value > 0.0)) throw CLI::ValidationError("expected " + expected + ", found '" + text + "'");
+  if (!(value > 0.0)) throw UsageError("expected " + expected + ", found '" + text + "'");
   return value;
 }
 
@@ -48,44 +48,41 @@ void parse_radius(const std::string& text, RadiusRequest& request) {
 }
 
 /// One of the options that say how radii adapt, any of which asks for that. They are read after --radius.
-void add_adapted_radius_option(CLI::App& render, RadiusRequest& request, const std::string& name,
+void add_adapted_radius_option(const Options& render, RadiusRequest& request, const std::string& name,
                                const std::string& kind, const std::string& help,
                                const std::function<void(const std::string&)>& take) {
-  add_value(render, name, kind, help, [&request, take](const std::string& text) {
+  render.value(name, kind, help, [&request, take](const std::string& text) {
     if (request.kind.value_or(RadiusRequest::Kind::adapted) != RadiusRequest::Kind::adapted)
-      throw CLI::ValidationError("is for --radius adapted only");
+      throw UsageError("is for --radius adapted only");
     request.kind = RadiusRequest::Kind::adapted;
     take(text);
   });
 }
 
-void add_picture_options(CLI::App& render, RenderCommand& command) {
-  add_value(render, "--samples", "N", "paths per pixel; noise halves with four times as many (default 50)",
-            [&command](const std::string& text) {
-              command.samples = static_cast<int>(parse_count(text, 1, renderer::k_max_samples));
-            });
-  add_value(
-      render, "--max-bounces", "N",
+void add_picture_options(const Options& render, RenderCommand& command) {
+  render.count("--samples", "N", "paths per pixel; noise halves with four times as many (default 50)",
+               command.samples, 1, renderer::k_max_samples);
+  render.count(
+      "--max-bounces", "N",
       "reflections followed after the first surface (default 8; 0 = light straight from sun, sky and lamps)",
-      [&command](const std::string& text) {
-        command.max_bounces = static_cast<int>(parse_count(text, 0, renderer::k_max_bounces));
-      });
-  add_value(render, "--exposure", "STOPS",
-            "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)",
-            [&command](const std::string& text) { command.exposure = parse_number(text, -64.0, 64.0); });
-  add_value(render, "--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)",
-            [&command](const std::string& text) { command.layers = parse_layers(text); });
-  add_value(render, "--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
-            [&command](const std::string& text) { command.seed = parse_count(text, 0, UINT64_MAX); });
+      command.max_bounces, 0, renderer::k_max_bounces);
+  render.number("--exposure", "STOPS",
+                "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)", command.exposure,
+                -64.0, 64.0);
+  render.value("--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)",
+               [&command](const std::string& text) { command.layers = parse_layers(text); });
+  render.count("--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
+               command.seed, 0, UINT64_MAX);
 }
 
-void add_cloud_options(CLI::App& render, RenderCommand& command) {
+void add_cloud_options(const Options& render, RenderCommand& command) {
   RadiusRequest& radius = command.radius;
-  add_value(render, "--radius", "R|auto|adapted",
-            "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; "
-            "adapted: each point its own, from the distance to its neighbours, small where the scan is dense "
-            "(default auto)",
-            [&radius](const std::string& text) { parse_radius(text, radius); });
+  render.value(
+      "--radius", "R|auto|adapted",
+      "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; "
+      "adapted: each point its own, from the distance to its neighbours, small where the scan is dense "
+      "(default auto)",
+      [&radius](const std::string& text) { parse_radius(text, radius); });
   add_adapted_radius_option(
       render, radius, "--radius-factor", "F",
       "adapted radii are F times the distance to the neighbour (default 0.75); implies "
@@ -106,24 +103,20 @@ void add_cloud_options(CLI::App& render, RenderCommand& command) {
                               if (text != "auto")
                                 *radius.max = parse_positive(text, "auto or a length above 0");
                             });
-  add_choice<ColorDepth>(render, "--color-depth",
-                         "bits in use in LAS colour fields (default: told from the values)",
-                         command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_choice<renderer::HitMode>(
-      render, "--hits", "nearest by sphere entry (default) or by projected point, the paper's naive way",
-      command.hits, {{"entry", renderer::HitMode::entry}, {"t", renderer::HitMode::t}});
-  add_choice<renderer::NormalMode>(
-      render, "--normals",
-      "normals of each sphere, or across the points around, which evens out walls (default: the "
-      "scene's; smooth without a scene)",
-      command.normals, {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}});
-  add_value(
-      render, "--max-level", "N",
+  render.choice("--color-depth", "bits in use in LAS colour fields (default: told from the values)",
+                command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  render.choice("--hits", "nearest by sphere entry (default) or by projected point, the paper's naive way",
+                command.hits, {{"entry", renderer::HitMode::entry}, {"t", renderer::HitMode::t}});
+  render.choice("--normals",
+                "normals of each sphere, or across the points around, which evens out walls (default: the "
+                "scene's; smooth without a scene)",
+                command.normals,
+                {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}});
+  render.count(
+      "--max-level", "N",
       "only levels 0 to N of an index file made with --organisation layered: a quick preview of a thinned "
       "cloud (default: all levels)",
-      [&command](const std::string& text) {
-        command.max_level = static_cast<int>(parse_count(text, 0, renderer::k_max_level));
-      });
+      command.max_level, 0, renderer::k_max_level);
 }
 
 /// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
@@ -187,28 +180,27 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
 
 }  // namespace
 
-std::shared_ptr<RenderCommand> add_render_options(CLI::App& render) {
+std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   auto command = std::make_shared<RenderCommand>();
-  CLI::Option* scene =
-      render.add_option("scene", command->scene_file, "scene file")->option_text("SCENE.json");
+  const Option scene = render.file("scene", "SCENE.json", "scene file", command->scene_file);
   add_cloud_files(
-      render, "--cloud", command->cloud_files,
-      "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file" + k_database_help)
-      ->option_text("FILE...")
-      ->excludes(scene);
-  render
-      .add_option("-o,--output", command->output,
-                  "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, "
-                  "with %04d (number, from 0) or %s (name) in it")
-      ->option_text("FILE");
-  render.add_flag(
-      "--in-view", command->in_view,
+      render, "--cloud", "FILE...",
+      "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file" + k_database_help,
+      command->cloud_files)
+      .excludes(scene);
+  render.file("-o,--output", "FILE",
+              "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, "
+              "with %04d (number, from 0) or %s (name) in it",
+              command->output);
+  render.flag(
+      "--in-view",
       "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, sends no "
       "light, and has no say in automatic radii, colour scales and the smooth normals of points at the "
-      "border");
-  render.add_flag("--overwrite", command->overwrite, "replace an existing picture");
-  render.add_flag("--skip-existing", command->skip_existing,
-                  "leave out pictures that are there already: goes on with an interrupted set");
+      "border",
+      command->in_view);
+  render.flag("--overwrite", "replace an existing picture", command->overwrite);
+  render.flag("--skip-existing", "leave out pictures that are there already: goes on with an interrupted set",
+              command->skip_existing);
   add_camera_options(render, command->camera);
   add_light_options(render, command->light);
   add_picture_options(render, *command);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -52,7 +51,7 @@ struct RenderCommand {
 };
 
 /// Declares the command's options; they fill what is returned.
-std::shared_ptr<RenderCommand> add_render_options(CLI::App& render);
+std::shared_ptr<RenderCommand> add_render_options(const Options& render);
 
 /// The scene to render: read from its file, or made up around the clouds, with the options laid over it but
 /// for those of the camera. Errors: options that contradict each other or do not fit the scene.

@@ -22,8 +22,7 @@ std::array<double, count> parse_coordinates(const std::string& text) {
   std::istringstream stream(text + ",");
   for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
   if (words.size() != count) {
-    throw CLI::ValidationError(
-        fmt::format("expected {} numbers with commas between, found '{}'", count, text));
+    throw UsageError(fmt::format("expected {} numbers with commas between, found '{}'", count, text));
   }
   std::array<double, count> numbers{};
   for (std::size_t i = 0; i < count; ++i)
@@ -63,58 +62,59 @@ std::vector<View> views_of_file(const CameraRequest& request, const renderer::Sc
 
 }  // namespace
 
-void add_camera_options(CLI::App& render, CameraRequest& request) {
-  CLI::Option* const camera =
-      render.add_option("--camera", request.file,
-                        "cameras instead of the scene's: our JSON, a COLMAP model's folder, transforms.json, "
-                        "reconstruction.json, sfm_data.json, or a trajectory as CSV");
-  camera->option_text("FILE|FOLDER");
+void add_camera_options(const Options& render, CameraRequest& request) {
+  const Option camera =
+      render.file("--camera", "FILE|FOLDER",
+                  "cameras instead of the scene's: our JSON, a COLMAP model's folder, transforms.json, "
+                  "reconstruction.json, sfm_data.json, or a trajectory as CSV",
+                  request.file);
   render
-      .add_option("--camera-name", request.name,
-                  "one of the file's cameras, by the name of its photo (default: all of them)")
-      ->option_text("NAME")
-      ->needs(camera);
+      .text("--camera-name", "NAME",
+            "one of the file's cameras, by the name of its photo (default: all of them)", request.name)
+      .needs(camera);
   render
-      .add_option("--lens", request.lens_file,
-                  "camera file whose size and lens a trajectory takes (default: the scene's camera)")
-      ->option_text("FILE.json")
-      ->needs(camera);
+      .file("--lens", "FILE.json",
+            "camera file whose size and lens a trajectory takes (default: the scene's camera)",
+            request.lens_file)
+      .needs(camera);
   render
-      .add_flag("--original-world", request.original_world,
-                "transforms.json: cameras in the world before applied_transform and applied_scale")
-      ->option_text(" ")
-      ->needs(camera);
-  CLI::Option* const panorama =
-      add_value(render, "--panorama", "X,Y,Z",
-                "everything around a place, north in the middle (default size 2048x1024)",
-                [&request](const std::string& text) {
-                  const auto place = parse_coordinates<3>(text);
-                  request.panorama.emplace(place[0], place[1], place[2]);
-                })
-          ->excludes(camera);
-  CLI::Option* const above =
-      add_value(render, "--orthographic", "top",
-                "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
-                [&request](const std::string& text) {
-                  if (text != "top") throw CLI::ValidationError("expected top, found '" + text + "'");
-                  request.from_above = true;
-                })
-          ->excludes(camera)
-          ->excludes(panorama);
-  CLI::Option* const size =
-      add_value(render, "--size", "WxH",
-                "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
-                [&request](const std::string& text) { request.size = parse_image_size(text); });
-  CLI::Option* const resolution =
-      add_value(render, "--resolution", "METRES", "from pixel to pixel, for --orthographic",
-                [&request](const std::string& text) { request.resolution = parse_number(text, 1e-6, 1e6); });
-  resolution->needs(above);
-  above->needs(resolution);
-  size->excludes(above);
-  add_value(render, "--extent", "X,Y,X,Y",
-            "least and largest x and y to show from above (default: all of the cloud)",
-            [&request](const std::string& text) { request.extent = parse_coordinates<4>(text); })
-      ->needs(above);
+      .flag("--original-world",
+            "transforms.json: cameras in the world before applied_transform and applied_scale",
+            request.original_world)
+      .needs(camera);
+  const Option panorama =
+      render
+          .value("--panorama", "X,Y,Z",
+                 "everything around a place, north in the middle (default size 2048x1024)",
+                 [&request](const std::string& text) {
+                   const auto place = parse_coordinates<3>(text);
+                   request.panorama.emplace(place[0], place[1], place[2]);
+                 })
+          .excludes(camera);
+  const Option above =
+      render
+          .value("--orthographic", "top",
+                 "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
+                 [&request](const std::string& text) {
+                   if (text != "top") throw UsageError("expected top, found '" + text + "'");
+                   request.from_above = true;
+                 })
+          .excludes(camera)
+          .excludes(panorama);
+  const Option size =
+      render.value("--size", "WxH",
+                   "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
+                   [&request](const std::string& text) { request.size = parse_image_size(text); });
+  const Option resolution = render.number("--resolution", "METRES", "from pixel to pixel, for --orthographic",
+                                          request.resolution, 1e-6, 1e6);
+  resolution.needs(above);
+  above.needs(resolution);
+  size.excludes(above);
+  render
+      .value("--extent", "X,Y,X,Y",
+             "least and largest x and y to show from above (default: all of the cloud)",
+             [&request](const std::string& text) { request.extent = parse_coordinates<4>(text); })
+      .needs(above);
 }
 
 bool is_set(const CameraRequest& request) {

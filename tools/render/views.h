@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -28,7 +27,7 @@ struct CameraRequest {
 };
 
 /// Declares the options; they fill `request`.
-void add_camera_options(CLI::App& render, CameraRequest& request);
+void add_camera_options(const Options& render, CameraRequest& request);
 
 /// One picture to make.
 struct View {

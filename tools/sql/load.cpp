@@ -29,7 +29,7 @@ struct LoadOptions {
 };
 
 /// Declares them.
-void add_load_options(CLI::App& command, LoadOptions& options);
+void add_load_options(const Options& command, LoadOptions& options);
 
 /// Does `work`, which reads files and then stores points, with a progress line for each; prints the warnings
 /// that it answers. `storing` is what the second line says.
@@ -37,20 +37,19 @@ void load_with_progress(
     const LoadOptions& options, const std::string& storing,
     const std::function<std::vector<std::string>(const ReadOptions& reading, const Progress& storing)>& work);
 
-void add_load_options(CLI::App& command, LoadOptions& options) {
-  add_value(
-      command, "--memory", "SIZE",
+void add_load_options(const Options& command, LoadOptions& options) {
+  command.value(
+      "--memory", "SIZE",
       "for points while they are sorted: bytes, or a number with k, M, G or T (default: 1G); those of a "
       "larger cloud wait in a file without a name beside the output",
       [&options](const std::string& text) {
         constexpr std::size_t k_least = std::size_t{1} << 20;
         options.memory = parse_size(text);
-        if (options.memory < k_least)
-          throw CLI::ValidationError("expected at least 1M, found '" + text + "'");
+        if (options.memory < k_least) throw UsageError("expected at least 1M, found '" + text + "'");
       });
-  add_choice<ColorDepth>(command, "--color-depth",
-                         "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are stored",
-                         options.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  command.choice("--color-depth",
+                 "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are stored",
+                 options.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
   add_partial(command, options.partial);
   add_threads(command, options.threads);
   add_verbosity(command, options.verbosity);
@@ -154,52 +153,23 @@ ExitCode run(const LoadCommand& command) {
 
 }  // namespace
 
-Command add_sql_load(CLI::App& sql) {
+Command add_sql_load(const Options& sql) {
   auto command = std::make_shared<LoadCommand>();
-  CLI::App* const load = sql.add_subcommand("load", "Store a cloud in a database");
-  load->add_option(
-          "files", command->files,
-          "cloud files, folders or patterns as 'tiles/*.las', taken together as one; then the database, "
-          "SQLite's file, which is made if it is not there, or 'postgresql://HOST/DATABASE?table=NAME'")
-      ->option_text("FILE... DB")
-      ->expected(2, -1)
-      ->required();
-  load->add_option("--table", command->store.table, "what SQL calls the cloud (default: points)")
-      ->option_text("NAME");
-  add_value(*load, "--chunk-points", "N", "points that SQLite reads together, 1 to 65536 (default: 1024)",
-            [command](const std::string& text) {
-              command->store.chunk_points = static_cast<std::uint32_t>(parse_count(text, 1, 65536));
-            });
-  load->add_flag("--overwrite", command->store.replace, "replace a table of that name, if it is a cloud");
-  add_load_options(*load, command->load);
-  load->footer(
-      "Form:\n"
-      "  alidade sql load FILE... DB [OPTIONS]\n"
-      "\n"
-      "The table has a column for every attribute; its ids are the rows of the cloud files. Points lie along "
-      "a "
-      "Morton\n"
-      "curve in chunks, of which a condition on distances leaves most unread. A database can hold many "
-      "clouds. "
-      "The table\n"
-      "is there as a whole or not at all, and so is a new database.\n"
-      "\n"
-      "A PostgreSQL server needs the extension alidade_pg. Its name may have USER@ in front of the host and "
-      "a :PORT "
-      "behind\n"
-      "it, and more parameters of libpq behind the table (&schema=NAME and others); passwords are taken from "
-      "~/.pgpass or\n"
-      "PGPASSWORD. Clouds that memory does not hold wait in TMPDIR.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade sql load site.las site.db\n"
-      "  alidade sql load tiles/ site.db --table tiles --memory 4G\n"
-      "  alidade sql load site.las 'postgresql://db1/survey?table=site'\n");
-  return {load, [command] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->load.threads, [&] { code = run(*command); });
-            return code;
-          }};
+  const Options load = sql.command("load", "Store a cloud in a database");
+  load.words("files", "FILE... DB",
+             "cloud files, folders or patterns as 'tiles/*.las', taken together as one; then the database, "
+             "SQLite's file, which is made if it is not there, or 'postgresql://HOST/DATABASE?table=NAME'",
+             [command](const std::vector<std::string>& words) {
+               command->files.assign(words.begin(), words.end());
+             })
+      .at_least(2)
+      .required();
+  load.text("--table", "NAME", "what SQL calls the cloud (default: points)", command->store.table);
+  load.count("--chunk-points", "N", "points that SQLite reads together, 1 to 65536 (default: 1024)",
+             command->store.chunk_points, 1, 65536);
+  load.flag("--overwrite", "replace a table of that name, if it is a cloud", command->store.replace);
+  add_load_options(load, command->load);
+  return {load, [command] { return with_threads(command->load.threads, [&] { return run(*command); }); }};
 }
 
 namespace {
@@ -230,46 +200,24 @@ ExitCode run(const ShardPlanCommand& command) {
 
 }  // namespace
 
-Command add_sql_shard_plan(CLI::App& sql) {
+Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();
-  CLI::App* const plan =
-      sql.add_subcommand("shard-plan", "Write what puts a cloud on several PostgreSQL servers");
-  add_cloud_files(*plan, "files", command->files,
-                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one")
-      ->option_text("FILE...")
-      ->required();
-  plan->add_option("-o,--output", command->output, "folder to make")->option_text("FOLDER")->required();
-  plan->add_option_function<std::vector<std::string>>(
-          "--shard",
-          [command](const std::vector<std::string>& words) {
-            command->shards.clear();
-            for (const std::string& word : words) command->shards.push_back(database::parse_shard(word));
-          },
-          "databases that take a part of the points each, equally many; port 5432 if none is given. Users "
-          "and passwords belong to the servers' user mappings, not here")
-      ->option_text("HOST[:PORT]/DATABASE...")
-      ->required();
-  plan->add_option("--table", command->table, "what SQL calls the cloud (default: points)")
-      ->option_text("NAME");
-  add_load_options(*plan, command->load);
-  plan->footer(
-      "Form:\n"
-      "  alidade sql shard-plan FILE... --shard HOST[:PORT]/DATABASE... -o FOLDER [OPTIONS]\n"
-      "\n"
-      "No server is asked. The folder gets, for every shard, its part of the points along a Morton curve and "
-      "the script\n"
-      "that makes its table from it; the script of the table over all of them (postgres_fdw: the shards look "
-      "for their\n"
-      "points at the same time); and README.txt with the commands that run them. All servers need the "
-      "extension alidade_pg.\n"
-      "\n"
-      "Example:\n"
-      "  alidade sql shard-plan tiles/ --shard db1/site db2/site db3:5433/site -o plan\n");
-  return {plan, [command] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->load.threads, [&] { code = run(*command); });
-            return code;
-          }};
+  const Options plan = sql.command("shard-plan", "Write what puts a cloud on several PostgreSQL servers");
+  add_cloud_files(plan, "files", "FILE...",
+                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one", command->files)
+      .required();
+  plan.file("-o,--output", "FOLDER", "folder to make", command->output).required();
+  plan.words("--shard", "HOST[:PORT]/DATABASE...",
+             "databases that take a part of the points each, equally many; port 5432 if none is given. Users "
+             "and passwords belong to the servers' user mappings, not here",
+             [command](const std::vector<std::string>& words) {
+               command->shards.clear();
+               for (const std::string& word : words) command->shards.push_back(database::parse_shard(word));
+             })
+      .required();
+  plan.text("--table", "NAME", "what SQL calls the cloud (default: points)", command->table);
+  add_load_options(plan, command->load);
+  return {plan, [command] { return with_threads(command->load.threads, [&] { return run(*command); }); }};
 }
 
 }  // namespace alidade::tools

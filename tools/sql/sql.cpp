@@ -85,59 +85,25 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
 
 }  // namespace
 
-Command add_sql(CLI::App& program) {
-  CLI::App* const sql = program.add_subcommand("sql", "Ask clouds in a database with SQL; load them there");
+Command add_sql(const Options& program) {
+  const Options sql = program.command("sql", "Ask clouds in a database with SQL; load them there");
   const auto command = std::make_shared<SqlCommand>();
-  sql->add_option("database", command->database, "SQLite file with clouds")->option_text("DB");
-  CLI::Option* const statement =
-      sql->add_option("statement", command->statement,
-                      "SQL to run; - reads it from standard input; without it a terminal gets a prompt")
-          ->option_text("STATEMENT");
-  sql->add_option("-f,--file", command->file, "run the statements of a file")
-      ->option_text("FILE")
-      ->excludes(statement);
-  sql->add_option("--param", command->parameters,
-                  "value for ? (in their order) or, as name=VALUE, for :name; NULL, a number or text")
-      ->option_text("VALUE")
-      ->allow_extra_args(false);
-  CLI::Option* const csv =
-      sql->add_flag("--csv", command->csv, "rows as CSV with a header")->option_text(" ");
-  sql->add_flag("--json", command->json, "rows as an array of objects")->option_text(" ")->excludes(csv);
-  sql->add_flag("--explain", command->explain,
-                "say what was read, how long it took, and how the statement was rewritten, or why not")
-      ->option_text(" ");
-  sql->footer(
-      "Forms:\n"
-      "  alidade sql load FILE... DB         stores clouds; see 'alidade sql load --help'\n"
-      "  alidade sql shard-plan CLOUD...     plans a cloud for several servers; see its --help\n"
-      "  alidade sql DB STATEMENT [OPTIONS]  runs SELECT and other statements of SQLite that read\n"
-      "  alidade sql DB                      a prompt, with line editing and history; .help tells its "
-      "commands\n"
-      "\n"
-      "A cloud is a table with the columns id, x, y, z and its attributes. Every statement has the "
-      "functions\n"
-      "  dist_ray(ox,oy,oz, dx,dy,dz, x,y,z)    distance of a point to the line through o along d\n"
-      "  dist_plane(px,py,pz, nx,ny,nz, x,y,z)  signed distance to the plane through p across n\n"
-      "Conditions on them (<, <=, =, >=, >, BETWEEN) and on x, y, z leave chunks of points unread that have "
-      "none.\n"
-      "points(ox,oy,oz, dx,dy,dz) is the cloud with the columns dist and t of that ray; sorted by one of "
-      "these it\n"
-      "is read only as far as rows are taken. Lengths are in the unit of the coordinates, mostly metres;\n"
-      "directions may have any length but zero.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade sql site.db \"SELECT * FROM points WHERE dist_ray(0,0,1.5, 1,0.2,0, x,y,z) <= 1\" "
-      "--explain\n"
-      "  alidade sql site.db \"SELECT id, t FROM points(0,0,2, 1,0,0) WHERE dist <= 1 ORDER BY t LIMIT 1\" "
-      "--json\n"
-      "  alidade sql site.db \"SELECT avg(z) FROM points WHERE x BETWEEN ? AND ?\" --param 10 --param 20 "
-      "--csv\n");
-  const std::vector<Command> parts = {add_sql_load(*sql), add_sql_shard_plan(*sql)};
+  sql.file("database", "DB", "SQLite file with clouds", command->database);
+  const Option statement = sql.text(
+      "statement", "STATEMENT",
+      "SQL to run; - reads it from standard input; without it a terminal gets a prompt", command->statement);
+  sql.file("-f,--file", "FILE", "run the statements of a file", command->file).excludes(statement);
+  sql.text("--param", "VALUE",
+           "value for ? (in their order) or, as name=VALUE, for :name; NULL, a number or text",
+           command->parameters);
+  const Option csv = sql.flag("--csv", "rows as CSV with a header", command->csv);
+  sql.flag("--json", "rows as an array of objects", command->json).excludes(csv);
+  sql.flag("--explain",
+           "say what was read, how long it took, and how the statement was rewritten, or why not",
+           command->explain);
   return {sql,
-          [command, parts, sql, statement] {
-            return sql->get_subcommands().empty() ? run(*command, statement->count() > 0) : run_chosen(parts);
-          },
-          parts};
+          [command, statement] { return run(*command, statement.given()); },
+          {add_sql_load(sql), add_sql_shard_plan(sql)}};
 }
 
 }  // namespace alidade::tools

@@ -41,31 +41,27 @@ std::bitset<256> parse_classes(const std::string& text) {
 
 }  // namespace
 
-void add_occluder_options(CLI::App& command, OccluderRequest& request) {
-  add_choice<visibility::OccluderShape>(
-      command, "--occluder",
+void add_occluder_options(const Options& command, OccluderRequest& request) {
+  command.group(k_group).choice(
+      "--occluder",
       "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where there is a "
       "surface and spheres elsewhere (foliage, wires)",
       request.shape,
       {{"auto", visibility::OccluderShape::automatic},
        {"disc", visibility::OccluderShape::disc},
-       {"sphere", visibility::OccluderShape::sphere}})
-      ->group(k_group);
-  add_value(
-      command, "--radius", "R",
+       {"sphere", visibility::OccluderShape::sphere}});
+  command.group(k_group).number(
+      "--radius", "R",
       "of discs and spheres, in metres (default: each point's own, from the distance to its neighbours)",
-      [&request](const std::string& text) { request.radius = parse_number(text, 1e-6, 1e6); })
-      ->group(k_group);
-  add_value(command, "--transparency", "K",
-            "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
-            [&request](const std::string& text) {
-              request.transparency = static_cast<int>(parse_count(text, 1, 1000));
-            })
-      ->group(k_group);
-  add_value(command, "--ignore-classes", "LIST|none",
-            "points of these classes block nothing (default: 7,18, which are noise)",
-            [&request](const std::string& text) { request.ignored_classes = parse_classes(text); })
-      ->group(k_group);
+      request.radius, 1e-6, 1e6);
+  command.group(k_group).count(
+      "--transparency", "K",
+      "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
+      request.transparency, 1, 1000);
+  command.group(k_group).value(
+      "--ignore-classes", "LIST|none",
+      "points of these classes block nothing (default: 7,18, which are noise)",
+      [&request](const std::string& text) { request.ignored_classes = parse_classes(text); });
 }
 
 namespace {

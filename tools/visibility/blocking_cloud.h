@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <bitset>
 #include <filesystem>
 #include <memory>
@@ -11,6 +10,7 @@
 
 #include "octree/index_file/indexed_cloud.h"
 #include "tools/console.h"
+#include "tools/options.h"
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
@@ -26,7 +26,7 @@ struct OccluderRequest {
 };
 
 /// Declares the options in a group of their own; they fill `request`.
-void add_occluder_options(CLI::App& command, OccluderRequest& request);
+void add_occluder_options(const Options& command, OccluderRequest& request);
 
 /// A cloud, and what of it blocks sight.
 struct VisibilityCloud {

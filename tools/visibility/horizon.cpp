@@ -126,8 +126,8 @@ void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, con
     file.write(std::as_bytes(std::span(text)));
     return file.commit();
   }
-  std::optional<std::vector<glm::dvec3>> on_globe;
-  load_lon_lat()(cloud.cloud.cloud.crs, visibility::horizon_places(view.line, view.facts), on_globe);
+  const auto on_globe =
+      image_module().lon_lat(cloud.cloud.cloud.crs, visibility::horizon_places(view.line, view.facts));
   if (!on_globe && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
   const std::string text = visibility::horizon_geojson(view.line, view.facts, on_globe);
   OutputFile file(command.output, command.overwrite);
@@ -151,7 +151,7 @@ void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, 
   const visibility::SkylineTexts texts{
       fmt::format("Skyline from {:.2f}, {:.2f}, {:.2f}", eye.x, eye.y, eye.z), sky_text(view.facts.sky),
       geo::height_unit(cloud.cloud.cloud.crs)};
-  load_skyline_writer()(strip, view.line, texts, command.skyline, command.overwrite);
+  image_module().write_skyline(strip, view.line, texts, command.skyline, command.overwrite);
 }
 
 void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
@@ -172,7 +172,7 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
   for (const CloudFile& file : cloud.cloud.cloud.files) metadata.cloud_files.push_back(file.path.string());
   metadata.cloud_offset = cloud.octree().lattice().offset;
   metadata.crs = cloud.cloud.cloud.crs;
-  load_image_writer()(film, output, metadata, command.overwrite);
+  image_module().write_image(film, output, metadata, command.overwrite);
 }
 
 void say_findings(const HorizonCommand& command, const View& view) {
@@ -194,16 +194,10 @@ void say_findings(const HorizonCommand& command, const View& view) {
   say_note(text);
 }
 
-/// Fails before the work if what it ends in cannot be written here.
-void load_writers(const HorizonCommand& command) {
-  if (!command.skyline.empty()) load_skyline_writer();
-  if (!command.depth.empty()) load_image_writer();
-  if (is_geojson(command.output)) load_lon_lat();
-}
-
 ExitCode run(const HorizonCommand& command) {
   check_options(command);
-  load_writers(command);
+  // Fails before the work if what it ends in cannot be written here.
+  if (!command.skyline.empty() || !command.depth.empty() || is_geojson(command.output)) image_module();
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto cloud = load_cloud_alone(command.files, command.partial, Attribute::classification, verbosity);
   const visibility::Observer observer = only_observer(command, *cloud);
@@ -217,76 +211,41 @@ ExitCode run(const HorizonCommand& command) {
   return ExitCode::done;
 }
 
-void add_answers(CLI::App& horizon, HorizonCommand& command) {
-  const char* const group = "Answers";
-  horizon
-      .add_option("-o,--output", command.output,
-                  "the line as CSV or GeoJSON, by the ending (default: CSV on stdout)")
-      ->option_text("FILE.csv|FILE.geojson")
-      ->group(group);
-  horizon.add_option("--skyline", command.skyline, "also draw it over what is seen, coloured by distance")
-      ->option_text("FILE.png")
-      ->group(group);
-  horizon
-      .add_option("--depth", command.depth,
-                  "also write a panorama of distances (layers Z, distance and id), north in the middle")
-      ->option_text("FILE.exr")
-      ->group(group);
-  add_value(horizon, "--depth-size", "WxH", "pixels of the panorama (default: 2048x1024)",
-            [&command](const std::string& text) { command.depth_size = parse_image_size(text); })
-      ->group(group);
-  add_value(horizon, "--step", "DEGREES", "between azimuths; divides 360 (default: 0.5)",
-            [&command](const std::string& text) { command.step = parse_number(text, 0.001, 120.0); })
-      ->group(group);
-  add_value(horizon, "--resolution", "DEGREES", "between elevations; divides 90 (default: 0.01)",
-            [&command](const std::string& text) { command.resolution = parse_number(text, 0.0001, 10.0); })
-      ->group(group);
-  add_value(horizon, "--directions", "N", "lines to the sky for the sky-view factor (default: 4096)",
-            [&command](const std::string& text) {
-              command.sky_directions =
-                  static_cast<int>(parse_count(text, 1, visibility::k_most_sky_directions));
-            })
-      ->group(group);
-  horizon.add_flag("--overwrite", command.overwrite, "replace existing files")->group(group);
+void add_answers(const Options& horizon, HorizonCommand& command) {
+  const Options group = horizon.group("Answers");
+  group.file("-o,--output", "FILE.csv|FILE.geojson",
+             "the line as CSV or GeoJSON, by the ending (default: CSV on stdout)", command.output);
+  group.file("--skyline", "FILE.png", "also draw it over what is seen, coloured by distance",
+             command.skyline);
+  group.file("--depth", "FILE.exr",
+             "also write a panorama of distances (layers Z, distance and id), north in the middle",
+             command.depth);
+  group.value("--depth-size", "WxH", "pixels of the panorama (default: 2048x1024)",
+              [&command](const std::string& text) { command.depth_size = parse_image_size(text); });
+  group.number("--step", "DEGREES", "between azimuths; divides 360 (default: 0.5)", command.step, 0.001,
+               120.0);
+  group.number("--resolution", "DEGREES", "between elevations; divides 90 (default: 0.01)",
+               command.resolution, 0.0001, 10.0);
+  group.count("--directions", "N", "lines to the sky for the sky-view factor (default: 4096)",
+              command.sky_directions, 1, visibility::k_most_sky_directions);
+  group.flag("--overwrite", "replace existing files", command.overwrite);
 }
 
 }  // namespace
 
-Command add_visibility_horizon(CLI::App& visibility, const CommandLine& words) {
+Command add_visibility_horizon(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<HorizonCommand>();
   command->words = words;
-  CLI::App* const horizon =
-      visibility.add_subcommand("horizon", "Look around from one place: horizon line, sky, panorama");
-  add_cloud_files(*horizon, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
-  add_observer_options(*horizon, command->observers);
-  add_occluder_options(*horizon, command->occluders);
-  add_answers(*horizon, *command);
-  add_partial(*horizon, command->partial);
-  add_threads(*horizon, command->threads);
-  add_verbosity(*horizon, command->verbosity);
-  horizon->footer(
-      "Form:\n"
-      "  alidade visibility horizon CLOUD... --observer X,Y[,Z] [-o FILE.csv|FILE.geojson] [OPTIONS]\n"
-      "\n"
-      "For every azimuth, clockwise from grid north: the elevation of the highest line of sight that is "
-      "blocked, and\n"
-      "distance, id and place of the point that blocks it. The edge lies less than --resolution above it; "
-      "what is\n"
-      "thinner and stands free above the rest can be missed.\n"
-      "\n"
-      "The sky-view factor is told on stderr and in GeoJSON: the light of an even sky that a horizontal "
-      "receiver gets,\n"
-      "as a share of that of the open sky. How it is computed: docs/visibility.md.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade visibility horizon site.las --observer 690000,5325000 -o horizon.csv --skyline horizon.png\n"
-      "  alidade visibility horizon site.alidade --observer 690000,5325000,601.7 --depth around.exr -o "
-      "horizon.geojson\n");
-  return {horizon, [command] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command); });
-            return code;
-          }};
+  const Options horizon =
+      visibility.command("horizon", "Look around from one place: horizon line, sky, panorama");
+  add_cloud_files(horizon, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_observer_options(horizon, command->observers);
+  add_occluder_options(horizon, command->occluders);
+  add_answers(horizon, *command);
+  add_partial(horizon, command->partial);
+  add_threads(horizon, command->threads);
+  add_verbosity(horizon, command->verbosity);
+  return {horizon, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
 }
 
 }  // namespace alidade::tools

@@ -74,33 +74,23 @@ void for_each_pair(const LineEnds& ends, const std::function<void(std::size_t, s
 
 }  // namespace
 
-void add_pair_options(CLI::App& command, PairRequest& request) {
-  const char* const group = "Lines";
-  command
-      .add_option(
-          "--pairs", request.pairs,
-          "CSV with a pair per row: names of --places in the columns from and to, or coordinates (see "
-          "below)")
-      ->option_text("FILE")
-      ->group(group);
-  command
-      .add_option(
-          "--places", request.places,
-          "CSV, GeoJSON, GeoPackage or Shapefile with places, as observers elsewhere; without --pairs "
-          "every one is paired with every other")
-      ->option_text("FILE")
-      ->group(group);
-  command
-      .add_option(
-          "--places-crs", request.places_crs,
-          "reference system of the places, such as EPSG:4326 (default: what their file says, of CSV the "
-          "cloud's)")
-      ->option_text("CRS")
-      ->group(group);
-  add_value(command, "--end-height", "LENGTH",
-            "of ends above their foot (default: 0 for ends with a z, 2 for those on the ground)",
-            [&request](const std::string& text) { request.defaults.height = parse_number(text, 0.0, 1e6); })
-      ->group(group);
+void add_pair_options(const Options& command, PairRequest& request) {
+  const Options group = command.group("Lines");
+  group.file("--pairs", "FILE",
+             "CSV with a pair per row: names of --places in the columns from and to, or coordinates (see "
+             "below)",
+             request.pairs);
+  group.file("--places", "FILE",
+             "CSV, GeoJSON, GeoPackage or Shapefile with places, as observers elsewhere; without --pairs "
+             "every one is paired with every other",
+             request.places);
+  group.text("--places-crs", "CRS",
+             "reference system of the places, such as EPSG:4326 (default: what their file says, of CSV the "
+             "cloud's)",
+             request.places_crs);
+  group.number("--end-height", "LENGTH",
+               "of ends above their foot (default: 0 for ends with a z, 2 for those on the ground)",
+               request.defaults.height, 0.0, 1e6);
 }
 
 void check_pair_request(const PairRequest& request) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "tools/console.h"
+#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/lines/line_report.h"
 #include "visibility/observers.h"
@@ -21,7 +21,7 @@ struct PairRequest {
 };
 
 /// Declares the options in a group of their own; they fill `request`.
-void add_pair_options(CLI::App& command, PairRequest& request);
+void add_pair_options(const Options& command, PairRequest& request);
 
 /// Errors that need no cloud: nothing asked for, --places-crs alone.
 void check_pair_request(const PairRequest& request);

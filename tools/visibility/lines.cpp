@@ -40,9 +40,8 @@ struct LinesCommand {
 /// Metres of the cloud's unit, which wavelengths and the Earth are measured by.
 double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) {
   if (cloud.cloud.cloud.crs.empty()) return 1.0;
-  std::optional<double> metres;
-  load_metres_per_unit()(cloud.cloud.cloud.crs, metres);
-  if (metres) return *metres;
+  if (const std::optional<double> metres = image_module().metres_per_unit(cloud.cloud.cloud.crs))
+    return *metres;
   throw Error({.file = file.string(),
                .problem = "has coordinates in degrees or an unknown unit, which wavelengths and the Earth's "
                           "radius cannot be told in",
@@ -86,7 +85,7 @@ void check_options(const LinesCommand& command) {
   check_checkpoint(command.checkpoint, command.overwrite, {&command.output, 1}, inputs);
 }
 
-Identity identity_of(const CLI::App& words, const VisibilityCloud& cloud,
+Identity identity_of(const Options& words, const VisibilityCloud& cloud,
                      std::span<const visibility::LinePair> pairs) {
   Identity identity = run_identity(words, cloud);
   std::vector<double> numbers;
@@ -99,7 +98,7 @@ Identity identity_of(const CLI::App& words, const VisibilityCloud& cloud,
   return identity;
 }
 
-ExitCode run_lines(const LinesCommand& command, const CLI::App& words) {
+ExitCode run_lines(const LinesCommand& command, const Options& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
@@ -130,89 +129,51 @@ ExitCode run_lines(const LinesCommand& command, const CLI::App& words) {
   return ExitCode::done;
 }
 
-void add_margin(CLI::App& lines, LinesCommand& command) {
-  add_value(lines, "--end-margin", "LENGTH",
-            "so much of a line at either end is not looked at: scanned masts and tripods (default: 0)",
-            [&command](const std::string& text) { command.end_margin = parse_number(text, 0.0, 1e9); })
-      ->group("Lines");
+void add_margin(const Options& lines, LinesCommand& command) {
+  lines.group("Lines").number(
+      "--end-margin", "LENGTH",
+      "so much of a line at either end is not looked at: scanned masts and tripods (default: 0)",
+      command.end_margin, 0.0, 1e9);
 }
 
-void add_radio(CLI::App& lines, LinesCommand& command) {
-  const char* const group = "Radio";
-  add_value(lines, "--frequency", "F[GHz|MHz]",
-            "report on the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
-            [&command](const std::string& text) {
-              command.frequency = visibility::parse_frequency(text);
-              if (!command.frequency)
-                throw CLI::ValidationError("expected 1MHz to 1000GHz, found '" + text + "'");
-            })
-      ->group(group);
-  add_value(
-      lines, "--earth-radius-factor", "K|off",
+void add_radio(const Options& lines, LinesCommand& command) {
+  const Options group = lines.group("Radio");
+  group.value("--frequency", "F[GHz|MHz]",
+              "report on the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
+              [&command](const std::string& text) {
+                command.frequency = visibility::parse_frequency(text);
+                if (!command.frequency) throw UsageError("expected 1MHz to 1000GHz, found '" + text + "'");
+              });
+  group.value(
+      "--earth-radius-factor", "K|off",
       "lines bend down over the ground of a round Earth with K times its radius; K takes in how air bends "
       "rays (default: 1.3333 with --frequency, otherwise off)",
       [&command](const std::string& text) {
         command.earth_factor.emplace();
         if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
-      })
-      ->group(group);
+      });
 }
 
 }  // namespace
 
-Command add_visibility_lines(CLI::App& visibility, const CommandLine& command_line) {
+Command add_visibility_lines(const Options& visibility, const CommandLine& command_line) {
   auto command = std::make_shared<LinesCommand>();
   command->command_line = command_line;
-  CLI::App* const lines = visibility.add_subcommand(
+  const Options lines = visibility.command(
       "lines", "Report on sight lines between pairs of places, and on their Fresnel zones");
-  add_cloud_files(*lines, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
-  add_pair_options(*lines, command->pairs);
-  add_margin(*lines, *command);
-  add_radio(*lines, *command);
-  add_occluder_options(*lines, command->occluders);
-  lines->add_option("-o,--output", command->output, "file to write: .csv, .json or .geojson")
-      ->option_text("FILE")
-      ->required();
-  lines->add_flag("--overwrite", command->overwrite, "replace an existing file");
-  add_checkpoint_options(*lines, command->checkpoint);
-  add_partial(*lines, command->partial);
-  add_threads(*lines, command->threads);
-  add_verbosity(*lines, command->verbosity);
-  lines->footer(
-      "Forms:\n"
-      "  alidade visibility lines CLOUD... --places FILE -o OUT [OPTIONS]\n"
-      "  alidade visibility lines CLOUD... --pairs FILE [--places FILE] -o OUT [OPTIONS]\n"
-      "\n"
-      "Lengths and coordinates are in metres (the unit of the cloud's CRS).\n"
-      "\n"
-      "Pairs: from,to with names of places; or from_x,from_y,to_x,to_y in the cloud's coordinates, with "
-      "from_z, to_z\n"
-      "(without them an end stands on the ground), from_height, to_height, from, to if wanted.\n"
-      "\n"
-      "A row tells whether the line is visible, else the first point that blocks (blocker, its class and "
-      "place, and\n"
-      "blocker_at from the first end on); the clearance, which is the smallest distance of any point "
-      "beside the line,\n"
-      "where and which; and with --frequency of the first Fresnel zone: its radius in the middle, the share "
-      "that is\n"
-      "obstructed, within 60 % of the radius (inner), in the worst cross-section, of the volume (cut_off), "
-      "by "
-      "which class\n"
-      "most; whether nothing lies within 60 % (clear); the nearest point as a share of the radius. .json "
-      "also "
-      "lists\n"
-      "which points and classes obstruct how much. .geojson has lines split where they are blocked, in "
-      "longitude and\n"
-      "latitude where the cloud's reference system is known.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade visibility lines site.las --places masts.geojson -o lines.geojson\n"
-      "  alidade visibility lines site.las --pairs links.csv --frequency 5.8GHz --end-margin 1 -o "
-      "links.json\n");
+  add_cloud_files(lines, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_pair_options(lines, command->pairs);
+  add_margin(lines, *command);
+  add_radio(lines, *command);
+  add_occluder_options(lines, command->occluders);
+  lines.file("-o,--output", "FILE", "file to write: .csv, .json or .geojson", command->output).required();
+  lines.flag("--overwrite", "replace an existing file", command->overwrite);
+  add_checkpoint_options(lines, command->checkpoint);
+  add_partial(lines, command->partial);
+  add_threads(lines, command->threads);
+  add_verbosity(lines, command->verbosity);
   return {lines, [command, lines] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run_lines(*command, *lines); });
-            return code;
+            return with_threads(command->threads, [&] { return run_lines(*command, lines); });
           }};
 }
 

@@ -16,27 +16,23 @@
 
 namespace alidade::tools {
 
-void add_checkpoint_options(CLI::App& command, CheckpointRequest& request) {
+void add_checkpoint_options(const Options& command, CheckpointRequest& request) {
   constexpr double k_most_seconds = 1e9;
-  const char* const group = "Long runs";
-  CLI::Option* const checkpoint =
-      add_value(
-          command, "--checkpoint", "FILE",
-          "keep what has been computed in FILE, every --checkpoint-interval seconds and on Ctrl-C; removed "
-          "once the output is written",
-          [&request](const std::string& text) { request.file = text; })
-          ->group(group);
-  add_value(
-      command, "--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
-      [&request](const std::string& text) { request.interval = parse_number(text, 1e-3, k_most_seconds); })
-      ->needs(checkpoint)
-      ->group(group);
-  command
-      .add_flag("--resume", request.resume,
-                "go on from the checkpoint, if it is there; the output has the bytes of an uninterrupted run")
-      ->option_text(" ")
-      ->needs(checkpoint)
-      ->group(group);
+  const Options group = command.group("Long runs");
+  const Option checkpoint = group.value(
+      "--checkpoint", "FILE",
+      "keep what has been computed in FILE, every --checkpoint-interval seconds and on Ctrl-C; removed "
+      "once the output is written",
+      [&request](const std::string& text) { request.file = text; });
+  group
+      .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
+              request.interval, 1e-3, k_most_seconds)
+      .needs(checkpoint);
+  group
+      .flag("--resume",
+            "go on from the checkpoint, if it is there; the output has the bytes of an uninterrupted run",
+            request.resume)
+      .needs(checkpoint);
 }
 
 void check_checkpoint(const CheckpointRequest& request, bool overwrite,
@@ -73,12 +69,6 @@ constexpr std::array<std::string_view, 13> k_silent_options = {
     "cloud",     "help",    "output", "lists",   "curve",      "preview",
     "overwrite", "threads", "quiet",  "verbose", "checkpoint", "checkpoint-interval",
     "resume"};
-
-std::string name_of(const CLI::Option& option) {
-  if (!option.get_lnames().empty()) return option.get_lnames().front();
-  if (!option.get_snames().empty()) return option.get_snames().front();
-  return option.get_name();
-}
 
 std::string joined(const std::vector<std::string>& words) {
   std::string text;
@@ -121,13 +111,12 @@ std::string crs_checksum(const Crs& crs) {
 
 }  // namespace
 
-Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud) {
-  Identity identity{{"command", command.get_name()},
+Identity run_identity(const Options& command, const VisibilityCloud& cloud) {
+  Identity identity{{"command", command.name()},
                     {"version of answers", std::to_string(visibility::k_answers_version)}};
-  for (const CLI::Option* const option : command.get_options()) {
-    const std::string name = name_of(*option);
+  for (const auto& [name, words] : command.given()) {
     if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
-    identity.push_back({"--" + name, joined(option->results())});
+    identity.push_back({"--" + name, joined(words)});
   }
   const Bounds& box = cloud.cloud.octree.bounds();
   identity.push_back({"number of points", std::to_string(cloud.cloud.octree.size())});

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -11,6 +10,7 @@
 #include "base/checkpoint.h"
 #include "geo/raster.h"
 #include "tools/console.h"
+#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/observers.h"
 
@@ -24,7 +24,7 @@ struct CheckpointRequest {
 };
 
 /// Declares the options in a group of their own; they fill `request`.
-void add_checkpoint_options(CLI::App& command, CheckpointRequest& request);
+void add_checkpoint_options(const Options& command, CheckpointRequest& request);
 
 /// Lets a run fail before it starts. Errors: the checkpoint is one of the outputs or inputs, exists and may
 /// neither be gone on from nor replaced, is another kind of file, or cannot be written.
@@ -35,7 +35,7 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
 /// What the answers of a command depend on: its name, all its options but those that cannot change them
 /// (outputs, threads, and how it is watched), the points, surfaces, classes and reference system of the cloud
 /// as it was loaded. Requires that the options were read. Cost: the cloud is read once.
-Identity run_identity(const CLI::App& command, const VisibilityCloud& cloud);
+Identity run_identity(const Options& command, const VisibilityCloud& cloud);
 
 /// Adds observers as they are placed.
 void add_to_identity(std::span<const visibility::Observer> observers, Identity& identity);

@@ -31,7 +31,7 @@ std::string name_of(double metres) {
 CloudUnit cloud_unit(const Crs& crs) {
   if (crs.empty()) return {};
   CloudUnit unit;
-  load_metres_per_unit()(crs, unit.metres);
+  unit.metres = image_module().metres_per_unit(crs);
   if (!unit.metres) {
     const geo::MapUnit told = geo::map_unit(crs);
     if (told == geo::MapUnit::unknown) return {};
@@ -49,55 +49,49 @@ Bounds parse_area(const std::string& text) {
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     const bool last = i + 1 == numbers.size();
     const std::size_t end = last ? text.size() : text.find(',', begin);
-    if (end == std::string::npos)
-      throw CLI::ValidationError("expected XMIN,YMIN,XMAX,YMAX, found '" + text + "'");
+    if (end == std::string::npos) throw UsageError("expected XMIN,YMIN,XMAX,YMAX, found '" + text + "'");
     numbers[i] = parse_number(text.substr(begin, end - begin));
     begin = end + 1;
   }
   const Bounds area{{numbers[0], numbers[1], 0.0}, {numbers[2], numbers[3], 0.0}};
-  if (area.empty())
-    throw CLI::ValidationError("expected XMIN,YMIN,XMAX,YMAX with min <= max, found '" + text + "'");
+  if (area.empty()) throw UsageError("expected XMIN,YMIN,XMAX,YMAX with min <= max, found '" + text + "'");
   return area;
 }
 
-void add_ground(CLI::App& command, MapOptions& map) {
-  const char* const group = "Ground";
-  add_choice<visibility::GroundSource>(
-      command, "--ground",
+void add_ground(const Options& command, MapOptions& map) {
+  const Options group = command.group("Ground");
+  group.choice(
+      "--ground",
       "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest "
       "points (default: auto, by class if there is class 2)",
       map.ground_source,
       {{"auto", visibility::GroundSource::automatic},
        {"class", visibility::GroundSource::classified},
-       {"lowest", visibility::GroundSource::lowest}})
-      ->group(group);
-  add_value(command, "--ground-cell", "LENGTH",
-            "side of the cells whose ground is found (default: the mean distance of the points of these "
-            "classes, or "
-            "four times that of all points)",
-            [&map](const std::string& text) { map.ground_cell = parse_number(text, 1e-6, 1e9); })
-      ->group(group);
-  add_value(command, "--ground-reach", "LENGTH",
-            "no ground farther than this from the cloud's points (default: 10)",
-            [&map](const std::string& text) { map.ground_reach = parse_number(text, 0.0, 1e9); })
-      ->group(group);
+       {"lowest", visibility::GroundSource::lowest}});
+  group.number("--ground-cell", "LENGTH",
+               "side of the cells whose ground is found (default: the mean distance of the points of these "
+               "classes, or "
+               "four times that of all points)",
+               map.ground_cell, 1e-6, 1e9);
+  group.number("--ground-reach", "LENGTH",
+               "no ground farther than this from the cloud's points (default: 10)", map.ground_reach, 0.0,
+               1e9);
 }
 
 }  // namespace
 
-void add_map_options(CLI::App& command, MapOptions& map) {
-  command.add_option("--preview", map.preview, "also draw it: relief, marks, scale bar, legend")
-      ->option_text("FILE.png")
-      ->group(k_map_group);
-  add_value(
-      command, "--resolution", "LENGTH",
-      "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, none "
-      "smaller than those of the ground)",
-      [&map](const std::string& text) { map.resolution = parse_number(text, 1e-6, 1e9); })
-      ->group(k_map_group);
-  add_value(command, "--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)",
-            [&map](const std::string& text) { map.area = parse_area(text); })
-      ->group(k_map_group);
+void add_map_options(const Options& command, MapOptions& map) {
+  command.group(k_map_group)
+      .file("--preview", "FILE.png", "also draw it: relief, marks, scale bar, legend", map.preview);
+  command.group(k_map_group)
+      .number("--resolution", "LENGTH",
+              "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
+              "none "
+              "smaller than those of the ground)",
+              map.resolution, 1e-6, 1e9);
+  command.group(k_map_group)
+      .value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)",
+             [&map](const std::string& text) { map.area = parse_area(text); });
   add_ground(command, map);
 }
 
@@ -113,7 +107,7 @@ std::string given_map_option(const MapOptions& map) {
 
 void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files) {
-  load_raster_writer();
+  image_module();
   if (map.preview.empty()) return;
   if (file_ending(map.preview) != ".png") {
     throw Error({.file = map.preview.string(),
@@ -121,7 +115,6 @@ void check_map_writing(const MapOptions& map, bool overwrite,
                  .expected = "a name ending in .png"});
   }
   check_writable(map.preview, overwrite, other_files);
-  load_map_drawer();
   image::find_font();
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -24,7 +23,7 @@ struct CloudUnit {
 };
 
 /// Asks GDAL, which knows systems by their codes, and where it does not know one, the system's own words
-/// (geo/map_unit.h). Requires: not degrees. Errors: those of load_module_function().
+/// (geo/map_unit.h). Requires: not degrees. Errors: those of image_module().
 CloudUnit cloud_unit(const Crs& crs);
 
 // What all maps of the ground share, be they of what is seen, of the sky or of the sun.
@@ -41,7 +40,7 @@ struct MapOptions {
 constexpr const char* k_map_group = "Map";
 
 /// Declares the options in groups of their own; they fill `map`. The target height is add_target_height()'s.
-void add_map_options(CLI::App& command, MapOptions& map);
+void add_map_options(const Options& command, MapOptions& map);
 
 /// Name of the first of these options that was given, as "--area"; empty: none.
 std::string given_map_option(const MapOptions& map);

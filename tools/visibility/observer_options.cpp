@@ -16,58 +16,50 @@
 namespace alidade::tools {
 namespace {
 
-constexpr const char* k_group = "Observers";
 constexpr std::size_t k_most_lines = 8;  ///< said about observers
 
 /// Two angles with a comma between.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
   const std::vector<std::string> words = split_list(text);
-  if (words.size() != 2)
-    throw CLI::ValidationError("expected two angles with a comma between, found '" + text + "'");
+  if (words.size() != 2) throw UsageError("expected two angles with a comma between, found '" + text + "'");
   return {parse_number(words[0], least, most), parse_number(words[1], least, most)};
 }
 
-void add_view(CLI::App& command, visibility::ObserverDefaults& defaults) {
-  add_value(command, "--max-distance,--md,--max_distance", "LENGTH",
-            "nothing farther from the observer is seen (default: inf); along the line of sight",
-            [&defaults](const std::string& text) {
-              defaults.max_distance =
-                  parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
-            })
-      ->group(k_group);
-  CLI::Option* const azimuths = add_value(
-      command, "--horizontal-fov", "A0,A1",
+void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
+  group.value("--max-distance,--md,--max_distance", "LENGTH",
+              "nothing farther from the observer is seen (default: inf); along the line of sight",
+              [&defaults](const std::string& text) {
+                defaults.max_distance =
+                    parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
+              });
+  const Option azimuths = group.value(
+      "--horizontal-fov", "A0,A1",
       "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks north "
       "(default: 0,360)",
       [&defaults](const std::string& text) {
         const auto [from, to] = parse_angles(text, -360.0, 720.0);
-        if (from == to) throw CLI::ValidationError("expected two angles that differ, found '" + text + "'");
+        if (from == to) throw UsageError("expected two angles that differ, found '" + text + "'");
         defaults.azimuth_min = from;
         defaults.azimuth_max = to;
       });
-  azimuths->group(k_group);
-  add_value(command, "--direction_range", "D0,D1",
-            "the same as r.viewshed has it: from D0 to D1 counterclockwise, 0 is east",
-            [&defaults](const std::string& text) {
-              constexpr double k_north = 90.0;
-              const auto [from, to] = parse_angles(text, -360.0, 360.0);
-              if (from >= to)
-                throw CLI::ValidationError("expected the smaller angle first, found '" + text + "'");
-              defaults.azimuth_min = k_north - to;
-              defaults.azimuth_max = k_north - from;
-            })
-      ->excludes(azimuths)
-      ->group(k_group);
-  add_value(command, "--vertical-fov", "E0,E1",
-            "field of view in degrees up from the horizontal (default: -90,90)",
-            [&defaults](const std::string& text) {
-              const auto [low, high] = parse_angles(text, -90.0, 90.0);
-              if (low > high)
-                throw CLI::ValidationError("expected the lower angle first, found '" + text + "'");
-              defaults.elevation_min = low;
-              defaults.elevation_max = high;
-            })
-      ->group(k_group);
+  group
+      .value("--direction_range", "D0,D1",
+             "the same as r.viewshed has it: from D0 to D1 counterclockwise, 0 is east",
+             [&defaults](const std::string& text) {
+               constexpr double k_north = 90.0;
+               const auto [from, to] = parse_angles(text, -360.0, 360.0);
+               if (from >= to) throw UsageError("expected the smaller angle first, found '" + text + "'");
+               defaults.azimuth_min = k_north - to;
+               defaults.azimuth_max = k_north - from;
+             })
+      .excludes(azimuths);
+  group.value("--vertical-fov", "E0,E1", "field of view in degrees up from the horizontal (default: -90,90)",
+              [&defaults](const std::string& text) {
+                const auto [low, high] = parse_angles(text, -90.0, 90.0);
+                if (low > high) throw UsageError("expected the lower angle first, found '" + text + "'");
+                defaults.elevation_min = low;
+                defaults.elevation_max = high;
+              });
 }
 
 /// Those of the command line, then those of the file.
@@ -75,10 +67,9 @@ std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options
   const geo::ObserverReference reference{
       .given = options.reference, .cloud = crs, .option = options.reference_option};
   std::vector<visibility::GivenObserver> given = options.places;
-  if (!options.reference.empty() && !given.empty()) load_observer_transformer()(reference, given);
+  if (!options.reference.empty() && !given.empty()) image_module().to_cloud_reference(given, "", reference);
   if (options.file.empty()) return given;
-  std::vector<visibility::GivenObserver> read;
-  load_observer_reader()(options.file, reference, read);
+  const std::vector<visibility::GivenObserver> read = image_module().read_observers(options.file, reference);
   given.insert(given.end(), read.begin(), read.end());
   return given;
 }
@@ -95,52 +86,38 @@ void tell(std::span<const visibility::Observer> observers) {
 
 }  // namespace
 
-void add_observer_options(CLI::App& command, ObserverOptions& options) {
-  // The option may be repeated; each value is read at once, so that it is named if it is wrong.
-  command
-      .add_option_function<std::vector<std::string>>(
-          "--observer",
-          [&options](const std::vector<std::string>& texts) {
-            for (const std::string& text : texts) options.places.push_back(visibility::parse_observer(text));
-          },
-          "where the eye is, or its foot with --observer-height; without Z the foot is on the ground. May be "
-          "repeated")
-      ->option_text("X,Y[,Z]")
-      ->allow_extra_args(false)
-      ->group(k_group);
-  command
-      .add_option(
-          "--observers", options.file,
-          "observers from a file: CSV with the header x,y[,z][,name][,height][,azimuth_min][,azimuth_max]"
-          "[,elevation_min][,elevation_max][,max_distance], or points of GeoJSON, GeoPackage or Shapefile "
-          "with attributes of these names")
-      ->option_text("FILE")
-      ->group(k_group);
-  add_value(
-      command, "--observers-crs", "SYSTEM|cloud",
+void add_observer_options(const Options& command, ObserverOptions& options) {
+  const Options group = command.group(k_observer_group);
+  group.values(
+      "--observer", "X,Y[,Z]",
+      "where the eye is, or its foot with --observer-height; without Z the foot is on the ground. May be "
+      "repeated",
+      [&options](const std::string& text) { options.places.push_back(visibility::parse_observer(text)); });
+  group.file("--observers", "FILE",
+             "observers from a file: CSV with the header x,y[,z][,name][,height][,azimuth_min][,azimuth_max]"
+             "[,elevation_min][,elevation_max][,max_distance], or points of GeoJSON, GeoPackage or Shapefile "
+             "with attributes of these names",
+             options.file);
+  group.value(
+      "--observers-crs", "SYSTEM|cloud",
       "reference system of the observers, as EPSG:4326 (x is east), whatever their file says; cloud: the "
       "cloud's own (default: the file's, of CSV and --observer the cloud's)",
       [&options](const std::string& text) {
-        if (text.empty()) throw CLI::ValidationError("expected a reference system, found nothing");
+        if (text.empty()) throw UsageError("expected a reference system, found nothing");
         options.reference = text;
-      })
-      ->group(k_group);
-  add_value(command, "--observer-grid", "LENGTH",
-            "an observer on the ground in every square cell of this width over the cloud's extent",
-            [&options](const std::string& text) { options.grid = parse_number(text, 1e-3, 1e9); })
-      ->group(k_group);
-  add_value(command, "--observer-height,--oz,--observer_elevation", "LENGTH",
-            "of the eye above its foot (default: 0 for observers with a z, 2 for those on the ground)",
-            [&options](const std::string& text) { options.defaults.height = parse_number(text, 0.0, 1e6); })
-      ->group(k_group);
-  add_view(command, options.defaults);
+      });
+  group.number("--observer-grid", "LENGTH",
+               "an observer on the ground in every square cell of this width over the cloud's extent",
+               options.grid, 1e-3, 1e9);
+  group.number("--observer-height,--oz,--observer_elevation", "LENGTH",
+               "of the eye above its foot (default: 0 for observers with a z, 2 for those on the ground)",
+               options.defaults.height, 0.0, 1e6);
+  add_view(group, options.defaults);
 }
 
-void add_target_height(CLI::App& command, std::optional<double>& height) {
-  add_value(command, "--target-height,--tz,--target_elevation", "LENGTH",
-            "of what is looked at above the ground (default: 0)",
-            [&height](const std::string& text) { height = parse_number(text, 0.0, 1e6); })
-      ->group(k_group);
+void add_target_height(const Options& command, std::optional<double>& height) {
+  command.number("--target-height,--tz,--target_elevation", "LENGTH",
+                 "of what is looked at above the ground (default: 0)", height, 0.0, 1e6);
 }
 
 std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,

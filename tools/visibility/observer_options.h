@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "tools/console.h"
+#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "visibility/observers.h"
 
@@ -25,10 +25,13 @@ struct ObserverOptions {
 };
 
 /// Declares the options in a group of their own; they fill `options`.
-void add_observer_options(CLI::App& command, ObserverOptions& options);
+void add_observer_options(const Options& command, ObserverOptions& options);
+
+/// The heading that options of observers stand under.
+inline constexpr const char* k_observer_group = "Observers";
 
 /// --target-height LENGTH: how far above its cell or point a target is looked at. At least 0.
-void add_target_height(CLI::App& command, std::optional<double>& height);
+void add_target_height(const Options& command, std::optional<double>& height);
 
 /// Reads the observers, in the cloud's reference system, gives them their places, and says these; what is
 /// strange about them say_observer_remarks() tells, once occluders are measured. Those of the command line

@@ -48,10 +48,10 @@ std::map<int, double> parse_weights(const std::string& text) {
   for (const std::string& word : split_list(text)) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos)
-      throw CLI::ValidationError("expected CLASS=WEIGHT, as 6=2.5, found '" + word + "'");
+      throw UsageError("expected CLASS=WEIGHT, as 6=2.5, found '" + word + "'");
     const int number = parse_class(word.substr(0, equals));
     if (!weights.emplace(number, parse_number(word.substr(equals + 1), 0.0, 1e9)).second)
-      throw CLI::ValidationError(fmt::format("class {} is weighed twice", number));
+      throw UsageError(fmt::format("class {} is weighed twice", number));
   }
   return weights;
 }
@@ -108,11 +108,11 @@ void say_result(const PlaceCommand& command, const visibility::Placement& placem
   if (placement.places.size() < command.count) say_note("more places would add nothing");
 }
 
-ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
+ExitCode run_place(const PlaceCommand& command, const Options& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
-  if (!command.curve.empty()) load_coverage_writer();
+  if (!command.curve.empty()) image_module();
   const auto cloud = load_cloud_alone(command.files, command.partial, {}, verbosity);
   const std::vector<visibility::Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
   const std::vector<visibility::PlacementTarget> targets = targets_of(command, *cloud);
@@ -144,96 +144,62 @@ ExitCode run_place(const PlaceCommand& command, const CLI::App& words) {
       placement, candidates, chosen_row_form(command.output), row_file_head(command.command_line, facts),
       to_lon_lat_of(facts.crs), command.output, command.overwrite);
   if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
-  if (!command.curve.empty()) load_coverage_writer()(placement, command.curve, command.overwrite);
+  if (!command.curve.empty())
+    image_module().write_coverage_picture(placement, command.curve, command.overwrite);
   long_run.finish();
   say_result(command, placement);
   return ExitCode::done;
 }
 
-void add_targets(CLI::App& place, PlaceCommand& command) {
-  const char* const group = "Targets";
-  add_value(place, "--target-spacing", "LENGTH",
-            "targets are points of the cloud, thinned to one per cube of this side (default: 1)",
-            [&command](const std::string& text) { command.target_spacing = parse_number(text, 1e-6, 1e9); })
-      ->group(group);
-  add_value(place, "--target-height", "LENGTH",
-            "of the targets above these points: 1.7 for people on points of the ground (default: 0)",
-            [&command](const std::string& text) { command.target_height = parse_number(text, 0.0, 1e6); })
-      ->group(group);
-  add_value(place, "--target-classes", "LIST",
-            "points of these classes only, as 2,11 (default: all but those of --ignore-classes)",
-            [&command](const std::string& text) {
-              command.target_classes.emplace();
-              for (const std::string& word : split_list(text))
-                command.target_classes->set(static_cast<std::size_t>(parse_class(word)));
-            })
-      ->group(group);
-  add_value(place, "--class-weights", "LIST",
-            "how much targets of a class count, as 6=5,2=0.5 (default: 1 each)",
-            [&command](const std::string& text) { command.class_weights = parse_weights(text); })
-      ->group(group);
+void add_targets(const Options& place, PlaceCommand& command) {
+  const Options group = place.group("Targets");
+  group.number("--target-spacing", "LENGTH",
+               "targets are points of the cloud, thinned to one per cube of this side (default: 1)",
+               command.target_spacing, 1e-6, 1e9);
+  group.number("--target-height", "LENGTH",
+               "of the targets above these points: 1.7 for people on points of the ground (default: 0)",
+               command.target_height, 0.0, 1e6);
+  group.value("--target-classes", "LIST",
+              "points of these classes only, as 2,11 (default: all but those of --ignore-classes)",
+              [&command](const std::string& text) {
+                command.target_classes.emplace();
+                for (const std::string& word : split_list(text))
+                  command.target_classes->set(static_cast<std::size_t>(parse_class(word)));
+              });
+  group.value("--class-weights", "LIST", "how much targets of a class count, as 6=5,2=0.5 (default: 1 each)",
+              [&command](const std::string& text) { command.class_weights = parse_weights(text); });
 }
 
-void add_answers(CLI::App& place, PlaceCommand& command) {
-  const char* const group = "Answers";
-  add_value(place, "--count", "K", "how many places to choose",
-            [&command](const std::string& text) {
-              command.count = static_cast<std::size_t>(parse_count(text, 1, 1'000'000'000));
-            })
-      ->required()
-      ->group(group);
-  place
-      .add_option("-o,--output", command.output,
-                  "file to write: .csv, .json or .geojson; a row per place, with what it and those before it "
-                  "cover")
-      ->option_text("FILE")
-      ->required()
-      ->group(group);
-  place.add_option("--curve", command.curve, "picture of what each further place adds")
-      ->option_text("FILE.png")
-      ->group(group);
-  place.add_flag("--overwrite", command.overwrite, "replace existing files")->group(group);
+void add_answers(const Options& place, PlaceCommand& command) {
+  const Options group = place.group("Answers");
+  group.count("--count", "K", "how many places to choose", command.count, 1, 1'000'000'000).required();
+  group
+      .file("-o,--output", "FILE",
+            "file to write: .csv, .json or .geojson; a row per place, with what it and those before it "
+            "cover",
+            command.output)
+      .required();
+  group.file("--curve", "FILE.png", "picture of what each further place adds", command.curve);
+  group.flag("--overwrite", "replace existing files", command.overwrite);
 }
 
 }  // namespace
 
-Command add_visibility_place(CLI::App& visibility, const CommandLine& command_line) {
+Command add_visibility_place(const Options& visibility, const CommandLine& command_line) {
   auto command = std::make_shared<PlaceCommand>();
   command->command_line = command_line;
-  CLI::App* const place =
-      visibility.add_subcommand("place", "Choose the few of many places from which one sees most");
-  add_cloud_files(*place, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
-  add_observer_options(*place, command->candidates);
-  add_targets(*place, *command);
-  add_occluder_options(*place, command->occluders);
-  add_answers(*place, *command);
-  add_checkpoint_options(*place, command->checkpoint);
-  add_partial(*place, command->partial);
-  add_threads(*place, command->threads);
-  add_verbosity(*place, command->verbosity);
-  place->footer(
-      "Form:\n"
-      "  alidade visibility place CLOUD... --observers FILE|--observer-grid LENGTH --count K -o FILE "
-      "[OPTIONS]\n"
-      "\n"
-      "Observers are the candidates. Each time that is chosen which sees most of what nobody sees yet, of "
-      "equals the first.\n"
-      "K places then see at least 63 % (1 - 1/e) of what the best choice of K sees; the bound that is "
-      "printed is closer.\n"
-      "Candidates and targets make a sight line each, and take a bit of memory.\n"
-      "\n"
-      "Lengths and coordinates are in metres (the unit of the cloud's CRS).\n"
-      "\n"
-      "Exit codes: 0 done; 1 no candidate sees any target.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade visibility place site.las --observer-grid 5 --count 4 -o places.csv --curve curve.png\n"
-      "  alidade visibility place site.las --observers masts.geojson --target-classes 2 --target-height 1.7 "
-      "--count 3 -o best.geojson\n");
+  const Options place = visibility.command("place", "Choose the few of many places from which one sees most");
+  add_cloud_files(place, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_observer_options(place, command->candidates);
+  add_targets(place, *command);
+  add_occluder_options(place, command->occluders);
+  add_answers(place, *command);
+  add_checkpoint_options(place, command->checkpoint);
+  add_partial(place, command->partial);
+  add_threads(place, command->threads);
+  add_verbosity(place, command->verbosity);
   return {place, [command, place] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run_place(*command, *place); });
-            return code;
+            return with_threads(command->threads, [&] { return run_place(*command, place); });
           }};
 }
 

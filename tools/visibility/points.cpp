@@ -156,7 +156,7 @@ visibility::PointVisibility look(const PointsCommand& command, const VisibilityC
   return seen;
 }
 
-ExitCode run(const PointsCommand& command, const CLI::App& words) {
+ExitCode run(const PointsCommand& command, const Options& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   const auto cloud = load_cloud_alone(command.files, command.partial, AttributeSet::all(), verbosity);
@@ -194,79 +194,43 @@ ExitCode run(const PointsCommand& command, const CLI::App& words) {
   return ExitCode::done;
 }
 
-void add_answers(CLI::App& points, PointsCommand& command) {
-  const char* const group = "Answers";
-  points.add_option("-o,--output", command.output, "cloud to write: LAS 1.4, LAZ or PLY, by the ending")
-      ->option_text("FILE.las|FILE.laz|FILE.ply")
-      ->required()
-      ->group(group);
-  add_value(
-      points, "--fraction", "N",
+void add_answers(const Options& points, PointsCommand& command) {
+  const Options group = points.group("Answers");
+  group
+      .file("-o,--output", "FILE.las|FILE.laz|FILE.ply", "cloud to write: LAS 1.4, LAZ or PLY, by the ending",
+            command.output)
+      .required();
+  group.count(
+      "--fraction", "N",
       "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the share of "
       "them that is seen (default: off)",
-      [&command](const std::string& text) {
-        command.sub_rays = static_cast<int>(parse_count(text, 2, visibility::k_most_sub_rays));
-      })
-      ->group(group);
-  add_choice<BlockerColumns>(points, "--blockers",
-                             "whether to tell what blocks the view of each point (default: all for one "
-                             "observer, else none); none is "
-                             "faster",
-                             command.blockers, {{"all", BlockerColumns::all}, {"none", BlockerColumns::none}})
-      ->group(group);
-  points
-      .add_option("--lists", command.lists,
-                  "also write who sees what: CSV observer,point_id, for any number of observers")
-      ->option_text("FILE.csv")
-      ->group(group);
-  points.add_flag("--overwrite", command.overwrite, "replace an existing file")->group(group);
+      command.sub_rays, 2, visibility::k_most_sub_rays);
+  group.choice("--blockers",
+               "whether to tell what blocks the view of each point (default: all for one "
+               "observer, else none); none is "
+               "faster",
+               command.blockers, {{"all", BlockerColumns::all}, {"none", BlockerColumns::none}});
+  group.file("--lists", "FILE.csv",
+             "also write who sees what: CSV observer,point_id, for any number of observers", command.lists);
+  group.flag("--overwrite", "replace an existing file", command.overwrite);
 }
 
 }  // namespace
 
-Command add_visibility_points(CLI::App& visibility) {
+Command add_visibility_points(const Options& visibility) {
   auto command = std::make_shared<PointsCommand>();
-  CLI::App* const points = visibility.add_subcommand(
-      "points", "Say of every point of a cloud whether it is seen, and what blocks it");
-  add_cloud_files(*points, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
-  add_observer_options(*points, command->observers);
-  add_occluder_options(*points, command->occluders);
-  add_answers(*points, *command);
-  add_checkpoint_options(*points, command->checkpoint);
-  add_partial(*points, command->partial);
-  add_threads(*points, command->threads);
-  add_verbosity(*points, command->verbosity);
-  points->footer(
-      "Form:\n"
-      "  alidade visibility points CLOUD... --observer X,Y,Z -o FILE.las [OPTIONS]\n"
-      "\n"
-      "The output is the cloud itself: order, attributes, scale, offset, reference system and records stay. "
-      "It gets\n"
-      "the extra bytes\n"
-      "  Visible          uint8    1 if an observer sees the point\n"
-      "  VisibleCount     uint32   how many do\n"
-      "  VisibleBy        uint64   which ones: bit i-1 for observer i; with 2 to 64 observers\n"
-      "  VisibleFraction  float    with --fraction: share of the point's disc that is seen, by the one who "
-      "sees "
-      "most of it\n"
-      "  Blocker          int64    id (row) of the first point in the way; -1 if nothing is, or the point is "
-      "out "
-      "of view.\n"
-      "                            Of several observers Blocker_1, Blocker_2, ...\n"
-      "Out of view is what lies outside the field of view or beyond --max-distance.\n"
-      "\n"
-      "Lengths are in metres (the unit of the cloud's CRS). What blocks, and why a point does not hide "
-      "itself: "
-      "docs/visibility.md.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade visibility points site.las --observer 690000,5325000,601.7 -o seen.las\n"
-      "  alidade visibility points site.alidade --observers cameras.gpkg --lists who.csv -o seen.las\n"
-      "  alidade visibility points site.las --observer 690000,5325000 --horizontal-fov 45,135 -o seen.ply\n");
+  const Options points =
+      visibility.command("points", "Say of every point of a cloud whether it is seen, and what blocks it");
+  add_cloud_files(points, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_observer_options(points, command->observers);
+  add_occluder_options(points, command->occluders);
+  add_answers(points, *command);
+  add_checkpoint_options(points, command->checkpoint);
+  add_partial(points, command->partial);
+  add_threads(points, command->threads);
+  add_verbosity(points, command->verbosity);
   return {points, [command, points] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command, *points); });
-            return code;
+            return with_threads(command->threads, [&] { return run(*command, points); });
           }};
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
@@ -49,7 +48,7 @@ struct RasterCommand {
 };
 
 /// Declares the command's options; they fill what is returned.
-std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster);
+std::shared_ptr<RasterCommand> add_raster_options(const Options& raster);
 
 inline DefaultSet default_set(const RasterCommand& command) {
   return command.like.value_or(DefaultSet::gdal);
@@ -60,18 +59,17 @@ visibility::SeenValues seen_values_of(const RasterCommand& command);
 
 namespace {
 
-void add_output(CLI::App& raster, RasterCommand& command) {
-  raster.add_option("-o,--output", command.output, "map to write: cloud-optimised GeoTIFF")
-      ->option_text("FILE.tif")
-      ->required()
-      ->group(k_map_group);
-  raster.add_flag("--overwrite", command.overwrite, "replace existing files")->group(k_map_group);
+void add_output(const Options& raster, RasterCommand& command) {
+  raster.group(k_map_group)
+      .file("-o,--output", "FILE.tif", "map to write: cloud-optimised GeoTIFF", command.output)
+      .required();
+  raster.group(k_map_group).flag("--overwrite", "replace existing files", command.overwrite);
 }
 
-void add_values(CLI::App& raster, RasterCommand& command) {
-  const char* const group = "Values";
-  add_choice<visibility::ViewshedMode>(
-      raster, "--mode",
+void add_values(const Options& raster, RasterCommand& command) {
+  const Options group = raster.group("Values");
+  group.choice(
+      "--mode",
       "visible: whether any observer sees the middle of the cell; count: how many do; height: the lowest "
       "height above the ground that is seen, to 0.01; fraction: share of free sight lines over observers and "
       "places of the cell (default: visible)",
@@ -79,12 +77,9 @@ void add_values(CLI::App& raster, RasterCommand& command) {
       {{"visible", visibility::ViewshedMode::visible},
        {"count", visibility::ViewshedMode::count},
        {"height", visibility::ViewshedMode::height},
-       {"fraction", visibility::ViewshedMode::fraction}})
-      ->group(group);
+       {"fraction", visibility::ViewshedMode::fraction}});
   const auto add_byte = [&](const char* names, const char* help, std::optional<std::uint8_t>& target) {
-    add_value(raster, names, "0..255", help, [&target](const std::string& text) {
-      target = static_cast<std::uint8_t>(parse_count(text, 0, 255));
-    })->group(group);
+    group.count(names, "0..255", help, target, 0, 255);
   };
   add_byte("--visible-value,--vv", "of --mode visible: of cells that are seen (default: gdal 255, grass 1)",
            command.visible_value);
@@ -94,50 +89,42 @@ void add_values(CLI::App& raster, RasterCommand& command) {
       "of cells that nobody looks at: too far, or outside of the field of view (default: gdal 0, grass no "
       "data)",
       command.out_of_range_value);
-  add_value(
-      raster, "--highest", "LENGTH",
+  group.number(
+      "--highest", "LENGTH",
       "of --mode height: nothing higher is tried; stands for what is not even seen there (default: 200)",
-      [&command](const std::string& text) { command.highest = parse_number(text, 1e-6, 1e6); })
-      ->group(group);
-  add_value(raster, "--places", "N", "of --mode fraction: N x N places in every cell (default: 3)",
-            [&command](const std::string& text) {
-              command.places_across =
-                  static_cast<int>(parse_count(text, 1, visibility::k_most_places_across));
-            })
-      ->group(group);
+      command.highest, 1e-6, 1e6);
+  group.count("--places", "N", "of --mode fraction: N x N places in every cell (default: 3)",
+              command.places_across, 1, visibility::k_most_places_across);
 }
 
-void add_sight(CLI::App& raster, RasterCommand& command) {
-  const char* const group = "Sight";
-  add_choice<DefaultSet>(
-      raster, "--like",
+void add_sight(const Options& raster, RasterCommand& command) {
+  const Options group = raster.group("Sight");
+  group.choice(
+      "--like",
       "whose defaults hold for what is not said. gdal (gdal_viewshed): observers 2 above the ground, "
       "curvature 0.85714 where the cloud's unit is known; grass (r.viewshed): observers 1.75 above the "
       "ground, curvature 0, values 1 and 0, no data out of range (default: gdal)",
-      command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}})
-      ->group(group);
-  CLI::Option* const curvature = add_value(
-      raster, "--curvature,--cc", "C",
+      command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}});
+  const Option curvature = group.number(
+      "--curvature,--cc", "C",
       "how much of the Earth's curvature counts: 0 flat, 1 without air, 0.85714 for light, 0.75 for radio",
-      [&command](const std::string& text) { command.curvature = parse_number(text, 0.0, 10.0); });
-  curvature->group(group);
-  add_value(raster, "--refraction_coeff", "R",
-            "the same as r.viewshed has it with -c and -r: curvature 1 - R",
-            [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); })
-      ->excludes(curvature)
-      ->group(group);
+      command.curvature, 0.0, 10.0);
+  group
+      .value("--refraction_coeff", "R", "the same as r.viewshed has it with -c and -r: curvature 1 - R",
+             [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); })
+      .excludes(curvature);
 }
 
 }  // namespace
 
-std::shared_ptr<RasterCommand> add_raster_options(CLI::App& raster) {
+std::shared_ptr<RasterCommand> add_raster_options(const Options& raster) {
   auto command = std::make_shared<RasterCommand>();
-  add_cloud_files(raster, "cloud", command->files, k_cloud_help)->option_text("CLOUD...")->required();
+  add_cloud_files(raster, "cloud", "CLOUD...", k_cloud_help, command->files).required();
   add_output(raster, *command);
   add_map_options(raster, command->map);
   add_values(raster, *command);
   add_observer_options(raster, command->observers);
-  add_target_height(raster, command->map.target_height);
+  add_target_height(raster.group(k_observer_group), command->map.target_height);
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);
   add_checkpoint_options(raster, command->checkpoint);
@@ -251,7 +238,7 @@ void add_observers(std::span<const visibility::Observer> observers, MapMetadata&
 }
 
 /// All that the values depend on.
-Identity identity_of(const CLI::App& given, const VisibilityCloud& cloud,
+Identity identity_of(const Options& given, const VisibilityCloud& cloud,
                      std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
                      const visibility::ViewshedOptions& options) {
   Identity identity = run_identity(given, cloud);
@@ -272,7 +259,7 @@ visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground
   return seen;
 }
 
-ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& given) {
+ExitCode run(RasterCommand command, const CommandLine& words, const Options& given) {
   constexpr double k_grass_observer = 1.75;
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
@@ -310,10 +297,10 @@ ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& gi
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
   add_observers(observers, contents.metadata);
-  load_raster_writer()(command.output, contents, command.overwrite);
+  image_module().write_raster(command.output, contents, command.overwrite);
   if (!command.map.preview.empty()) {
-    load_map_drawer()(visibility::viewshed_picture(seen, options, observers, unit.name), ground,
-                      command.map.preview, command.overwrite);
+    image_module().write_map_picture(visibility::viewshed_picture(seen, options, observers, unit.name),
+                                     ground, command.map.preview, command.overwrite);
   }
   long_run.finish();
   const visibility::SeenShare share = visibility::seen_share(seen, options);
@@ -331,45 +318,11 @@ ExitCode run(RasterCommand command, const CommandLine& words, const CLI::App& gi
 
 }  // namespace
 
-Command add_visibility_raster(CLI::App& visibility, const CommandLine& command_line) {
-  CLI::App* const raster =
-      visibility.add_subcommand("raster", "Make a map of what is seen of the ground: a viewshed");
-  const std::shared_ptr<RasterCommand> command = add_raster_options(*raster);
-  raster->footer(
-      "Form:\n"
-      "  alidade visibility raster CLOUD... --observer X,Y[,Z] --resolution LENGTH -o FILE.tif [OPTIONS]\n"
-      "\n"
-      "Every cell is looked at in its middle, on the ground or --target-height above it, along a line "
-      "through "
-      "the points\n"
-      "themselves: below crowns, bridges and balconies. Cells where the cloud has no ground have no data.\n"
-      "\n"
-      "Values by --mode:\n"
-      "  visible   byte    255 seen, 0 not seen or out of range, 254 no data; with --like grass 1, 0, 255 no "
-      "data\n"
-      "  count     uint16  0 .. observers; 65535 no data or out of range (uint32 from 65535 observers on)\n"
-      "  height    float   in the unit of the cloud; --highest where nothing up to there is seen; -9999 no "
-      "data or out\n"
-      "                    of range. Only heights in the field of view and within the distance are looked "
-      "at\n"
-      "  fraction  float   0 .. 1; -9999 no data or out of range\n"
-      "\n"
-      "Lengths are in metres (the unit of the cloud's CRS); angles in degrees. The map is the same on any "
-      "number "
-      "of threads.\n"
-      "The metadata of the file (gdalinfo) tells all that was used. More: docs/visibility.md.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade visibility raster site.las --observer 690000,5325000 --resolution 1 -o seen.tif\n"
-      "  alidade visibility raster site.las --observers masts.gpkg --mode count -o masts.tif --preview "
-      "masts.png\n"
-      "  alidade visibility raster site.alidade --observer 690000,5325000,640 --mode height -o height.tif\n"
-      "  alidade visibility raster site.las --observer 690000,5325000 --like grass --max-distance 300 -o "
-      "near.tif\n");
+Command add_visibility_raster(const Options& visibility, const CommandLine& command_line) {
+  const Options raster = visibility.command("raster", "Make a map of what is seen of the ground: a viewshed");
+  const std::shared_ptr<RasterCommand> command = add_raster_options(raster);
   return {raster, [command, command_line, raster] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->threads, [&] { code = run(*command, command_line, *raster); });
-            return code;
+            return with_threads(command->threads, [&] { return run(*command, command_line, raster); });
           }};
 }
 

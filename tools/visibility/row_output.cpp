@@ -17,7 +17,7 @@ visibility::RowForm chosen_row_form(const std::filesystem::path& file) {
 }
 
 void load_row_writer(const std::filesystem::path& file) {
-  if (chosen_row_form(file) == visibility::RowForm::geojson) load_lon_lat();
+  if (chosen_row_form(file) == visibility::RowForm::geojson) image_module();
 }
 
 visibility::RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud) {
@@ -28,11 +28,7 @@ visibility::RowFileHead row_file_head(const CommandLine& command_line, const Poi
 
 visibility::ToLonLat to_lon_lat_of(const Crs& crs) {
   if (crs.empty()) return {};
-  return [crs](std::span<const glm::dvec3> places) {
-    std::optional<std::vector<glm::dvec3>> answers;
-    load_lon_lat()(crs, {places.begin(), places.end()}, answers);
-    return answers;
-  };
+  return [crs](std::span<const glm::dvec3> places) { return image_module().lon_lat(crs, places); };
 }
 
 void warn_of_cloud_coordinates(const std::filesystem::path& file) {

@@ -14,7 +14,7 @@ namespace alidade::tools {
 /// By the ending of the name. Errors: none of them.
 visibility::RowForm chosen_row_form(const std::filesystem::path& file);
 
-/// Fails before the work if such a file cannot be written here. Errors: those of load_module_function().
+/// Fails before the work if such a file cannot be written here. Errors: those of image_module().
 void load_row_writer(const std::filesystem::path& file);
 
 visibility::RowFileHead row_file_head(const CommandLine& command_line, const PointCloud& cloud);

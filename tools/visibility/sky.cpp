@@ -54,29 +54,26 @@ bool SkyRequest::is_map() const {
   return ending == ".tif" || ending == ".tiff";
 }
 
-void add_sky_request(CLI::App& command, SkyRequest& request) {
-  add_cloud_files(command, "cloud", request.files, k_cloud_help)->option_text("CLOUD...")->required();
-  command
-      .add_option("-o,--output", request.output,
-                  "LAS 1.4 or PLY: the cloud with a value for every point; GeoTIFF: a map of the ground")
-      ->option_text("FILE.las|FILE.laz|FILE.ply|FILE.tif")
-      ->required()
-      ->group(k_group);
-  command.add_flag("--overwrite", request.overwrite, "replace existing files")->group(k_group);
-  add_choice<visibility::SkyReceiver>(
-      command, "--receiver",
-      "what the light falls on at each point: its surface (default), or a horizontal one", request.receiver,
-      {{"surface", visibility::SkyReceiver::surface}, {"horizontal", visibility::SkyReceiver::horizontal}})
-      ->group(k_group);
-  add_value(command, "--max-distance", "LENGTH", "nothing farther blocks (default: inf)",
-            [&request](const std::string& text) {
-              request.max_distance =
-                  parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
-            })
-      ->group(k_group);
+void add_sky_request(const Options& command, SkyRequest& request) {
+  add_cloud_files(command, "cloud", "CLOUD...", k_cloud_help, request.files).required();
+  const Options group = command.group(k_group);
+  group
+      .file("-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",
+            "LAS 1.4 or PLY: the cloud with a value for every point; GeoTIFF: a map of the ground",
+            request.output)
+      .required();
+  group.flag("--overwrite", "replace existing files", request.overwrite);
+  group.choice(
+      "--receiver", "what the light falls on at each point: its surface (default), or a horizontal one",
+      request.receiver,
+      {{"surface", visibility::SkyReceiver::surface}, {"horizontal", visibility::SkyReceiver::horizontal}});
+  group.value("--max-distance", "LENGTH", "nothing farther blocks (default: inf)",
+              [&request](const std::string& text) {
+                request.max_distance =
+                    parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
+              });
   add_map_options(command, request.map);
-  add_target_height(command, request.map.target_height);
-  command.get_option("--target-height")->group(k_map_group);
+  add_target_height(command.group(k_map_group), request.map.target_height);
   add_occluder_options(command, request.occluders);
   add_checkpoint_options(command, request.checkpoint);
   add_partial(command, request.partial);
@@ -97,7 +94,7 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   return site;
 }
 
-Identity sky_identity(const CLI::App& given, const SkySite& site) {
+Identity sky_identity(const Options& given, const SkySite& site) {
   Identity identity = run_identity(given, *site.cloud);
   if (site.ground) add_to_identity(site.grid, identity);
   const std::span<const glm::vec3> normals = site.cloud->columns.normals;
@@ -115,7 +112,7 @@ void write_sky_map(const SkyRequest& request, const CommandLine& words, const Sk
     map.scale = visibility::MapScale{picture.colors, {0.0, picture.highest}, picture.label};
     map.unit = site.unit;
     map.notes = picture.notes;
-    load_map_drawer()(map, *site.ground, request.map.preview, request.overwrite);
+    image_module().write_map_picture(map, *site.ground, request.map.preview, request.overwrite);
   }
   geo::RasterContents contents;
   contents.grid = site.grid;
@@ -131,7 +128,7 @@ void write_sky_map(const SkyRequest& request, const CommandLine& words, const Sk
   contents.metadata.emplace_back("alidade_target_height",
                                  fmt::format("{:g}", request.map.target_height.value_or(0.0)));
   contents.metadata.emplace_back("alidade_max_distance", fmt::format("{:g}", request.max_distance));
-  load_raster_writer()(request.output, contents, request.overwrite);
+  image_module().write_raster(request.output, contents, request.overwrite);
 }
 
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count) {
@@ -198,7 +195,7 @@ std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, L
   return range_and_mean(value, views.size());
 }
 
-ExitCode run(const SkyCommand& command, const CommandLine& words, const CLI::App& given) {
+ExitCode run(const SkyCommand& command, const CommandLine& words, const Options& given) {
   const SkyRequest& request = command.request;
   const SkySite site = load_sky_site(request, 1);
   LongRun long_run(
@@ -214,39 +211,16 @@ ExitCode run(const SkyCommand& command, const CommandLine& words, const CLI::App
 
 }  // namespace
 
-Command add_visibility_sky(CLI::App& visibility, const CommandLine& words) {
+Command add_visibility_sky(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<SkyCommand>();
-  CLI::App* const sky =
-      visibility.add_subcommand("sky", "Say how much of the sky every point or place on the ground sees");
-  add_sky_request(*sky, command->request);
-  add_value(*sky, "--directions", "N",
-            "lines of sight per point or cell (default: 128, for an error of about 0.01)",
-            [command](const std::string& text) {
-              command->directions = static_cast<int>(parse_count(text, 1, visibility::k_most_sky_directions));
-            })
-      ->group("Answers");
-  sky->footer(
-      "Form:\n"
-      "  alidade visibility sky CLOUD... -o FILE.las|.laz|.ply|.tif [OPTIONS]\n"
-      "\n"
-      "The sky-view factor is the light of an even sky that a receiver gets, as a share of what a horizontal "
-      "one gets\n"
-      "under the open sky: 1 on open ground, 0.5 on an open wall. Points of a cloud are given back in their "
-      "order, with\n"
-      "all that they had, and\n"
-      "  SkyView  float  sky-view factor\n"
-      "The outside of a surface is where the cloud's normals point to, or else the side that sees more of "
-      "the "
-      "sky.\n"
-      "Maps have the factor of horizontal places on the ground, and no value where there is no ground.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade visibility sky site.las -o sky.las\n"
-      "  alidade visibility sky site.alidade --resolution 1 --directions 256 -o sky.tif\n");
+  const Options sky =
+      visibility.command("sky", "Say how much of the sky every point or place on the ground sees");
+  add_sky_request(sky, command->request);
+  sky.group("Answers").count("--directions", "N",
+                             "lines of sight per point or cell (default: 128, for an error of about 0.01)",
+                             command->directions, 1, visibility::k_most_sky_directions);
   return {sky, [command, words, sky] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->request.threads, [&] { code = run(*command, words, *sky); });
-            return code;
+            return with_threads(command->request.threads, [&] { return run(*command, words, sky); });
           }};
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -39,7 +38,7 @@ struct SkyRequest {
 };
 
 /// Declares all of that.
-void add_sky_request(CLI::App& command, SkyRequest& request);
+void add_sky_request(const Options& command, SkyRequest& request);
 
 /// A cloud, and if a map is asked for, its ground and cells.
 struct SkySite {
@@ -55,7 +54,7 @@ struct SkySite {
 SkySite load_sky_site(const SkyRequest& request, int bands);
 
 /// All that the answers depend on, as far as both commands share it. `given`: the command as it was read.
-Identity sky_identity(const CLI::App& given, const SkySite& site);
+Identity sky_identity(const Options& given, const SkySite& site);
 
 /// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -25,7 +24,7 @@ struct SunDate {
 };
 
 /// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may stand for the T).
-/// Errors: CLI::ValidationError for anything else.
+/// Errors: UsageError for anything else.
 SunDate parse_sun_date(const std::string& text);
 
 /// When a range that begins with the date begins, and when one that ends with it ends. Days begin and end at
@@ -56,8 +55,8 @@ SunDate parse_sun_date(const std::string& text) {
     date.moment = parse_date_time(full);
   } catch (const Error& error) {
     // What was added to a day is nothing that the user wrote.
-    if (!date.is_day) throw CLI::ValidationError(error.what());
-    throw CLI::ValidationError("expected a day such as 2026-06-21, found '" + text + "'");
+    if (!date.is_day) throw UsageError(error.what());
+    throw UsageError("expected a day such as 2026-06-21, found '" + text + "'");
   }
   return date;
 }
@@ -100,15 +99,14 @@ SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
   constexpr double k_usual_bin = 3.0;
   SunSky sun;
   visibility::SunSchedule& schedule = sun.schedule;
-  sun.is_map_known = load_schedule_placer()(
+  sun.is_map_known = image_module().place_schedule(
       cloud.cloud.cloud.crs, glm::dvec2(cloud.octree().bounds().center()), command.place, schedule);
   schedule.from = begin_of(*command.from, schedule.longitude);
   schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
   schedule.step_minutes = command.step_minutes;
   schedule.air = command.air;
   ProgressLine line("following the sun", "steps", command.request.verbosity.verbosity());
-  std::vector<visibility::SunStep> steps;
-  load_sun_stepper()(schedule, line.callback(), steps);
+  const std::vector<visibility::SunStep> steps = image_module().sun_steps(schedule, line.callback());
   line.finish();
   sun.steps = steps.size();
   for (const visibility::SunStep& step : steps) sun.hours += step.hours;
@@ -125,7 +123,7 @@ double open_energy(const SunSky& sun) {
 }
 
 /// All that the answers depend on.
-Identity identity_of(const CLI::App& given, const SkySite& site, const SunSky& sun) {
+Identity identity_of(const Options& given, const SkySite& site, const SunSky& sun) {
   Identity identity = sky_identity(given, site);
   std::vector<double> numbers;
   for (const visibility::SunBin& bin : sun.bins) {
@@ -212,7 +210,7 @@ std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, c
   return range_and_mean([&](std::size_t id) { return hours[id].hours; }, hours.size());
 }
 
-ExitCode run(const SunCommand& command, const CommandLine& words, const CLI::App& given) {
+ExitCode run(const SunCommand& command, const CommandLine& words, const Options& given) {
   const SkyRequest& request = command.request;
   const SkySite site = load_sky_site(request, 2);
   const SunSky sun = sun_of(command, *site.cloud);
@@ -232,77 +230,52 @@ ExitCode run(const SunCommand& command, const CommandLine& words, const CLI::App
 glm::dvec2 parse_place(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw CLI::ValidationError("expected two numbers with a comma between, found '" + text + "'");
+    throw UsageError("expected two numbers with a comma between, found '" + text + "'");
   const std::size_t second = std::min(text.find_first_not_of(' ', comma + 1), text.size());
   return {parse_number(text.substr(0, comma), -90.0, 90.0), parse_number(text.substr(second), -360.0, 360.0)};
 }
 
-void add_time(CLI::App& sun, SunCommand& command) {
-  const char* const group = "Sun";
-  add_value(sun, "--from", "DATE",
-            "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and end "
-            "in the middle of the night at the place",
-            [&command](const std::string& text) { command.from = parse_sun_date(text); })
-      ->required()
-      ->group(group);
-  add_value(sun, "--to", "DATE", "last day, which is counted, or end (default: the day of --from)",
-            [&command](const std::string& text) { command.to = parse_sun_date(text); })
-      ->group(group);
-  add_value(sun, "--step", "MINUTES",
-            "between positions of the sun, each taken in the middle of its step (default: 10)",
-            [&command](const std::string& text) { command.step_minutes = parse_number(text, 0.1, 1440.0); })
-      ->group(group);
-  add_value(sun, "--place", "LAT,LON",
-            "in degrees, WGS 84 (default: the middle of the cloud by its reference system)",
-            [&command](const std::string& text) { command.place = parse_place(text); })
-      ->group(group);
-  add_value(
-      sun, "--height", "METRES", "of the place above the sea, which thins the air (default: 0)",
-      [&command](const std::string& text) { command.air.height = parse_number(text, -1000.0, 10000.0); })
-      ->group(group);
-  add_value(
-      sun, "--turbidity", "T",
-      "Linke turbidity of the clear sky: 2 very clear, 3 usual (default), 5 humid, 7 polluted",
-      [&command](const std::string& text) { command.air.linke_turbidity = parse_number(text, 1.0, 20.0); })
-      ->group(group);
-  add_value(sun, "--bin", "DEGREES|exact",
-            "positions of the sun this close to each other share one line of sight (default: exact for up to "
-            "1000 positions, 3 degrees for more)",
-            [&command](const std::string& text) {
-              command.bin = text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0);
-            })
-      ->group(group);
+void add_time(const Options& sun, SunCommand& command) {
+  const Options group = sun.group("Sun");
+  group
+      .value(
+          "--from", "DATE",
+          "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and end "
+          "in the middle of the night at the place",
+          [&command](const std::string& text) { command.from = parse_sun_date(text); })
+      .required();
+  group.value("--to", "DATE", "last day, which is counted, or end (default: the day of --from)",
+              [&command](const std::string& text) { command.to = parse_sun_date(text); });
+  group.number("--step", "MINUTES",
+               "between positions of the sun, each taken in the middle of its step (default: 10)",
+               command.step_minutes, 0.1, 1440.0);
+  group.value("--place", "LAT,LON",
+              "in degrees, WGS 84 (default: the middle of the cloud by its reference system)",
+              [&command](const std::string& text) { command.place = parse_place(text); });
+  group.number("--height", "METRES", "of the place above the sea, which thins the air (default: 0)",
+               command.air.height, -1000.0, 10000.0);
+  group.number("--turbidity", "T",
+               "Linke turbidity of the clear sky: 2 very clear, 3 usual (default), 5 humid, 7 polluted",
+               command.air.linke_turbidity, 1.0, 20.0);
+  group.value(
+      "--bin", "DEGREES|exact",
+      "positions of the sun this close to each other share one line of sight (default: exact for up to "
+      "1000 positions, 3 degrees for more)",
+      [&command](const std::string& text) {
+        command.bin = text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0);
+      });
 }
 
 }  // namespace
 
-Command add_visibility_sun(CLI::App& visibility, const CommandLine& words) {
+Command add_visibility_sun(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<SunCommand>();
-  CLI::App* const sun = visibility.add_subcommand(
+  const Options sun = visibility.command(
       "sun", "Count the hours and the energy of direct sun on every point or place on the ground");
-  add_sky_request(*sun, command->request);
-  add_time(*sun, *command);
-  sun->footer(
-      "Form:\n"
-      "  alidade visibility sun CLOUD... --from DATE [--to DATE] -o FILE.las|.laz|.ply|.tif [OPTIONS]\n"
-      "\n"
-      "Points of a cloud are given back in their order, with all that they had, and\n"
-      "  SunHours   float  hours of direct sun\n"
-      "  SunEnergy  float  kWh/m2 of direct sun under a clear sky, by the angle at which it falls\n"
-      "Maps have both as bands, for horizontal places on the ground. The light of the sky and of other "
-      "surfaces is not\n"
-      "in it. The model of the clear sky is that of the European Solar Radiation Atlas; docs/visibility.md "
-      "tells it.\n"
-      "\n"
-      "Examples:\n"
-      "  alidade visibility sun site.las --from 2026-06-21 -o midsummer.las\n"
-      "  alidade visibility sun site.alidade --from 2026-01-01 --to 2026-12-31 --resolution 1 -o year.tif\n"
-      "  alidade visibility sun room.ply --place 48.1,11.6 --from 2026-03-01T08:00+01:00 --to "
-      "2026-03-01T12:00+01:00 -o morning.ply\n");
+  add_sky_request(sun, command->request);
+  add_time(sun, *command);
   return {sun, [command, words, sun] {
-            ExitCode code = ExitCode::failed;
-            with_threads(command->request.threads, [&] { code = run(*command, words, *sun); });
-            return code;
+            return with_threads(command->request.threads, [&] { return run(*command, words, sun); });
           }};
 }
 
