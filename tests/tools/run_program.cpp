@@ -10,8 +10,11 @@
 #include <filesystem>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <thread>
 
 namespace alidade::test {
 namespace {
@@ -71,6 +74,19 @@ Program::Program(const std::vector<std::string>& words, const std::filesystem::p
   ::_exit(126);
 }
 
+namespace {
+
+/// Whether a process has a handler for the signal, as proc(5) lists it under SigCgt.
+bool catches(pid_t process, int signal) {
+  std::ifstream status(fmt::format("/proc/{}/status", process));
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("SigCgt:")) return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1)) & 1;
+  }
+  return false;
+}
+
+}  // namespace
+
 Program::~Program() {
   if (process_ <= 0) return;
   send(SIGKILL);
@@ -78,6 +94,10 @@ Program::~Program() {
 }
 
 void Program::send(int signal) const {
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (signal != SIGKILL && running() && !catches(process_, signal) &&
+         std::chrono::steady_clock::now() < limit)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   ::kill(process_, signal);
 }
 

@@ -34,6 +34,7 @@ class Program {
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
+  /// Waits until the program handles the signal, which before that would just end it (not for SIGKILL).
   void send(int signal) const;
   bool running() const;
   /// What it has written to stderr by now.
