@@ -10,6 +10,12 @@
 
 namespace alidade::camera {
 
+/// What coefficients of lenses may be, in files of any program.
+inline constexpr NumberRange k_coefficient{-1e6, 1e6};
+
+/// The value of a key. Errors: there is none.
+JsonNode required(const JsonNode& node, std::string_view key);
+
 /// The camera as a camera file on one line; parse_camera gives back the same camera, bit for bit.
 std::string camera_json(const Camera& camera);
 

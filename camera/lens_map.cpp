@@ -21,9 +21,6 @@ constexpr double k_largest_tangent = 1e6;
 double length_of(double x, double y) {
   return std::sqrt(x * x + y * y);
 }
-double length_of(const glm::dvec2& v) {
-  return length_of(v.x, v.y);
-}
 
 Seen towards(double x, double y, double z) {
   return LensRay{.origin = glm::dvec3(0.0), .direction = {x, y, z}};
@@ -55,7 +52,7 @@ Film project_field_of_view(double omega, const glm::dvec3& at) {
   return glm::dvec2(at.x, at.y) * (film_radius / side);
 }
 Seen unproject_field_of_view(double omega, const glm::dvec2& film) {
-  const double film_radius = length_of(film);
+  const double film_radius = length_of(film.x, film.y);
   if (omega == 0.0 || film_radius == 0.0) return towards(film.x, film.y, 1.0);
   if (!(film_radius * omega < 0.5 * k_pi)) return std::nullopt;
   const SineCosine half = sine_cosine(0.5 * omega), turn = sine_cosine(film_radius * omega);
@@ -181,7 +178,7 @@ struct LensMap::Unproject {
   Seen operator()(const Fisheye& lens) const {
     const Film ideal = lens.distortion.undistort(film);
     if (!ideal) return std::nullopt;
-    const double angle = length_of(*ideal);
+    const double angle = length_of(ideal->x, ideal->y);
     return towards(*ideal, angle, angle);
   }
   Seen operator()(const FieldOfViewLens& lens) const {
@@ -192,7 +189,7 @@ struct LensMap::Unproject {
   Seen operator()(const Dual& lens) const {
     const Film ideal = lens.distortion.undistort(film);
     if (!ideal) return std::nullopt;
-    const double radius = length_of(*ideal);
+    const double radius = length_of(ideal->x, ideal->y);
     const double scale = radius > 0.0 ? tangent_of_mixture(lens.transition, radius) / radius : 1.0;
     return towards(scale * ideal->x, scale * ideal->y, 1.0);
   }

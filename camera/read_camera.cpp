@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "camera/camera_json.h"
 
+#include <fmt/format.h>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -18,6 +19,11 @@
 #include "camera/projection.h"
 
 namespace alidade::camera {
+
+JsonNode required(const JsonNode& node, std::string_view key) {
+  if (const auto value = node.find(key)) return *value;
+  node.fail(fmt::format("missing key \"{}\"", key), "the key", "an object without it");
+}
 namespace {
 
 // Wider or narrower views are mistakes; the focal length stays an ordinary number.
@@ -25,7 +31,6 @@ constexpr NumberRange k_field_of_view{1e-6, 179.999};
 constexpr NumberRange k_focal_length{1e-6, 1e12};
 constexpr NumberRange k_principal_point{-1e9, 1e9};
 constexpr NumberRange k_resolution{1e-9, 1e6};
-constexpr NumberRange k_coefficient{-1e6, 1e6};
 
 template <typename Each>
 bool is_model(std::size_t model) {

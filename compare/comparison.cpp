@@ -39,9 +39,10 @@ PictureFacts facts_of(const ComparedImage& image) {
 }
 
 /// One comparison on its way. Progress is told in steps of about equal cost, counted in pixels.
-class Run {
+class ComparisonRun {
  public:
-  Run(ComparedPair pair, const ComparisonOptions& options, const Progress& progress, Comparison& comparison)
+  ComparisonRun(ComparedPair pair, const ComparisonOptions& options, const Progress& progress,
+                Comparison& comparison)
       : pair_(std::move(pair)), options_(options), progress_(progress), comparison_(comparison) {
     const std::uint64_t sets = !pair_.have_colors() ? 0 : options.match ? 2 : 1;
     steps_ = sets * k_steps_of_colors + 4;
@@ -206,7 +207,7 @@ Comparison compare_files(const std::filesystem::path& reference, const std::file
   comparison.options = options;
   comparison.reference = facts_of(pair.reference);
   comparison.test = facts_of(pair.test);
-  Run(std::move(pair), options, progress, comparison).compare();
+  ComparisonRun(std::move(pair), options, progress, comparison).compare();
   return comparison;
 }
 

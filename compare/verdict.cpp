@@ -128,7 +128,6 @@ Value regions(const Comparison& comparison) {
 }
 
 using Colors = ColorFigures;
-using Errors = ErrorMetrics;
 constexpr std::string_view k_colors = "Colours", k_linear = "Colours in linear light",
                            k_display = "Colours as shown on a screen", k_matched = "Matched colours",
                            k_pose = "Alignment", k_changes = "Change";
@@ -147,31 +146,31 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
     {"ms_ssim", k_colors, "MS-SSIM", "", higher, "the same over five scales; not a number below 161 pixels",
      of_colors<&Colors::ms_ssim>},
     {"psnr", k_colors, "PSNR", "dB", higher, "peak signal to noise ratio; infinite for equal pictures",
-     of_errors<&Colors::stored, &Errors::psnr>},
+     of_errors<&Colors::stored, &ErrorMetrics::psnr>},
     {"rmse", k_colors, "RMSE", "", lower, "root of the mean squared difference, of 1",
-     of_errors<&Colors::stored, &Errors::rmse>},
+     of_errors<&Colors::stored, &ErrorMetrics::rmse>},
     {"mean_abs", k_colors, "Mean absolute difference", "", lower, "of 1, over all channels",
-     of_errors<&Colors::stored, &Errors::mean_abs>},
+     of_errors<&Colors::stored, &ErrorMetrics::mean_abs>},
     {"mean", k_colors, "Mean difference, with sign", "", lower, "above 0 the test is lighter",
-     of_errors<&Colors::stored, &Errors::mean>},
+     of_errors<&Colors::stored, &ErrorMetrics::mean>},
     {"p95", k_colors, "95th percentile", "", lower, "95 % of all absolute differences are at most this",
-     of_errors<&Colors::stored, &Errors::percentile_95>},
+     of_errors<&Colors::stored, &ErrorMetrics::percentile_95>},
     {"max", k_colors, "Largest difference", "", lower, "of any channel of any pixel",
-     of_errors<&Colors::stored, &Errors::max_abs>, place_of_colors},
+     of_errors<&Colors::stored, &ErrorMetrics::max_abs>, place_of_colors},
     {"psnr_linear", k_linear, "PSNR", "dB", higher, "with the sRGB curve undone",
-     of_errors<&Colors::linear, &Errors::psnr>},
+     of_errors<&Colors::linear, &ErrorMetrics::psnr>},
     {"rmse_linear", k_linear, "RMSE", "", lower, "with the sRGB curve undone",
-     of_errors<&Colors::linear, &Errors::rmse>},
+     of_errors<&Colors::linear, &ErrorMetrics::rmse>},
     {"psnr_display", k_display, "PSNR", "dB", higher, "of sRGB values; linear light is cut off at 0 and 1",
-     of_errors<&Colors::display, &Errors::psnr>},
+     of_errors<&Colors::display, &ErrorMetrics::psnr>},
     {"rmse_display", k_display, "RMSE", "", lower, "of sRGB values",
-     of_errors<&Colors::display, &Errors::rmse>},
+     of_errors<&Colors::display, &ErrorMetrics::rmse>},
     {"flip_matched", k_matched, "FLIP, mean", "", lower, "after --match", flip_of_matched},
     {"ssim_matched", k_matched, "SSIM", "", higher, "after --match", ssim_of_matched},
     {"psnr_matched", k_matched, "PSNR", "dB", higher, "after --match",
-     of_matched_errors<&Colors::stored, &Errors::psnr>},
+     of_matched_errors<&Colors::stored, &ErrorMetrics::psnr>},
     {"rmse_matched", k_matched, "RMSE", "", lower, "after --match",
-     of_matched_errors<&Colors::stored, &Errors::rmse>},
+     of_matched_errors<&Colors::stored, &ErrorMetrics::rmse>},
     {"shift", k_pose, "Shift", "px", lower, "of the test, where the edges of both fit best; needs --align",
      shift},
     {"edges", k_pose, "Common edges", "", higher,
@@ -236,7 +235,7 @@ std::string full_label(const MetricKind& kind) {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& problem, const std::string& found) {
+[[noreturn]] void reject(const std::string& problem, const std::string& found) {
   throw Error({.problem = problem,
                .expected = "NAME=LIMIT, NAME<LIMIT or NAME>LIMIT, as psnr<30",
                .found = "'" + found + "'"});
@@ -266,16 +265,16 @@ double limit_of(std::string_view text, const std::string& whole) {
   double limit = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
   if (error != std::errc{} || end != text.data() + text.size() || std::isnan(limit))
-    fail("a threshold without a number", whole);
+    reject("a threshold without a number", whole);
   return limit;
 }
 
 Threshold parse_threshold(const std::string& text) {
   const std::size_t sign = text.find_first_of("=<>");
-  if (sign == std::string::npos) fail("not a threshold", text);
+  if (sign == std::string::npos) reject("not a threshold", text);
   const std::string_view view = text;
   const std::string_view name = trimmed(view.substr(0, sign));
-  if (name.empty()) fail("a threshold without a name", text);
+  if (name.empty()) reject("a threshold without a name", text);
   Threshold threshold{.metric = std::string(known_metric(name).name),
                       .limit = limit_of(trimmed(view.substr(sign + 1)), text)};
   if (text[sign] != '=') threshold.kind = text[sign] == '<' ? LimitKind::below : LimitKind::above;

@@ -7,11 +7,10 @@
 #include <numbers>
 
 #include "base/exact_math.h"
+#include "renderer/sampling.h"
 
 namespace alidade::renderer {
 namespace {
-
-constexpr double k_pi = std::numbers::pi;
 
 double luminance(const Rgb& color) {
   return 0.2126 * double{color.r} + 0.7152 * double{color.g} + 0.0722 * double{color.b};

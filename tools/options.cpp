@@ -326,6 +326,13 @@ Option add_partial(const Options& command, bool& partial) {
                       partial);
 }
 
+std::bitset<256> parse_classes(const std::string& text) {
+  std::bitset<256> classes;
+  for (const std::string& word : split_list(text))
+    classes.set(static_cast<std::size_t>(parse_count(word, 0, 255)));
+  return classes;
+}
+
 std::size_t parse_size(const std::string& text) {
   constexpr std::uint64_t k_most = std::uint64_t{1} << 50;
   const std::string_view units = "kMGT";

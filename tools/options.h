@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -273,6 +274,9 @@ inline std::vector<std::string> split_list(const std::string& text) {
     begin = end + 1;
   }
 }
+
+/// "2,6": classes of points.
+std::bitset<256> parse_classes(const std::string& text);
 
 /// "800000000", "512M", "2G": bytes. Errors: UsageError.
 std::size_t parse_size(const std::string& text);

@@ -19,7 +19,8 @@
 namespace alidade::visibility {
 namespace {
 
-constexpr double k_turn = 360.0;
+constexpr double k_full_turn = 360.0;
+
 /// Up to here a place is good to a tenth of a millimetre.
 constexpr double k_largest_coordinate = 1e12;
 
@@ -43,7 +44,7 @@ double cross(const glm::dvec2& a, const glm::dvec2& b) {
 /// Degrees from the first limit clockwise to the second; negative if they do not make a range.
 double azimuth_width(double azimuth_min, double azimuth_max) {
   const double width = azimuth_max - azimuth_min;
-  return width < 0.0 ? width + k_turn : width;
+  return width < 0.0 ? width + k_full_turn : width;
 }
 
 [[noreturn]] void refuse(const std::string& source, std::string problem, std::string expected,
@@ -65,8 +66,8 @@ void check_view(const std::string& source, const Observer& observer) {
   constexpr double k_most = std::numeric_limits<double>::max();
   require_range(source, "height", observer.height, 0.0, k_most);
   require_range(source, "max_distance", observer.max_distance, 0.0, k_inf);
-  require_range(source, "azimuth_min", observer.azimuth_min, -k_turn, 2.0 * k_turn);
-  require_range(source, "azimuth_max", observer.azimuth_max, -k_turn, 2.0 * k_turn);
+  require_range(source, "azimuth_min", observer.azimuth_min, -k_full_turn, 2.0 * k_full_turn);
+  require_range(source, "azimuth_max", observer.azimuth_max, -k_full_turn, 2.0 * k_full_turn);
   require_range(source, "elevation_min", observer.elevation_min, -90.0, 90.0);
   require_range(source, "elevation_max", observer.elevation_max, -90.0, 90.0);
   if (!(azimuth_width(observer.azimuth_min, observer.azimuth_max) > 0.0)) {
@@ -83,10 +84,10 @@ void check_view(const std::string& source, const Observer& observer) {
 
 FieldOfView::FieldOfView(const Observer& observer) {
   const double width = azimuth_width(observer.azimuth_min, observer.azimuth_max);
-  all_azimuths_ = width >= k_turn;
+  all_azimuths_ = width >= k_full_turn;
   all_elevations_ = observer.elevation_min <= -90.0 && observer.elevation_max >= 90.0;
   max_distance_sq_ = observer.max_distance * observer.max_distance;
-  is_wide_ = width > 0.5 * k_turn;
+  is_wide_ = width > 0.5 * k_full_turn;
   from_ = direction_of(observer.azimuth_min);
   to_ = direction_of(observer.azimuth_max);
   low_ = slope_of(observer.elevation_min);

@@ -9,20 +9,15 @@
 
 #include "base/error.h"
 #include "camera/camera.h"
+#include "camera/camera_json.h"
 #include "camera/formats/camera_file.h"
 
 namespace alidade::camera {
 namespace {
 
-constexpr NumberRange k_coefficient{-1e6, 1e6};
 constexpr std::uint64_t k_undefined = UINT32_MAX;
 /// Set in an id where a type or an object is written for the first time.
 constexpr std::uint64_t k_new = std::uint64_t{1} << 31;
-
-JsonNode required(const JsonNode& node, std::string_view key) {
-  if (const auto value = node.find(key)) return *value;
-  node.fail(fmt::format("missing key \"{}\"", key), "the key", "an object without it");
-}
 
 std::uint64_t id_of(const JsonNode& node) {
   return node.whole_number(0, UINT32_MAX);
@@ -127,7 +122,7 @@ Camera read_intrinsics(const std::string& type, const JsonNode& value, const Jso
   return camera;
 }
 
-CameraPose read_pose(const JsonNode& value) {
+CameraPose pose_of(const JsonNode& value) {
   const JsonNode node = required(value, "rotation");
   const std::vector<JsonNode> rows = node.elements(3, 3);
   glm::dmat3 rotation;
@@ -176,7 +171,7 @@ CameraSet read_openmvg(const JsonNode& top) {
                              at_node(value, [&] { return read_intrinsics(type, value, data); }));
   }
   for (const JsonNode& entry : entries(top, "extrinsics"))
-    poses.insert_or_assign(id_of(required(entry, "key")), read_pose(required(entry, "value")));
+    poses.insert_or_assign(id_of(required(entry, "key")), pose_of(required(entry, "value")));
 
   CameraSet set;
   std::size_t without_pose = 0;

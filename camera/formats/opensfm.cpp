@@ -8,18 +8,13 @@
 
 #include "base/error.h"
 #include "camera/camera.h"
+#include "camera/camera_json.h"
 #include "camera/formats/camera_file.h"
 
 namespace alidade::camera {
 namespace {
 
-constexpr NumberRange k_coefficient{-1e6, 1e6};
 constexpr NumberRange k_rotation{-1e3, 1e3};
-
-JsonNode required(const JsonNode& node, std::string_view key) {
-  if (const auto value = node.find(key)) return *value;
-  node.fail(fmt::format("missing key \"{}\"", key), "the key", "an object without it");
-}
 
 double coefficient(const JsonNode& camera, std::string_view key) {
   const auto node = camera.find(key);

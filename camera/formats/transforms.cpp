@@ -13,13 +13,13 @@
 #include "base/exact_math.h"
 #include "base/ray.h"
 #include "camera/camera.h"
+#include "camera/camera_json.h"
 #include "camera/formats/camera_file.h"
 
 namespace alidade::camera {
 namespace {
 
 constexpr NumberRange k_pixels{-1e9, 1e9};
-constexpr NumberRange k_coefficient{-1e6, 1e6};
 constexpr NumberRange k_angle{0.0, std::numbers::pi, true, true};
 
 using Members = std::map<std::string, JsonNode>;

@@ -34,7 +34,7 @@ void load(FlipTile& tile, const PairPixels& pixels, int left, int top, int width
   }
 }
 
-void check(const ComparedImage& reference, const ComparedImage& test) {
+void check_comparable(const ComparedImage& reference, const ComparedImage& test) {
   require_same_size(reference, test);
   for (const ComparedImage* const image : {&reference, &test})
     if (image->color_channels == 0)
@@ -110,7 +110,7 @@ void pool(FlipResult& result, const ImageMask& counted, int width) {
 
 FlipResult flip(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
                 const FlipOptions& options, const Progress& progress) {
-  check(reference, test);
+  check_comparable(reference, test);
   ImageMask counted = mask;
   keep_finite(counted, reference, test);
   FlipResult result;

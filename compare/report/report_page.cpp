@@ -23,7 +23,7 @@ std::string name_of(const PictureFacts& facts) {
   return facts.file.filename().string();
 }
 
-Json facts_json(const PictureFacts& facts) {
+Json picture_json(const PictureFacts& facts) {
   return {{"name", name_of(facts)}, {"size", {facts.width, facts.height}}, {"metadata", facts.metadata}};
 }
 
@@ -148,8 +148,8 @@ Json page_json(const Comparison& comparison, const Verdict& verdict, const Verdi
   for (const HistogramPicture& picture : comparison.pictures->histograms)
     histograms.push_back(histogram_json(picture));
   return {{"generator", "Alidade " ALIDADE_VERSION},
-          {"reference", facts_json(comparison.reference)},
-          {"test", facts_json(comparison.test)},
+          {"reference", picture_json(comparison.reference)},
+          {"test", picture_json(comparison.test)},
           {"pass", verdict.pass()},
           {"thresholds", thresholds_json(verdict)},
           {"warnings", thresholds_json(warnings)},

@@ -35,17 +35,6 @@ constexpr std::array<FamilyWords, k_target_families> k_families{{
     {"--points", "--point", target_kind<glm::dvec3>, "places"},
 }};
 
-std::bitset<256> parse_classes(const std::string& text) {
-  std::bitset<256> classes;
-  std::size_t begin = 0;
-  while (true) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    classes.set(static_cast<std::size_t>(parse_count(text.substr(begin, end - begin), 0, 255)));
-    if (end == text.size()) return classes;
-    begin = end + 1;
-  }
-}
-
 void add_targets(const Options& query, QueryCommand& command) {
   for (std::size_t i = 0; i < k_target_families; ++i) {
     const FamilyWords& words = k_families[i];

@@ -209,7 +209,7 @@ image::ValueRange parse_range(const std::string& text, double least, double most
   return range;
 }
 
-std::vector<image::ClassColor> parse_classes(const std::string& text) {
+std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
   std::vector<image::ClassColor> classes;
   for (const std::string& part : parts_of(text, ',')) {
     const std::size_t sign = part.find('=');
@@ -271,7 +271,7 @@ void add_color_options(const Options& command, ColorRequest& request) {
       .excludes(range);
   command.value("--class-color", "CLASS=#RRGGBB,...",
                 "other colours for single classes of --color-by classification",
-                [&request](const std::string& text) { request.classes = parse_classes(text); });
+                [&request](const std::string& text) { request.classes = parse_class_colors(text); });
   const Option legend = command.value(
       "--legend", "FILE.png",
       "also write what the colours mean: a colour bar, or the classes with their numbers of points",

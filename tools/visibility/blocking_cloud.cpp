@@ -30,15 +30,6 @@ namespace {
 
 constexpr const char* k_group = "What blocks";
 
-/// "7,18"; "none" for no class.
-std::bitset<256> parse_classes(const std::string& text) {
-  std::bitset<256> classes;
-  if (text == "none") return classes;
-  for (const std::string& word : split_list(text))
-    classes.set(static_cast<std::size_t>(parse_count(word, 0, 255)));
-  return classes;
-}
-
 }  // namespace
 
 void add_occluder_options(const Options& command, OccluderRequest& request) {
@@ -58,10 +49,12 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
       "--transparency", "K",
       "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
       request.transparency, 1, 1000);
-  command.group(k_group).value(
-      "--ignore-classes", "LIST|none",
-      "points of these classes block nothing (default: 7,18, which are noise)",
-      [&request](const std::string& text) { request.ignored_classes = parse_classes(text); });
+  command.group(k_group).value("--ignore-classes", "LIST|none",
+                               "points of these classes block nothing (default: 7,18, which are noise)",
+                               [&request](const std::string& text) {
+                                 request.ignored_classes =
+                                     text == "none" ? std::bitset<256>() : parse_classes(text);
+                               });
 }
 
 namespace {
