@@ -98,29 +98,6 @@ TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
   EXPECT_TRUE(contains(of_index.err, "empty.alidade: holds no points")) << of_index.err;
 }
 
-/// A part of the environment, for the programs that are started meanwhile.
-class Setting {
- public:
-  Setting(const char* name, const char* value) : name_(name) { ::setenv(name, value, 1); }
-  ~Setting() { ::unsetenv(name_); }
-  Setting(const Setting&) = delete;
-  Setting& operator=(const Setting&) = delete;
-
- private:
-  const char* name_;
-};
-
-TEST_F(RenderCommandTest, program_starts_without_the_libraries_of_image_formats) {
-#ifdef ALIDADE_UNITY
-  GTEST_SKIP() << "files that need OpenImageIO are compiled together with others";
-#endif
-  const Setting list_libraries("LD_TRACE_LOADED_OBJECTS", "1");
-  const std::string libraries = run({"--version"}).out;
-  if (!contains(libraries, "libc.so")) GTEST_SKIP() << "the loader of this system does not list libraries";
-  for (const char* const heavy : {"OpenImageIO", "libgdal"})
-    EXPECT_FALSE(contains(libraries, heavy)) << libraries;
-}
-
 TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_told_before_the_work) {
   write_square("square.xyz");
   std::filesystem::copy(program_file(), folder / "alone");
