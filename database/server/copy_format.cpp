@@ -195,17 +195,16 @@ void CopyRows::append(const EncodedChunks& points, std::size_t i, std::vector<st
 }
 
 Bounds CopyRows::copy(
-    PointStream& points, const PiecewiseCloud& whole, std::uint64_t count,
+    OrderedCloud& cloud, std::uint64_t count,
     const std::function<void(std::span<const std::byte> bytes, std::size_t points)>& write) const {
-  constexpr std::uint64_t k_rows_at_once = 8192;
-  const ChunkEncoding encoding{
-      .chunk_points = k_rows_at_once, .lattice = lattice_, .blobs = points.blobs(), .spread = whole.spread};
+  constexpr std::uint32_t k_rows_at_once = 8192;
+  const ChunkEncoding encoding = cloud.encoding(k_rows_at_once);
   Bounds box;
   write(head(), 0);
   std::vector<std::byte> bytes;
   while (count > 0) {
     const EncodedChunks some =
-        encode(encoding, points.next(static_cast<std::size_t>(std::min(k_rows_at_once, count))));
+        encode(encoding, cloud.points.next(std::min<std::size_t>(k_rows_at_once, count)));
     bytes.clear();
     for (std::size_t i = 0; i < some.positions.size(); ++i) append(some, i, bytes);
     write(bytes, some.positions.size());
