@@ -5,7 +5,6 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <functional>
 #include <span>
 #include <string>
@@ -16,6 +15,7 @@
 #include "base/output_file.h"
 #include "database/point_stream.h"
 #include "database/server/copy_format.h"
+#include "database/server/server_name.h"
 #include "database/server/server_sql.h"
 #include "database/sql_name.h"
 #include "database/stored_column.h"
@@ -30,14 +30,6 @@ namespace {
   throw Error({.problem = std::move(problem),
                .expected = "HOST/DATABASE or HOST:PORT/DATABASE",
                .found = (at == std::string_view::npos ? "" : "...") + found});
-}
-
-int parse_port(std::string_view text, std::string_view whole) {
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size() || port < 1 || port > 65535)
-    refuse_shard(whole, "a shard's port is no number from 1 to 65535");
-  return port;
 }
 
 /// Neither what programs take for an option or a setting, nor what terminals take for a command.
@@ -223,20 +215,14 @@ Shard parse_shard(std::string_view text) {
     refuse_shard(text, "users and passwords do not belong to the name of a shard, but to its user mapping");
   const std::size_t slash = text.rfind('/');
   if (slash == std::string_view::npos) refuse_shard(text, "a shard's name has no database");
-  std::string_view host = text.substr(0, slash);
-  Shard shard{.host = {}, .database = std::string(text.substr(slash + 1))};
-
-  const std::size_t bracket = host.starts_with('[') ? host.find(']') : std::string_view::npos;
-  const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
-  if (colon != std::string_view::npos) {
-    shard.port = parse_port(host.substr(colon + 1), text);
-    host = host.substr(0, colon);
+  const auto [host, port, is_address] = split_host(text.substr(0, slash));
+  Shard shard{.host = std::string(host), .database = std::string(text.substr(slash + 1))};
+  if (port) {
+    const std::optional<int> number = parse_port(*port);
+    if (!number) refuse_shard(text, "a shard's port is no number from 1 to 65535");
+    shard.port = *number;
   }
-  if (bracket != std::string_view::npos) {
-    if (bracket + 1 != host.size()) refuse_shard(text, "a shard's host is no address");
-    host = host.substr(1, bracket - 1);
-  }
-  shard.host = host;
+  if (!is_address) refuse_shard(text, "a shard's host is no address");
   if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
     refuse_shard(text, "a shard's name lacks host or database");
   return shard;
