@@ -69,6 +69,19 @@ Number sent(const NumberColumn& column, CopyField field) {
   });
 }
 
+constexpr std::size_t k_axes = 3, k_first_value = 4;  // of a row's fields: x, y, z, id, values
+
+std::string copy_statement(const ServerTable& table, const RowChoice& choice) {
+  std::string sql = "COPY (SELECT ";
+  for (const char* const axis : {"x", "y", "z"}) sql += table.find(axis)->expression() + "::float8, ";
+  sql += choice.has_ids ? table.find("id")->expression() + "::int8" : "0::int8";
+  for (const ValueColumn& column : choice.columns) sql += ", " + column.column.expression();
+  sql += " FROM " + table.quoted_name + " WHERE " + table.has_place();
+  if (!choice.condition.empty()) sql += " AND (" + choice.condition + ")";
+  if (choice.is_sorted) sql += " ORDER BY id";
+  return sql + ") TO STDOUT (FORMAT binary)";
+}
+
 }  // namespace
 
 std::int64_t whole_of(const NumberColumn& column, CopyField field) {
@@ -183,23 +196,6 @@ void CloudValues::refuse(const Target& target, CopyField field, std::string plac
                .expected = is_real(target.type) ? "a number of 32 bits" : fmt::format("0 to {}", target.most),
                .found = fmt::format("{}", number_of(column, field))});
 }
-
-namespace {
-
-constexpr std::size_t k_axes = 3, k_first_value = 4;  // of a row's fields: x, y, z, id, values
-
-std::string copy_statement(const ServerTable& table, const RowChoice& choice) {
-  std::string sql = "COPY (SELECT ";
-  for (const char* const axis : {"x", "y", "z"}) sql += table.find(axis)->expression() + "::float8, ";
-  sql += choice.has_ids ? table.find("id")->expression() + "::int8" : "0::int8";
-  for (const ValueColumn& column : choice.columns) sql += ", " + column.column.expression();
-  sql += " FROM " + table.quoted_name + " WHERE " + table.has_place();
-  if (!choice.condition.empty()) sql += " AND (" + choice.condition + ")";
-  if (choice.is_sorted) sql += " ORDER BY id";
-  return sql + ") TO STDOUT (FORMAT binary)";
-}
-
-}  // namespace
 
 ServerCloud::ServerCloud(const ServerName& name) : connection_(name), table_(begin(connection_, name)) {}
 

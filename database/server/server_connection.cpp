@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "base/error.h"
 

@@ -3,12 +3,8 @@
 
 #include <cstddef>
 #include <functional>
-#include <memory>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "database/server/server_name.h"
 

@@ -201,14 +201,6 @@ class Pruner {
   std::string reason_;
 };
 
-}  // namespace
-
-PrunedStatement prune_statement(std::string_view sql) {
-  return Pruner(sql).prune();
-}
-
-namespace {
-
 struct Parsed {
   StatementHandle statement;
   std::size_t size = 0;
@@ -263,6 +255,10 @@ bool same_columns(sqlite3_stmt* a, sqlite3_stmt* b) {
 }
 
 }  // namespace
+
+PrunedStatement prune_statement(std::string_view sql) {
+  return Pruner(sql).prune();
+}
 
 Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, const std::string& file) {
   Parsed given = parse(database, sql.substr(begin));
