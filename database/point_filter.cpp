@@ -9,39 +9,36 @@
 namespace alidade::database {
 namespace {
 
-bool contains(const Interval& limits, double value) {
+bool meets(const Interval& limits, double value) {
   return limits.low <= value && value <= limits.high;
 }
 
 /// Ends that overflowed to NaN rule nothing out.
-bool may_meet(const Interval& limits, const Interval& reach) {
+bool meets(const Interval& limits, const Interval& reach) {
   return limits.low <= limits.high && !(reach.high < limits.low) && !(reach.low > limits.high);
+}
+
+/// The conditions on distances, of a point or of those in a box.
+template <class Place>
+bool meets_distances(const PointFilter& filter, const Place& place) {
+  const auto meets_line = [&](const LineCondition& line) {
+    const auto at = project(line.ray, place);
+    return meets(line.distance, at.distance) && meets(line.t, at.t);
+  };
+  const auto meets_plane = [&](const PlaneCondition& plane) {
+    return meets(plane.distance, signed_distance(plane.plane, place));
+  };
+  return std::ranges::all_of(filter.lines, meets_line) && std::ranges::all_of(filter.planes, meets_plane);
 }
 
 }  // namespace
 
 bool holds(const PointFilter& filter, const glm::dvec3& point) {
-  return filter.box.contains(point) &&
-         std::ranges::all_of(filter.lines,
-                             [&](const LineCondition& line) {
-                               const RayProjection at = project(line.ray, point);
-                               return contains(line.distance, at.distance) && contains(line.t, at.t);
-                             }) &&
-         std::ranges::all_of(filter.planes, [&](const PlaneCondition& plane) {
-           return contains(plane.distance, signed_distance(plane.plane, point));
-         });
+  return filter.box.contains(point) && meets_distances(filter, point);
 }
 
 bool may_hold(const PointFilter& filter, const Bounds& box) {
-  return meet(filter.box, box) &&
-         std::ranges::all_of(filter.lines,
-                             [&](const LineCondition& line) {
-                               const RayReach reach = project(line.ray, box);
-                               return may_meet(line.distance, reach.distance) && may_meet(line.t, reach.t);
-                             }) &&
-         std::ranges::all_of(filter.planes, [&](const PlaneCondition& plane) {
-           return may_meet(plane.distance, signed_distance(plane.plane, box));
-         });
+  return meet(filter.box, box) && meets_distances(filter, box);
 }
 
 }  // namespace alidade::database

@@ -14,16 +14,17 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
+#include "base/bytes.h"
 #include "cloud/lattice.h"
 #include "cloud/rows.h"
 #include "octree/building/sorted_points.h"
 #include "octree/morton.h"
 
 namespace alidade::database {
+namespace {
 
 /// Where a place lies along the Morton curve.
-inline WideMortonKey morton_key_of(const LatticePosition& position) {
+WideMortonKey morton_key_of(const LatticePosition& position) {
   constexpr std::uint32_t k_lowest = 0x80000000u;
   return wide_morton_key(static_cast<std::uint32_t>(position.x) ^ k_lowest,
                          static_cast<std::uint32_t>(position.y) ^ k_lowest,
@@ -32,7 +33,76 @@ inline WideMortonKey morton_key_of(const LatticePosition& position) {
 
 /// The rows of a cloud along that curve, which is the same for all clouds; rows at one place as they were.
 /// Requires fewer than 2^32. Memory at the peak: 36 bytes per row.
-std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions);
+std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
+  if (positions.empty()) return {};
+  std::vector<std::uint32_t> order;
+  order.reserve(positions.size());
+  const KeySpace space = aligned_key_space(positions);
+  const auto sort = [&]<class Entry>(const Entry&) {
+    const SortedPoints<Entry> sorted = sort_points<Entry>(space, positions);
+    for (std::size_t i = 0; i < sorted.size(); ++i) order.push_back(sorted[i].id);
+  };
+  space.is_narrow() ? sort(NarrowEntry{}) : sort(WideEntry{});
+  return order;
+}
+
+constexpr std::uint64_t k_block_points = 1024;
+constexpr std::size_t k_blocks_per_write = 64;
+
+std::size_t record_size(const std::vector<ValueBlob>& blobs) {
+  std::size_t size = sizeof(LatticePosition) + sizeof(std::uint32_t);
+  for (const ValueBlob& blob : blobs) size += blob.size;
+  return size;
+}
+
+/// The columns of these rows, one behind the other.
+void put_block(const PointCloud& piece, const std::vector<ValueBlob>& blobs,
+               std::span<const std::uint32_t> rows, std::byte* place) {
+  const auto put = [&](const std::byte* values, std::size_t size) {
+    for (const std::uint32_t row : rows) {
+      std::memcpy(place, values + row * size, size);
+      place += size;
+    }
+  };
+  put(reinterpret_cast<const std::byte*>(piece.positions.data()), sizeof(LatticePosition));
+  std::memcpy(place, rows.data(), rows.size_bytes());
+  place += rows.size_bytes();
+  for (const ValueBlob& blob : blobs) put(blob.values, blob.size);
+}
+
+/// Copies `size` bytes per point, or k_size unless that is 0, which the compiler then does without a call.
+template <std::size_t k_size>
+void gather(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* place) {
+  if constexpr (k_size != 0) size = k_size;
+  for (const auto& [block, row] : points.picks) {
+    if (const std::byte* const values = block->blobs[blob].values)
+      std::memcpy(place, values + row * size, size);
+    place += size;
+  }
+}
+
+auto gatherer(std::size_t size) {
+  return size == 1   ? gather<1>
+         : size == 2 ? gather<2>
+         : size == 4 ? gather<4>
+         : size == 6 ? gather<6>
+         : size == 8 ? gather<8>
+                     : gather<0>;
+}
+
+/// Spreads values of the rows concerned, `count` to a point.
+void spread_values(const ColorSpread& spread, const PickedPoints& points, std::size_t count,
+                   std::vector<std::byte>& bytes) {
+  std::byte* place = bytes.data();
+  for (const auto& [block, row] : points.picks) {
+    const bool is_concerned = spread.concerns(block->id(row));
+    for (std::size_t i = 0; i < count; ++i, place += sizeof(std::uint16_t)) {
+      if (is_concerned) store(place, ColorSpread::spread(load<std::uint16_t>(place)));
+    }
+  }
+}
+
+}  // namespace
 
 std::vector<ValueBlob> value_blobs(const AttributeColumns& columns) {
   std::vector<ValueBlob> blobs;
@@ -47,24 +117,6 @@ std::vector<ValueBlob> value_blobs(const AttributeColumns& columns) {
                      static_cast<std::size_t>(column.description.byte_count), number++});
   }
   return blobs;
-}
-
-namespace {
-
-template <class Entry>
-std::vector<std::uint32_t> order_of(const SortedPoints<Entry>& sorted) {
-  std::vector<std::uint32_t> order(sorted.size());
-  for (std::size_t i = 0; i < order.size(); ++i) order[i] = sorted[i].id;
-  return order;
-}
-
-}  // namespace
-
-std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
-  if (positions.empty()) return {};
-  const KeySpace space = aligned_key_space(positions);
-  return space.is_narrow() ? order_of(sort_points<NarrowEntry>(space, positions))
-                           : order_of(sort_points<WideEntry>(space, positions));
 }
 
 ScratchFile::~ScratchFile() {
@@ -104,34 +156,6 @@ void ScratchFile::read(std::uint64_t place, std::span<std::byte> into) const {
     place += static_cast<std::uint64_t>(count);
   }
 }
-
-namespace {
-
-constexpr std::uint64_t k_block_points = 1024;
-constexpr std::size_t k_blocks_per_write = 64;
-
-std::size_t record_size(const std::vector<ValueBlob>& blobs) {
-  std::size_t size = sizeof(LatticePosition) + sizeof(std::uint32_t);
-  for (const ValueBlob& blob : blobs) size += blob.size;
-  return size;
-}
-
-/// The columns of these rows, one behind the other.
-void put_block(const PointCloud& piece, const std::vector<ValueBlob>& blobs,
-               std::span<const std::uint32_t> rows, std::byte* place) {
-  const auto put = [&](const std::byte* values, std::size_t size) {
-    for (const std::uint32_t row : rows) {
-      std::memcpy(place, values + row * size, size);
-      place += size;
-    }
-  };
-  put(reinterpret_cast<const std::byte*>(piece.positions.data()), sizeof(LatticePosition));
-  std::memcpy(place, rows.data(), rows.size_bytes());
-  place += rows.size_bytes();
-  for (const ValueBlob& blob : blobs) put(blob.values, blob.size);
-}
-
-}  // namespace
 
 void PointStream::write_run(const PointCloud& piece) {
   const AttributeColumns columns = columns_of(piece);
@@ -254,60 +278,6 @@ PickedPoints PointStream::next(std::size_t count) {
   return picked;
 }
 
-namespace {
-
-/// Copies `k_size` bytes per point, which the compiler then does without a call.
-template <std::size_t k_size>
-void gather(const PickedPoints& points, std::size_t blob, std::size_t, std::byte* place) {
-  for (const auto& [block, row] : points.picks) {
-    if (const std::byte* const values = block->blobs[blob].values)
-      std::memcpy(place, values + row * k_size, k_size);
-    place += k_size;
-  }
-}
-
-void gather_any(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* place) {
-  for (const auto& [block, row] : points.picks) {
-    if (const std::byte* const values = block->blobs[blob].values)
-      std::memcpy(place, values + row * size, size);
-    place += size;
-  }
-}
-
-auto gatherer(std::size_t size) {
-  switch (size) {
-    case 1:
-      return &gather<1>;
-    case 2:
-      return &gather<2>;
-    case 4:
-      return &gather<4>;
-    case 6:
-      return &gather<6>;
-    case 8:
-      return &gather<8>;
-    default:
-      return &gather_any;
-  }
-}
-
-/// Spreads values of the rows concerned, `count` to a point.
-void spread_values(const ColorSpread& spread, const PickedPoints& points, std::size_t count,
-                   std::vector<std::byte>& bytes) {
-  std::byte* place = bytes.data();
-  for (const auto& [block, row] : points.picks) {
-    const bool is_concerned = spread.concerns(block->id(row));
-    for (std::size_t i = 0; i < count; ++i, place += sizeof(std::uint16_t)) {
-      std::uint16_t value;
-      std::memcpy(&value, place, sizeof value);
-      if (is_concerned) value = ColorSpread::spread(value);
-      std::memcpy(place, &value, sizeof value);
-    }
-  }
-}
-
-}  // namespace
-
 EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points) {
   EncodedChunks chunks;
   const std::size_t count = points.picks.size();
@@ -333,7 +303,26 @@ EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points) 
   return chunks;
 }
 
-std::vector<StoredColumn> streamed_columns(const PiecewiseCloud& whole, const PointStream& points) {
+OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const CloudInputs& inputs,
+                           const ReadOptions& reading, std::uint64_t memory)
+    : points(folder),
+      whole(read_in_pieces(inputs, reading,
+                           {.most_bytes = memory,
+                            .bytes_beside = PointStream::k_bytes_beside,
+                            .take = [this](PointCloud& piece) { points.add(piece); }})) {
+  points.finish(whole.rest);
+}
+
+OrderedCloud::OrderedCloud(const std::filesystem::path& folder, const PointCloud& cloud) : points(folder) {
+  points.finish(cloud);
+  whole.rest.lattice = cloud.lattice;
+  whole.rest.crs = cloud.crs;
+  whole.rest.gps_time_is_standard = cloud.gps_time_is_standard;
+  for (const ExtraDimension& dimension : cloud.extra_dimensions)
+    whole.rest.extra_dimensions.push_back(description_of(dimension));
+}
+
+std::vector<StoredColumn> OrderedCloud::columns() const {
   PointCloud cloud;
   for (const ExtraDimension& dimension : whole.rest.extra_dimensions)
     cloud.extra_dimensions.push_back(description_of(dimension));
@@ -344,6 +333,13 @@ std::vector<StoredColumn> streamed_columns(const PiecewiseCloud& whole, const Po
   }
   append_rows(cloud, attributes, 1);
   return stored_columns(cloud);
+}
+
+ChunkEncoding OrderedCloud::encoding(std::uint32_t chunk_points) const {
+  return {.chunk_points = chunk_points,
+          .lattice = whole.rest.lattice,
+          .blobs = points.blobs(),
+          .spread = whole.spread};
 }
 
 }  // namespace alidade::database

@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "base/bounds.h"
@@ -161,7 +163,27 @@ struct ChunkEncoding {
 /// Cost: linear.
 EncodedChunks encode(const ChunkEncoding& encoding, const PickedPoints& points);
 
-/// stored_columns() of a cloud that was read piece by piece: those that some piece had.
-std::vector<StoredColumn> streamed_columns(const PiecewiseCloud& whole, const PointStream& points);
+/// What was stored of cloud files.
+struct StoredFiles {
+  std::uint64_t point_count = 0;
+  std::vector<std::string> warnings;  ///< PointCloud::warnings
+};
+
+/// A cloud along the Morton curve, on its way into a database.
+struct OrderedCloud {
+  /// Reads cloud files; `memory`: bytes for points. Those of a larger cloud wait in a file in `folder`.
+  OrderedCloud(const std::filesystem::path& folder, const CloudInputs& inputs, const ReadOptions& reading,
+               std::uint64_t memory);
+  /// The cloud must outlive it.
+  OrderedCloud(const std::filesystem::path& folder, const PointCloud& cloud);
+
+  /// stored_columns() of those that some piece had.
+  std::vector<StoredColumn> columns() const;
+  ChunkEncoding encoding(std::uint32_t chunk_points) const;
+  StoredFiles stored() && { return {points.size(), std::move(whole.rest.warnings)}; }
+
+  PointStream points;
+  PiecewiseCloud whole;
+};
 
 }  // namespace alidade::database

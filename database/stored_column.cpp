@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
+#include <bit>
 #include <cctype>
 #include <cmath>
 #include <set>
@@ -10,9 +11,9 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/bytes.h"
 #include "base/words.h"
 #include "cloud/point_cloud.h"
+#include "cloud/point_table.h"
 
 namespace alidade::database {
 namespace {
@@ -79,36 +80,51 @@ double finite_or(bool is_given, double number, double otherwise) {
   return is_given && std::isfinite(number) ? number : otherwise;
 }
 
+/// Whether a number is the mark that was widened to 8 bytes: of whole numbers by their sign, of others to
+/// float64.
+template <class Number>
+bool is_mark(const std::array<std::uint8_t, 8>& mark, Number number) {
+  using Wide = std::conditional_t<std::is_floating_point_v<Number>, double,
+                                  std::conditional_t<std::is_signed_v<Number>, std::int64_t, std::uint64_t>>;
+  const Wide wide = load<Wide>(reinterpret_cast<const std::byte*>(mark.data()));
+  if constexpr (std::is_floating_point_v<Number>) {
+    // The mark may have digits that the type has not.
+    return (std::isnan(wide) && std::isnan(number)) || static_cast<Number>(wide) == number;
+  } else {
+    return wide == static_cast<Wide>(number);
+  }
+}
+
+template <class Number>
+ColumnValue meant_value(const StoredColumn& column, Number stored) {
+  const double number = static_cast<double>(stored);
+  if (column.no_data && is_mark(*column.no_data, stored)) return std::monostate{};
+  if (column.scale != 1.0 || column.offset != 0.0) return column.offset + column.scale * number;
+  if constexpr (std::is_integral_v<Number>) {
+    if (std::in_range<std::int64_t>(stored)) return static_cast<std::int64_t>(stored);
+    return static_cast<std::uint64_t>(stored);
+  }
+  return number;
+}
+
 }  // namespace
 
 AttributeParts attribute_parts(Attribute attribute) {
-  switch (attribute) {
-    case Attribute::color:
-      return {ScalarType::uint16, {"red", "green", "blue"}};
-    case Attribute::near_infrared:
-      return {ScalarType::uint16, {"near_infrared"}};
-    case Attribute::intensity:
-      return {ScalarType::uint16, {"intensity"}};
-    case Attribute::classification:
-      return {ScalarType::uint8, {"classification"}};
-    case Attribute::returns:
-      return {ScalarType::uint8, {"return_number", "return_count"}};
-    case Attribute::flags:
-      return {ScalarType::uint8, {"flags"}};
-    case Attribute::scan_angle:
-      return {ScalarType::float32, {"scan_angle"}};
-    case Attribute::user_data:
-      return {ScalarType::uint8, {"user_data"}};
-    case Attribute::point_source_id:
-      return {ScalarType::uint16, {"point_source_id"}};
-    case Attribute::gps_time:
-      return {ScalarType::float64, {"gps_time"}};
-    case Attribute::normal:
-      return {ScalarType::float32, {"normal_x", "normal_y", "normal_z"}};
-    case Attribute::extra_dimensions:
-      break;
-  }
-  return {};
+  using enum ScalarType;
+  static const AttributeParts k_parts[] = {
+      {uint16, {"red", "green", "blue"}},
+      {uint16, {"near_infrared"}},
+      {uint16, {"intensity"}},
+      {uint8, {"classification"}},
+      {uint8, {"return_number", "return_count"}},
+      {uint8, {"flags"}},
+      {float32, {"scan_angle"}},
+      {uint8, {"user_data"}},
+      {uint16, {"point_source_id"}},
+      {float64, {"gps_time"}},
+      {float32, {"normal_x", "normal_y", "normal_z"}},
+  };  // in the order of the attributes' bits
+  return k_parts[std::countr_zero(static_cast<std::uint32_t>(attribute))];
 }
 
 std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
@@ -142,63 +158,9 @@ std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
   return columns;
 }
 
-namespace {
-
-/// Whether a number is the mark that was widened to 8 bytes: of whole numbers by their sign, of others to
-/// float64.
-template <class Number>
-bool is_mark(const std::array<std::uint8_t, 8>& mark, Number number) {
-  using Wide = std::conditional_t<std::is_floating_point_v<Number>, double,
-                                  std::conditional_t<std::is_signed_v<Number>, std::int64_t, std::uint64_t>>;
-  const Wide wide = load<Wide>(reinterpret_cast<const std::byte*>(mark.data()));
-  if constexpr (std::is_floating_point_v<Number>) {
-    // The mark may have digits that the type has not.
-    return (std::isnan(wide) && std::isnan(number)) || static_cast<Number>(wide) == number;
-  } else {
-    return wide == static_cast<Wide>(number);
-  }
-}
-
-template <class Number>
-ColumnValue meant_value(const StoredColumn& column, Number stored) {
-  const double number = static_cast<double>(stored);
-  if (column.no_data && is_mark(*column.no_data, stored)) return std::monostate{};
-  if (column.scale != 1.0 || column.offset != 0.0) return column.offset + column.scale * number;
-  if constexpr (std::is_integral_v<Number>) {
-    if (std::in_range<std::int64_t>(stored)) return static_cast<std::int64_t>(stored);
-    return static_cast<std::uint64_t>(stored);
-  }
-  return number;
-}
-
-}  // namespace
-
 ColumnValue stored_value(const StoredColumn& column, const std::byte* at) {
-  switch (column.type) {
-    case ScalarType::uint8:
-      return meant_value(column, load<std::uint8_t>(at));
-    case ScalarType::int8:
-      return meant_value(column, load<std::int8_t>(at));
-    case ScalarType::uint16:
-      return meant_value(column, load<std::uint16_t>(at));
-    case ScalarType::int16:
-      return meant_value(column, load<std::int16_t>(at));
-    case ScalarType::uint32:
-      return meant_value(column, load<std::uint32_t>(at));
-    case ScalarType::int32:
-      return meant_value(column, load<std::int32_t>(at));
-    case ScalarType::uint64:
-      return meant_value(column, load<std::uint64_t>(at));
-    case ScalarType::int64:
-      return meant_value(column, load<std::int64_t>(at));
-    case ScalarType::float32:
-      return meant_value(column, load<float>(at));
-    case ScalarType::float64:
-      return meant_value(column, load<double>(at));
-    case ScalarType::bytes:
-      break;
-  }
-  return std::span(at, static_cast<std::size_t>(column.size));
+  if (column.type == ScalarType::bytes) return std::span(at, static_cast<std::size_t>(column.size));
+  return with_type(column.type, [&](auto none) { return meant_value(column, load<decltype(none)>(at)); });
 }
 
 }  // namespace alidade::database

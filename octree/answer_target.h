@@ -41,16 +41,22 @@ constexpr bool k_has_search = requires(const TreeView& tree, const Target& targe
   simd::suits_lanes(tree, target, query);
 };
 
+/// The lanes that answer this; null if none do.
+template <class Target, class Query>
+const simd::Search<Target>* lanes_for(const Octree& octree, const Target& target, const Query& query) {
+  if constexpr (k_has_search<Target>) {
+    if (simd::suits_lanes(octree.view(), target, query))
+      return &simd::search<Target>(octree.instruction_set());
+  }
+  return nullptr;
+}
+
 /// Appends the k first answers.
 template <class Target, class Query, class Answer>
 void find_into(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                std::size_t query_index, std::vector<Answer>& answers) {
-  if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(octree.view(), target, query)) {
-      const auto& lanes = simd::search<Target>(octree.instruction_set());
-      return lanes.find(octree.view(), target, query, k, query_index, answers);
-    }
-  }
+  if (const auto* const lanes = lanes_for(octree, target, query))
+    return lanes->find(octree.view(), target, query, k, query_index, answers);
   with_tree_target(octree.view(), target, query, query_index, [&](const auto& tree, const auto& asked) {
     Nearest neighbors(asked, k);
     tree_query(tree, asked, neighbors);
@@ -62,12 +68,8 @@ void find_into(const Octree& octree, const Target& target, const Query& query, s
 template <class Target, class Query>
 std::size_t count_to(const Octree& octree, const Target& target, const Query& query, std::size_t k,
                      std::size_t query_index) {
-  if constexpr (k_has_search<Target>) {
-    if (simd::suits_lanes(octree.view(), target, query)) {
-      const auto& lanes = simd::search<Target>(octree.instruction_set());
-      return lanes.count(octree.view(), target, query, k, query_index);
-    }
-  }
+  if (const auto* const lanes = lanes_for(octree, target, query))
+    return lanes->count(octree.view(), target, query, k, query_index);
   Counter counter(k);
   with_tree_target(octree.view(), target, query, query_index,
                    [&](const auto& tree, const auto& asked) { tree_query(tree, asked, counter); });

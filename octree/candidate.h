@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 
 #include "octree/distance.h"
 #include "octree/path_index.h"
@@ -15,18 +14,18 @@
 
 namespace alidade {
 
-/// Whether the filter admits an answer. query_index: number of the target in a batch; radius: of the point.
+/// The answer if the filter admits it. query_index: number of the target in a batch; radius: of the point.
 template <class Answer>
-bool admits(const CandidateFilter& filter, const Answer& answer, std::size_t query_index,
-            double radius = 0.0) {
-  if (!filter) return true;
+std::optional<Answer> admitted(const CandidateFilter& filter, const Answer& answer, std::size_t query_index,
+                               double radius = 0.0) {
+  if (!filter) return answer;
   Candidate candidate{.point_id = answer.point_id,
                       .position = answer.position,
                       .distance = answer.distance,
                       .radius = radius,
                       .query_index = query_index};
   if constexpr (requires { answer.t; }) candidate.t = answer.t;
-  return filter(candidate);
+  return filter(candidate) ? std::optional(answer) : std::nullopt;
 }
 
 /// Radius of a point with this spacing: see RayQuery::spacing_factor.
@@ -45,8 +44,7 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   const double entry_place = entry(projection, radius);
   if (!(entry_place >= query.entry_min)) return std::nullopt;
   const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
-  if (!admits(query.filter, hit, query_index, radius)) return std::nullopt;
-  return hit;
+  return admitted(query.filter, hit, query_index, radius);
 }
 
 /// For points that share the query's radius.
@@ -65,8 +63,7 @@ inline std::optional<Hit> evaluate(const Cone& cone, const ConeQuery& query, con
   const double entry_place = entry(projection, limit);
   if (std::isnan(entry_place)) return std::nullopt;
   const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
-  if (!admits(query.filter, hit, query_index)) return std::nullopt;
-  return hit;
+  return admitted(query.filter, hit, query_index);
 }
 
 /// t_min, t_max: the path's. projection: of the position on the path.
@@ -77,8 +74,7 @@ inline std::optional<PathHit> evaluate(const PathProjection& projection, double 
     return std::nullopt;
   }
   const PathHit hit{point_id, position, projection.segment, projection.t, projection.distance};
-  if (!admits(query.filter, hit, query_index)) return std::nullopt;
-  return hit;
+  return admitted(query.filter, hit, query_index);
 }
 
 inline std::optional<PointHit> evaluate(const HalfSpaces& region, const PointQuery& query,
@@ -90,25 +86,21 @@ inline std::optional<PointHit> evaluate(const HalfSpaces& region, const PointQue
     if (!(side >= 0.0)) return std::nullopt;
     if (i == 0) hit.distance = side;
   }
-  if (!admits(query.filter, hit, query_index)) return std::nullopt;
-  return hit;
+  return admitted(query.filter, hit, query_index);
 }
 
 inline std::optional<PointHit> evaluate(const Bounds& box, const PointQuery& query,
                                         const glm::dvec3& position, std::uint64_t point_id,
                                         std::size_t query_index = 0) {
   if (!box.contains(position)) return std::nullopt;
-  const PointHit hit{point_id, position, 0.0};
-  if (!admits(query.filter, hit, query_index)) return std::nullopt;
-  return hit;
+  return admitted(query.filter, PointHit{point_id, position, 0.0}, query_index);
 }
 
 inline std::optional<PointHit> evaluate(const glm::dvec3& point, const PointQuery& query,
                                         const glm::dvec3& position, std::uint64_t point_id,
                                         std::size_t query_index = 0) {
   const PointHit hit{point_id, position, distance(point, position)};
-  if (!(hit.distance <= query.radius) || !admits(query.filter, hit, query_index)) return std::nullopt;
-  return hit;
+  return hit.distance <= query.radius ? admitted(query.filter, hit, query_index) : std::nullopt;
 }
 
 /// The value a measure orders by.

@@ -28,17 +28,9 @@ void check_radius(double radius) {
   require(radius >= 0.0, "radius of a query is out of range", "at least 0", radius);
 }
 
-bool is_finite(const glm::dvec3& v) {
-  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
-}
-
-std::string text(const glm::dvec3& v) {
-  return fmt::format("({}, {}, {})", v.x, v.y, v.z);
-}
-
 void check_place(const glm::dvec3& place, const char* what) {
   if (!is_finite(place))
-    throw Error({.problem = fmt::format("{} is not finite", what), .found = text(place)});
+    throw Error({.problem = fmt::format("{} is not finite", what), .found = text_of(place)});
 }
 
 /// NaN and infinite components do not pass either.
@@ -47,7 +39,7 @@ void check_unit(const glm::dvec3& direction, const char* what) {
   if (std::fabs(std::sqrt(square) - 1.0) <= k_length_tolerance) return;
   throw Error({.problem = fmt::format("{} has not length 1", what),
                .expected = "a direction that was normalised",
-               .found = text(direction)});
+               .found = text_of(direction)});
 }
 
 void check_interval(double t_min, double t_max) {
@@ -60,6 +52,10 @@ void check_width(double width, const char* problem) {
 }
 
 }  // namespace
+
+std::string text_of(const glm::dvec3& v) {
+  return fmt::format("({}, {}, {})", v.x, v.y, v.z);
+}
 
 void check(const RayQuery& query) {
   check_k(query.k, query.max_level);

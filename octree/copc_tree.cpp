@@ -9,6 +9,7 @@
 #include "base/bytes.h"
 #include "base/error.h"
 #include "cloud/laz/laz_layout.h"
+#include "octree/check_query.h"
 #include "octree/copc_tree.h"
 #include "octree/morton.h"
 
@@ -42,6 +43,18 @@ std::vector<SortedPoint> morton_order(const std::vector<LatticePosition>& positi
   return order;
 }
 
+/// A box around each `count` of the items, the last maybe around fewer.
+template <class Item>
+std::vector<LatticeExtent> boxes_around(const std::vector<Item>& items, std::size_t count) {
+  std::vector<LatticeExtent> boxes;
+  boxes.reserve((items.size() + count - 1) / count);
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (i % count == 0) boxes.emplace_back();
+    boxes.back().grow(items[i]);
+  }
+  return boxes;
+}
+
 }  // namespace
 
 BoxedPoints::BoxedPoints(std::vector<LatticePosition> positions, std::vector<std::uint32_t> rows) {
@@ -53,22 +66,8 @@ BoxedPoints::BoxedPoints(std::vector<LatticePosition> positions, std::vector<std
     positions_.push_back(positions[point.place]);
     rows_.push_back(rows[point.place]);
   }
-  std::vector<Box>& blocks = boxes_.emplace_back();
-  blocks.reserve((positions_.size() + k_block_points - 1) / k_block_points);
-  for (std::size_t i = 0; i < positions_.size(); ++i) {
-    if (i % k_block_points == 0) blocks.emplace_back();
-    blocks.back().grow(positions_[i]);
-  }
-  while (boxes_.back().size() > k_fan_out) {
-    std::vector<Box> above;
-    const std::vector<Box>& below = boxes_.back();
-    above.reserve((below.size() + k_fan_out - 1) / k_fan_out);
-    for (std::size_t i = 0; i < below.size(); ++i) {
-      if (i % k_fan_out == 0) above.emplace_back();
-      above.back().grow(below[i]);
-    }
-    boxes_.push_back(std::move(above));
-  }
+  boxes_.push_back(boxes_around(positions_, k_block_points));
+  while (boxes_.back().size() > k_fan_out) boxes_.push_back(boxes_around(boxes_.back(), k_fan_out));
 }
 
 std::size_t BoxedPoints::byte_count() const {
@@ -77,14 +76,6 @@ std::size_t BoxedPoints::byte_count() const {
   for (const std::vector<Box>& level : boxes_) bytes += level.capacity() * sizeof(Box);
   return bytes;
 }
-
-namespace {
-
-std::string text_of(const glm::dvec3& place) {
-  return fmt::format("({}, {}, {})", place.x, place.y, place.z);
-}
-
-}  // namespace
 
 struct CopcCache::Slot {
   std::mutex decoding;  ///< held by the thread that decodes the node

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <glm/vec3.hpp>
 #include <memory>
 #include <span>
 #include <vector>
@@ -67,6 +66,26 @@ constexpr bool is_inner(std::uint8_t kind) {
 }
 constexpr bool is_leaf(std::uint8_t kind) {
   return kind != 0 && kind < k_inner_kind;
+}
+
+// The eight kinds of a node together, a byte each: slot by slot, reading them would take longer than all else.
+
+constexpr std::uint64_t k_every_byte = 0x0101010101010101u;
+
+inline std::uint64_t kinds_of(const Node& node) {
+  return std::bit_cast<std::uint64_t>(node.kind);
+}
+/// The highest bit of the bytes of inner nodes.
+constexpr std::uint64_t inner_bits(std::uint64_t kinds) {
+  return kinds & (k_every_byte << 7);
+}
+/// Number of points by slot; 0 where no leaf is.
+constexpr std::uint64_t leaf_counts(std::uint64_t kinds) {
+  return kinds & ~((kinds >> 7 & k_every_byte) * 0xff);
+}
+constexpr std::uint64_t sum_of_bytes(std::uint64_t bytes) {
+  constexpr std::uint64_t k_even_bytes = 0x00ff00ff00ff00ffu;
+  return ((bytes & k_even_bytes) + (bytes >> 8 & k_even_bytes)) * 0x0001000100010001u >> 48;
 }
 
 /// Lattice steps from the corner of the parent's frame to the corner of the child's, along one axis.

@@ -100,34 +100,56 @@ class TargetOn {
   std::size_t query_index_;
 };
 
-class RayTarget : public TargetOn<Ray> {
+/// A ray or a cone: a limit on the distance to a line.
+template <AskableAlong T>
+class AlongTarget : public TargetOn<T> {
  public:
-  using TargetOn::TargetOn;
+  using TargetOn<T>::TargetOn;
 
   Reach reach(const Bounds& box, DistanceBound bound) const {
-    const RayReach projected = project(target_, box);
+    const RayReach projected = project(line(), box);
     if (bound == DistanceBound::none) return {0.0, projected.t};
-    if (bound == DistanceBound::sphere) return {sphere_distance(target_, box), projected.t};
+    if (bound == DistanceBound::sphere) return {sphere_distance(line(), box), projected.t};
     return {projected.distance.low, projected.t};
   }
-  bool too_far(const Reach& reach) const { return reach.distance > query_.radius; }
+  bool too_far(const Reach& reach) const { return reach.distance > widest(reach); }
   bool outside_interval(const Reach& reach) const {
     // A sphere is never entered behind the projection of its centre.
-    return reach.t.low > target_.t_max || reach.t.high < target_.t_min || reach.t.high < query_.entry_min;
+    if constexpr (std::is_same_v<T, Ray>)
+      if (reach.t.high < this->query_.entry_min) return true;
+    return reach.t.low > line().t_max || reach.t.high < line().t_min;
   }
   double least_measure(const Reach& reach) const {
-    if (query_.measure == Measure::distance) return reach.distance;
-    if (query_.measure == Measure::t) return reach.t.low;
-    return entry({reach.t.low, reach.distance}, query_.radius);
+    if (this->query_.measure == Measure::distance) return reach.distance;
+    if (this->query_.measure == Measure::t) return reach.t.low;
+    return entry({reach.t.low, reach.distance}, widest(reach));
+  }
+
+ private:
+  const Ray& line() const {
+    if constexpr (std::is_same_v<T, Ray>)
+      return this->target_;
+    else
+      return this->target_.axis;
+  }
+  /// The limit where it is widest among the points in reach. NaN where nothing is known.
+  double widest(const Reach& reach) const {
+    if constexpr (std::is_same_v<T, Ray>)
+      return this->query_.radius;
+    else
+      return this->target_.limit(reach.t.high > line().t_max ? line().t_max : reach.t.high);
   }
 };
+
+using RayTarget = AlongTarget<Ray>;
+using ConeTarget = AlongTarget<Cone>;
 
 /// A ray that meets points with radii of their own (RayQuery::spacing_factor), told by their places. No
 /// point's radius is above the query's.
 class OwnRadiusTarget : public RayTarget {
  public:
   OwnRadiusTarget(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index = 0)
-      : RayTarget(ray, query, query_index), tree_(tree) {}
+      : AlongTarget(ray, query, query_index), tree_(tree) {}
 
   std::optional<Hit> evaluate(const glm::dvec3& position, std::uint64_t place) const {
     const auto tree_place = static_cast<std::uint32_t>(place);
@@ -137,33 +159,6 @@ class OwnRadiusTarget : public RayTarget {
 
  private:
   const TreeView& tree_;
-};
-
-class ConeTarget : public TargetOn<Cone> {
- public:
-  using TargetOn::TargetOn;
-
-  Reach reach(const Bounds& box, DistanceBound bound) const {
-    const RayReach projected = project(target_.axis, box);
-    if (bound == DistanceBound::none) return {0.0, projected.t};
-    if (bound == DistanceBound::sphere) return {sphere_distance(target_.axis, box), projected.t};
-    return {projected.distance.low, projected.t};
-  }
-  bool too_far(const Reach& reach) const { return reach.distance > widest(reach); }
-  bool outside_interval(const Reach& reach) const {
-    return reach.t.low > target_.axis.t_max || reach.t.high < target_.axis.t_min;
-  }
-  double least_measure(const Reach& reach) const {
-    if (query_.measure == Measure::distance) return reach.distance;
-    if (query_.measure == Measure::t) return reach.t.low;
-    return entry({reach.t.low, reach.distance}, widest(reach));
-  }
-
- private:
-  /// The cone's limit where it is widest among the points in reach. NaN where nothing is known.
-  double widest(const Reach& reach) const {
-    return target_.limit(reach.t.high > target_.axis.t_max ? target_.axis.t_max : reach.t.high);
-  }
 };
 
 class PathTarget : public TargetOn<Path> {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -61,6 +60,37 @@ class Neighbours {
 bool before(const glm::dvec3& a, const glm::dvec3& b) {
   return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
+
+struct Spacings {
+  std::shared_ptr<const void> octree;  ///< keeps its arrays alive
+  HugeArray<std::uint16_t> points, slots;
+};
+
+/// Measures the spacings of points that come leaf by leaf.
+class SpacingMeter {
+ public:
+  SpacingMeter(const Octree& octree, int neighbours)
+      : tree_(octree.view()), neighbours_(octree, neighbours) {}
+
+  void measure(const Leaf& leaf, std::uint16_t* spacings) {
+    for (std::uint32_t i = 0; i < leaf.count; ++i) {
+      const LatticePosition position = position_of(tree_, leaf, i);
+      // Points of one place mostly stand one after another.
+      if (!known_ || position != last_)
+        bits_ = spacing_bits(neighbours_.spacing(to_world(tree_.lattice, position)));
+      known_ = true;
+      last_ = position;
+      spacings[leaf.place + i] = bits_;
+    }
+  }
+
+ private:
+  const TreeView& tree_;
+  Neighbours neighbours_;
+  bool known_ = false;
+  LatticePosition last_{};
+  std::uint16_t bits_ = 0;
+};
 
 }  // namespace
 
@@ -122,41 +152,6 @@ double automatic_radius(const Octree& octree, int max_level) {
   const double diagonal = std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z);
   return diagonal > 0.0 ? 0.001 * diagonal : 0.01;
 }
-
-namespace {
-
-struct Spacings {
-  std::shared_ptr<const void> octree;  ///< keeps its arrays alive
-  HugeArray<std::uint16_t> points, slots;
-};
-
-/// Measures the spacings of points that come leaf by leaf.
-class SpacingMeter {
- public:
-  SpacingMeter(const Octree& octree, int neighbours)
-      : tree_(octree.view()), neighbours_(octree, neighbours) {}
-
-  void measure(const Leaf& leaf, std::uint16_t* spacings) {
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const LatticePosition position = position_of(tree_, leaf, i);
-      // Points of one place mostly stand one after another.
-      if (!known_ || position != last_)
-        bits_ = spacing_bits(neighbours_.spacing(to_world(tree_.lattice, position)));
-      known_ = true;
-      last_ = position;
-      spacings[leaf.place + i] = bits_;
-    }
-  }
-
- private:
-  const TreeView& tree_;
-  Neighbours neighbours_;
-  bool known_ = false;
-  LatticePosition last_{};
-  std::uint16_t bits_ = 0;
-};
-
-}  // namespace
 
 std::uint16_t spacing_bits(double metres) {
   auto rounded = static_cast<float>(metres);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -250,28 +249,12 @@ glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, c
 std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint& surface,
                                const glm::dvec3& position) {
   constexpr std::uint8_t k_unclassified = 1, k_ground = 2, k_low_vegetation = 3, k_high_vegetation = 5,
-                         k_building = 6, k_water = 9, k_road = 11, k_car = 64, k_furniture = 65,
-                         k_target = 66;
+                         k_building = 6, k_water = 9, k_road = 11, k_car = 64, k_street = 65, k_target = 66;
   // In the order of SiteMaterial.
-  constexpr std::uint8_t k_classes[] = {k_ground,
-                                        k_building,
-                                        k_building,
-                                        k_building,
-                                        k_furniture,
-                                        k_building,
-                                        k_building,
-                                        k_building,
-                                        k_furniture,
-                                        k_furniture,
-                                        k_high_vegetation,
-                                        k_high_vegetation,
-                                        k_low_vegetation,
-                                        k_water,
-                                        k_car,
-                                        k_car,
-                                        k_car,
-                                        k_furniture,
-                                        k_target};
+  constexpr std::uint8_t k_classes[] = {
+      k_ground,   k_building, k_building, k_building,        k_street,          k_building,       k_building,
+      k_building, k_street,   k_street,   k_high_vegetation, k_high_vegetation, k_low_vegetation, k_water,
+      k_car,      k_car,      k_car,      k_street,          k_target};
   const auto material = static_cast<std::size_t>(finish.material);
   if (material >= std::size(k_classes)) return k_unclassified;
   const std::uint8_t usual = k_classes[material];

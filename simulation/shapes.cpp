@@ -23,6 +23,13 @@ std::optional<double> first_within(const Ray& ray, double near, double far) {
   return std::nullopt;
 }
 
+/// The same of the ends of a chord.
+std::optional<double> chord_within(const Ray& ray, double middle, double half_chord_sq) {
+  if (half_chord_sq < 0.0) return std::nullopt;
+  const double half_chord = std::sqrt(half_chord_sq);
+  return first_within(ray, middle - half_chord, middle + half_chord);
+}
+
 /// Where a ray enters and leaves a convex region, and through which of its sides.
 struct Crossing {
   double enter = -k_infinity, exit = k_infinity;
@@ -61,10 +68,7 @@ std::optional<double> intersect_shape(const Sphere& sphere, const Ray& ray) {
   const glm::dvec3 to_center = sphere.center - ray.origin;
   const double middle = glm::dot(to_center, ray.direction);
   const glm::dvec3 perpendicular = to_center - middle * ray.direction;
-  const double half_chord_sq = sphere.radius * sphere.radius - glm::dot(perpendicular, perpendicular);
-  if (half_chord_sq < 0.0) return std::nullopt;
-  const double half_chord = std::sqrt(half_chord_sq);
-  return first_within(ray, middle - half_chord, middle + half_chord);
+  return chord_within(ray, middle, sphere.radius * sphere.radius - glm::dot(perpendicular, perpendicular));
 }
 
 std::optional<double> intersect_shape(const Ellipsoid& ellipsoid, const Ray& ray) {
@@ -73,10 +77,7 @@ std::optional<double> intersect_shape(const Ellipsoid& ellipsoid, const Ray& ray
   const double length_sq = glm::dot(direction, direction);
   const double middle = glm::dot(origin, direction) / length_sq;
   const glm::dvec3 perpendicular = origin - middle * direction;
-  const double half_chord_sq = (1.0 - glm::dot(perpendicular, perpendicular)) / length_sq;
-  if (half_chord_sq < 0.0) return std::nullopt;
-  const double half_chord = std::sqrt(half_chord_sq);
-  return first_within(ray, middle - half_chord, middle + half_chord);
+  return chord_within(ray, middle, (1.0 - glm::dot(perpendicular, perpendicular)) / length_sq);
 }
 
 std::optional<double> intersect_shape(const Frustum& frustum, const Ray& ray) {
@@ -191,14 +192,6 @@ std::optional<double> intersect_shape(const Ground& ground, const Ray& ray) {
   return intersect_ground(ground, ray);
 }
 
-}  // namespace
-
-std::optional<double> intersect(const Shape& shape, const Ray& ray) {
-  return std::visit([&](const auto& any) { return intersect_shape(any, ray); }, shape);
-}
-
-namespace {
-
 SurfacePoint surface_of(const Sphere& sphere, const glm::dvec3& position) {
   return {glm::normalize(position - sphere.center), {}, 0};
 }
@@ -220,7 +213,7 @@ SurfacePoint surface_of(const Disc& disc, const glm::dvec3& position) {
 }
 
 /// A niche is a box without +z, seen from within.
-SurfacePoint surface_of(const Box& box, const glm::dvec3& position, bool is_niche) {
+SurfacePoint surface_of(const Box& box, const glm::dvec3& position, bool is_niche = false) {
   const glm::dvec3 place = (position - box.center) * box.axes;
   const double gaps[] = {std::fabs(box.half_size.x - std::fabs(place.x)),
                          std::fabs(box.half_size.y - std::fabs(place.y)),
@@ -231,10 +224,6 @@ SurfacePoint surface_of(const Box& box, const glm::dvec3& position, bool is_nich
   return {positive != is_niche ? box.axes[axis] : -box.axes[axis],
           {place[first] + box.half_size[first], place[second] + box.half_size[second]},
           2 * axis + (positive ? 1 : 0)};
-}
-
-SurfacePoint surface_of(const Box& box, const glm::dvec3& position) {
-  return surface_of(box, position, false);
 }
 
 SurfacePoint surface_of(const Niche& niche, const glm::dvec3& position) {
@@ -328,6 +317,10 @@ Bounds bounds_of_shape(const Ground& ground) {
 }
 
 }  // namespace
+
+std::optional<double> intersect(const Shape& shape, const Ray& ray) {
+  return std::visit([&](const auto& any) { return intersect_shape(any, ray); }, shape);
+}
 
 SurfacePoint surface_at(const Shape& shape, const glm::dvec3& position) {
   return std::visit([&](const auto& any) { return surface_of(any, position); }, shape);

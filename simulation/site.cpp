@@ -8,7 +8,6 @@
 #include <utility>
 
 namespace alidade::simulation {
-
 namespace {
 
 constexpr std::size_t k_leaf_size = 3;
@@ -24,6 +23,42 @@ float rounded_outwards(double value, float limit) {
   const double margin = 1e-9 + std::fabs(value) * 1e-12;
   const double beyond = limit > 0.0f ? value + margin : value - margin;
   return std::nextafter(static_cast<float>(beyond), limit);
+}
+
+/// The ray in the objects' frame, from its origin on.
+Ray to_local(const Ray& ray, const glm::dvec3& origin) {
+  return {ray.origin - origin, ray.direction, std::max(ray.t_min, 0.0), ray.t_max};
+}
+
+struct Nearest {
+  double t = 0.0;
+  std::uint32_t object = 0;
+};
+
+/// Takes `object` if it is met before `nearest`, or at the same place and stands before it in the list.
+void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint32_t index, const Ray& local) {
+  Ray shortened = local;
+  if (nearest) shortened.t_max = nearest->t;
+  const std::optional<double> t = shapes::intersect(object.shape, shortened);
+  if (!t) return;
+  if (!nearest || *t < nearest->t || (*t == nearest->t && index < nearest->object))
+    nearest = Nearest{*t, index};
+}
+
+std::optional<SiteHit> describe(const Site& site, const std::optional<Nearest>& nearest, const Ray& ray,
+                                const Ray& local) {
+  if (!nearest) return std::nullopt;
+  const SiteObject& object = site.objects()[nearest->object];
+  const glm::dvec3 position = local.position(nearest->t);
+  const shapes::SurfacePoint surface = shapes::surface_at(object.shape, position);
+  const bool from_behind = glm::dot(surface.normal, ray.direction) > 0.0;
+  return SiteHit{.t = nearest->t,
+                 .position = site.origin() + position,
+                 .normal = from_behind ? -surface.normal : surface.normal,
+                 .color = color_of(object.finish, surface, position),
+                 .material = object.finish.material,
+                 .classification = classification_of(object.finish, surface, position),
+                 .object = nearest->object};
 }
 
 }  // namespace
@@ -123,46 +158,6 @@ ShapeTree::ShapeTree(std::span<const Bounds> boxes) {
   nodes_.resize(1);
   Builder{boxes, nodes_, items_}.build(0, 0, boxes.size(), 0);
 }
-
-namespace {
-
-/// The ray in the objects' frame, from its origin on.
-Ray to_local(const Ray& ray, const glm::dvec3& origin) {
-  return {ray.origin - origin, ray.direction, std::max(ray.t_min, 0.0), ray.t_max};
-}
-
-struct Nearest {
-  double t = 0.0;
-  std::uint32_t object = 0;
-};
-
-/// Takes `object` if it is met before `nearest`, or at the same place and stands before it in the list.
-void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint32_t index, const Ray& local) {
-  Ray shortened = local;
-  if (nearest) shortened.t_max = nearest->t;
-  const std::optional<double> t = shapes::intersect(object.shape, shortened);
-  if (!t) return;
-  if (!nearest || *t < nearest->t || (*t == nearest->t && index < nearest->object))
-    nearest = Nearest{*t, index};
-}
-
-std::optional<SiteHit> describe(const Site& site, const std::optional<Nearest>& nearest, const Ray& ray,
-                                const Ray& local) {
-  if (!nearest) return std::nullopt;
-  const SiteObject& object = site.objects()[nearest->object];
-  const glm::dvec3 position = local.position(nearest->t);
-  const shapes::SurfacePoint surface = shapes::surface_at(object.shape, position);
-  const bool from_behind = glm::dot(surface.normal, ray.direction) > 0.0;
-  return SiteHit{.t = nearest->t,
-                 .position = site.origin() + position,
-                 .normal = from_behind ? -surface.normal : surface.normal,
-                 .color = color_of(object.finish, surface, position),
-                 .material = object.finish.material,
-                 .classification = classification_of(object.finish, surface, position),
-                 .object = nearest->object};
-}
-
-}  // namespace
 
 Site::Site(std::vector<SiteObject> objects, const glm::dvec3& origin)
     : objects_(std::move(objects)), origin_(origin) {

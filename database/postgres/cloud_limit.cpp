@@ -17,10 +17,6 @@ bool at_most(double a, double b) {
   return std::isnan(b) || a <= b;
 }
 
-bool is_finite(const glm::dvec3& place) {
-  return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
-}
-
 /// Requires that something lies below: not -infinity.
 double next_below(double value) {
   return std::isnan(value) ? k_infinity : std::nextafter(value, -k_infinity);
@@ -29,6 +25,29 @@ double next_below(double value) {
 /// Requires that something lies above: not NaN.
 double next_above(double value) {
   return value == k_infinity ? k_nan : std::nextafter(value, k_infinity);
+}
+
+constexpr std::size_t k_counted = 8;
+
+/// Share of distances that are at most `value`.
+double share_up_to(double value, std::span<const double> distances, DistanceKind kind) {
+  if (std::isnan(value)) return 1.0;
+  const auto count = static_cast<double>(distances.size());
+  const auto above = static_cast<std::size_t>(
+      std::ranges::upper_bound(distances, value,
+                               [](double a, double b) { return compare_numbers(a, b) < 0; }) -
+      distances.begin());
+  const std::size_t counted = std::min(k_counted, distances.size());
+  if (kind == DistanceKind::ray && above < counted) {
+    const double anchor = distances[counted - 1];
+    if (!(anchor > 0.0) || !(value > 0.0)) return 0.0;
+    return static_cast<double>(counted) / count * (value / anchor) * (value / anchor);
+  }
+  if (above == 0) return 0.0;
+  if (above == distances.size()) return 1.0;
+  const double low = distances[above - 1], high = distances[above];
+  const double part = high - low < HUGE_VAL ? (value - low) / (high - low) : 0.0;
+  return (static_cast<double>(above) + part) / count;
 }
 
 }  // namespace
@@ -63,11 +82,11 @@ bool holds(const CloudLimit& limit, const glm::dvec3& point) {
 }
 
 bool is_finite(const Bounds& box) {
-  return is_finite(box.min) && is_finite(box.max);
+  return alidade::is_finite(box.min) && alidade::is_finite(box.max);
 }
 
 Bounds box_of(const glm::dvec3& point) {
-  if (!is_finite(point)) return {glm::dvec3(-k_infinity), glm::dvec3(k_infinity)};
+  if (!alidade::is_finite(point)) return {glm::dvec3(-k_infinity), glm::dvec3(k_infinity)};
   return {point, point};
 }
 
@@ -93,33 +112,6 @@ bool may_break(const CloudLimit& limit, const Bounds& box) {
   return may_hold(make_limit(limit.kind, limit.line, Comparison::less, limit.least), box) ||
          may_hold(make_limit(limit.kind, limit.line, Comparison::greater, limit.largest), box);
 }
-
-namespace {
-
-constexpr std::size_t k_counted = 8;
-
-/// Share of distances that are at most `value`.
-double share_up_to(double value, std::span<const double> distances, DistanceKind kind) {
-  if (std::isnan(value)) return 1.0;
-  const auto count = static_cast<double>(distances.size());
-  const auto above = static_cast<std::size_t>(
-      std::ranges::upper_bound(distances, value,
-                               [](double a, double b) { return compare_numbers(a, b) < 0; }) -
-      distances.begin());
-  const std::size_t counted = std::min(k_counted, distances.size());
-  if (kind == DistanceKind::ray && above < counted) {
-    const double anchor = distances[counted - 1];
-    if (!(anchor > 0.0) || !(value > 0.0)) return 0.0;
-    return static_cast<double>(counted) / count * (value / anchor) * (value / anchor);
-  }
-  if (above == 0) return 0.0;
-  if (above == distances.size()) return 1.0;
-  const double low = distances[above - 1], high = distances[above];
-  const double part = high - low < HUGE_VAL ? (value - low) / (high - low) : 0.0;
-  return (static_cast<double>(above) + part) / count;
-}
-
-}  // namespace
 
 double estimated_share(const CloudLimit& limit, std::span<const double> distances) {
   if (compare_numbers(limit.least, limit.largest) > 0) return 0.0;

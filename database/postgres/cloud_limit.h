@@ -27,18 +27,13 @@ inline CloudLine make_line(DistanceKind kind, const glm::dvec3& place, const glm
   return {place, direction, unit};
 }
 
-/// dist_ray or dist_plane of a point.
-inline double distance(DistanceKind kind, const CloudLine& line, const glm::dvec3& point) {
+/// dist_ray or dist_plane of a point, or between what it lies for the points of a box. Where a point's is NaN,
+/// an end is NaN or high is infinite.
+template <class Place>
+auto distance(DistanceKind kind, const CloudLine& line, const Place& place) {
   if (kind == DistanceKind::ray)
-    return project(Ray{.origin = line.place, .direction = line.unit}, point).distance;
-  return signed_distance(Plane{line.place, line.unit}, point);
-}
-
-/// Between what it lies for the points of a box. Where a point's is NaN, an end is NaN or high is infinite.
-inline Interval distance(DistanceKind kind, const CloudLine& line, const Bounds& box) {
-  if (kind == DistanceKind::ray)
-    return project(Ray{.origin = line.place, .direction = line.unit}, box).distance;
-  return signed_distance(Plane{line.place, line.unit}, box);
+    return project(Ray{.origin = line.place, .direction = line.unit}, place).distance;
+  return signed_distance(Plane{line.place, line.unit}, place);
 }
 
 enum class Comparison { less, less_equal, equal, greater_equal, greater };

@@ -20,12 +20,11 @@ Datum distance_of_numbers(FunctionCallInfo fcinfo, DistanceKind kind) {
 }
 
 Datum distance_of_values(FunctionCallInfo fcinfo, DistanceKind kind) {
-  const auto& point = value_of<glm::dvec3>(PG_GETARG_DATUM(0));
-  PG_RETURN_FLOAT8(distance(kind, value_of<CloudLine>(PG_GETARG_DATUM(1)), point));
+  PG_RETURN_FLOAT8(distance(kind, argument<CloudLine>(fcinfo, 1), argument<glm::dvec3>(fcinfo, 0)));
 }
 
 bool keeps_limit(FunctionCallInfo fcinfo) {
-  return holds(value_of<CloudLimit>(PG_GETARG_DATUM(1)), value_of<glm::dvec3>(PG_GETARG_DATUM(0)));
+  return holds(argument<CloudLimit>(fcinfo, 1), argument<glm::dvec3>(fcinfo, 0));
 }
 
 }  // namespace
@@ -34,21 +33,9 @@ bool keeps_limit(FunctionCallInfo fcinfo) {
 using namespace alidade;
 using namespace alidade::database;
 
-ALIDADE_SQL_FUNCTION(alidade_dist_ray) {
-  return distance_of_numbers(fcinfo, DistanceKind::ray);
-}
-ALIDADE_SQL_FUNCTION(alidade_dist_plane) {
-  return distance_of_numbers(fcinfo, DistanceKind::plane);
-}
-ALIDADE_SQL_FUNCTION(alidade_distance_to_ray) {
-  return distance_of_values(fcinfo, DistanceKind::ray);
-}
-ALIDADE_SQL_FUNCTION(alidade_distance_to_plane) {
-  return distance_of_values(fcinfo, DistanceKind::plane);
-}
-ALIDADE_SQL_FUNCTION(alidade_keeps_limit) {
-  PG_RETURN_BOOL(keeps_limit(fcinfo));
-}
-ALIDADE_SQL_FUNCTION(alidade_breaks_limit) {
-  PG_RETURN_BOOL(!keeps_limit(fcinfo));
-}
+ALIDADE_SQL_ANSWER(alidade_dist_ray, distance_of_numbers(fcinfo, DistanceKind::ray));
+ALIDADE_SQL_ANSWER(alidade_dist_plane, distance_of_numbers(fcinfo, DistanceKind::plane));
+ALIDADE_SQL_ANSWER(alidade_distance_to_ray, distance_of_values(fcinfo, DistanceKind::ray));
+ALIDADE_SQL_ANSWER(alidade_distance_to_plane, distance_of_values(fcinfo, DistanceKind::plane));
+ALIDADE_SQL_ANSWER(alidade_keeps_limit, BoolGetDatum(keeps_limit(fcinfo)));
+ALIDADE_SQL_ANSWER(alidade_breaks_limit, BoolGetDatum(!keeps_limit(fcinfo)));

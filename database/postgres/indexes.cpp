@@ -17,6 +17,7 @@ extern "C" {
 }
 
 namespace alidade::database {
+namespace {
 
 // Numbers of the operators in the operator classes of the install script.
 constexpr int k_keeps = 1;   ///< cloud_point <@ cloud_limit
@@ -25,17 +26,12 @@ constexpr int k_to_ray = 15;
 constexpr int k_to_plane = 16;
 
 /// False only if the condition of an index scan holds for no point of the box.
-inline bool may_match(int symbol, Datum argument, const Bounds& box) {
+bool may_match(int symbol, Datum argument, const Bounds& box) {
   const auto& limit = value_of<CloudLimit>(argument);
   return guarded([&] { return symbol == k_keeps ? may_hold(limit, box) : may_break(limit, box); });
 }
 
-}  // namespace alidade::database
-
 // Points in Morton order, for btree and ORDER BY.
-
-namespace alidade::database {
-namespace {
 
 int order(Datum a, Datum b) {
   return compare_morton(value_of<glm::dvec3>(a), value_of<glm::dvec3>(b));
@@ -45,41 +41,7 @@ int order(FunctionCallInfo fcinfo) {
   return order(PG_GETARG_DATUM(0), PG_GETARG_DATUM(1));
 }
 
-}  // namespace
-}  // namespace alidade::database
-
-using namespace alidade;
-using namespace alidade::database;
-
-ALIDADE_SQL_FUNCTION(alidade_point_order) {
-  PG_RETURN_INT32(order(fcinfo));
-}
-ALIDADE_SQL_FUNCTION(alidade_point_before) {
-  PG_RETURN_BOOL(order(fcinfo) < 0);
-}
-ALIDADE_SQL_FUNCTION(alidade_point_not_after) {
-  PG_RETURN_BOOL(order(fcinfo) <= 0);
-}
-ALIDADE_SQL_FUNCTION(alidade_point_equal) {
-  PG_RETURN_BOOL(order(fcinfo) == 0);
-}
-ALIDADE_SQL_FUNCTION(alidade_point_not_before) {
-  PG_RETURN_BOOL(order(fcinfo) >= 0);
-}
-ALIDADE_SQL_FUNCTION(alidade_point_after) {
-  PG_RETURN_BOOL(order(fcinfo) > 0);
-}
-ALIDADE_SQL_FUNCTION(alidade_point_sort_support) {
-  reinterpret_cast<SortSupport>(PG_GETARG_POINTER(0))->comparator = [](Datum a, Datum b, SortSupport) {
-    return order(a, b);
-  };
-  PG_RETURN_VOID();
-}
-
 // BRIN: the box of the points of each range of pages. These are the paper's chunk statistics (section 4.2).
-
-namespace alidade::database {
-namespace {
 
 /// Least x, y and z, then largest: each is a column of the index.
 constexpr int k_faces = 6;
@@ -111,36 +73,7 @@ BrinValues& range_in(FunctionCallInfo fcinfo, int argument) {
   return *reinterpret_cast<BrinValues*>(PG_GETARG_POINTER(argument));
 }
 
-}  // namespace
-}  // namespace alidade::database
-
-ALIDADE_SQL_FUNCTION(alidade_brin_columns) {
-  auto* const info = static_cast<BrinOpcInfo*>(palloc0(MAXALIGN(SizeofBrinOpcInfo(k_faces))));
-  info->oi_nstored = k_faces;
-  info->oi_regular_nulls = true;
-  for (int i = 0; i < k_faces; ++i) info->oi_typcache[i] = lookup_type_cache(FLOAT8OID, 0);
-  PG_RETURN_POINTER(info);
-}
-ALIDADE_SQL_FUNCTION(alidade_brin_add) {
-  PG_RETURN_BOOL(grow(range_in(fcinfo, 1), box_of(value_of<glm::dvec3>(PG_GETARG_DATUM(2)))));
-}
-ALIDADE_SQL_FUNCTION(alidade_brin_union) {
-  grow(range_in(fcinfo, 1), box_in(range_in(fcinfo, 2)));
-  PG_RETURN_VOID();
-}
-ALIDADE_SQL_FUNCTION(alidade_brin_consistent) {
-  const Bounds box = box_in(range_in(fcinfo, 1));
-  auto* const* const keys = reinterpret_cast<ScanKey*>(PG_GETARG_POINTER(2));
-  const int count = PG_GETARG_INT32(3);
-  for (int i = 0; i < count; ++i)
-    if (!may_match(keys[i]->sk_strategy, keys[i]->sk_argument, box)) PG_RETURN_BOOL(false);
-  PG_RETURN_BOOL(true);
-}
-
 // GiST: a tree of boxes; in its leaves those of single points.
-
-namespace alidade::database {
-namespace {
 
 const Bounds& box_in(const GISTENTRY& entry) {
   return value_of<Bounds>(entry.key);
@@ -188,6 +121,45 @@ double least_distance(DistanceKind kind, const CloudLine& line, const Bounds& bo
 }  // namespace
 }  // namespace alidade::database
 
+using namespace alidade;
+using namespace alidade::database;
+
+ALIDADE_SQL_ANSWER(alidade_point_order, Int32GetDatum(order(fcinfo)));
+ALIDADE_SQL_ANSWER(alidade_point_before, BoolGetDatum(order(fcinfo) < 0));
+ALIDADE_SQL_ANSWER(alidade_point_not_after, BoolGetDatum(order(fcinfo) <= 0));
+ALIDADE_SQL_ANSWER(alidade_point_equal, BoolGetDatum(order(fcinfo) == 0));
+ALIDADE_SQL_ANSWER(alidade_point_not_before, BoolGetDatum(order(fcinfo) >= 0));
+ALIDADE_SQL_ANSWER(alidade_point_after, BoolGetDatum(order(fcinfo) > 0));
+ALIDADE_SQL_FUNCTION(alidade_point_sort_support) {
+  reinterpret_cast<SortSupport>(PG_GETARG_POINTER(0))->comparator = [](Datum a, Datum b, SortSupport) {
+    return order(a, b);
+  };
+  PG_RETURN_VOID();
+}
+
+ALIDADE_SQL_FUNCTION(alidade_brin_columns) {
+  auto* const info = static_cast<BrinOpcInfo*>(palloc0(MAXALIGN(SizeofBrinOpcInfo(k_faces))));
+  info->oi_nstored = k_faces;
+  info->oi_regular_nulls = true;
+  for (int i = 0; i < k_faces; ++i) info->oi_typcache[i] = lookup_type_cache(FLOAT8OID, 0);
+  PG_RETURN_POINTER(info);
+}
+ALIDADE_SQL_FUNCTION(alidade_brin_add) {
+  PG_RETURN_BOOL(grow(range_in(fcinfo, 1), box_of(argument<glm::dvec3>(fcinfo, 2))));
+}
+ALIDADE_SQL_FUNCTION(alidade_brin_union) {
+  grow(range_in(fcinfo, 1), box_in(range_in(fcinfo, 2)));
+  PG_RETURN_VOID();
+}
+ALIDADE_SQL_FUNCTION(alidade_brin_consistent) {
+  const Bounds box = box_in(range_in(fcinfo, 1));
+  auto* const* const keys = reinterpret_cast<ScanKey*>(PG_GETARG_POINTER(2));
+  const int count = PG_GETARG_INT32(3);
+  for (int i = 0; i < count; ++i)
+    if (!may_match(keys[i]->sk_strategy, keys[i]->sk_argument, box)) PG_RETURN_BOOL(false);
+  PG_RETURN_BOOL(true);
+}
+
 ALIDADE_SQL_FUNCTION(alidade_gist_compress) {
   GISTENTRY& entry = entry_in(fcinfo, 0);
   if (!entry.leafkey) PG_RETURN_POINTER(&entry);
@@ -203,13 +175,12 @@ ALIDADE_SQL_FUNCTION(alidade_gist_consistent) {
   const Bounds& box = box_in(entry);
   const bool is_point = GIST_LEAF(&entry) && is_finite(box);
   must_recheck = !is_point;
-  if (is_point)
-    PG_RETURN_BOOL(holds(value_of<CloudLimit>(PG_GETARG_DATUM(1)), box.min) == (symbol == k_keeps));
+  if (is_point) PG_RETURN_BOOL(holds(argument<CloudLimit>(fcinfo, 1), box.min) == (symbol == k_keeps));
   PG_RETURN_BOOL(may_match(symbol, PG_GETARG_DATUM(1), box));
 }
 ALIDADE_SQL_FUNCTION(alidade_gist_distance) {
   const GISTENTRY& entry = entry_in(fcinfo, 0);
-  const auto& line = value_of<CloudLine>(PG_GETARG_DATUM(1));
+  const auto& line = argument<CloudLine>(fcinfo, 1);
   const DistanceKind kind = PG_GETARG_UINT16(2) == k_to_ray ? DistanceKind::ray : DistanceKind::plane;
   bool& must_recheck = *reinterpret_cast<bool*>(PG_GETARG_POINTER(4));
   const Bounds& box = box_in(entry);
@@ -261,7 +232,7 @@ ALIDADE_SQL_FUNCTION(alidade_gist_split) {
   PG_RETURN_POINTER(&split);
 }
 ALIDADE_SQL_FUNCTION(alidade_gist_same) {
-  const auto &a = value_of<Bounds>(PG_GETARG_DATUM(0)), &b = value_of<Bounds>(PG_GETARG_DATUM(1));
+  const auto &a = argument<Bounds>(fcinfo, 0), &b = argument<Bounds>(fcinfo, 1);
   *reinterpret_cast<bool*>(PG_GETARG_POINTER(2)) = a.min == b.min && a.max == b.max;
   PG_RETURN_POINTER(PG_GETARG_POINTER(2));
 }

@@ -171,12 +171,10 @@ Datum answer(FunctionCallInfo fcinfo, const Simplify& simplify) {
 using namespace alidade;
 using namespace alidade::database;
 
-ALIDADE_SQL_FUNCTION(alidade_dist_ray_support) {
-  return answer(fcinfo, [](const auto& request) { return simplify_distance(request, "cloud_ray"); });
-}
-ALIDADE_SQL_FUNCTION(alidade_dist_plane_support) {
-  return answer(fcinfo, [](const auto& request) { return simplify_distance(request, "cloud_plane"); });
-}
-ALIDADE_SQL_FUNCTION(alidade_comparison_support) {
-  return answer(fcinfo, [](const auto& request) { return simplify_comparison(request); });
-}
+ALIDADE_SQL_ANSWER(alidade_dist_ray_support, answer(fcinfo, [](const auto& request) {
+                     return simplify_distance(request, "cloud_ray");
+                   }));
+ALIDADE_SQL_ANSWER(alidade_dist_plane_support, answer(fcinfo, [](const auto& request) {
+                     return simplify_distance(request, "cloud_plane");
+                   }));
+ALIDADE_SQL_ANSWER(alidade_comparison_support, answer(fcinfo, simplify_comparison));

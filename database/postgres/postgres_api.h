@@ -29,6 +29,13 @@ extern "C" {
   }                                         \
   Datum name([[maybe_unused]] FunctionCallInfo fcinfo)
 
+/// Defines one that answers the value of an expression: ALIDADE_SQL_ANSWER(name, BoolGetDatum(...));
+#define ALIDADE_SQL_ANSWER(name, ...) \
+  ALIDADE_SQL_FUNCTION(name) {        \
+    return __VA_ARGS__;               \
+  }                                   \
+  extern "C" Datum name(PG_FUNCTION_ARGS)
+
 namespace alidade::database {
 
 /// Runs work that may throw and calls nothing of PostgreSQL's. What it throws becomes an error of SQL, once
@@ -56,6 +63,12 @@ inline PGFunction address_of(Oid function) {
 template <class Value>
 const Value& value_of(Datum datum) {
   return *reinterpret_cast<const Value*>(DatumGetPointer(datum));
+}
+
+/// The argument of this number of a function of SQL.
+template <class Value>
+const Value& argument(FunctionCallInfo fcinfo, int number) {
+  return value_of<Value>(PG_GETARG_DATUM(number));
 }
 
 /// A value of a type of ours as PostgreSQL wants it, in the current memory context.

@@ -97,9 +97,5 @@ Datum selectivity(FunctionCallInfo fcinfo, bool keeps) {
 using namespace alidade;
 using namespace alidade::database;
 
-ALIDADE_SQL_FUNCTION(alidade_keeping_share) {
-  return selectivity(fcinfo, true);
-}
-ALIDADE_SQL_FUNCTION(alidade_breaking_share) {
-  return selectivity(fcinfo, false);
-}
+ALIDADE_SQL_ANSWER(alidade_keeping_share, selectivity(fcinfo, true));
+ALIDADE_SQL_ANSWER(alidade_breaking_share, selectivity(fcinfo, false));

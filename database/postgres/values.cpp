@@ -9,32 +9,12 @@
 
 extern "C" {
 #include <lib/stringinfo.h>
-}
-
-// Numbers as the text and the bytes of a value of SQL. Errors are PostgreSQL's.
-
-namespace alidade::database {
-
-/// Reads "(1,2,3)", where spaces may stand, up to its end. `text` is what stands between `all` and its end;
-/// error messages name the type and all of the text.
-void read_numbers(const char* text, const char* all, const char* type, std::span<double> numbers);
-
-/// Writes them so, as exactly as the setting extra_float_digits asks for, which by default is exactly.
-void append_numbers(StringInfo text, std::span<const double> numbers);
-
-/// Reads or writes the numbers of a message of the binary protocol.
-void receive_numbers(StringInfo message, std::span<double> numbers);
-void send_numbers(StringInfo message, std::span<const double> numbers);
-
-/// Ends with the error that a text is none of the type.
-[[noreturn]] void refuse_text(const char* all, const char* type);
-
-}  // namespace alidade::database
-
-extern "C" {
 #include <libpq/pqformat.h>
+#include <utils/builtins.h>
 #include <utils/float.h>
 }
+
+// The types of SQL: their texts, their bytes, and the functions that make them. Errors are PostgreSQL's.
 
 namespace alidade::database {
 namespace {
@@ -43,13 +23,14 @@ const char* skip_spaces(const char* text) {
   return text + std::strspn(text, " \t\n\r\v\f");
 }
 
-}  // namespace
-
-void refuse_text(const char* all, const char* type) {
+/// Ends with the error that a text is none of the type.
+[[noreturn]] void refuse_text(const char* all, const char* type) {
   ereport(ERROR, (errcode(ERRCODE_INVALID_TEXT_REPRESENTATION),
                   errmsg("invalid input syntax for type %s: \"%s\"", type, all)));
 }
 
+/// Reads "(1,2,3)", where spaces may stand, up to its end. `text` is what stands between `all` and its end;
+/// error messages name the type and all of the text.
 void read_numbers(const char* text, const char* all, const char* type, std::span<double> numbers) {
   const char* place = skip_spaces(text);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -62,41 +43,15 @@ void read_numbers(const char* text, const char* all, const char* type, std::span
   if (*place != ')' || *skip_spaces(place + 1) != '\0') refuse_text(all, type);
 }
 
-void append_numbers(StringInfo text, std::span<const double> numbers) {
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    appendStringInfoChar(text, i == 0 ? '(' : ',');
-    appendStringInfoString(text, float8out_internal(numbers[i]));
-  }
-  appendStringInfoChar(text, ')');
-}
-
-void receive_numbers(StringInfo message, std::span<double> numbers) {
-  for (double& number : numbers) number = pq_getmsgfloat8(message);
-}
-
-void send_numbers(StringInfo message, std::span<const double> numbers) {
-  for (const double number : numbers) pq_sendfloat8(message, number);
-}
-
-}  // namespace alidade::database
-
-// The types of SQL: their texts, their bytes, and the functions that make them.
-
-extern "C" {
-#include <libpq/pqformat.h>
-#include <utils/builtins.h>
-}
-
-namespace alidade::database {
-namespace {
-
 using Six = std::array<double, 6>;
 
 Six numbers_of(const CloudLine& line) {
   return {line.place.x, line.place.y, line.place.z, line.direction.x, line.direction.y, line.direction.z};
 }
 
-CloudLine line_of(DistanceKind kind, const double* n) {
+/// The first six.
+template <class Numbers>
+CloudLine line_of(DistanceKind kind, const Numbers& n) {
   return guarded([&] { return make_line(kind, {n[0], n[1], n[2]}, {n[3], n[4], n[5]}); });
 }
 
@@ -122,15 +77,20 @@ std::array<double, 8> numbers_of(const CloudLimit& limit) {
 }
 
 CloudLimit limit_of(DistanceKind kind, const std::array<double, 8>& n) {
-  return {.line = line_of(kind, n.data()), .least = n[6], .largest = n[7], .kind = kind};
+  return {.line = line_of(kind, n), .least = n[6], .largest = n[7], .kind = kind};
 }
 
+/// Numbers as exact as the setting extra_float_digits asks for, which by default is exactly.
 template <class Numbers>
 Datum text_of(const char* prefix, const Numbers& numbers) {
   StringInfoData written;
   initStringInfo(&written);
   appendStringInfoString(&written, prefix);
-  append_numbers(&written, numbers);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    appendStringInfoChar(&written, i == 0 ? '(' : ',');
+    appendStringInfoString(&written, float8out_internal(numbers[i]));
+  }
+  appendStringInfoChar(&written, ')');
   return CStringGetDatum(written.data);
 }
 
@@ -139,7 +99,7 @@ Datum message_of(const Numbers& numbers, const DistanceKind* kind = nullptr) {
   StringInfoData message;
   pq_begintypsend(&message);
   if (kind != nullptr) pq_sendbyte(&message, static_cast<std::uint8_t>(*kind));
-  send_numbers(&message, numbers);
+  for (const double number : numbers) pq_sendfloat8(&message, number);
   return PointerGetDatum(pq_endtypsend(&message));
 }
 
@@ -154,7 +114,7 @@ std::array<double, count> numbers_in(FunctionCallInfo fcinfo, const char* type) 
 template <std::size_t count>
 std::array<double, count> numbers_received(StringInfo message) {
   std::array<double, count> numbers;
-  receive_numbers(message, numbers);
+  for (double& number : numbers) number = pq_getmsgfloat8(message);
   return numbers;
 }
 
@@ -184,7 +144,7 @@ Comparison comparison_of(const text* word) {
 }
 
 Datum limit_by_comparison(FunctionCallInfo fcinfo, DistanceKind kind) {
-  const auto& line = value_of<CloudLine>(PG_GETARG_DATUM(0));
+  const auto& line = argument<CloudLine>(fcinfo, 0);
   return datum_of(make_limit(kind, line, comparison_of(PG_GETARG_TEXT_PP(1)), PG_GETARG_FLOAT8(2)));
 }
 
@@ -194,53 +154,26 @@ Datum limit_by_comparison(FunctionCallInfo fcinfo, DistanceKind kind) {
 using namespace alidade;
 using namespace alidade::database;
 
-ALIDADE_SQL_FUNCTION(alidade_point_in) {
-  return datum_of(point_of(numbers_in<3>(fcinfo, "cloud_point")));
-}
-ALIDADE_SQL_FUNCTION(alidade_point_out) {
-  return text_of("", numbers_of(value_of<glm::dvec3>(PG_GETARG_DATUM(0))));
-}
-ALIDADE_SQL_FUNCTION(alidade_point_receive) {
-  return datum_of(point_of(numbers_received<3>(message_in(fcinfo))));
-}
-ALIDADE_SQL_FUNCTION(alidade_point_send) {
-  return message_of(numbers_of(value_of<glm::dvec3>(PG_GETARG_DATUM(0))));
-}
-ALIDADE_SQL_FUNCTION(alidade_point) {
-  return datum_of(point_of(numbers_given<3>(fcinfo)));
-}
+ALIDADE_SQL_ANSWER(alidade_point_in, datum_of(point_of(numbers_in<3>(fcinfo, "cloud_point"))));
+ALIDADE_SQL_ANSWER(alidade_point_out, text_of("", numbers_of(argument<glm::dvec3>(fcinfo, 0))));
+ALIDADE_SQL_ANSWER(alidade_point_receive, datum_of(point_of(numbers_received<3>(message_in(fcinfo)))));
+ALIDADE_SQL_ANSWER(alidade_point_send, message_of(numbers_of(argument<glm::dvec3>(fcinfo, 0))));
+ALIDADE_SQL_ANSWER(alidade_point, datum_of(point_of(numbers_given<3>(fcinfo))));
 
-ALIDADE_SQL_FUNCTION(alidade_box_in) {
-  return datum_of(box_of_numbers(numbers_in<6>(fcinfo, "cloud_box")));
-}
-ALIDADE_SQL_FUNCTION(alidade_box_out) {
-  return text_of("", numbers_of(value_of<Bounds>(PG_GETARG_DATUM(0))));
-}
+ALIDADE_SQL_ANSWER(alidade_box_in, datum_of(box_of_numbers(numbers_in<6>(fcinfo, "cloud_box"))));
+ALIDADE_SQL_ANSWER(alidade_box_out, text_of("", numbers_of(argument<Bounds>(fcinfo, 0))));
 
-ALIDADE_SQL_FUNCTION(alidade_ray_in) {
-  return datum_of(line_of(DistanceKind::ray, numbers_in<6>(fcinfo, "cloud_ray").data()));
-}
-ALIDADE_SQL_FUNCTION(alidade_plane_in) {
-  return datum_of(line_of(DistanceKind::plane, numbers_in<6>(fcinfo, "cloud_plane").data()));
-}
-ALIDADE_SQL_FUNCTION(alidade_line_out) {
-  return text_of("", numbers_of(value_of<CloudLine>(PG_GETARG_DATUM(0))));
-}
-ALIDADE_SQL_FUNCTION(alidade_ray_receive) {
-  return datum_of(line_of(DistanceKind::ray, numbers_received<6>(message_in(fcinfo)).data()));
-}
-ALIDADE_SQL_FUNCTION(alidade_plane_receive) {
-  return datum_of(line_of(DistanceKind::plane, numbers_received<6>(message_in(fcinfo)).data()));
-}
-ALIDADE_SQL_FUNCTION(alidade_line_send) {
-  return message_of(numbers_of(value_of<CloudLine>(PG_GETARG_DATUM(0))));
-}
-ALIDADE_SQL_FUNCTION(alidade_ray) {
-  return datum_of(line_of(DistanceKind::ray, numbers_given<6>(fcinfo).data()));
-}
-ALIDADE_SQL_FUNCTION(alidade_plane) {
-  return datum_of(line_of(DistanceKind::plane, numbers_given<6>(fcinfo).data()));
-}
+ALIDADE_SQL_ANSWER(alidade_ray_in, datum_of(line_of(DistanceKind::ray, numbers_in<6>(fcinfo, "cloud_ray"))));
+ALIDADE_SQL_ANSWER(alidade_plane_in,
+                   datum_of(line_of(DistanceKind::plane, numbers_in<6>(fcinfo, "cloud_plane"))));
+ALIDADE_SQL_ANSWER(alidade_line_out, text_of("", numbers_of(argument<CloudLine>(fcinfo, 0))));
+ALIDADE_SQL_ANSWER(alidade_ray_receive,
+                   datum_of(line_of(DistanceKind::ray, numbers_received<6>(message_in(fcinfo)))));
+ALIDADE_SQL_ANSWER(alidade_plane_receive,
+                   datum_of(line_of(DistanceKind::plane, numbers_received<6>(message_in(fcinfo)))));
+ALIDADE_SQL_ANSWER(alidade_line_send, message_of(numbers_of(argument<CloudLine>(fcinfo, 0))));
+ALIDADE_SQL_ANSWER(alidade_ray, datum_of(line_of(DistanceKind::ray, numbers_given<6>(fcinfo))));
+ALIDADE_SQL_ANSWER(alidade_plane, datum_of(line_of(DistanceKind::plane, numbers_given<6>(fcinfo))));
 
 ALIDADE_SQL_FUNCTION(alidade_limit_in) {
   const char* const all = PG_GETARG_CSTRING(0);
@@ -254,7 +187,7 @@ ALIDADE_SQL_FUNCTION(alidade_limit_in) {
   return datum_of(limit_of(is_ray ? DistanceKind::ray : DistanceKind::plane, numbers));
 }
 ALIDADE_SQL_FUNCTION(alidade_limit_out) {
-  const auto& limit = value_of<CloudLimit>(PG_GETARG_DATUM(0));
+  const auto& limit = argument<CloudLimit>(fcinfo, 0);
   return text_of(limit.kind == DistanceKind::ray ? "ray" : "plane", numbers_of(limit));
 }
 ALIDADE_SQL_FUNCTION(alidade_limit_receive) {
@@ -266,18 +199,10 @@ ALIDADE_SQL_FUNCTION(alidade_limit_receive) {
   return datum_of(limit_of(kind, numbers_received<8>(message)));
 }
 ALIDADE_SQL_FUNCTION(alidade_limit_send) {
-  const auto& limit = value_of<CloudLimit>(PG_GETARG_DATUM(0));
+  const auto& limit = argument<CloudLimit>(fcinfo, 0);
   return message_of(numbers_of(limit), &limit.kind);
 }
-ALIDADE_SQL_FUNCTION(alidade_ray_limit) {
-  return datum_of(limit_of(DistanceKind::ray, numbers_given<8>(fcinfo)));
-}
-ALIDADE_SQL_FUNCTION(alidade_plane_limit) {
-  return datum_of(limit_of(DistanceKind::plane, numbers_given<8>(fcinfo)));
-}
-ALIDADE_SQL_FUNCTION(alidade_limit_by_ray) {
-  return limit_by_comparison(fcinfo, DistanceKind::ray);
-}
-ALIDADE_SQL_FUNCTION(alidade_limit_by_plane) {
-  return limit_by_comparison(fcinfo, DistanceKind::plane);
-}
+ALIDADE_SQL_ANSWER(alidade_ray_limit, datum_of(limit_of(DistanceKind::ray, numbers_given<8>(fcinfo))));
+ALIDADE_SQL_ANSWER(alidade_plane_limit, datum_of(limit_of(DistanceKind::plane, numbers_given<8>(fcinfo))));
+ALIDADE_SQL_ANSWER(alidade_limit_by_ray, limit_by_comparison(fcinfo, DistanceKind::ray));
+ALIDADE_SQL_ANSWER(alidade_limit_by_plane, limit_by_comparison(fcinfo, DistanceKind::plane));

@@ -26,71 +26,6 @@ constexpr std::int32_t k_longest = 8;
                .found = std::move(found)});
 }
 
-}  // namespace
-
-/// How many bytes the head has; 0 if it is not there wholly.
-std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
-  if (bytes.size() < k_head) return 0;
-  if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
-    refuse_rows("rows of COPY in binary", "another beginning");
-  const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
-  const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
-  if (flags != 0 || more != 0) refuse_rows("a head without flags", "one with some");
-  place_ = Place::rows;
-  return k_head;
-}
-
-/// How many bytes the next row has, which is handed over; 0 if it is not there wholly.
-std::size_t CopyDecoder::take_row(std::span<const std::byte> bytes) {
-  std::size_t at = 0;
-  const auto has = [&](std::size_t count) { return bytes.size() - at >= count; };
-  if (!has(sizeof(std::int16_t))) return 0;
-  const auto count = load<std::int16_t>(bytes.data(), std::endian::big);
-  at += sizeof count;
-  if (count == -1) {
-    place_ = Place::end;
-    return at;
-  }
-  if (count < 0 || static_cast<std::size_t>(count) != fields_.size())
-    refuse_rows(std::to_string(fields_.size()) + " values in a row", std::to_string(count));
-  for (CopyField& field : fields_) {
-    if (!has(sizeof(std::int32_t))) return 0;
-    const auto length = load<std::int32_t>(bytes.data() + at, std::endian::big);
-    at += sizeof length;
-    if (length < -1 || length > k_longest)
-      refuse_rows("values of at most 8 bytes", std::to_string(length) + " bytes");
-    const auto size = static_cast<std::size_t>(length < 0 ? 0 : length);
-    if (!has(size)) return 0;
-    field = bytes.subspan(at, size);
-    at += size;
-  }
-  take_(fields_);
-  return at;
-}
-
-void CopyDecoder::add(std::span<const std::byte> bytes) {
-  const bool has_left = !left_.empty();
-  if (has_left) {
-    left_.insert(left_.end(), bytes.begin(), bytes.end());
-    bytes = left_;
-  }
-  while (!bytes.empty()) {
-    if (place_ == Place::end)
-      refuse_rows("nothing behind the last row", std::to_string(bytes.size()) + " bytes");
-    const std::size_t taken = place_ == Place::head ? take_head(bytes) : take_row(bytes);
-    if (taken == 0) break;
-    bytes = bytes.subspan(taken);
-  }
-  // The rest may lie in what it replaces.
-  left_ = std::vector<std::byte>(bytes.begin(), bytes.end());
-}
-
-void CopyDecoder::finish() const {
-  if (place_ != Place::end) refuse_rows("an end behind the last row", "none");
-}
-
-namespace {
-
 /// Numbers travel with the highest byte first.
 template <class Number>
 void append_number(Number number, std::vector<std::byte>& bytes) {
@@ -160,6 +95,67 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
 
 }  // namespace
 
+/// How many bytes the head has; 0 if it is not there wholly.
+std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
+  if (bytes.size() < k_head) return 0;
+  if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
+    refuse_rows("rows of COPY in binary", "another beginning");
+  const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
+  const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
+  if (flags != 0 || more != 0) refuse_rows("a head without flags", "one with some");
+  place_ = Place::rows;
+  return k_head;
+}
+
+/// How many bytes the next row has, which is handed over; 0 if it is not there wholly.
+std::size_t CopyDecoder::take_row(std::span<const std::byte> bytes) {
+  std::size_t at = 0;
+  const auto has = [&](std::size_t count) { return bytes.size() - at >= count; };
+  if (!has(sizeof(std::int16_t))) return 0;
+  const auto count = load<std::int16_t>(bytes.data(), std::endian::big);
+  at += sizeof count;
+  if (count == -1) {
+    place_ = Place::end;
+    return at;
+  }
+  if (count < 0 || static_cast<std::size_t>(count) != fields_.size())
+    refuse_rows(std::to_string(fields_.size()) + " values in a row", std::to_string(count));
+  for (CopyField& field : fields_) {
+    if (!has(sizeof(std::int32_t))) return 0;
+    const auto length = load<std::int32_t>(bytes.data() + at, std::endian::big);
+    at += sizeof length;
+    if (length < -1 || length > k_longest)
+      refuse_rows("values of at most 8 bytes", std::to_string(length) + " bytes");
+    const auto size = static_cast<std::size_t>(length < 0 ? 0 : length);
+    if (!has(size)) return 0;
+    field = bytes.subspan(at, size);
+    at += size;
+  }
+  take_(fields_);
+  return at;
+}
+
+void CopyDecoder::add(std::span<const std::byte> bytes) {
+  const bool has_left = !left_.empty();
+  if (has_left) {
+    left_.insert(left_.end(), bytes.begin(), bytes.end());
+    bytes = left_;
+  }
+  while (!bytes.empty()) {
+    if (place_ == Place::end)
+      refuse_rows("nothing behind the last row", std::to_string(bytes.size()) + " bytes");
+    const std::size_t taken = place_ == Place::head ? take_head(bytes) : take_row(bytes);
+    if (taken == 0) break;
+    bytes = bytes.subspan(taken);
+  }
+  // The rest may lie in what it replaces.
+  left_ = std::vector<std::byte>(bytes.begin(), bytes.end());
+}
+
+void CopyDecoder::finish() const {
+  if (place_ != Place::end) refuse_rows("an end behind the last row", "none");
+}
+
 CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)
     : columns_(std::move(columns)), lattice_(lattice) {
   std::ranges::transform(columns_, std::back_inserter(types_), server_type);
@@ -195,17 +191,16 @@ void CopyRows::append(const EncodedChunks& points, std::size_t i, std::vector<st
 }
 
 Bounds CopyRows::copy(
-    PointStream& points, const PiecewiseCloud& whole, std::uint64_t count,
+    OrderedCloud& cloud, std::uint64_t count,
     const std::function<void(std::span<const std::byte> bytes, std::size_t points)>& write) const {
-  constexpr std::uint64_t k_rows_at_once = 8192;
-  const ChunkEncoding encoding{
-      .chunk_points = k_rows_at_once, .lattice = lattice_, .blobs = points.blobs(), .spread = whole.spread};
+  constexpr std::uint32_t k_rows_at_once = 8192;
+  const ChunkEncoding encoding = cloud.encoding(k_rows_at_once);
   Bounds box;
   write(head(), 0);
   std::vector<std::byte> bytes;
   while (count > 0) {
     const EncodedChunks some =
-        encode(encoding, points.next(static_cast<std::size_t>(std::min(k_rows_at_once, count))));
+        encode(encoding, cloud.points.next(std::min<std::size_t>(k_rows_at_once, count)));
     bytes.clear();
     for (std::size_t i = 0; i < some.positions.size(); ++i) append(some, i, bytes);
     write(bytes, some.positions.size());

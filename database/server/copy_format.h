@@ -58,9 +58,8 @@ class CopyRows {
   /// Adds a row for the i-th of the points to `bytes`.
   void append(const EncodedChunks& points, std::size_t i, std::vector<std::byte>& bytes) const;
 
-  /// Gives the next `count` points of a stream, those of `whole`, to `write` as a whole COPY, piece by piece;
-  /// answers their box.
-  Bounds copy(PointStream& points, const PiecewiseCloud& whole, std::uint64_t count,
+  /// Gives the next `count` points of a cloud to `write` as a whole COPY, piece by piece; answers their box.
+  Bounds copy(OrderedCloud& cloud, std::uint64_t count,
               const std::function<void(std::span<const std::byte> bytes, std::size_t points)>& write) const;
 
  private:

@@ -31,6 +31,257 @@ std::string condition(ServerConnection& connection, std::span<const PointFilter>
   return filter_condition(any_of);
 }
 
+constexpr const char* k_id = "id";
+
+/// How the rows of a table become rows of a cloud.
+struct RowOrder {
+  std::uint64_t count = 0;
+  bool is_by_id = false;  ///< ids are 0, 1, ... each once: rows may come in any order within a piece
+};
+
+/// Puts rows into a cloud, piece by piece.
+class RowPlacer {
+ public:
+  RowPlacer(ServerCloud& server, PointCloud& cloud, AttributeSet kept, std::vector<ValueColumn> columns,
+            const RowOrder& order, const CloudPieces& pieces)
+      : server_(server),
+        cloud_(cloud),
+        kept_(kept),
+        values_(cloud, std::move(columns)),
+        order_(order),
+        pieces_(pieces),
+        lattice_(server.table().cloud ? server.table().cloud->lattice : cloud.lattice),
+        shift_(lattice_, cloud.lattice, server.connection().name()) {
+    make_room();
+  }
+
+  /// Whether all rows have room at once.
+  bool is_one_piece() const { return room_ == order_.count; }
+
+  void take(const ServerRow& row) {
+    if (done_ == order_.count)
+      server_.connection().fail("the server sends more rows than it counted", std::to_string(order_.count));
+    if (done_ == first_ + room_) make_room();
+    const std::uint64_t place = order_.is_by_id ? place_by_id(row) : done_ - first_;
+    cloud_.positions[start_ + place] = position_of(row);
+    values_.put(start_ + place, row.values, [&] {
+      return order_.is_by_id ? fmt::format("id {}", row.id) : fmt::format("row {}", row.number + 1);
+    });
+    ++done_;
+  }
+
+  /// Errors: rows are missing.
+  void finish() const {
+    if (done_ != order_.count)
+      server_.connection().fail("the server sends fewer rows than it counted", std::to_string(order_.count),
+                                std::to_string(done_));
+  }
+
+  std::uint64_t done() const { return done_; }
+  std::uint64_t null_count() const { return values_.null_count(); }
+
+ private:
+  void make_room() {
+    first_ = done_;
+    room_ = room_in_piece(cloud_, kept_, order_.count - done_, pieces_);
+    start_ = cloud_.size();
+    append_rows(cloud_, kept_, room_);
+    values_.find_columns();
+    is_there_.assign(order_.is_by_id ? room_ : 0, false);
+  }
+
+  std::uint64_t place_by_id(const ServerRow& row) {
+    const std::uint64_t place = static_cast<std::uint64_t>(row.id) - first_;
+    if (place >= room_ || is_there_[place]) {
+      server_.connection().fail("ids are not the numbers of the rows",
+                                fmt::format("each number below {} once", order_.count),
+                                std::to_string(row.id));
+    }
+    is_there_[place] = true;
+    return place;
+  }
+
+  LatticePosition position_of(const ServerRow& row) const {
+    const std::optional<LatticePosition> position = to_lattice(lattice_, row.world);
+    if (!position) {
+      server_.connection().fail("a point does not fit on the lattice", {},
+                                fmt::format("{}, {}, {}", row.world.x, row.world.y, row.world.z));
+    }
+    return shift_(*position);
+  }
+
+  ServerCloud& server_;
+  PointCloud& cloud_;
+  AttributeSet kept_;
+  CloudValues values_;
+  RowOrder order_;
+  const CloudPieces& pieces_;
+  Lattice lattice_;
+  LatticeShift shift_;
+  std::uint64_t first_ = 0, done_ = 0;  ///< of the piece; rows in all
+  std::size_t room_ = 0, start_ = 0;    ///< rows of the piece, the first one's in the cloud
+  std::vector<bool> is_there_{};
+};
+
+class ServerCloudReader final : public CloudReader {
+ public:
+  explicit ServerCloudReader(const std::string& name) : server_(ServerName(name)) {
+    about_.path = server_.connection().name();
+    about_.format = "PostgreSQL";
+    // Until the survey tells, ids are taken for row numbers.
+    columns_ = value_columns(server_.table(), has_whole_ids());
+    if (!cloud_row()) return;
+    about_.version = std::to_string(k_cloud_row_version);
+    about_.point_count = cloud_row()->point_count;
+    if (!has_whole_ids())
+      server_.connection().fail("the table has lost the ids of its points", "a column id of whole numbers");
+    ids_are_numbers_ = true;
+  }
+
+  const CloudFile& file() const override { return about_; }
+  AttributeSet attributes() const override { return attributes_of(columns_); }
+  std::optional<Lattice> lattice() const override {
+    return cloud_row() ? std::optional(cloud_row()->lattice) : std::nullopt;
+  }
+
+  FileFacts facts() const override {
+    FileFacts facts;
+    if (!cloud_row()) return facts;
+    facts.crs = cloud_row()->crs;
+    facts.gps_time_is_standard = cloud_row()->gps_time_is_standard;
+    if (!cloud_row()->box.empty()) facts.box = cloud_row()->box;
+    return facts;
+  }
+
+  std::optional<std::uint64_t> point_count() const override {
+    return cloud_row() ? std::optional(cloud_row()->point_count) : std::nullopt;
+  }
+
+  /// Shown as bytes, about those that travel.
+  std::uint64_t work() const override {
+    constexpr double k_least_rows = 1.0, k_most_rows = 1e12;
+    const double rows =
+        cloud_row() ? static_cast<double>(cloud_row()->point_count) : server_.table().row_estimate;
+    const std::size_t bytes_of_row = 12 * (4 + columns_.size());
+    return static_cast<std::uint64_t>(std::clamp(rows, k_least_rows, k_most_rows)) * bytes_of_row;
+  }
+
+  CoordinateSurvey survey(const Progress& progress) override {
+    const ServerTable& table = server_.table();
+    const ServerWait wait = reporting(progress);
+    const std::string place = " FILTER (WHERE " + table.has_place() + ")";
+    constexpr const char* k_axes[] = {"x", "y", "z"};
+    std::string sql = "SELECT count(*), count(*)" + place;
+    for (const char* const axis : k_axes) {
+      const std::string number = table.find(axis)->expression() + "::float8";
+      sql += ", min(" + number + ")" + place + ", max(" + number + ")" + place;
+    }
+    const ServerRows found = server_.connection().run(sql + " FROM " + table.quoted_name, {}, wait);
+    CoordinateSurvey survey;
+    const auto rows = static_cast<std::uint64_t>(found.whole(0, 0));
+    survey.finite_count = static_cast<std::uint64_t>(found.whole(0, 1));
+    survey.dropped_count = rows - survey.finite_count;
+    for (int axis = 0; axis < 3 && survey.finite_count > 0; ++axis) {
+      survey.bounds.min[axis] = found.number(0, 2 + 2 * axis);
+      survey.bounds.max[axis] = found.number(0, 3 + 2 * axis);
+      survey.resolution[axis] =
+          type_resolution(table.find(k_axes[axis])->type,
+                          std::max(std::abs(survey.bounds.min[axis]), std::abs(survey.bounds.max[axis])));
+    }
+    ids_are_numbers_ = are_row_numbers(rows, wait);
+    columns_ = value_columns(table, ids_are_numbers_);
+    survey_ = survey;
+    report(progress, work(), work());
+    return survey;
+  }
+
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override {
+    if (!cloud_row() && !survey_) survey({});
+    const bool has_dropped = survey_ && survey_->dropped_count > 0;
+    const RowOrder order{count_rows(reporting(progress)), ids_are_numbers_ && !has_dropped};
+    const AttributeSet kept = attributes() & wanted;
+    RowChoice choice{.columns = kept_columns(columns_, kept), .has_ids = ids_are_numbers_};
+    RowPlacer placer(server_, cloud, kept, choice.columns, order, pieces);
+    // What has room at once is sorted here, by being put where it belongs.
+    choice.is_sorted = ids_are_numbers_ && !(order.is_by_id && placer.is_one_piece());
+
+    const std::uint64_t all = work();
+    const auto tell = [&] {
+      const double share =
+          static_cast<double>(placer.done()) / static_cast<double>(std::max<std::uint64_t>(order.count, 1));
+      report(progress, static_cast<std::uint64_t>(share * static_cast<double>(all)), all);
+    };
+    server_.read(
+        choice,
+        [&](const ServerRow& row) {
+          constexpr std::uint64_t k_rows_per_report = 1 << 14;
+          if (row.number % k_rows_per_report == 0) tell();
+          placer.take(row);
+        },
+        tell);
+    placer.finish();
+    about_.point_count = order.count;
+    if (survey_) about_.dropped_count = survey_->dropped_count;
+    warn(cloud, placer.null_count());
+    report(progress, all, all);
+  }
+
+ private:
+  const std::optional<CloudRow>& cloud_row() const { return server_.table().cloud; }
+  bool has_whole_ids() const {
+    const NumberColumn* const id = server_.table().find(k_id);
+    return id != nullptr && id->is_whole();
+  }
+  ServerWait reporting(const Progress& progress) const {
+    return [this, &progress] { report(progress, 0, work()); };
+  }
+
+  /// Without NAME_cloud: whether ids are 0, 1, ... each once.
+  bool are_row_numbers(std::uint64_t rows, const ServerWait& wait) {
+    if (!has_whole_ids() || rows == 0) return false;
+    const std::string from = " FROM " + server_.table().quoted_name;
+    const auto last = static_cast<std::int64_t>(rows - 1);
+    const ServerRows range = server_.connection().run("SELECT min(id), max(id), count(id)" + from, {}, wait);
+    if (range.is_null(0, 0) || range.whole(0, 0) != 0 || range.whole(0, 1) != last ||
+        range.whole(0, 2) != last + 1)
+      return false;
+    return server_.connection().run("SELECT count(DISTINCT id)" + from, {}, wait).whole(0, 0) == last + 1;
+  }
+
+  /// What NAME_cloud says is believed, and memory taken for it, when the rows are there.
+  std::uint64_t count_rows(const ServerWait& wait) {
+    if (!cloud_row()) return survey_->finite_count;
+    const ServerTable& table = server_.table();
+    const ServerRows found = server_.connection().run(
+        "SELECT count(*) FROM " + table.quoted_name + " WHERE " + table.has_place(), {}, wait);
+    const auto count = static_cast<std::uint64_t>(found.whole(0, 0));
+    if (count != cloud_row()->point_count) {
+      server_.connection().fail("the table has not as many points as the row of its NAME_cloud says",
+                                std::to_string(cloud_row()->point_count), std::to_string(count));
+    }
+    return count;
+  }
+
+  void warn(PointCloud& cloud, std::uint64_t null_count) const {
+    const auto say = [&](const std::string& clause) {
+      cloud.warnings.push_back(server_.connection().name() + ": " + clause);
+    };
+    if (about_.dropped_count > 0)
+      say(fmt::format("{} points without finite coordinates were left out", about_.dropped_count));
+    if (null_count > 0) say(fmt::format("{} NULLs in columns of attributes were taken as 0", null_count));
+    const std::vector<std::string>& left_out = server_.table().left_out;
+    if (!left_out.empty())
+      say(fmt::format("columns that are no numbers were left out: {}", fmt::join(left_out, ", ")));
+  }
+
+  ServerCloud server_;
+  bool ids_are_numbers_ = false;
+  std::vector<ValueColumn> columns_{};
+  std::optional<CoordinateSurvey> survey_{};
+  CloudFile about_;
+};
+
 }  // namespace
 
 bool has_server_parts(const std::string& name) {
@@ -88,271 +339,6 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
   file.point_count = part.ids.size();
   return part;
 }
-
-namespace {
-
-constexpr const char* k_id = "id";
-
-/// How the rows of a table become rows of a cloud.
-struct RowOrder {
-  std::uint64_t count = 0;
-  bool is_by_id = false;  ///< ids are 0, 1, ... each once: rows may come in any order within a piece
-};
-
-/// Puts rows into a cloud, piece by piece.
-class RowPlacer {
- public:
-  RowPlacer(ServerCloud& server, PointCloud& cloud, AttributeSet kept, std::vector<ValueColumn> columns,
-            const RowOrder& order, const CloudPieces& pieces)
-      : server_(server),
-        cloud_(cloud),
-        kept_(kept),
-        values_(cloud, std::move(columns)),
-        order_(order),
-        pieces_(pieces),
-        lattice_(server.table().cloud ? server.table().cloud->lattice : cloud.lattice),
-        shift_(lattice_, cloud.lattice, server.connection().name()) {
-    make_room();
-  }
-
-  /// Whether all rows have room at once.
-  bool is_one_piece() const { return room_ == order_.count; }
-
-  void take(const ServerRow& row);
-
-  /// Errors: rows are missing.
-  void finish() const {
-    if (done_ != order_.count)
-      server_.connection().fail("the server sends fewer rows than it counted", std::to_string(order_.count),
-                                std::to_string(done_));
-  }
-
-  std::uint64_t done() const { return done_; }
-  std::uint64_t null_count() const { return values_.null_count(); }
-
- private:
-  void make_room() {
-    first_ = done_;
-    room_ = room_in_piece(cloud_, kept_, order_.count - done_, pieces_);
-    start_ = cloud_.size();
-    append_rows(cloud_, kept_, room_);
-    values_.find_columns();
-    is_there_.assign(order_.is_by_id ? room_ : 0, false);
-  }
-  std::uint64_t place_by_id(const ServerRow& row);
-  LatticePosition position_of(const ServerRow& row) const;
-
-  ServerCloud& server_;
-  PointCloud& cloud_;
-  AttributeSet kept_;
-  CloudValues values_;
-  RowOrder order_;
-  const CloudPieces& pieces_;
-  Lattice lattice_;
-  LatticeShift shift_;
-  std::uint64_t first_ = 0, done_ = 0;  ///< of the piece; rows in all
-  std::size_t room_ = 0, start_ = 0;    ///< rows of the piece, the first one's in the cloud
-  std::vector<bool> is_there_{};
-};
-
-std::uint64_t RowPlacer::place_by_id(const ServerRow& row) {
-  const std::uint64_t place = static_cast<std::uint64_t>(row.id) - first_;
-  if (place >= room_ || is_there_[place]) {
-    server_.connection().fail("ids are not the numbers of the rows",
-                              fmt::format("each number below {} once", order_.count), std::to_string(row.id));
-  }
-  is_there_[place] = true;
-  return place;
-}
-
-LatticePosition RowPlacer::position_of(const ServerRow& row) const {
-  const std::optional<LatticePosition> position = to_lattice(lattice_, row.world);
-  if (!position) {
-    server_.connection().fail("a point does not fit on the lattice", {},
-                              fmt::format("{}, {}, {}", row.world.x, row.world.y, row.world.z));
-  }
-  return shift_(*position);
-}
-
-void RowPlacer::take(const ServerRow& row) {
-  if (done_ == order_.count)
-    server_.connection().fail("the server sends more rows than it counted", std::to_string(order_.count));
-  if (done_ == first_ + room_) make_room();
-  const std::uint64_t place = order_.is_by_id ? place_by_id(row) : done_ - first_;
-  cloud_.positions[start_ + place] = position_of(row);
-  values_.put(start_ + place, row.values, [&] {
-    return order_.is_by_id ? fmt::format("id {}", row.id) : fmt::format("row {}", row.number + 1);
-  });
-  ++done_;
-}
-
-class ServerCloudReader final : public CloudReader {
- public:
-  explicit ServerCloudReader(const std::string& name) : server_(ServerName(name)) {
-    about_.path = server_.connection().name();
-    about_.format = "PostgreSQL";
-    // Until the survey tells, ids are taken for row numbers.
-    columns_ = value_columns(server_.table(), has_whole_ids());
-    if (!cloud_row()) return;
-    about_.version = std::to_string(k_cloud_row_version);
-    about_.point_count = cloud_row()->point_count;
-    if (!has_whole_ids())
-      server_.connection().fail("the table has lost the ids of its points", "a column id of whole numbers");
-    ids_are_numbers_ = true;
-  }
-
-  const CloudFile& file() const override { return about_; }
-  AttributeSet attributes() const override { return attributes_of(columns_); }
-  std::optional<Lattice> lattice() const override {
-    return cloud_row() ? std::optional(cloud_row()->lattice) : std::nullopt;
-  }
-  FileFacts facts() const override;
-  std::optional<std::uint64_t> point_count() const override {
-    return cloud_row() ? std::optional(cloud_row()->point_count) : std::nullopt;
-  }
-  std::uint64_t work() const override;
-  CoordinateSurvey survey(const Progress& progress) override;
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override;
-
- private:
-  const std::optional<CloudRow>& cloud_row() const { return server_.table().cloud; }
-  bool has_whole_ids() const {
-    const NumberColumn* const id = server_.table().find(k_id);
-    return id != nullptr && id->is_whole();
-  }
-  ServerWait reporting(const Progress& progress) const {
-    return [this, &progress] { report(progress, 0, work()); };
-  }
-  bool are_row_numbers(std::uint64_t rows, const ServerWait& wait);
-  std::uint64_t count_rows(const ServerWait& wait);
-  void warn(PointCloud& cloud, std::uint64_t null_count) const;
-
-  ServerCloud server_;
-  bool ids_are_numbers_ = false;
-  std::vector<ValueColumn> columns_{};
-  std::optional<CoordinateSurvey> survey_{};
-  CloudFile about_;
-};
-
-FileFacts ServerCloudReader::facts() const {
-  FileFacts facts;
-  if (!cloud_row()) return facts;
-  facts.crs = cloud_row()->crs;
-  facts.gps_time_is_standard = cloud_row()->gps_time_is_standard;
-  if (!cloud_row()->box.empty()) facts.box = cloud_row()->box;
-  return facts;
-}
-
-/// Shown as bytes, about those that travel.
-std::uint64_t ServerCloudReader::work() const {
-  constexpr double k_least_rows = 1.0, k_most_rows = 1e12;
-  const double rows =
-      cloud_row() ? static_cast<double>(cloud_row()->point_count) : server_.table().row_estimate;
-  const std::size_t bytes_of_row = 12 * (4 + columns_.size());
-  return static_cast<std::uint64_t>(std::clamp(rows, k_least_rows, k_most_rows)) * bytes_of_row;
-}
-
-/// Without NAME_cloud: whether ids are 0, 1, ... each once.
-bool ServerCloudReader::are_row_numbers(std::uint64_t rows, const ServerWait& wait) {
-  if (!has_whole_ids() || rows == 0) return false;
-  const std::string from = " FROM " + server_.table().quoted_name;
-  const auto last = static_cast<std::int64_t>(rows - 1);
-  const ServerRows range = server_.connection().run("SELECT min(id), max(id), count(id)" + from, {}, wait);
-  if (range.is_null(0, 0) || range.whole(0, 0) != 0 || range.whole(0, 1) != last ||
-      range.whole(0, 2) != last + 1)
-    return false;
-  return server_.connection().run("SELECT count(DISTINCT id)" + from, {}, wait).whole(0, 0) == last + 1;
-}
-
-CoordinateSurvey ServerCloudReader::survey(const Progress& progress) {
-  const ServerTable& table = server_.table();
-  const ServerWait wait = reporting(progress);
-  const std::string place = " FILTER (WHERE " + table.has_place() + ")";
-  constexpr const char* k_axes[] = {"x", "y", "z"};
-  std::string sql = "SELECT count(*), count(*)" + place;
-  for (const char* const axis : k_axes) {
-    const std::string number = table.find(axis)->expression() + "::float8";
-    sql += ", min(" + number + ")" + place + ", max(" + number + ")" + place;
-  }
-  const ServerRows found = server_.connection().run(sql + " FROM " + table.quoted_name, {}, wait);
-  CoordinateSurvey survey;
-  const auto rows = static_cast<std::uint64_t>(found.whole(0, 0));
-  survey.finite_count = static_cast<std::uint64_t>(found.whole(0, 1));
-  survey.dropped_count = rows - survey.finite_count;
-  for (int axis = 0; axis < 3 && survey.finite_count > 0; ++axis) {
-    survey.bounds.min[axis] = found.number(0, 2 + 2 * axis);
-    survey.bounds.max[axis] = found.number(0, 3 + 2 * axis);
-    survey.resolution[axis] =
-        type_resolution(table.find(k_axes[axis])->type,
-                        std::max(std::abs(survey.bounds.min[axis]), std::abs(survey.bounds.max[axis])));
-  }
-  ids_are_numbers_ = are_row_numbers(rows, wait);
-  columns_ = value_columns(table, ids_are_numbers_);
-  survey_ = survey;
-  report(progress, work(), work());
-  return survey;
-}
-
-/// What NAME_cloud says is believed, and memory taken for it, when the rows are there.
-std::uint64_t ServerCloudReader::count_rows(const ServerWait& wait) {
-  if (!cloud_row()) return survey_->finite_count;
-  const ServerTable& table = server_.table();
-  const ServerRows found = server_.connection().run(
-      "SELECT count(*) FROM " + table.quoted_name + " WHERE " + table.has_place(), {}, wait);
-  const auto count = static_cast<std::uint64_t>(found.whole(0, 0));
-  if (count != cloud_row()->point_count) {
-    server_.connection().fail("the table has not as many points as the row of its NAME_cloud says",
-                              std::to_string(cloud_row()->point_count), std::to_string(count));
-  }
-  return count;
-}
-
-void ServerCloudReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                                       const Progress& progress) {
-  if (!cloud_row() && !survey_) survey({});
-  const bool has_dropped = survey_ && survey_->dropped_count > 0;
-  const RowOrder order{count_rows(reporting(progress)), ids_are_numbers_ && !has_dropped};
-  const AttributeSet kept = attributes() & wanted;
-  RowChoice choice{.columns = kept_columns(columns_, kept), .has_ids = ids_are_numbers_};
-  RowPlacer placer(server_, cloud, kept, choice.columns, order, pieces);
-  // What has room at once is sorted here, by being put where it belongs.
-  choice.is_sorted = ids_are_numbers_ && !(order.is_by_id && placer.is_one_piece());
-
-  const std::uint64_t all = work();
-  const auto tell = [&] {
-    const double share =
-        static_cast<double>(placer.done()) / static_cast<double>(std::max<std::uint64_t>(order.count, 1));
-    report(progress, static_cast<std::uint64_t>(share * static_cast<double>(all)), all);
-  };
-  server_.read(
-      choice,
-      [&](const ServerRow& row) {
-        constexpr std::uint64_t k_rows_per_report = 1 << 14;
-        if (row.number % k_rows_per_report == 0) tell();
-        placer.take(row);
-      },
-      tell);
-  placer.finish();
-  about_.point_count = order.count;
-  if (survey_) about_.dropped_count = survey_->dropped_count;
-  warn(cloud, placer.null_count());
-  report(progress, all, all);
-}
-
-void ServerCloudReader::warn(PointCloud& cloud, std::uint64_t null_count) const {
-  const auto say = [&](const std::string& clause) {
-    cloud.warnings.push_back(server_.connection().name() + ": " + clause);
-  };
-  if (about_.dropped_count > 0)
-    say(fmt::format("{} points without finite coordinates were left out", about_.dropped_count));
-  if (null_count > 0) say(fmt::format("{} NULLs in columns of attributes were taken as 0", null_count));
-  const std::vector<std::string>& left_out = server_.table().left_out;
-  if (!left_out.empty())
-    say(fmt::format("columns that are no numbers were left out: {}", fmt::join(left_out, ", ")));
-}
-
-}  // namespace
 
 const CloudFormat k_server_format{.name = "PostgreSQL",
                                   .is_named = is_server_name,

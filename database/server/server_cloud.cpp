@@ -53,44 +53,43 @@ ExtraDimension dimension_of(const NumberColumn& column) {
 }
 
 void store_whole(ScalarType type, std::int64_t value, std::byte* at) {
-  switch (type) {
-    case ScalarType::uint8:
-      return store(at, static_cast<std::uint8_t>(value));
-    case ScalarType::int16:
-    case ScalarType::uint16:
-      return store(at, static_cast<std::uint16_t>(value));
-    case ScalarType::int32:
-      return store(at, static_cast<std::int32_t>(value));
-    default:
-      return store(at, value);
-  }
+  with_type(type, [&](auto none) { store(at, static_cast<decltype(none)>(value)); });
 }
 
-[[noreturn]] void refuse_size(const NumberColumn& column, CopyField field) {
-  throw Error({.problem = fmt::format("the server sends another type for {}", column.name),
-               .expected = fmt::format("{} bytes", scalar_size(column.type)),
-               .found = std::to_string(field.size())});
+/// The value that a column sends, in the number's type.
+template <class Number>
+Number sent(const NumberColumn& column, CopyField field) {
+  if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) {
+    throw Error({.problem = fmt::format("the server sends another type for {}", column.name),
+                 .expected = fmt::format("{} bytes", scalar_size(column.type)),
+                 .found = std::to_string(field.size())});
+  }
+  return with_type(column.type, [&](auto none) {
+    return static_cast<Number>(load<decltype(none)>(field.data(), std::endian::big));
+  });
+}
+
+constexpr std::size_t k_axes = 3, k_first_value = 4;  // of a row's fields: x, y, z, id, values
+
+std::string copy_statement(const ServerTable& table, const RowChoice& choice) {
+  std::string sql = "COPY (SELECT ";
+  for (const char* const axis : {"x", "y", "z"}) sql += table.find(axis)->expression() + "::float8, ";
+  sql += choice.has_ids ? table.find("id")->expression() + "::int8" : "0::int8";
+  for (const ValueColumn& column : choice.columns) sql += ", " + column.column.expression();
+  sql += " FROM " + table.quoted_name + " WHERE " + table.has_place();
+  if (!choice.condition.empty()) sql += " AND (" + choice.condition + ")";
+  if (choice.is_sorted) sql += " ORDER BY id";
+  return sql + ") TO STDOUT (FORMAT binary)";
 }
 
 }  // namespace
 
 std::int64_t whole_of(const NumberColumn& column, CopyField field) {
-  if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) refuse_size(column, field);
-  switch (column.type) {
-    case ScalarType::int16:
-      return load<std::int16_t>(field.data(), std::endian::big);
-    case ScalarType::int32:
-      return load<std::int32_t>(field.data(), std::endian::big);
-    default:
-      return load<std::int64_t>(field.data(), std::endian::big);
-  }
+  return sent<std::int64_t>(column, field);
 }
 
 double number_of(const NumberColumn& column, CopyField field) {
-  if (column.is_whole()) return static_cast<double>(whole_of(column, field));
-  if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) refuse_size(column, field);
-  if (column.type == ScalarType::float32) return load<float>(field.data(), std::endian::big);
-  return load<double>(field.data(), std::endian::big);
+  return sent<double>(column, field);
 }
 
 std::vector<ValueColumn> value_columns(const ServerTable& table, bool without_id) {
@@ -197,23 +196,6 @@ void CloudValues::refuse(const Target& target, CopyField field, std::string plac
                .expected = is_real(target.type) ? "a number of 32 bits" : fmt::format("0 to {}", target.most),
                .found = fmt::format("{}", number_of(column, field))});
 }
-
-namespace {
-
-constexpr std::size_t k_axes = 3, k_first_value = 4;  // of a row's fields: x, y, z, id, values
-
-std::string copy_statement(const ServerTable& table, const RowChoice& choice) {
-  std::string sql = "COPY (SELECT ";
-  for (const char* const axis : {"x", "y", "z"}) sql += table.find(axis)->expression() + "::float8, ";
-  sql += choice.has_ids ? table.find("id")->expression() + "::int8" : "0::int8";
-  for (const ValueColumn& column : choice.columns) sql += ", " + column.column.expression();
-  sql += " FROM " + table.quoted_name + " WHERE " + table.has_place();
-  if (!choice.condition.empty()) sql += " AND (" + choice.condition + ")";
-  if (choice.is_sorted) sql += " ORDER BY id";
-  return sql + ") TO STDOUT (FORMAT binary)";
-}
-
-}  // namespace
 
 ServerCloud::ServerCloud(const ServerName& name) : connection_(name), table_(begin(connection_, name)) {}
 

@@ -7,45 +7,12 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 #include "base/error.h"
 
 namespace alidade::database {
-
-/// PostgreSQL's client library, which is loaded when a server is first asked: with what it brings along,
-/// that takes longer than the work of many commands.
-struct ServerLibrary {
-  decltype(&::PQconnectdbParams) connect = nullptr;
-  decltype(&::PQfinish) finish = nullptr;
-  decltype(&::PQstatus) status = nullptr;
-  decltype(&::PQerrorMessage) error_message = nullptr;
-  decltype(&::PQsetNoticeProcessor) set_notice_processor = nullptr;
-  decltype(&::PQtransactionStatus) transaction_status = nullptr;
-  decltype(&::PQsocket) socket = nullptr;
-  decltype(&::PQsendQueryParams) send_query = nullptr;
-  decltype(&::PQsetnonblocking) set_nonblocking = nullptr;
-  decltype(&::PQflush) flush = nullptr;
-  decltype(&::PQconsumeInput) consume_input = nullptr;
-  decltype(&::PQisBusy) is_busy = nullptr;
-  decltype(&::PQgetResult) get_result = nullptr;
-  decltype(&::PQresultStatus) result_status = nullptr;
-  decltype(&::PQresultErrorField) result_error_field = nullptr;
-  decltype(&::PQclear) clear = nullptr;
-  decltype(&::PQntuples) row_count = nullptr;
-  decltype(&::PQgetisnull) is_null = nullptr;
-  decltype(&::PQgetlength) length = nullptr;
-  decltype(&::PQgetvalue) value = nullptr;
-  decltype(&::PQgetCopyData) get_copy_data = nullptr;
-  decltype(&::PQputCopyData) put_copy_data = nullptr;
-  decltype(&::PQputCopyEnd) put_copy_end = nullptr;
-  decltype(&::PQfreemem) free_memory = nullptr;
-  decltype(&::PQgetCancel) get_cancel = nullptr;
-  decltype(&::PQcancel) cancel = nullptr;
-  decltype(&::PQfreeCancel) free_cancel = nullptr;
-};
-
-/// Stays loaded. Errors: the library is not there. Thread safe.
-const ServerLibrary& server_library();
 
 namespace {
 
@@ -59,54 +26,59 @@ constexpr const char* k_file = "libpq.so.5";
                .found = reason != nullptr ? reason : k_file});
 }
 
-template <class Function>
-void find(void* library, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(::dlsym(library, name));
-  if (function == nullptr) refuse_library();
-}
+/// PostgreSQL's client library, which is loaded when a server is first asked: with what it brings along,
+/// that takes longer than the work of many commands. It stays loaded. Errors: it is not there.
+class ServerLibrary {
+  template <class Function>
+  Function find(const char* name) const {
+    void* const found = ::dlsym(library_, name);
+    if (found == nullptr) refuse_library();
+    return reinterpret_cast<Function>(found);
+  }
 
-ServerLibrary load() {
-  void* const library = ::dlopen(k_file, RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) refuse_library();
-  ServerLibrary all;
-  find(library, "PQconnectdbParams", all.connect);
-  find(library, "PQfinish", all.finish);
-  find(library, "PQstatus", all.status);
-  find(library, "PQerrorMessage", all.error_message);
-  find(library, "PQsetNoticeProcessor", all.set_notice_processor);
-  find(library, "PQtransactionStatus", all.transaction_status);
-  find(library, "PQsocket", all.socket);
-  find(library, "PQsendQueryParams", all.send_query);
-  find(library, "PQsetnonblocking", all.set_nonblocking);
-  find(library, "PQflush", all.flush);
-  find(library, "PQconsumeInput", all.consume_input);
-  find(library, "PQisBusy", all.is_busy);
-  find(library, "PQgetResult", all.get_result);
-  find(library, "PQresultStatus", all.result_status);
-  find(library, "PQresultErrorField", all.result_error_field);
-  find(library, "PQclear", all.clear);
-  find(library, "PQntuples", all.row_count);
-  find(library, "PQgetisnull", all.is_null);
-  find(library, "PQgetlength", all.length);
-  find(library, "PQgetvalue", all.value);
-  find(library, "PQgetCopyData", all.get_copy_data);
-  find(library, "PQputCopyData", all.put_copy_data);
-  find(library, "PQputCopyEnd", all.put_copy_end);
-  find(library, "PQfreemem", all.free_memory);
-  find(library, "PQgetCancel", all.get_cancel);
-  find(library, "PQcancel", all.cancel);
-  find(library, "PQfreeCancel", all.free_cancel);
-  return all;
-}
+  void* library_ = [] {
+    void* const library = ::dlopen(k_file, RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) refuse_library();
+    return library;
+  }();
 
-}  // namespace
+ public:
+#define ALIDADE_FROM_LIBPQ(name, function) decltype(&::function) name = find<decltype(&::function)>(#function)
+  ALIDADE_FROM_LIBPQ(connect, PQconnectdbParams);
+  ALIDADE_FROM_LIBPQ(finish, PQfinish);
+  ALIDADE_FROM_LIBPQ(status, PQstatus);
+  ALIDADE_FROM_LIBPQ(error_message, PQerrorMessage);
+  ALIDADE_FROM_LIBPQ(set_notice_processor, PQsetNoticeProcessor);
+  ALIDADE_FROM_LIBPQ(transaction_status, PQtransactionStatus);
+  ALIDADE_FROM_LIBPQ(socket, PQsocket);
+  ALIDADE_FROM_LIBPQ(send_query, PQsendQueryParams);
+  ALIDADE_FROM_LIBPQ(set_nonblocking, PQsetnonblocking);
+  ALIDADE_FROM_LIBPQ(flush, PQflush);
+  ALIDADE_FROM_LIBPQ(consume_input, PQconsumeInput);
+  ALIDADE_FROM_LIBPQ(is_busy, PQisBusy);
+  ALIDADE_FROM_LIBPQ(get_result, PQgetResult);
+  ALIDADE_FROM_LIBPQ(result_status, PQresultStatus);
+  ALIDADE_FROM_LIBPQ(result_error_field, PQresultErrorField);
+  ALIDADE_FROM_LIBPQ(clear, PQclear);
+  ALIDADE_FROM_LIBPQ(row_count, PQntuples);
+  ALIDADE_FROM_LIBPQ(is_null, PQgetisnull);
+  ALIDADE_FROM_LIBPQ(length, PQgetlength);
+  ALIDADE_FROM_LIBPQ(value, PQgetvalue);
+  ALIDADE_FROM_LIBPQ(get_copy_data, PQgetCopyData);
+  ALIDADE_FROM_LIBPQ(put_copy_data, PQputCopyData);
+  ALIDADE_FROM_LIBPQ(put_copy_end, PQputCopyEnd);
+  ALIDADE_FROM_LIBPQ(free_memory, PQfreemem);
+  ALIDADE_FROM_LIBPQ(get_cancel, PQgetCancel);
+  ALIDADE_FROM_LIBPQ(cancel, PQcancel);
+  ALIDADE_FROM_LIBPQ(free_cancel, PQfreeCancel);
+#undef ALIDADE_FROM_LIBPQ
+};
 
+/// Thread safe.
 const ServerLibrary& server_library() {
-  static const ServerLibrary library = load();
+  static const ServerLibrary library;
   return library;
 }
-
-namespace {
 
 /// One line, without what stands around it.
 std::string one_line(const char* text) {
@@ -128,6 +100,14 @@ std::string words_of(const PGresult* result) {
   std::string text = one_line(library.result_error_field(result, PG_DIAG_MESSAGE_PRIMARY));
   const std::string detail = one_line(library.result_error_field(result, PG_DIAG_MESSAGE_DETAIL));
   return detail.empty() ? text : text + "; " + detail;
+}
+
+/// 0 if there is none.
+template <class Number>
+Number number_in(const std::string& word) {
+  Number value = 0;
+  std::from_chars(word.data(), word.data() + word.size(), value);
+  return value;
 }
 
 void ignore_notice(void*, const char*) {}
@@ -153,17 +133,11 @@ std::string ServerRows::text(std::size_t row, int column) const {
 }
 
 double ServerRows::number(std::size_t row, int column) const {
-  const std::string word = text(row, column);
-  double value = 0.0;
-  std::from_chars(word.data(), word.data() + word.size(), value);
-  return value;
+  return number_in<double>(text(row, column));
 }
 
 std::int64_t ServerRows::whole(std::size_t row, int column) const {
-  const std::string word = text(row, column);
-  std::int64_t value = 0;
-  std::from_chars(word.data(), word.data() + word.size(), value);
-  return value;
+  return number_in<std::int64_t>(text(row, column));
 }
 
 ServerConnection::ServerConnection(const ServerName& name) : name_(name.shown()) {
@@ -226,16 +200,20 @@ void ServerConnection::wait_for_socket(bool to_write, const ServerWait& wait) {
                 static_cast<short>(to_write ? POLLIN | POLLOUT : POLLIN), 0};
   ::poll(&socket, 1, k_milliseconds);
   if (wait) wait();
-  if (server_library().consume_input(connection_) == 0) fail_as_told("the connection to the server is lost");
+  if (server_library().consume_input(connection_) == 0) fail_as_lost();
+}
+
+void ServerConnection::flush(const ServerWait& wait) {
+  const ServerLibrary& library = server_library();
+  for (int left = library.flush(connection_); left != 0; left = library.flush(connection_)) {
+    if (left < 0) fail_as_lost();
+    wait_for_socket(true, wait);
+  }
 }
 
 void ServerConnection::wait_while_busy(const ServerWait& wait) {
-  const ServerLibrary& library = server_library();
-  for (int left = library.flush(connection_); left != 0; left = library.flush(connection_)) {
-    if (left < 0) fail_as_told("the connection to the server is lost");
-    wait_for_socket(true, wait);
-  }
-  while (library.is_busy(connection_) != 0) wait_for_socket(false, wait);
+  flush(wait);
+  while (server_library().is_busy(connection_) != 0) wait_for_socket(false, wait);
 }
 
 void ServerConnection::send(const std::string& sql, std::span<const std::string> values) {
@@ -244,7 +222,7 @@ void ServerConnection::send(const std::string& sql, std::span<const std::string>
   constexpr int k_as_text = 0;
   if (server_library().send_query(connection_, sql.c_str(), static_cast<int>(texts.size()), nullptr,
                                   texts.data(), nullptr, nullptr, k_as_text) == 0)
-    fail_as_told("the connection to the server is lost");
+    fail_as_lost();
 }
 
 ServerRows ServerConnection::result(int wanted, const ServerWait& wait) {
@@ -295,7 +273,7 @@ void ServerConnection::copy_out(const std::string& sql,
       wait_for_socket(false, wait);
       continue;
     }
-    if (count < 0) fail_as_told("the connection to the server is lost");
+    if (count < 0) fail_as_lost();
     const std::unique_ptr<char, void (*)(char*)> owner(bytes,
                                                        [](char* all) { server_library().free_memory(all); });
     take(std::as_bytes(std::span(bytes, static_cast<std::size_t>(count))));
@@ -315,24 +293,21 @@ void ServerConnection::put(std::span<const std::byte> bytes, const ServerWait& w
     const std::size_t count = std::min(bytes.size(), k_most);
     const int done = library.put_copy_data(connection_, reinterpret_cast<const char*>(bytes.data()),
                                            static_cast<int>(count));
-    if (done < 0) fail_as_told("the connection to the server is lost");
+    if (done < 0) fail_as_lost();
     if (done == 0)
       wait_for_socket(true, wait);
     else
       bytes = bytes.subspan(count);
   }
   // What the server does not take at once, libpq would keep in memory.
-  for (int left = library.flush(connection_); left != 0; left = library.flush(connection_)) {
-    if (left < 0) fail_as_told("the connection to the server is lost");
-    wait_for_socket(true, wait);
-  }
+  flush(wait);
 }
 
 void ServerConnection::end_copy_in(const ServerWait& wait) {
   const ServerLibrary& library = server_library();
   int done = 0;
   while ((done = library.put_copy_end(connection_, nullptr)) == 0) wait_for_socket(true, wait);
-  if (done < 0) fail_as_told("the connection to the server is lost");
+  if (done < 0) fail_as_lost();
   finish_statement(wait);
 }
 

@@ -3,12 +3,8 @@
 
 #include <cstddef>
 #include <functional>
-#include <memory>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "database/server/server_name.h"
 
@@ -73,10 +69,12 @@ class ServerConnection {
  private:
   void send(const std::string& sql, std::span<const std::string> values);
   void wait_for_socket(bool to_write, const ServerWait& wait);
+  void flush(const ServerWait& wait);
   void wait_while_busy(const ServerWait& wait);
   ServerRows result(int wanted, const ServerWait& wait);
   void finish_statement(const ServerWait& wait);
   [[noreturn]] void fail_as_told(const char* problem) const;
+  [[noreturn]] void fail_as_lost() const { fail_as_told("the connection to the server is lost"); }
 
   std::string name_;
   pg_conn* connection_ = nullptr;

@@ -69,17 +69,32 @@ std::string_view split(std::string_view& text, char mark) {
   return front;
 }
 
-void check_port(const std::string& text) {
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size() || port < 1 || port > 65535)
-    refuse_name("the port of a server is no number from 1 to 65535");
-}
-
 }  // namespace
 
 bool is_server_name(std::string_view text) {
   return std::ranges::any_of(k_schemes, [&](std::string_view scheme) { return text.starts_with(scheme); });
+}
+
+HostAndPort split_host(std::string_view text) {
+  HostAndPort found{.host = text};
+  const std::size_t bracket = text.starts_with('[') ? text.find(']') : std::string_view::npos;
+  const std::size_t colon = text.find(':', bracket == std::string_view::npos ? 0 : bracket);
+  if (colon != std::string_view::npos) {
+    found.port = text.substr(colon + 1);
+    found.host = text.substr(0, colon);
+  }
+  if (bracket != std::string_view::npos) {
+    found.is_address = bracket + 1 == found.host.size();
+    found.host = found.host.substr(1, bracket - 1);
+  }
+  return found;
+}
+
+std::optional<int> parse_port(std::string_view text) {
+  int port = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
+  const bool is_one = error == std::errc() && end == text.data() + text.size() && port >= 1 && port <= 65535;
+  return is_one ? std::optional(port) : std::nullopt;
 }
 
 ServerName::ServerName(std::string_view text) {
@@ -100,18 +115,12 @@ ServerName::ServerName(std::string_view text) {
     take("user", user);
   }
   std::string_view place = split(words, '?');
-  std::string_view host = split(place, '/');
-  const std::size_t bracket = host.starts_with('[') ? host.find(']') : std::string_view::npos;
-  const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
-  if (colon != std::string_view::npos) {
-    take("port", host.substr(colon + 1));
-    check_port(parameter("port"));
-    host = host.substr(0, colon);
+  const auto [host, port, is_address] = split_host(split(place, '/'));
+  if (port) {
+    take("port", *port);
+    if (!parse_port(parameter("port"))) refuse_name("the port of a server is no number from 1 to 65535");
   }
-  if (bracket != std::string_view::npos) {
-    if (bracket + 1 != host.size()) refuse_name("the host of a server is no address");
-    host = host.substr(1, bracket - 1);
-  }
+  if (!is_address) refuse_name("the host of a server is no address");
   take("host", host);
   take("dbname", place);
   while (!words.empty()) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -29,6 +30,17 @@ struct ServerName {
   /// A parameter's value; empty if it is not given.
   std::string parameter(std::string_view word) const;
 };
+
+/// "HOST", "HOST:PORT" or "[ADDRESS]:PORT", cut apart.
+struct HostAndPort {
+  std::string_view host;
+  std::optional<std::string_view> port{};
+  bool is_address = true;  ///< false: something stands behind the bracket
+};
+HostAndPort split_host(std::string_view text);
+
+/// Empty unless the text is a whole number from 1 to 65535.
+std::optional<int> parse_port(std::string_view text);
 
 /// Whether a name is one of tables of servers, maybe a wrong one.
 bool is_server_name(std::string_view text);

@@ -14,53 +14,89 @@
 namespace alidade::database {
 namespace {
 
-const char* type_name(ServerType type) {
-  switch (type) {
-    case ServerType::smallint:
-      return "smallint";
-    case ServerType::integer:
-      return "integer";
-    case ServerType::bigint:
-      return "bigint";
-    case ServerType::real:
-      return "real";
-    case ServerType::double_precision:
-      return "double precision";
-    case ServerType::numeric:
-      return "numeric(20)";
-    case ServerType::bytea:
-      break;
+/// In the order of ServerType.
+constexpr const char* k_type_names[] = {"smallint",         "integer",     "bigint", "real",
+                                        "double precision", "numeric(20)", "bytea"};
+
+/// Bytes as PostgreSQL reads them.
+template <class Values>
+std::string bytes_text(const Values& values) {
+  std::string text = "'\\x";
+  for (const std::byte byte : std::as_bytes(std::span(values))) text += fmt::format("{:02x}", byte);
+  return text + "'::bytea";
+}
+
+constexpr const char* k_never = "false";
+constexpr double k_infinity = std::numeric_limits<double>::infinity();
+
+/// The largest of some coordinates, none of them NaN.
+double reach(const glm::dvec3& place) {
+  return std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+}
+
+/// Numbers are written such that reading gives the same ones.
+std::string number(double value) {
+  return fmt::format("'{}'::float8", value);
+}
+
+std::string call(const char* function, const glm::dvec3& origin, const glm::dvec3& direction) {
+  std::string text = function;
+  text += "(";
+  for (const glm::dvec3& three : {origin, direction}) {
+    for (int axis = 0; axis < 3; ++axis) text += number(three[axis]) + ",";
   }
-  return "bytea";
+  return text + "x,y,z)";
+}
+
+/// Adds the limits that say something about what is `least` or more. Infinite limits of the wrong side
+/// exclude every point.
+void add_limits(const std::string& value, const Interval& limits, double size, double least,
+                std::vector<std::string>& all) {
+  if (!(limits.low <= limits.high) || limits.low == k_infinity || limits.high == -k_infinity) {
+    all.emplace_back(k_never);
+    return;
+  }
+  const auto margin = [&](double limit) { return 1e-9 * std::abs(limit) + 1e-9 + 1e-12 * size; };
+  const double low = limits.low - margin(limits.low), high = limits.high + margin(limits.high);
+  if (limits.low > -k_infinity && low > least) all.push_back(value + " >= " + number(low));
+  if (limits.high < k_infinity) all.push_back(value + " <= " + number(high));
+}
+
+std::string condition(const PointFilter& filter) {
+  std::vector<std::string> all;
+  for (const LineCondition& line : filter.lines) {
+    const glm::dvec3& origin = line.ray.origin;
+    const glm::dvec3& direction = line.ray.direction;
+    add_limits(call("dist_ray", origin, direction), line.distance, reach(origin), 0.0, all);
+    add_limits(call("dist_plane", origin, direction), line.t, reach(origin), -k_infinity, all);
+  }
+  for (const PlaneCondition& plane : filter.planes) {
+    add_limits(call("dist_plane", plane.plane.point, plane.plane.normal), plane.distance,
+               reach(plane.plane.point), -k_infinity, all);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 normal(0.0);
+    normal[axis] = 1.0;
+    const Interval side{filter.box.min[axis], filter.box.max[axis]};
+    const double size = std::max(std::isfinite(side.low) ? std::abs(side.low) : 0.0,
+                                 std::isfinite(side.high) ? std::abs(side.high) : 0.0);
+    // The plane through the coordinates' origin: its distances are the coordinates.
+    add_limits(call("dist_plane", glm::dvec3(0.0), normal), side, size, -k_infinity, all);
+  }
+  return all.empty() ? "true" : fmt::format("({})", fmt::join(all, " AND "));
 }
 
 }  // namespace
 
 ServerType server_type(const StoredColumn& column) {
+  using enum ServerType;
+  // In the order of ScalarType.
+  constexpr ServerType k_types[] = {bytea,   smallint, smallint, integer, smallint,        bigint,
+                                    integer, numeric,  bigint,   real,    double_precision};
   constexpr int k_id_blob = 0;
-  if (column.blob == k_id_blob) return ServerType::bigint;
-  if (column.scale != 1.0 || column.offset != 0.0) return ServerType::double_precision;
-  switch (column.type) {
-    case ScalarType::uint8:
-    case ScalarType::int8:
-    case ScalarType::int16:
-      return ServerType::smallint;
-    case ScalarType::uint16:
-    case ScalarType::int32:
-      return ServerType::integer;
-    case ScalarType::uint32:
-    case ScalarType::int64:
-      return ServerType::bigint;
-    case ScalarType::uint64:
-      return ServerType::numeric;
-    case ScalarType::float32:
-      return ServerType::real;
-    case ScalarType::float64:
-      return ServerType::double_precision;
-    case ScalarType::bytes:
-      break;
-  }
-  return ServerType::bytea;
+  if (column.blob == k_id_blob) return bigint;
+  if (column.scale != 1.0 || column.offset != 0.0) return double_precision;
+  return k_types[static_cast<int>(column.type)];
 }
 
 std::string server_index(const std::string& quoted_name) {
@@ -93,21 +129,9 @@ std::string server_columns(const std::vector<StoredColumn>& columns) {
       "id bigint NOT NULL, x double precision NOT NULL, y double precision NOT NULL, "
       "z double precision NOT NULL";
   for (std::size_t i = 1; i < columns.size(); ++i)
-    text += ", " + sql_name(columns[i].name) + " " + type_name(server_type(columns[i]));
+    text += ", " + sql_name(columns[i].name) + " " + k_type_names[static_cast<int>(server_type(columns[i]))];
   return text;
 }
-
-namespace {
-
-/// Bytes as PostgreSQL reads them.
-template <class Values>
-std::string bytes_text(const Values& values) {
-  std::string text = "'\\x";
-  for (const std::byte byte : std::as_bytes(std::span(values))) text += fmt::format("{:02x}", byte);
-  return text + "'::bytea";
-}
-
-}  // namespace
 
 CloudRow cloud_row(const PiecewiseCloud& whole, const Bounds& box) {
   return {.lattice = whole.rest.lattice,
@@ -146,77 +170,6 @@ std::string cloud_row_insert(const std::string& quoted_name, const CloudRow& row
   values.push_back(row.gps_time_is_standard ? "true" : "false");
   return fmt::format("INSERT INTO {} VALUES ({})", quoted_name, fmt::join(values, ", "));
 }
-
-namespace {
-
-constexpr const char* k_never = "false";
-
-/// The largest of some coordinates, none of them NaN.
-double reach(const glm::dvec3& place) {
-  return std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
-}
-
-/// Numbers are written such that reading gives the same ones.
-std::string number(double value) {
-  return fmt::format("'{}'::float8", value);
-}
-
-std::string call(const char* function, const glm::dvec3& origin, const glm::dvec3& direction) {
-  std::string text = function;
-  text += "(";
-  for (const glm::dvec3& three : {origin, direction}) {
-    for (int axis = 0; axis < 3; ++axis) text += number(three[axis]) + ",";
-  }
-  return text + "x,y,z)";
-}
-
-/// Adds the limits that say something about what is `least` or more.
-void add_limits(const std::string& value, const Interval& limits, double size, double least,
-                std::vector<std::string>& all) {
-  if (std::isnan(limits.low) || std::isnan(limits.high) || limits.low > limits.high) {
-    all.emplace_back(k_never);
-    return;
-  }
-  const auto margin = [&](double limit) { return 1e-9 * std::abs(limit) + 1e-9 + 1e-12 * size; };
-  const double low = limits.low - margin(limits.low), high = limits.high + margin(limits.high);
-  // Infinite limits make NaN of their margins, or stay infinite: of the former kind are those that exclude
-  // every point.
-  if (limits.low == std::numeric_limits<double>::infinity() ||
-      limits.high == -std::numeric_limits<double>::infinity()) {
-    all.emplace_back(k_never);
-    return;
-  }
-  if (limits.low > -std::numeric_limits<double>::infinity() && low > least)
-    all.push_back(value + " >= " + number(low));
-  if (limits.high < std::numeric_limits<double>::infinity()) all.push_back(value + " <= " + number(high));
-}
-
-std::string condition(const PointFilter& filter) {
-  constexpr double k_infinity = std::numeric_limits<double>::infinity();
-  std::vector<std::string> all;
-  for (const LineCondition& line : filter.lines) {
-    const glm::dvec3& origin = line.ray.origin;
-    const glm::dvec3& direction = line.ray.direction;
-    add_limits(call("dist_ray", origin, direction), line.distance, reach(origin), 0.0, all);
-    add_limits(call("dist_plane", origin, direction), line.t, reach(origin), -k_infinity, all);
-  }
-  for (const PlaneCondition& plane : filter.planes) {
-    add_limits(call("dist_plane", plane.plane.point, plane.plane.normal), plane.distance,
-               reach(plane.plane.point), -k_infinity, all);
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 normal(0.0);
-    normal[axis] = 1.0;
-    const Interval side{filter.box.min[axis], filter.box.max[axis]};
-    const double size = std::max(std::isfinite(side.low) ? std::abs(side.low) : 0.0,
-                                 std::isfinite(side.high) ? std::abs(side.high) : 0.0);
-    // The plane through the coordinates' origin: its distances are the coordinates.
-    add_limits(call("dist_plane", glm::dvec3(0.0), normal), side, size, -k_infinity, all);
-  }
-  return all.empty() ? "true" : fmt::format("({})", fmt::join(all, " AND "));
-}
-
-}  // namespace
 
 std::string filter_condition(std::span<const PointFilter> any_of) {
   std::vector<std::string> all;

@@ -5,7 +5,6 @@
 #include <unistd.h>
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <functional>
 #include <span>
 #include <string>
@@ -16,6 +15,7 @@
 #include "base/output_file.h"
 #include "database/point_stream.h"
 #include "database/server/copy_format.h"
+#include "database/server/server_name.h"
 #include "database/server/server_sql.h"
 #include "database/sql_name.h"
 #include "database/stored_column.h"
@@ -32,14 +32,6 @@ namespace {
                .found = (at == std::string_view::npos ? "" : "...") + found});
 }
 
-int parse_port(std::string_view text, std::string_view whole) {
-  int port = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), port);
-  if (error != std::errc() || end != text.data() + text.size() || port < 1 || port > 65535)
-    refuse_shard(whole, "a shard's port is no number from 1 to 65535");
-  return port;
-}
-
 /// Neither what programs take for an option or a setting, nor what terminals take for a command.
 bool is_plain(std::string_view name) {
   const auto is_strange = [](char letter) {
@@ -48,52 +40,7 @@ bool is_plain(std::string_view name) {
   return !name.empty() && name.front() != '-' && std::ranges::none_of(name, is_strange);
 }
 
-}  // namespace
-
-Shard parse_shard(std::string_view text) {
-  if (text.find('@') != std::string_view::npos)
-    refuse_shard(text, "users and passwords do not belong to the name of a shard, but to its user mapping");
-  const std::size_t slash = text.rfind('/');
-  if (slash == std::string_view::npos) refuse_shard(text, "a shard's name has no database");
-  std::string_view host = text.substr(0, slash);
-  Shard shard{.host = {}, .database = std::string(text.substr(slash + 1))};
-
-  const std::size_t bracket = host.starts_with('[') ? host.find(']') : std::string_view::npos;
-  const std::size_t colon = host.find(':', bracket == std::string_view::npos ? 0 : bracket);
-  if (colon != std::string_view::npos) {
-    shard.port = parse_port(host.substr(colon + 1), text);
-    host = host.substr(0, colon);
-  }
-  if (bracket != std::string_view::npos) {
-    if (bracket + 1 != host.size()) refuse_shard(text, "a shard's host is no address");
-    host = host.substr(1, bracket - 1);
-  }
-  shard.host = host;
-  if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
-    refuse_shard(text, "a shard's name lacks host or database");
-  return shard;
-}
-
-// What write_shard_plan() has servers do. Scripts are for psql, and run as a whole or not at all.
-
-/// "shard_1" for shard 0: the name of its files, without ending.
-std::string shard_name(std::size_t shard);
-
-/// Makes the table of a shard whose points are in a box, from the file of its rows.
-std::string shard_script(const std::string& table, const std::vector<StoredColumn>& columns,
-                         std::size_t shard, const Bounds& box);
-
-/// Makes the table over all shards, whose points are in these boxes, and what says of them all what rows
-/// cannot.
-std::string coordinator_script(const std::string& table, const std::vector<StoredColumn>& columns,
-                               std::span<const Shard> shards, std::span<const Bounds> boxes,
-                               const CloudRow& cloud);
-
-/// What to type.
-std::string plan_readme(const std::string& table, std::span<const Shard> shards,
-                        std::span<const Bounds> boxes);
-
-namespace {
+// What servers are to do. Scripts are for psql, and run as a whole or not at all.
 
 /// What every script begins with: an error ends it, and nothing that it did stays. Whatever the client's
 /// settings say, names and texts end where they end here.
@@ -127,12 +74,12 @@ std::string box_text(const Bounds& box) {
                      box.min.z, box.max.z);
 }
 
-}  // namespace
-
+/// "shard_1" for shard 0: the name of its files, without ending.
 std::string shard_name(std::size_t shard) {
   return fmt::format("shard_{}", shard + 1);
 }
 
+/// Makes the table of a shard whose points are in a box, from the file of its rows.
 std::string shard_script(const std::string& table, const std::vector<StoredColumn>& columns,
                          std::size_t shard, const Bounds& box) {
   const std::string name = sql_name(table);
@@ -150,6 +97,8 @@ std::string shard_script(const std::string& table, const std::vector<StoredColum
       server_index(name));
 }
 
+/// Makes the table over all shards, whose points are in these boxes, and what says of them all what rows
+/// cannot.
 std::string coordinator_script(const std::string& table, const std::vector<StoredColumn>& columns,
                                std::span<const Shard> shards, std::span<const Bounds> boxes,
                                const CloudRow& cloud) {
@@ -180,6 +129,7 @@ std::string coordinator_script(const std::string& table, const std::vector<Store
   return text + fmt::format("{};\n{};\nCOMMIT;\n", cloud_row_table(beside), cloud_row_insert(beside, cloud));
 }
 
+/// What to type.
 std::string plan_readme(const std::string& table, std::span<const Shard> shards,
                         std::span<const Bounds> boxes) {
   std::string text =
@@ -212,38 +162,27 @@ std::string plan_readme(const std::string& table, std::span<const Shard> shards,
   return text;
 }
 
-namespace {
-
 void write_text(const std::filesystem::path& path, const std::string& text) {
   OutputFile file(path, false);
   file.write(std::as_bytes(std::span(text)));
   file.commit();
 }
 
-/// A cloud along the Morton curve.
-struct OrderedCloud {
-  explicit OrderedCloud(const std::filesystem::path& folder) : points(folder) {}
-
-  PointStream points;
-  PiecewiseCloud whole{};
-};
-
 /// Writes the next `count` rows, those of a shard, and tells their box.
 Bounds write_rows(const std::filesystem::path& path, OrderedCloud& cloud, const CopyRows& rows,
                   std::uint64_t count, const std::function<void(std::size_t)>& tell) {
   OutputFile file(path, false);
-  const Bounds box =
-      rows.copy(cloud.points, cloud.whole, count, [&](std::span<const std::byte> bytes, std::size_t points) {
-        file.write(bytes);
-        tell(points);
-      });
+  const Bounds box = rows.copy(cloud, count, [&](std::span<const std::byte> bytes, std::size_t points) {
+    file.write(bytes);
+    tell(points);
+  });
   file.commit();
   return box;
 }
 
 void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::span<const Shard> shards,
                  const ShardPlanOptions& options) {
-  const CopyRows rows(streamed_columns(cloud.whole, cloud.points), cloud.whole.rest.lattice);
+  const CopyRows rows(cloud.columns(), cloud.whole.rest.lattice);
   check_column_count(rows.columns());
   const std::uint64_t size = cloud.points.size();
   if (shards.empty() || size < shards.size()) {
@@ -271,9 +210,27 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
 
 }  // namespace
 
-ShardPlan write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
-                           const ReadOptions& reading, std::span<const Shard> shards,
-                           const ShardPlanOptions& options) {
+Shard parse_shard(std::string_view text) {
+  if (text.find('@') != std::string_view::npos)
+    refuse_shard(text, "users and passwords do not belong to the name of a shard, but to its user mapping");
+  const std::size_t slash = text.rfind('/');
+  if (slash == std::string_view::npos) refuse_shard(text, "a shard's name has no database");
+  const auto [host, port, is_address] = split_host(text.substr(0, slash));
+  Shard shard{.host = std::string(host), .database = std::string(text.substr(slash + 1))};
+  if (port) {
+    const std::optional<int> number = parse_port(*port);
+    if (!number) refuse_shard(text, "a shard's port is no number from 1 to 65535");
+    shard.port = *number;
+  }
+  if (!is_address) refuse_shard(text, "a shard's host is no address");
+  if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
+    refuse_shard(text, "a shard's name lacks host or database");
+  return shard;
+}
+
+StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
+                             const ReadOptions& reading, std::span<const Shard> shards,
+                             const ShardPlanOptions& options) {
   check_server_table(options.table);
   const std::filesystem::path whole_folder = (folder / "").parent_path();
   if (std::filesystem::exists(std::filesystem::symlink_status(whole_folder))) {
@@ -287,15 +244,10 @@ ShardPlan write_shard_plan(const std::filesystem::path& folder, const CloudInput
         {.file = whole_folder.string(), .problem = "this folder cannot be made", .found = error.message()});
   }
   try {
-    OrderedCloud cloud(beside);
-    cloud.whole = read_in_pieces(inputs, reading,
-                                 {.most_bytes = options.memory,
-                                  .bytes_beside = PointStream::k_bytes_beside,
-                                  .take = [&](PointCloud& piece) { cloud.points.add(piece); }});
-    cloud.points.finish(cloud.whole.rest);
+    OrderedCloud cloud(beside, inputs, reading, options.memory);
     write_files(beside, cloud, shards, options);
     std::filesystem::rename(beside, whole_folder);
-    return {cloud.points.size(), std::move(cloud.whole.rest.warnings)};
+    return std::move(cloud).stored();
   } catch (...) {
     std::filesystem::remove_all(beside, error);
     throw;

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/progress.h"
-#include "cloud/read_cloud.h"
+#include "database/point_stream.h"
 
 namespace alidade::database {
 
@@ -31,12 +31,6 @@ struct ShardPlanOptions {
   Progress progress{};  ///< in points, once all are read
 };
 
-/// What was planned.
-struct ShardPlan {
-  std::uint64_t point_count = 0;
-  std::vector<std::string> warnings;  ///< PointCloud::warnings
-};
-
 /// Writes a folder with all that puts a cloud on several PostgreSQL servers, which have the extension
 /// alidade_pg: for shard i, from 1 on, its part of the points along a Morton curve (shard_i.copy), all parts
 /// equally large but for one point, and what makes its table (shard_i.sql); what makes the table over all of
@@ -46,8 +40,8 @@ struct ShardPlan {
 /// Errors: the folder exists or cannot be written; fewer points than shards; too many columns for PostgreSQL;
 /// a table's name that is empty, longer than 40 bytes or has control characters; those of reading. Cancelled.
 /// Memory: ShardPlanOptions::memory, and what CloudReader::read_in_pieces() says.
-ShardPlan write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
-                           const ReadOptions& reading, std::span<const Shard> shards,
-                           const ShardPlanOptions& options = {});
+StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInputs& inputs,
+                             const ReadOptions& reading, std::span<const Shard> shards,
+                             const ShardPlanOptions& options = {});
 
 }  // namespace alidade::database

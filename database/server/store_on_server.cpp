@@ -50,11 +50,11 @@ CloudTables check_tables(ServerConnection& connection, const ServerName& name, b
 }
 
 /// Within a transaction.
-void store(ServerConnection& connection, const ServerName& name, const PiecewiseCloud& whole,
-           PointStream& points, const ServerStoreOptions& options) {
+void store(ServerConnection& connection, const ServerName& name, OrderedCloud& cloud,
+           const ServerStoreOptions& options) {
   std::uint64_t done = 0;
-  const ServerWait wait = [&] { report(options.progress, done, points.size()); };
-  const CopyRows rows(streamed_columns(whole, points), whole.rest.lattice);
+  const ServerWait wait = [&] { report(options.progress, done, cloud.points.size()); };
+  const CopyRows rows(cloud.columns(), cloud.whole.rest.lattice);
   check_column_count(rows.columns());
   connection.run("CREATE EXTENSION IF NOT EXISTS alidade_pg");
   // Somebody may have made a table meanwhile.
@@ -66,7 +66,7 @@ void store(ServerConnection& connection, const ServerName& name, const Piecewise
                  " y < 'Infinity' AND z > '-Infinity' AND z < 'Infinity'))");
   connection.begin_copy_in("COPY " + tables.points + " FROM STDIN (FORMAT binary)");
   const Bounds box =
-      rows.copy(points, whole, points.size(), [&](std::span<const std::byte> bytes, std::size_t count) {
+      rows.copy(cloud, cloud.points.size(), [&](std::span<const std::byte> bytes, std::size_t count) {
         connection.put(bytes, wait);
         done += count;
         wait();
@@ -74,7 +74,7 @@ void store(ServerConnection& connection, const ServerName& name, const Piecewise
   connection.end_copy_in(wait);
   connection.run(server_index(tables.points), {}, wait);
   connection.run(cloud_row_table(tables.cloud));
-  connection.run(cloud_row_insert(tables.cloud, cloud_row(whole, box)));
+  connection.run(cloud_row_insert(tables.cloud, cloud_row(cloud.whole, box)));
   connection.run("ANALYZE " + tables.points, {}, wait);
   connection.run("COMMIT", {}, wait);
 }
@@ -90,15 +90,10 @@ StoredFiles store_on_server(const ServerName& name, const CloudInputs& inputs, c
   ServerConnection connection(name);
   check_tables(connection, name, options.replace);
 
-  PointStream points(std::filesystem::temp_directory_path());
-  PiecewiseCloud whole = read_in_pieces(inputs, reading,
-                                        {.most_bytes = options.memory,
-                                         .bytes_beside = PointStream::k_bytes_beside,
-                                         .take = [&](PointCloud& piece) { points.add(piece); }});
-  points.finish(whole.rest);
+  OrderedCloud cloud(std::filesystem::temp_directory_path(), inputs, reading, options.memory);
   connection.run("BEGIN");
-  store(connection, name, whole, points, options);
-  return {points.size(), std::move(whole.rest.warnings)};
+  store(connection, name, cloud, options);
+  return std::move(cloud).stored();
 }
 
 }  // namespace alidade::database

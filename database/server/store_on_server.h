@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "database/point_stream.h"
 #include "database/server/server_name.h"
-#include "database/sqlite/store_cloud.h"
 
 namespace alidade::database {
 

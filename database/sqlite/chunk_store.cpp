@@ -53,7 +53,7 @@ void write_box_tree(sqlite3* database, const std::string& table_name, std::vecto
         sides.push_back({low.x, low.y, low.z, high.x, high.y, high.z});
         around.grow(boxes[i]);
       }
-      row.bind(1, page_id(level, page)).bind(2, std::as_bytes(std::span(sides))).run();
+      row.run_with(page_id(level, page), std::as_bytes(std::span(sides)));
       above.push_back(around);
     }
     boxes = above.size() > 1 ? std::move(above) : std::vector<Bounds>();
@@ -83,12 +83,8 @@ std::optional<ChunkPlace> BoxTree::chunk(std::uint64_t id) {
 
 void BoxTree::refuse(int level, std::uint64_t page, std::string problem, std::string expected,
                      std::string found) const {
-  throw SqliteError(SQLITE_CORRUPT_VTAB,
-                    {.file = file_,
-                     .place = fmt::format("{}, page {} of level {} of its boxes", table_, page, level),
-                     .problem = std::move(problem),
-                     .expected = std::move(expected),
-                     .found = std::move(found)});
+  refuse_stored({file_, fmt::format("{}, page {} of level {} of its boxes", table_, page, level),
+                 std::move(problem), std::move(expected), std::move(found)});
 }
 
 std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Bounds& around) {
@@ -143,11 +139,8 @@ ChunkStore::ChunkStore(sqlite3* database, const std::string& schema, const std::
 
 void ChunkStore::refuse(std::uint64_t chunk, std::string problem, std::string expected,
                         std::string found) const {
-  throw SqliteError(SQLITE_CORRUPT_VTAB, {.file = file_,
-                                          .place = fmt::format("{}, chunk {}", table_, chunk),
-                                          .problem = std::move(problem),
-                                          .expected = std::move(expected),
-                                          .found = std::move(found)});
+  refuse_stored({file_, fmt::format("{}, chunk {}", table_, chunk), std::move(problem), std::move(expected),
+                 std::move(found)});
 }
 
 std::vector<ChunkPlace> ChunkStore::chunks(const PointFilter& filter, std::optional<std::uint64_t> only) {

@@ -17,34 +17,6 @@ const char* const k_parts[] = {"cloud", "column", "chunk", "value", "bounds"};
 
 static_assert(std::endian::native == std::endian::little, "numbers in blobs are copied as they are");
 
-/// The tables of one cloud, to be read.
-class Described {
- public:
-  Described(sqlite3* database, const std::string& schema, const std::string& table)
-      : database_(database), schema_(schema), table_(table) {}
-
-  CloudSchema read() const;
-
- private:
-  [[noreturn]] void refuse(const std::string& part, std::string problem, std::string expected,
-                           std::string found) const {
-    throw SqliteError(SQLITE_CORRUPT_VTAB, {.file = file_of(database_, schema_),
-                                            .place = fmt::format("table {}_{}", table_, part),
-                                            .problem = std::move(problem),
-                                            .expected = std::move(expected),
-                                            .found = std::move(found)});
-  }
-  Statement statement(const std::string& part, const std::string& before, const std::string& behind) const {
-    return {database_, before + part_name(schema_, table_, part) + behind, Readable::plain_tables, schema_};
-  }
-  void read_cloud(CloudSchema& cloud) const;
-  void read_columns(CloudSchema& cloud) const;
-  void check_blobs(const std::vector<StoredColumn>& columns) const;
-
-  sqlite3* database_;
-  const std::string &schema_, &table_;
-};
-
 /// Whether a row of NAME_column can be: the number lies within the bytes of a point.
 bool is_possible(const StoredColumn& column) {
   const int type = static_cast<int>(column.type);
@@ -56,12 +28,126 @@ bool is_possible(const StoredColumn& column) {
          column.place <= column.size - size && std::isfinite(column.scale) && std::isfinite(column.offset);
 }
 
+template <class Values>
+std::span<const std::byte> bytes_of(const Values& values) {
+  return std::as_bytes(std::span(values));
+}
+
 /// Whole values only.
 template <class Values>
 void take_bytes(std::span<const std::byte> bytes, Values& values) {
   values.resize(bytes.size() / sizeof values[0]);
   if (!values.empty()) std::memcpy(values.data(), bytes.data(), values.size() * sizeof values[0]);
 }
+
+/// The tables of one cloud, to be read.
+class Described {
+ public:
+  Described(sqlite3* database, const std::string& schema, const std::string& table)
+      : database_(database), schema_(schema), table_(table) {}
+
+  CloudSchema read() const {
+    CloudSchema cloud;
+    read_cloud(cloud);
+    read_columns(cloud);
+    return cloud;
+  }
+
+ private:
+  [[noreturn]] void refuse(const std::string& part, std::string problem, std::string expected,
+                           std::string found) const {
+    refuse_stored({file_of(database_, schema_), fmt::format("table {}_{}", table_, part), std::move(problem),
+                   std::move(expected), std::move(found)});
+  }
+  Statement statement(const std::string& part, const std::string& before, const std::string& behind) const {
+    return {database_, before + part_name(schema_, table_, part) + behind, Readable::plain_tables, schema_};
+  }
+  void read_cloud(CloudSchema& cloud) const {
+    Statement row = statement("cloud", "SELECT * FROM ", "");
+    if (!row.step()) refuse("cloud", "is empty", "one row", "");
+    if (row.whole(0) != k_cloud_table_version) {
+      refuse("cloud", "is of another version", std::to_string(k_cloud_table_version),
+             std::to_string(row.whole(0)));
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      cloud.lattice.scale[axis] = row.number(1 + axis);
+      cloud.lattice.offset[axis] = row.number(4 + axis);
+      if (!(cloud.lattice.scale[axis] > 0.0) || !std::isfinite(cloud.lattice.scale[axis]) ||
+          !std::isfinite(cloud.lattice.offset[axis])) {
+        refuse("cloud", "has no lattice", "a scale above 0 and finite offsets",
+               fmt::format("scale {}, offset {}", cloud.lattice.scale[axis], cloud.lattice.offset[axis]));
+      }
+    }
+    // Chunks have a point or more, and their numbers 32 bits.
+    const std::int64_t points = row.whole(7), chunks = row.whole(8);
+    if (row.type(7) != SQLITE_INTEGER || row.type(8) != SQLITE_INTEGER || chunks < 0 || chunks > UINT32_MAX ||
+        points < chunks || points > chunks * k_most_chunk_points) {
+      refuse("cloud", "has counts that cannot be",
+             fmt::format("1 to {} points in each of 0 to {} chunks", k_most_chunk_points, UINT32_MAX),
+             fmt::format("{} points in {} chunks", row.text(7), row.text(8)));
+    }
+    cloud.point_count = static_cast<std::uint64_t>(points);
+    cloud.chunk_count = static_cast<std::uint64_t>(chunks);
+    cloud.crs.wkt = row.text(9);
+    take_bytes(row.bytes(10), cloud.crs.geotiff_keys);
+    take_bytes(row.bytes(11), cloud.crs.geotiff_doubles);
+    take_bytes(row.bytes(12), cloud.crs.geotiff_ascii);
+    cloud.gps_time_is_standard = row.whole(13) != 0;
+  }
+
+  void read_columns(CloudSchema& cloud) const {
+    Statement entry = statement(
+        "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
+    while (entry.step()) {
+      // Numbers that are too large are none of those that can be.
+      const auto small = [&](int place, std::int64_t most) {
+        const std::int64_t number = entry.whole(place);
+        return static_cast<int>(number >= 0 && number <= most ? number : -1);
+      };
+      StoredColumn column{.name = entry.text(0),
+                          .blob = small(1, INT32_MAX),
+                          .size = small(2, INT32_MAX),
+                          .place = small(3, INT32_MAX),
+                          .type = static_cast<ScalarType>(small(4, static_cast<int>(ScalarType::float64))),
+                          .scale = entry.number(5),
+                          .offset = entry.number(6)};
+      if (!entry.is_null(7)) {
+        const std::span<const std::byte> mark = entry.bytes(7);
+        if (mark.size() != column.no_data.emplace().size())
+          refuse("column", "has a mark for no value that is none", "8 bytes", column.name);
+        std::memcpy(column.no_data->data(), mark.data(), mark.size());
+      }
+      const auto is_number = [&](int place) { return entry.type(place) == SQLITE_FLOAT; };
+      if (entry.type(0) != SQLITE_TEXT || column.name.empty())
+        refuse("column", "has a column without a name", "a name", entry.text(0));
+      if (!is_possible(column) || !is_number(5) || !is_number(6))
+        refuse("column", "describes a column that cannot be", "a number within a point's bytes", column.name);
+      cloud.columns.push_back(std::move(column));
+    }
+    if (cloud.columns.empty()) refuse("column", "describes no columns", "one or more", "none");
+    check_blobs(cloud.columns);
+  }
+
+  void check_blobs(const std::vector<StoredColumn>& columns) const {
+    std::vector<const StoredColumn*> first_of(columns.size());
+    for (const StoredColumn& column : columns) {
+      const auto blob = static_cast<std::size_t>(column.blob);
+      if (blob >= columns.size()) {
+        refuse("column", fmt::format("has column {} in a blob that cannot be", column.name),
+               fmt::format("a number up to {}", columns.size() - 1), std::to_string(blob));
+      }
+      const StoredColumn*& first = first_of[blob];
+      if (first == nullptr) first = &column;
+      if (first->size != column.size) {
+        refuse("column", fmt::format("says two sizes of one blob, with {} and {}", first->name, column.name),
+               std::to_string(first->size), std::to_string(column.size));
+      }
+    }
+  }
+
+  sqlite3* database_;
+  const std::string &schema_, &table_;
+};
 
 }  // namespace
 
@@ -78,19 +164,11 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
           " offset_z REAL, points INTEGER, chunks INTEGER, crs TEXT,"
           " geotiff_keys BLOB, geotiff_doubles BLOB, geotiff_ascii BLOB, gps_time_is_standard INTEGER)");
   Statement row(database, "INSERT INTO " + name("cloud") + " VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
-  row.bind(1, std::int64_t{k_cloud_table_version});
-  for (int axis = 0; axis < 3; ++axis) {
-    row.bind(2 + axis, cloud.lattice.scale[axis]);
-    row.bind(5 + axis, cloud.lattice.offset[axis]);
-  }
-  row.bind(8, static_cast<std::int64_t>(cloud.point_count));
-  row.bind(9, static_cast<std::int64_t>(cloud.chunk_count));
-  row.bind(10, cloud.crs.wkt);
-  row.bind(11, std::as_bytes(std::span(cloud.crs.geotiff_keys)));
-  row.bind(12, std::as_bytes(std::span(cloud.crs.geotiff_doubles)));
-  row.bind(13, std::as_bytes(std::span(cloud.crs.geotiff_ascii)));
-  row.bind(14, std::int64_t{cloud.gps_time_is_standard});
-  row.run();
+  const auto& [scale, offset] = cloud.lattice;
+  row.run_with(std::int64_t{k_cloud_table_version}, scale.x, scale.y, scale.z, offset.x, offset.y, offset.z,
+               static_cast<std::int64_t>(cloud.point_count), static_cast<std::int64_t>(cloud.chunk_count),
+               cloud.crs.wkt, bytes_of(cloud.crs.geotiff_keys), bytes_of(cloud.crs.geotiff_doubles),
+               bytes_of(cloud.crs.geotiff_ascii), std::int64_t{cloud.gps_time_is_standard});
 
   run(database,
       "CREATE TABLE " + name("column") +
@@ -98,112 +176,13 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
           " scale REAL, \"offset\" REAL, no_data BLOB)");
   Statement entry(database, "INSERT INTO " + name("column") + " VALUES(NULL,?,?,?,?,?,?,?,?)");
   for (const StoredColumn& column : cloud.columns) {
-    entry.bind(1, column.name);
-    entry.bind(2, std::int64_t{column.blob});
-    entry.bind(3, std::int64_t{column.size});
-    entry.bind(4, std::int64_t{column.place});
-    entry.bind(5, static_cast<std::int64_t>(column.type));
-    entry.bind(6, column.scale);
-    entry.bind(7, column.offset);
-    if (column.no_data)
-      entry.bind(8, std::as_bytes(std::span(*column.no_data)));
-    else
-      entry.bind_null(8);
-    entry.run();
+    entry.run_with(column.name, std::int64_t{column.blob}, std::int64_t{column.size},
+                   std::int64_t{column.place}, static_cast<std::int64_t>(column.type), column.scale,
+                   column.offset, column.no_data ? bytes_of(*column.no_data) : std::span<const std::byte>());
   }
   run(database, "CREATE TABLE " + name("chunk") + "(id INTEGER PRIMARY KEY, points INTEGER, positions BLOB)");
   run(database, "CREATE TABLE " + name("value") + "(id INTEGER PRIMARY KEY, data BLOB)");
   run(database, "CREATE TABLE " + name("bounds") + "(id INTEGER PRIMARY KEY, boxes BLOB)");
-}
-
-void Described::read_cloud(CloudSchema& cloud) const {
-  Statement row = statement("cloud", "SELECT * FROM ", "");
-  if (!row.step()) refuse("cloud", "is empty", "one row", "");
-  if (row.whole(0) != k_cloud_table_version) {
-    refuse("cloud", "is of another version", std::to_string(k_cloud_table_version),
-           std::to_string(row.whole(0)));
-  }
-  for (int axis = 0; axis < 3; ++axis) {
-    cloud.lattice.scale[axis] = row.number(1 + axis);
-    cloud.lattice.offset[axis] = row.number(4 + axis);
-    if (!(cloud.lattice.scale[axis] > 0.0) || !std::isfinite(cloud.lattice.scale[axis]) ||
-        !std::isfinite(cloud.lattice.offset[axis])) {
-      refuse("cloud", "has no lattice", "a scale above 0 and finite offsets",
-             fmt::format("scale {}, offset {}", cloud.lattice.scale[axis], cloud.lattice.offset[axis]));
-    }
-  }
-  // Chunks have a point or more, and their numbers 32 bits.
-  const std::int64_t points = row.whole(7), chunks = row.whole(8);
-  if (row.type(7) != SQLITE_INTEGER || row.type(8) != SQLITE_INTEGER || chunks < 0 || chunks > UINT32_MAX ||
-      points < chunks || points > chunks * k_most_chunk_points) {
-    refuse("cloud", "has counts that cannot be",
-           fmt::format("1 to {} points in each of 0 to {} chunks", k_most_chunk_points, UINT32_MAX),
-           fmt::format("{} points in {} chunks", row.text(7), row.text(8)));
-  }
-  cloud.point_count = static_cast<std::uint64_t>(points);
-  cloud.chunk_count = static_cast<std::uint64_t>(chunks);
-  cloud.crs.wkt = row.text(9);
-  take_bytes(row.bytes(10), cloud.crs.geotiff_keys);
-  take_bytes(row.bytes(11), cloud.crs.geotiff_doubles);
-  take_bytes(row.bytes(12), cloud.crs.geotiff_ascii);
-  cloud.gps_time_is_standard = row.whole(13) != 0;
-}
-
-void Described::read_columns(CloudSchema& cloud) const {
-  Statement entry = statement(
-      "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
-  while (entry.step()) {
-    // Numbers that are too large are none of those that can be.
-    const auto small = [&](int place, std::int64_t most) {
-      const std::int64_t number = entry.whole(place);
-      return static_cast<int>(number >= 0 && number <= most ? number : -1);
-    };
-    StoredColumn column{.name = entry.text(0),
-                        .blob = small(1, INT32_MAX),
-                        .size = small(2, INT32_MAX),
-                        .place = small(3, INT32_MAX),
-                        .type = static_cast<ScalarType>(small(4, static_cast<int>(ScalarType::float64))),
-                        .scale = entry.number(5),
-                        .offset = entry.number(6)};
-    if (!entry.is_null(7)) {
-      const std::span<const std::byte> mark = entry.bytes(7);
-      if (mark.size() != column.no_data.emplace().size())
-        refuse("column", "has a mark for no value that is none", "8 bytes", column.name);
-      std::memcpy(column.no_data->data(), mark.data(), mark.size());
-    }
-    const auto is_number = [&](int place) { return entry.type(place) == SQLITE_FLOAT; };
-    if (entry.type(0) != SQLITE_TEXT || column.name.empty())
-      refuse("column", "has a column without a name", "a name", entry.text(0));
-    if (!is_possible(column) || !is_number(5) || !is_number(6))
-      refuse("column", "describes a column that cannot be", "a number within a point's bytes", column.name);
-    cloud.columns.push_back(std::move(column));
-  }
-  if (cloud.columns.empty()) refuse("column", "describes no columns", "one or more", "none");
-  check_blobs(cloud.columns);
-}
-
-void Described::check_blobs(const std::vector<StoredColumn>& columns) const {
-  std::vector<const StoredColumn*> first_of(columns.size());
-  for (const StoredColumn& column : columns) {
-    const auto blob = static_cast<std::size_t>(column.blob);
-    if (blob >= columns.size()) {
-      refuse("column", fmt::format("has column {} in a blob that cannot be", column.name),
-             fmt::format("a number up to {}", columns.size() - 1), std::to_string(blob));
-    }
-    const StoredColumn*& first = first_of[blob];
-    if (first == nullptr) first = &column;
-    if (first->size != column.size) {
-      refuse("column", fmt::format("says two sizes of one blob, with {} and {}", first->name, column.name),
-             std::to_string(first->size), std::to_string(column.size));
-    }
-  }
-}
-
-CloudSchema Described::read() const {
-  CloudSchema cloud;
-  read_cloud(cloud);
-  read_columns(cloud);
-  return cloud;
 }
 
 CloudSchema read_cloud_schema(sqlite3* database, const std::string& schema, const std::string& table) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "database/sqlite/cloud_table.h"
 
-#include <fmt/format.h>
-
 #include <memory>
 #include <string>
 #include <utility>

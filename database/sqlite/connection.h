@@ -48,6 +48,11 @@ class SqliteError : public Error {
   int code_;
 };
 
+/// Throws the Error about tables of a cloud that say what cannot be.
+[[noreturn]] inline void refuse_stored(Error::Parts parts) {
+  throw SqliteError(SQLITE_CORRUPT_VTAB, std::move(parts));
+}
+
 /// What a statement may read.
 enum class Readable {
   everything,
@@ -81,8 +86,7 @@ class Statement {
     return check(
         sqlite3_bind_text64(statement_, place, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
   }
-  Statement& bind_null(int place) { return check(sqlite3_bind_null(statement_, place)); }
-  /// The bytes must stay until the next step().
+  /// The bytes must stay until the next step(). Null bytes are NULL.
   Statement& bind(int place, std::span<const std::byte> bytes) {
     return check(sqlite3_bind_blob64(statement_, place, bytes.data(), bytes.size(), SQLITE_STATIC));
   }
@@ -96,6 +100,13 @@ class Statement {
   void run() {
     step();
     reset();
+  }
+  /// The same with these for all parameters.
+  template <class... Values>
+  void run_with(const Values&... values) {
+    int place = 0;
+    (bind(++place, values), ...);
+    run();
   }
   void reset() { sqlite3_reset(statement_); }
 

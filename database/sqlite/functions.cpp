@@ -10,31 +10,6 @@
 
 namespace alidade::database {
 
-template <std::size_t count>
-std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const> values,
-                                                 const char* function) {
-  std::array<double, count> result{};
-  bool is_null = false;
-  for (std::size_t i = 0; i < count; ++i) {
-    const int type = sqlite3_value_type(values[i]);
-    if (type == SQLITE_NULL) {
-      is_null = true;
-    } else if (type == SQLITE_INTEGER || type == SQLITE_FLOAT) {
-      result[i] = sqlite3_value_double(values[i]);
-    } else {
-      throw Error({.problem = fmt::format("{}: argument {} is no number", function, i + 1),
-                   .expected = "a number or NULL",
-                   .found = type == SQLITE_TEXT ? "text" : "a blob"});
-    }
-  }
-  if (is_null) return std::nullopt;
-  return result;
-}
-
-template std::optional<std::array<double, 6>> numbers<6>(std::span<sqlite3_value* const>, const char*);
-template std::optional<std::array<double, 8>> numbers<8>(std::span<sqlite3_value* const>, const char*);
-template std::optional<std::array<double, 9>> numbers<9>(std::span<sqlite3_value* const>, const char*);
-
 namespace {
 
 constexpr std::size_t k_head = 4;
@@ -75,41 +50,41 @@ void add(const DistanceLimit& limit, PointFilter& filter) {
 
 namespace {
 
-// As template arguments they need a place of their own.
-constexpr char k_dist_ray[] = "dist_ray";
-constexpr char k_dist_plane[] = "dist_plane";
-constexpr char k_ray_limit[] = "ray_limit";
-constexpr char k_plane_limit[] = "plane_limit";
-constexpr char k_try_ray_limit[] = "try_ray_limit";
-constexpr char k_try_plane_limit[] = "try_plane_limit";
+using Values = std::span<sqlite3_value* const>;
 
-/// Wraps what computes an answer as a function of SQL, whose name its errors begin with.
-template <void (*answer)(sqlite3_context*, std::span<sqlite3_value* const>), const char* name>
+/// A function of SQL; `name` is what its errors begin with.
+struct SqlFunction {
+  const char* name;
+  int arguments;
+  void (*answer)(sqlite3_context*, Values, const char* name);
+};
+
+/// Runs the function of the context.
 void call(sqlite3_context* context, int count, sqlite3_value** values) {
+  const auto& function = *static_cast<const SqlFunction*>(sqlite3_user_data(context));
   const int result = guarded(
       [&] {
-        answer(context, std::span(values, static_cast<std::size_t>(count)));
+        function.answer(context, Values(values, static_cast<std::size_t>(count)), function.name);
         return SQLITE_OK;
       },
       [&](const std::string& message) {
-        const std::string text = message.starts_with(name) ? message : std::string(name) + ": " + message;
+        const std::string name = function.name;
+        const std::string text = message.starts_with(name) ? message : name + ": " + message;
         sqlite3_result_error(context, text.c_str(), -1);
       });
   if (result == SQLITE_NOMEM) sqlite3_result_error_nomem(context);
 }
 
-using Values = std::span<sqlite3_value* const>;
-
-void dist_ray(sqlite3_context* context, Values values) {
-  const auto n = numbers<9>(values, k_dist_ray);
+void dist_ray(sqlite3_context* context, Values values, const char* name) {
+  const auto n = numbers<9>(values, name);
   if (!n) return;
   const auto& [ox, oy, oz, dx, dy, dz, x, y, z] = *n;
   const Ray ray = make_ray({ox, oy, oz}, {dx, dy, dz});
   sqlite3_result_double(context, project(ray, glm::dvec3(x, y, z)).distance);
 }
 
-void dist_plane(sqlite3_context* context, Values values) {
-  const auto n = numbers<9>(values, k_dist_plane);
+void dist_plane(sqlite3_context* context, Values values, const char* name) {
+  const auto n = numbers<9>(values, name);
   if (!n) return;
   const auto& [px, py, pz, nx, ny, nz, x, y, z] = *n;
   const Plane plane = make_plane({px, py, pz}, {nx, ny, nz});
@@ -121,14 +96,15 @@ void answer(sqlite3_context* context, const DistanceLimit& limit) {
   sqlite3_result_blob64(context, bytes.data(), bytes.size(), SQLITE_TRANSIENT);
 }
 
-void limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind, const char* function) {
-  const auto given = numbers<8>(values, function);
+template <DistanceLimit::Kind kind>
+void limit(sqlite3_context* context, Values values, const char* name) {
+  const auto given = numbers<8>(values, name);
   DistanceLimit limit{.kind = kind};
   if (given) {
     limit.numbers = *given;
   } else {
     // What a ray is compared with does not make one of it.
-    const auto ray = numbers<6>(values.first(6), function);
+    const auto ray = numbers<6>(values.first(6), name);
     if (!ray) return;
     std::ranges::copy(*ray, limit.numbers.begin());
   }
@@ -137,29 +113,23 @@ void limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind, co
   if (given) answer(context, limit);
 }
 
-void ray_limit(sqlite3_context* context, Values values) {
-  limit(context, values, DistanceLimit::Kind::ray, k_ray_limit);
-}
-
-void plane_limit(sqlite3_context* context, Values values) {
-  limit(context, values, DistanceLimit::Kind::plane, k_plane_limit);
-}
-
-void try_limit(sqlite3_context* context, Values values, DistanceLimit::Kind kind) {
+template <DistanceLimit::Kind kind>
+void try_limit(sqlite3_context* context, Values values, const char* name) {
   try {
-    limit(context, values, kind, "");
+    limit<kind>(context, values, name);
   } catch (const Error&) {
     answer(context, DistanceLimit{});
   }
 }
 
-void try_ray_limit(sqlite3_context* context, Values values) {
-  try_limit(context, values, DistanceLimit::Kind::ray);
-}
-
-void try_plane_limit(sqlite3_context* context, Values values) {
-  try_limit(context, values, DistanceLimit::Kind::plane);
-}
+constexpr SqlFunction k_functions[] = {
+    {"dist_ray", 9, dist_ray},
+    {"dist_plane", 9, dist_plane},
+    {"ray_limit", 8, limit<DistanceLimit::Kind::ray>},
+    {"plane_limit", 8, limit<DistanceLimit::Kind::plane>},
+    {"try_ray_limit", 8, try_limit<DistanceLimit::Kind::ray>},
+    {"try_plane_limit", 8, try_limit<DistanceLimit::Kind::plane>},
+};
 
 }  // namespace
 
@@ -168,18 +138,15 @@ void in_chunk(sqlite3_context* context, int, sqlite3_value** values) {
 }
 
 int add_functions(sqlite3* database) {
-  constexpr int k_flags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
-  const auto add = [&](const char* name, int count, auto function) {
-    return sqlite3_create_function_v2(database, name, count, k_flags, nullptr, function, nullptr, nullptr,
-                                      nullptr);
+  const auto add = [&](const char* name, int count, const SqlFunction* data, auto function) {
+    constexpr int k_flags = SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS;
+    return sqlite3_create_function_v2(database, name, count, k_flags, const_cast<SqlFunction*>(data),
+                                      function, nullptr, nullptr, nullptr);
   };
-  int result = add(k_dist_ray, 9, call<dist_ray, k_dist_ray>);
-  if (result == SQLITE_OK) result = add(k_dist_plane, 9, call<dist_plane, k_dist_plane>);
-  if (result == SQLITE_OK) result = add(k_ray_limit, 8, call<ray_limit, k_ray_limit>);
-  if (result == SQLITE_OK) result = add(k_plane_limit, 8, call<plane_limit, k_plane_limit>);
-  if (result == SQLITE_OK) result = add(k_try_ray_limit, 8, call<try_ray_limit, k_try_ray_limit>);
-  if (result == SQLITE_OK) result = add(k_try_plane_limit, 8, call<try_plane_limit, k_try_plane_limit>);
-  if (result == SQLITE_OK) result = add("in_chunk", 2, in_chunk);
+  int result = add("in_chunk", 2, nullptr, in_chunk);
+  for (const SqlFunction& function : k_functions) {
+    if (result == SQLITE_OK) result = add(function.name, function.arguments, &function, call);
+  }
   return result;
 }
 

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "base/error.h"
@@ -50,24 +49,20 @@ class Pruner {
   PrunedStatement prune() {
     reason_ = reason_to_leave(tokens_);
     if (!reason_.empty()) return {.text = {}, .reason = reason_};
-    number_parameters();
+    copy_tokens();
     read_clauses();
-    if (before_.empty()) note("dist_ray or dist_plane stands in no condition in WHERE or ON");
-    return {.text = before_.empty() ? std::string() : text(), .reason = reason_};
+    if (!has_limits_) note("dist_ray or dist_plane stands in no condition in WHERE or ON");
+    return {.text = has_limits_ ? text() : std::string(), .reason = reason_};
   }
 
  private:
-  void number_parameters() {
+  /// Plain parameters get numbers.
+  void copy_tokens() {
     int count = 0;
     for (std::size_t i = 0; i < tokens_.size(); ++i) {
-      if (tokens_.is(i, SqlTokenKind::parameter) && tokens_.text(i) == "?")
-        numbered_[i].append(1, '?').append(std::to_string(++count));
+      texts_.emplace_back(tokens_.text(i));
+      if (tokens_.is(i, SqlTokenKind::parameter) && texts_[i] == "?") texts_[i] += std::to_string(++count);
     }
-  }
-
-  std::string token_text(std::size_t place) const {
-    const auto numbered = numbered_.find(place);
-    return numbered == numbered_.end() ? std::string(tokens_.text(place)) : numbered->second;
   }
 
   std::string range_text(TokenRange range) const {
@@ -75,7 +70,7 @@ class Pruner {
     for (std::size_t i = range.begin; i < range.end; ++i) {
       // Of comments and line breaks between tokens a blank is left.
       if (i > range.begin && tokens_[i].begin > tokens_[i - 1].end) text += ' ';
-      text += token_text(i);
+      text += texts_[i];
     }
     return text;
   }
@@ -84,18 +79,13 @@ class Pruner {
   void read_clauses() {
     Join join;
     for (std::size_t i = 0; i < tokens_.size();) {
-      if (tokens_.is_sign(i, "(")) {
+      if (tokens_.is_word(i, "join")) join = read_join(i);
+      if (tokens_.is_sign(i, "("))
         i = tokens_.closing(i) + 1;
-      } else if (tokens_.is_word(i, "join")) {
-        join = read_join(i);
+      else if (tokens_.is_one_of(i, {"on", "where"}))
+        i = conditions(i + 1, tokens_.is_word(i, "on") ? join : Join{}, 0);
+      else
         ++i;
-      } else if (tokens_.is_word(i, "on")) {
-        i = conditions(i + 1, join, 0);
-      } else if (tokens_.is_word(i, "where")) {
-        i = conditions(i + 1, Join{}, 0);
-      } else {
-        ++i;
-      }
     }
   }
 
@@ -114,11 +104,9 @@ class Pruner {
 
   /// Conditions between AND and OR. The place behind them.
   std::size_t conditions(std::size_t i, const Join& join, int depth) {
-    while (true) {
-      i = condition(i, join, depth);
-      if (!tokens_.is_one_of(i, {"and", "or"})) return i;
-      ++i;
-    }
+    i = condition(i, join, depth);
+    while (tokens_.is_one_of(i, {"and", "or"})) i = condition(i + 1, join, depth);
+    return i;
   }
 
   std::size_t condition(std::size_t i, const Join& join, int depth) {
@@ -185,8 +173,10 @@ class Pruner {
     // 1e999 is SQL for infinity; no distance to a ray is below 0.
     limit += condition.least ? range_text(*condition.least) : is_ray ? "0" : "-1e999";
     limit += ", " + (condition.largest ? range_text(*condition.largest) : "1e999") + "))";
-    before_[condition.place.begin] += "(";
-    behind_[condition.place.end - 1] += limit + ")";
+    std::string& first = texts_[condition.place.begin];
+    first = std::string("(").append(first);
+    texts_[condition.place.end - 1] += limit + ")";
+    has_limits_ = true;
   }
 
   void note(const std::string& reason) {
@@ -194,15 +184,11 @@ class Pruner {
   }
 
   std::string text() const {
-    const auto added = [](const std::map<std::size_t, std::string>& texts, std::size_t place) {
-      const auto found = texts.find(place);
-      return found == texts.end() ? std::string() : found->second;
-    };
     std::string text;
     std::size_t end = 0;
     for (std::size_t i = 0; i < tokens_.size(); ++i) {
       text += sql_.substr(end, tokens_[i].begin - end);
-      text += added(before_, i) + token_text(i) + added(behind_, i);
+      text += texts_[i];
       end = tokens_[i].end;
     }
     return text.append(sql_.substr(end));
@@ -210,18 +196,10 @@ class Pruner {
 
   std::string_view sql_;
   TokenList tokens_;
-  std::map<std::size_t, std::string> numbered_;         ///< texts of plain parameters, by token
-  std::map<std::size_t, std::string> before_, behind_;  ///< what is put before and behind tokens
+  std::vector<std::string> texts_;  ///< of the tokens, and what is put before and behind them
+  bool has_limits_ = false;
   std::string reason_;
 };
-
-}  // namespace
-
-PrunedStatement prune_statement(std::string_view sql) {
-  return Pruner(sql).prune();
-}
-
-namespace {
 
 struct Parsed {
   StatementHandle statement;
@@ -277,6 +255,10 @@ bool same_columns(sqlite3_stmt* a, sqlite3_stmt* b) {
 }
 
 }  // namespace
+
+PrunedStatement prune_statement(std::string_view sql) {
+  return Pruner(sql).prune();
+}
 
 Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, const std::string& file) {
   Parsed given = parse(database, sql.substr(begin));

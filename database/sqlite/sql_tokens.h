@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 // SQL cut into the tokens that SQLite sees: https://www.sqlite.org/lang_keywords.html tells its quotes,

@@ -9,27 +9,53 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "cloud/rows.h"
-#include "database/point_stream.h"
 #include "database/sqlite/chunk_store.h"
 #include "database/sqlite/cloud_schema.h"
 #include "database/sqlite/connection.h"
 
 namespace alidade::database {
 
+namespace {
+
+constexpr const char* k_schema = "main";
+
 /// Writes chunk after chunk into the tables of a cloud (database/sqlite/cloud_schema.h).
 class ChunkWriter {
  public:
-  ChunkWriter(sqlite3* database, const std::string& table, const ChunkEncoding& encoding);
+  ChunkWriter(sqlite3* database, const std::string& table, const ChunkEncoding& encoding)
+      : encoding_(encoding),
+        chunk_(database, "INSERT INTO " + part_name(k_schema, table, "chunk") + " VALUES(?,?,?)"),
+        value_(database, "INSERT INTO " + part_name(k_schema, table, "value") + " VALUES(?,?)") {}
 
-  void write(const EncodedChunks& chunks);
+  void write(const EncodedChunks& chunks) {
+    const std::size_t count = chunks.positions.size();
+    const std::uint64_t first = boxes_.size();
+    const auto points_of = [&](std::size_t chunk) {
+      return std::min<std::size_t>(encoding_.chunk_points, count - chunk * encoding_.chunk_points);
+    };
+    for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {
+      const auto positions =
+          std::span(chunks.positions).subspan(chunk * encoding_.chunk_points, points_of(chunk));
+      chunk_.run_with(static_cast<std::int64_t>(first + chunk), static_cast<std::int64_t>(positions.size()),
+                      std::as_bytes(positions));
+    }
+    // Blob by blob, since those of one number stand beside each other.
+    for (std::size_t blob = 0; blob < chunks.blobs.size(); ++blob) {
+      const std::size_t size = count == 0 ? 0 : chunks.blobs[blob].size() / count;
+      for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {
+        value_.run_with(value_id(static_cast<int>(blob), first + chunk),
+                        std::span<const std::byte>(chunks.blobs[blob])
+                            .subspan(chunk * encoding_.chunk_points * size, points_of(chunk) * size));
+      }
+    }
+    boxes_.insert(boxes_.end(), chunks.boxes.begin(), chunks.boxes.end());
+  }
 
   /// Of the chunks written so far.
   std::vector<Bounds> boxes() && { return std::move(boxes_); }
@@ -40,57 +66,24 @@ class ChunkWriter {
   std::vector<Bounds> boxes_;
 };
 
-ChunkWriter::ChunkWriter(sqlite3* database, const std::string& table, const ChunkEncoding& encoding)
-    : encoding_(encoding),
-      chunk_(database, "INSERT INTO " + part_name("main", table, "chunk") + " VALUES(?,?,?)"),
-      value_(database, "INSERT INTO " + part_name("main", table, "value") + " VALUES(?,?)") {}
+/// Whether there is something of that name, and whether it is a table of the module, which its tables only
+/// show as long as they are whole.
+struct Found {
+  bool exists = false, is_cloud = false;
+};
 
-void ChunkWriter::write(const EncodedChunks& chunks) {
-  const std::size_t count = chunks.positions.size();
-  const std::uint64_t first = boxes_.size();
-  const auto points_of = [&](std::size_t chunk) {
-    return std::min<std::size_t>(encoding_.chunk_points, count - chunk * encoding_.chunk_points);
-  };
-  for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {
-    const auto positions =
-        std::span(chunks.positions).subspan(chunk * encoding_.chunk_points, points_of(chunk));
-    chunk_.bind(1, static_cast<std::int64_t>(first + chunk));
-    chunk_.bind(2, static_cast<std::int64_t>(positions.size())).bind(3, std::as_bytes(positions)).run();
-  }
-  // Blob by blob, since those of one number stand beside each other.
-  for (std::size_t blob = 0; blob < chunks.blobs.size(); ++blob) {
-    const std::size_t size = count == 0 ? 0 : chunks.blobs[blob].size() / count;
-    for (std::size_t chunk = 0; chunk < chunks.boxes.size(); ++chunk) {
-      value_.bind(1, value_id(static_cast<int>(blob), first + chunk));
-      value_.bind(2, std::span(chunks.blobs[blob])
-                         .subspan(chunk * encoding_.chunk_points * size, points_of(chunk) * size));
-      value_.run();
-    }
-  }
-  boxes_.insert(boxes_.end(), chunks.boxes.begin(), chunks.boxes.end());
+Found find_table(sqlite3* database, const std::string& name) {
+  Statement found(database,
+                  "SELECT type = 'table' AND sql LIKE 'CREATE VIRTUAL TABLE % USING pointcloud%'"
+                  " FROM main.sqlite_schema WHERE lower(name) = lower(?) ORDER BY 1 DESC");
+  if (!found.bind(1, name).step()) return {};
+  return {true, found.whole(0) != 0};
 }
 
-namespace {
-
-constexpr const char* k_schema = "main";
-
-bool exists(sqlite3* database, const std::string& table) {
-  Statement found(database, "SELECT 1 FROM main.sqlite_schema WHERE lower(name) = lower(?)");
-  return found.bind(1, table).step();
-}
-
-/// Whether a table is the module's, which its tables only show as long as they are whole.
-bool is_cloud(sqlite3* database, const std::string& table) {
-  Statement made(database,
-                 "SELECT 1 FROM main.sqlite_schema WHERE lower(name) = lower(?) AND type = 'table'"
-                 " AND sql LIKE 'CREATE VIRTUAL TABLE % USING pointcloud%'");
-  return made.bind(1, table).step();
-}
-
-/// Errors: there is a table of that name that may not be replaced.
-void check_table(sqlite3* database, const StoreOptions& options) {
-  if (!exists(database, options.table)) return;
-  if (options.replace && is_cloud(database, options.table)) return;
+/// Whether there is one to replace. Errors: there is a table of that name that may not be replaced.
+bool check_table(sqlite3* database, const StoreOptions& options) {
+  const Found found = find_table(database, options.table);
+  if (!found.exists || (options.replace && found.is_cloud)) return found.exists;
   throw Error({.file = file_of(database),
                .problem = fmt::format("there is a table {} already", options.table),
                .expected = options.replace ? "a cloud to replace" : "another name, or --overwrite"});
@@ -146,20 +139,18 @@ void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWrite
 }
 
 /// Inside a transaction, which ends when it returns, and is undone if it throws.
-void store(sqlite3* database, const PiecewiseCloud& whole, PointStream& points, const StoreOptions& options) {
-  check_table(database, options);
-  if (exists(database, options.table)) drop_cloud(database, options.table);
+void store(sqlite3* database, OrderedCloud& cloud, const StoreOptions& options) {
+  PointStream& points = cloud.points;
+  const PointCloud& whole = cloud.whole.rest;
+  if (check_table(database, options)) drop_cloud(database, options.table);
   create_cloud_tables(database, k_schema, options.table,
-                      {.lattice = whole.rest.lattice,
+                      {.lattice = whole.lattice,
                        .point_count = points.size(),
                        .chunk_count = (points.size() + options.chunk_points - 1) / options.chunk_points,
-                       .crs = whole.rest.crs,
-                       .gps_time_is_standard = whole.rest.gps_time_is_standard,
-                       .columns = streamed_columns(whole, points)});
-  const ChunkEncoding encoding{.chunk_points = options.chunk_points,
-                               .lattice = whole.rest.lattice,
-                               .blobs = points.blobs(),
-                               .spread = whole.spread};
+                       .crs = whole.crs,
+                       .gps_time_is_standard = whole.gps_time_is_standard,
+                       .columns = cloud.columns()});
+  const ChunkEncoding encoding = cloud.encoding(options.chunk_points);
   {
     ChunkWriter writer(database, options.table, encoding);
     write_chunks(points, encoding, writer, options.progress);
@@ -169,8 +160,8 @@ void store(sqlite3* database, const PiecewiseCloud& whole, PointStream& points, 
   report(options.progress, points.size(), points.size());
 }
 
-void store_in(const std::filesystem::path& file, Connection::Mode mode, const PiecewiseCloud& whole,
-              PointStream& points, const StoreOptions& options) {
+void store_in(const std::filesystem::path& file, Connection::Mode mode, OrderedCloud& cloud,
+              const StoreOptions& options) {
   const Connection connection(file, mode);
   sqlite3* const database = connection.get();
   if (mode == Connection::Mode::create) {
@@ -183,7 +174,7 @@ void store_in(const std::filesystem::path& file, Connection::Mode mode, const Pi
   }
   run(database, "BEGIN IMMEDIATE");
   try {
-    store(database, whole, points, options);
+    store(database, cloud, options);
     run(database, "COMMIT");
   } catch (...) {
     sqlite3_exec(database, "ROLLBACK", nullptr, nullptr, nullptr);
@@ -232,22 +223,21 @@ void check(const std::filesystem::path& file, const StoreOptions& options) {
   if (std::filesystem::exists(file)) check_table(Connection(file, Connection::Mode::write).get(), options);
 }
 
-void store_stream(const std::filesystem::path& file, const PiecewiseCloud& whole, PointStream& points,
-                  const StoreOptions& options) {
+void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const StoreOptions& options) {
   const std::uint64_t most_points = std::uint64_t{UINT32_MAX} * options.chunk_points;
-  if (points.size() > most_points) {
+  if (cloud.points.size() > most_points) {
     throw Error({.problem = "too many points for one table",
                  .expected = fmt::format("at most {}", most_points),
-                 .found = std::to_string(points.size())});
+                 .found = std::to_string(cloud.points.size())});
   }
   if (std::filesystem::exists(file)) {
-    store_in(file, Connection::Mode::write, whole, points, options);
+    store_in(file, Connection::Mode::write, cloud, options);
     return;
   }
   const std::filesystem::path beside =
       file.parent_path() / fmt::format(".{}.part-{}", file.filename().string(), ::getpid());
   try {
-    store_in(beside, Connection::Mode::create, whole, points, options);
+    store_in(beside, Connection::Mode::create, cloud, options);
     give_name(beside, file);
   } catch (...) {
     std::error_code error;
@@ -265,28 +255,16 @@ void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, con
                  .expected = fmt::format("at most {}, or files", UINT32_MAX),
                  .found = std::to_string(cloud.size())});
   }
-  PointStream points(file.parent_path());
-  points.finish(cloud);
-  PiecewiseCloud whole;
-  whole.rest.lattice = cloud.lattice;
-  whole.rest.crs = cloud.crs;
-  whole.rest.gps_time_is_standard = cloud.gps_time_is_standard;
-  for (const ExtraDimension& dimension : cloud.extra_dimensions)
-    whole.rest.extra_dimensions.push_back(description_of(dimension));
-  store_stream(file, whole, points, options);
+  OrderedCloud ordered(file.parent_path(), cloud);
+  store_ordered(file, ordered, options);
 }
 
 StoredFiles store_files(const std::filesystem::path& file, const CloudInputs& inputs,
                         const ReadOptions& reading, const StoreOptions& options) {
   check(file, options);
-  PointStream points(file.parent_path());
-  PiecewiseCloud whole = read_in_pieces(inputs, reading,
-                                        {.most_bytes = options.memory,
-                                         .bytes_beside = PointStream::k_bytes_beside,
-                                         .take = [&](PointCloud& piece) { points.add(piece); }});
-  points.finish(whole.rest);
-  store_stream(file, whole, points, options);
-  return {points.size(), std::move(whole.rest.warnings)};
+  OrderedCloud cloud(file.parent_path(), inputs, reading, options.memory);
+  store_ordered(file, cloud, options);
+  return std::move(cloud).stored();
 }
 
 }  // namespace alidade::database

@@ -3,12 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "base/progress.h"
 #include "cloud/read_cloud.h"
+#include "database/point_stream.h"
 
 namespace alidade::database {
 
@@ -33,12 +32,6 @@ struct StoreOptions {
 /// the peak beside the cloud.
 void store_cloud(const std::filesystem::path& database, const PointCloud& cloud,
                  const StoreOptions& options = {});
-
-/// What was stored.
-struct StoredFiles {
-  std::uint64_t point_count = 0;
-  std::vector<std::string> warnings;  ///< PointCloud::warnings
-};
 
 /// The same for cloud files (read_cloud()), whose points memory need not hold. Memory: StoreOptions::memory,
 /// 48 bytes per chunk, two blocks of 1024 points for each time that memory was full, some 100 MB for what is

@@ -88,6 +88,128 @@ std::string table_of(sqlite3* database, const SqliteCloudName& name) {
                .found = fmt::format("{}", fmt::join(tables, ", "))});
 }
 
+std::vector<ChunkPlace> wanted_chunks(ChunkStore& store, std::span<const PointFilter> any_of) {
+  std::vector<ChunkPlace> chunks;
+  for (const PointFilter& filter : any_of)
+    std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
+  std::ranges::sort(chunks, {}, &ChunkPlace::id);
+  const auto is_same = [](const ChunkPlace& one, const ChunkPlace& other) { return one.id == other.id; };
+  chunks.erase(std::unique(chunks.begin(), chunks.end(), is_same), chunks.end());
+  return chunks;
+}
+
+/// Brings the rows into the order of their ids.
+void sort_by_id(CloudPart& part, const StoredCloud& stored) {
+  std::vector<std::uint32_t> order(part.ids.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::ranges::sort(order, {}, [&](std::uint32_t row) { return part.ids[row]; });
+  reorder_attributes(part.cloud, order);
+  std::vector<LatticePosition> positions;
+  std::vector<std::uint64_t> ids;
+  for (const std::uint32_t row : order) {
+    positions.push_back(part.cloud.positions[row]);
+    if (!ids.empty() && ids.back() == part.ids[row])
+      stored.refuse(stored.schema().chunk_count, "two points have one id", "each once",
+                    std::to_string(ids.back()));
+    ids.push_back(part.ids[row]);
+  }
+  part.cloud.positions = std::move(positions);
+  part.ids = std::move(ids);
+}
+
+constexpr std::string_view k_first_bytes{"SQLite format 3\0", 16};
+
+class SqliteCloudReader final : public CloudReader {
+ public:
+  explicit SqliteCloudReader(const std::string& name) : stored_(name) {
+    about_.path = name;
+    about_.format = "SQLite";
+    about_.version = std::to_string(k_cloud_table_version);
+    about_.point_count = schema().point_count;
+  }
+
+  const CloudFile& file() const override { return about_; }
+  AttributeSet attributes() const override { return stored_.attributes(); }
+  FileFacts facts() const override {
+    FileFacts facts;
+    facts.crs = schema().crs;
+    facts.gps_time_is_standard = schema().gps_time_is_standard;
+    if (schema().point_count > 0) facts.box = stored_.bounds();
+    return facts;
+  }
+  std::optional<Lattice> lattice() const override { return schema().lattice; }
+  std::optional<std::uint64_t> point_count() const override { return schema().point_count; }
+  std::uint64_t work() const override { return stored_.file_bytes(); }
+  CoordinateSurvey survey(const Progress&) override {
+    // The lattice is stored: there is nothing to find out.
+    return {};
+  }
+
+  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
+                      const Progress& progress) override {
+    const AttributeSet kept = attributes() & wanted;
+    const auto bytes = static_cast<double>(stored_.file_bytes());
+    const std::uint64_t all = schema().point_count;
+    for (std::uint64_t row = 0; row < all;) {
+      const std::size_t count = room_in_piece(cloud, kept, all - row, pieces);
+      const Rows rows{row, count, cloud.size()};
+      append_rows(cloud, kept, count);
+      const auto share = [&](std::uint64_t rows_done) {
+        return static_cast<double>(rows_done) / static_cast<double>(all);
+      };
+      take_rows(cloud, kept, rows, [&](double part) {
+        report(progress, static_cast<std::uint64_t>(bytes * (share(row) + part * share(count))),
+               stored_.file_bytes());
+      });
+      row += count;
+    }
+    report(progress, stored_.file_bytes(), stored_.file_bytes());
+  }
+
+ private:
+  /// Rows [first, first + count) of the table, which are rows from `target` on of the cloud.
+  struct Rows {
+    std::uint64_t first;
+    std::size_t count, target;
+  };
+
+  const CloudSchema& schema() const { return stored_.schema(); }
+
+  /// Chunks lie along a curve, not in the order of rows: each piece is a pass over all of them.
+  void take_rows(PointCloud& cloud, AttributeSet kept, const Rows& rows,
+                 const std::function<void(double share)>& tell) {
+    const LatticeShift shift(schema().lattice, cloud.lattice, stored_.file());
+    const StoredCloud::Columns columns(stored_, cloud, kept, rows.target);
+    ChunkStore store = stored_.chunks();
+    std::vector<bool> is_there(rows.count);
+    std::uint64_t points = 0;
+    std::size_t taken = 0;
+    for (const ChunkPlace& place : store.chunks({})) {
+      const std::uint64_t id = place.id;
+      const std::shared_ptr<StoredChunk> chunk = store.read(place);
+      for (std::size_t i = 0; i < chunk->positions.size(); ++i) {
+        const std::uint64_t row = stored_.id(store, *chunk, i) - rows.first;
+        if (row >= rows.count) continue;
+        if (is_there[row])
+          stored_.refuse(id, "two points have one id", "each once", std::to_string(rows.first + row));
+        is_there[row] = true;
+        ++taken;
+        cloud.positions[rows.target + row] = shift(chunk->positions[i]);
+        columns.copy(store, *chunk, i, row);
+      }
+      points += chunk->positions.size();
+      tell(static_cast<double>(id + 1) / static_cast<double>(schema().chunk_count));
+    }
+    if (points != schema().point_count || taken != rows.count) {
+      stored_.refuse(schema().chunk_count, "points are missing", std::to_string(schema().point_count),
+                     std::to_string(points));
+    }
+  }
+
+  StoredCloud stored_;
+  CloudFile about_;
+};
+
 }  // namespace
 
 SqliteCloudName::SqliteCloudName(const std::string& name) : file(name) {
@@ -183,39 +305,6 @@ void StoredCloud::Columns::copy(ChunkStore& store, StoredChunk& chunk, std::size
   }
 }
 
-namespace {
-
-std::vector<ChunkPlace> wanted_chunks(ChunkStore& store, std::span<const PointFilter> any_of) {
-  std::vector<ChunkPlace> chunks;
-  for (const PointFilter& filter : any_of)
-    std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
-  std::ranges::sort(chunks, {}, &ChunkPlace::id);
-  const auto is_same = [](const ChunkPlace& one, const ChunkPlace& other) { return one.id == other.id; };
-  chunks.erase(std::unique(chunks.begin(), chunks.end(), is_same), chunks.end());
-  return chunks;
-}
-
-/// Brings the rows into the order of their ids.
-void sort_by_id(CloudPart& part, const StoredCloud& stored) {
-  std::vector<std::uint32_t> order(part.ids.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::ranges::sort(order, {}, [&](std::uint32_t row) { return part.ids[row]; });
-  reorder_attributes(part.cloud, order);
-  std::vector<LatticePosition> positions;
-  std::vector<std::uint64_t> ids;
-  for (const std::uint32_t row : order) {
-    positions.push_back(part.cloud.positions[row]);
-    if (!ids.empty() && ids.back() == part.ids[row])
-      stored.refuse(stored.schema().chunk_count, "two points have one id", "each once",
-                    std::to_string(ids.back()));
-    ids.push_back(part.ids[row]);
-  }
-  part.cloud.positions = std::move(positions);
-  part.ids = std::move(ids);
-}
-
-}  // namespace
-
 CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> any_of,
                           AttributeSet attributes, const Progress& progress) {
   const StoredCloud stored(name);
@@ -250,107 +339,6 @@ CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> 
   file.point_count = part.ids.size();
   return part;
 }
-
-namespace {
-
-constexpr std::string_view k_first_bytes{"SQLite format 3\0", 16};
-
-class SqliteCloudReader final : public CloudReader {
- public:
-  explicit SqliteCloudReader(const std::string& name) : stored_(name) {
-    about_.path = name;
-    about_.format = "SQLite";
-    about_.version = std::to_string(k_cloud_table_version);
-    about_.point_count = schema().point_count;
-  }
-
-  const CloudFile& file() const override { return about_; }
-  AttributeSet attributes() const override { return stored_.attributes(); }
-  FileFacts facts() const override {
-    FileFacts facts;
-    facts.crs = schema().crs;
-    facts.gps_time_is_standard = schema().gps_time_is_standard;
-    if (schema().point_count > 0) facts.box = stored_.bounds();
-    return facts;
-  }
-  std::optional<Lattice> lattice() const override { return schema().lattice; }
-  std::optional<std::uint64_t> point_count() const override { return schema().point_count; }
-  std::uint64_t work() const override { return stored_.file_bytes(); }
-  CoordinateSurvey survey(const Progress&) override {
-    // The lattice is stored: there is nothing to find out.
-    return {};
-  }
-  void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override;
-
- private:
-  /// Rows [first, first + count) of the table, which are rows from `target` on of the cloud.
-  struct Rows {
-    std::uint64_t first;
-    std::size_t count, target;
-  };
-
-  const CloudSchema& schema() const { return stored_.schema(); }
-  void take_rows(PointCloud& cloud, AttributeSet kept, const Rows& rows,
-                 const std::function<void(double share)>& tell);
-
-  StoredCloud stored_;
-  CloudFile about_;
-};
-
-/// Chunks lie along a curve, not in the order of rows: each piece is a pass over all of them.
-void SqliteCloudReader::take_rows(PointCloud& cloud, AttributeSet kept, const Rows& rows,
-                                  const std::function<void(double share)>& tell) {
-  const LatticeShift shift(schema().lattice, cloud.lattice, stored_.file());
-  const StoredCloud::Columns columns(stored_, cloud, kept, rows.target);
-  ChunkStore store = stored_.chunks();
-  std::vector<bool> is_there(rows.count);
-  std::uint64_t points = 0;
-  std::size_t taken = 0;
-  for (const ChunkPlace& place : store.chunks({})) {
-    const std::uint64_t id = place.id;
-    const std::shared_ptr<StoredChunk> chunk = store.read(place);
-    for (std::size_t i = 0; i < chunk->positions.size(); ++i) {
-      const std::uint64_t row = stored_.id(store, *chunk, i) - rows.first;
-      if (row >= rows.count) continue;
-      if (is_there[row])
-        stored_.refuse(id, "two points have one id", "each once", std::to_string(rows.first + row));
-      is_there[row] = true;
-      ++taken;
-      cloud.positions[rows.target + row] = shift(chunk->positions[i]);
-      columns.copy(store, *chunk, i, row);
-    }
-    points += chunk->positions.size();
-    tell(static_cast<double>(id + 1) / static_cast<double>(schema().chunk_count));
-  }
-  if (points != schema().point_count || taken != rows.count) {
-    stored_.refuse(schema().chunk_count, "points are missing", std::to_string(schema().point_count),
-                   std::to_string(points));
-  }
-}
-
-void SqliteCloudReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                                       const Progress& progress) {
-  const AttributeSet kept = attributes() & wanted;
-  const auto bytes = static_cast<double>(stored_.file_bytes());
-  const std::uint64_t all = schema().point_count;
-  for (std::uint64_t row = 0; row < all;) {
-    const std::size_t count = room_in_piece(cloud, kept, all - row, pieces);
-    const Rows rows{row, count, cloud.size()};
-    append_rows(cloud, kept, count);
-    const auto share = [&](std::uint64_t rows_done) {
-      return static_cast<double>(rows_done) / static_cast<double>(all);
-    };
-    take_rows(cloud, kept, rows, [&](double part) {
-      report(progress, static_cast<std::uint64_t>(bytes * (share(row) + part * share(count))),
-             stored_.file_bytes());
-    });
-    row += count;
-  }
-  report(progress, stored_.file_bytes(), stored_.file_bytes());
-}
-
-}  // namespace
 
 const CloudFormat k_sqlite_format{
     .name = "SQLite",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <glm/common.hpp>
 #include <utility>
 
 #include "base/huge_memory.h"
@@ -14,28 +15,17 @@ namespace alidade {
 
 /// Box in lattice steps from the root's corner, inclusive; inverted when empty.
 struct StepBox {
-  Steps low{0xffffffffu, 0xffffffffu, 0xffffffffu};
-  Steps high{0, 0, 0};
+  Steps low{0xffffffffu}, high{0};
 
-  void grow(const Steps& steps) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], steps[axis]);
-      high[axis] = std::max(high[axis], steps[axis]);
-    }
-  }
   void grow(const StepBox& box) {
-    for (int axis = 0; axis < 3; ++axis) {
-      low[axis] = std::min(low[axis], box.low[axis]);
-      high[axis] = std::max(high[axis], box.high[axis]);
-    }
+    low = glm::min(low, box.low);
+    high = glm::max(high, box.high);
   }
+  void grow(const Steps& steps) { grow({steps, steps}); }
 };
 
 inline LatticePosition lattice_position(const LatticePosition& base, const Steps& steps) {
-  LatticePosition position;
-  for (int axis = 0; axis < 3; ++axis)
-    position[axis] = static_cast<std::int32_t>(static_cast<std::uint32_t>(base[axis]) + steps[axis]);
-  return position;
+  return LatticePosition(Steps(base) + steps);
 }
 
 /// The arrays of an octree.
@@ -169,6 +159,13 @@ struct SplitRules {
   }
 };
 
+template <class Entry>
+ChildRange child_range(const SortedPoints<Entry>& sorted, std::uint32_t begin, std::uint32_t end,
+                       const SplitRules& rules, int frame_level) {
+  const PointRange points = point_range(sorted, begin, end);
+  return {points, rules.fits_leaf(points, frame_level)};
+}
+
 /// Eight equal parts; in Morton order, so that at the lowest level only parts of one place can have equal
 /// boxes: where the bit is decided in which the first and the last point of two parts differ, one of the
 /// boxes ends. Where they are not quite equal the smaller ones come first: if only these are leaves, their
@@ -181,10 +178,7 @@ ChildList split_by_number(const SortedPoints<Entry>& sorted, const PointRange& r
   std::uint32_t begin = range.begin;
   for (std::uint32_t part = 0; part < k_node_width; ++part) {
     const std::uint32_t end = begin + size + (part + larger_parts >= k_node_width ? 1 : 0);
-    if (begin < end) {
-      const PointRange points = point_range(sorted, begin, end);
-      parts.add({points, rules.fits_leaf(points, frame_level)});
-    }
+    if (begin < end) parts.add(child_range(sorted, begin, end, rules, frame_level));
     begin = end;
   }
   return parts;
@@ -208,8 +202,7 @@ ChildList split_cell(const SortedPoints<Entry>& sorted, const PointRange& range,
       const std::uint32_t middle = low + (high - low) / 2;
       (digit(middle) == here ? low : high) = middle;
     }
-    const PointRange points = point_range(sorted, begin, high);
-    cells.add({points, rules.fits_leaf(points, frame_level)});
+    cells.add(child_range(sorted, begin, high, rules, frame_level));
     begin = high;
   }
   return cells;
@@ -251,7 +244,7 @@ ChildList choose_children(const SortedPoints<Entry>& sorted, const PointRange& r
 
 /// A node in the making: its children are chosen, their boxes need not be known yet.
 struct NodeDraft {
-  Steps corner{};
+  Steps corner{0};
   int level = 0;  ///< of the frame
   ChildList children;
   std::array<StepBox, k_node_width> boxes;

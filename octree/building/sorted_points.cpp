@@ -195,9 +195,7 @@ class Sorter {
   }
 
   Entry entry_of(std::size_t row) const {
-    Steps steps;
-    for (int axis = 0; axis < 3; ++axis) steps[axis] = steps_from(space_.base[axis], positions_[row][axis]);
-    return Entry::make(steps, static_cast<std::uint32_t>(row));
+    return Entry::make(Steps(positions_[row]) - Steps(space_.base), static_cast<std::uint32_t>(row));
   }
 
   std::vector<Key> sample_keys() const {

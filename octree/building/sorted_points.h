@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "base/huge_memory.h"
@@ -13,7 +13,7 @@
 namespace alidade {
 
 /// Lattice steps from the lowest position of a cloud, per axis.
-using Steps = std::array<std::uint32_t, 3>;
+using Steps = glm::uvec3;
 
 /// A point under way into the octree: Morton key, which holds its position without loss, and row. As large as
 /// the position it takes the place of; for clouds of at most 2^21 steps per axis.

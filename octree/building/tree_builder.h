@@ -162,8 +162,7 @@ class TreeBuilder {
   NodeDraft draft_node(PointRange range, int level) {
     NodeDraft draft;
     draft.level = level;
-    draft.corner = steps_of(sorted_[range.begin]);
-    for (std::uint32_t& c : draft.corner) c = level >= 32 ? 0 : c >> level << level;
+    if (level < 32) draft.corner = steps_of(sorted_[range.begin]) >> Steps(level) << Steps(level);
     const bool has_sample =
         rules_.organisation == Organisation::layered && range.bit >= 0 && !rules_.is_small(range);
     if (!has_sample) {

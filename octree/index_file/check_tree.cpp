@@ -2,13 +2,11 @@
 #include "octree/index_file/check_tree.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <bit>
-#include <cstring>
 #include <mutex>
 #include <vector>
 
@@ -27,33 +25,12 @@ struct Rank {
   std::uint8_t depth = 0;  ///< 1: the root
 };
 
-constexpr std::uint64_t k_every_byte = 0x0101010101010101u;
-
-// A node's eight kinds are looked at together: slot by slot, the check would take longer than reading the
-// file.
-
-std::uint64_t kinds_of(const Node& node) {
-  std::uint64_t kinds;
-  std::memcpy(&kinds, node.kind, sizeof kinds);
-  return kinds;
-}
-
-/// Number of points by slot, a byte each; 0 where no leaf is.
-std::uint64_t leaf_counts(std::uint64_t kinds) {
-  return kinds & ~((kinds >> 7 & k_every_byte) * 0xff);
-}
-
-std::uint64_t sum_of_bytes(std::uint64_t bytes) {
-  constexpr std::uint64_t k_even_bytes = 0x00ff00ff00ff00ffu;
-  return ((bytes & k_even_bytes) + (bytes >> 8 & k_even_bytes)) * 0x0001000100010001u >> 48;
-}
-
 /// Gives the inner children of a node their ranks. What is wrong; empty if nothing.
 std::string rank_children(const TreeView& tree, std::uint32_t index, std::vector<Rank>& ranks) {
   const Node& node = tree.nodes[index];
   const Rank rank = ranks[index];
   std::uint64_t child = node.first_child;
-  for (std::uint64_t inner = kinds_of(node) & (k_every_byte << 7); inner != 0; inner &= inner - 1) {
+  for (std::uint64_t inner = inner_bits(kinds_of(node)); inner != 0; inner &= inner - 1) {
     const int drop = node.kind[std::countr_zero(inner) / 8] - k_inner_kind;
     if (child <= index || child >= tree.node_count)
       return fmt::format("its child should be a node behind it, below {}, but is {}", tree.node_count, child);
@@ -90,7 +67,7 @@ std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::
     const Node& node = tree.nodes[index];
     const std::uint64_t kinds = kinds_of(node);
     std::uint32_t place = node.first_point + static_cast<std::uint32_t>(sum_of_bytes(leaf_counts(kinds)));
-    const auto inner = static_cast<std::uint32_t>(std::popcount(kinds & (k_every_byte << 7)));
+    const auto inner = static_cast<std::uint32_t>(std::popcount(inner_bits(kinds)));
     for (std::uint32_t child = node.first_child; child < node.first_child + inner; ++child) {
       if (tree.nodes[child].first_point != place) {
         return TreeFault{Array::nodes, child,
@@ -103,34 +80,6 @@ std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::
   }
   return std::nullopt;
 }
-
-}  // namespace
-
-std::optional<TreeFault> find_broken_link(const TreeView& tree) {
-  if (tree.node_count == 0) return std::nullopt;
-  std::vector<Rank> ranks(tree.node_count);
-  ranks[0] = {static_cast<std::uint8_t>(tree.root_level), 1};
-  for (std::uint32_t index = 0; index < tree.node_count; ++index) {
-    std::string problem =
-        ranks[index].level == 0 ? "no node before it has it as its child" : rank_children(tree, index, ranks);
-    if (problem.empty()) problem = leaf_problem(tree, tree.nodes[index], ranks[index].level);
-    if (!problem.empty()) return TreeFault{Array::nodes, index, std::move(problem)};
-  }
-  return find_scattered_points(tree, ranks);
-}
-
-std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end) {
-  if (tree.ids == nullptr) return std::nullopt;
-  std::uint32_t highest = 0;
-  for (std::uint32_t place = begin; place < end; ++place) highest = std::max(highest, tree.ids[place]);
-  if (begin == end || highest < tree.point_count) return std::nullopt;
-  const auto bad = std::find_if(tree.ids + begin, tree.ids + end,
-                                [&](std::uint32_t id) { return id >= tree.point_count; });
-  return TreeFault{Array::ids, static_cast<std::uint64_t>(bad - tree.ids),
-                   fmt::format("the id should be below {} but is {}", tree.point_count, *bad)};
-}
-
-namespace {
 
 constexpr std::size_t k_nodes_per_task = 1024;
 
@@ -349,6 +298,30 @@ class PointCheck {
 };
 
 }  // namespace
+
+std::optional<TreeFault> find_broken_link(const TreeView& tree) {
+  if (tree.node_count == 0) return std::nullopt;
+  std::vector<Rank> ranks(tree.node_count);
+  ranks[0] = {static_cast<std::uint8_t>(tree.root_level), 1};
+  for (std::uint32_t index = 0; index < tree.node_count; ++index) {
+    std::string problem =
+        ranks[index].level == 0 ? "no node before it has it as its child" : rank_children(tree, index, ranks);
+    if (problem.empty()) problem = leaf_problem(tree, tree.nodes[index], ranks[index].level);
+    if (!problem.empty()) return TreeFault{Array::nodes, index, std::move(problem)};
+  }
+  return find_scattered_points(tree, ranks);
+}
+
+std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end) {
+  if (tree.ids == nullptr) return std::nullopt;
+  std::uint32_t highest = 0;
+  for (std::uint32_t place = begin; place < end; ++place) highest = std::max(highest, tree.ids[place]);
+  if (begin == end || highest < tree.point_count) return std::nullopt;
+  const auto bad = std::find_if(tree.ids + begin, tree.ids + end,
+                                [&](std::uint32_t id) { return id >= tree.point_count; });
+  return TreeFault{Array::ids, static_cast<std::uint64_t>(bad - tree.ids),
+                   fmt::format("the id should be below {} but is {}", tree.point_count, *bad)};
+}
 
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree) {
   if (tree.node_count == 0) return std::nullopt;

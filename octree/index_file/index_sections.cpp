@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <mutex>
 
 #include "base/bytes.h"
 #include "base/error.h"

@@ -2,7 +2,6 @@
 #include "octree/index_file/indexed_cloud.h"
 
 #include <utility>
-#include <vector>
 
 #include "cloud/cloud_inputs.h"
 

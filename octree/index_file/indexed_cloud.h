@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
 #include <optional>
-#include <span>
 
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"

@@ -27,94 +27,91 @@ class IndexReader final : public CloudReader {
     return files.empty() ? CloudReader::sources() : files;
   }
   AttributeSet attributes() const override { return index_.attributes(); }
-  FileFacts facts() const override;
+
+  FileFacts facts() const override {
+    const PointCloud& own = index_.description();
+    const TreeView& tree = index_.header().tree;
+    return {.crs = own.crs,
+            .gps_time_is_standard = own.gps_time_is_standard,
+            .project_id = own.project_id,
+            .file_source_id = own.file_source_id,
+            .box = widened_header_box(tree.bounds, tree.lattice)};
+  }
+
   std::optional<Lattice> lattice() const override { return index_.header().tree.lattice; }
   std::optional<std::uint64_t> point_count() const override { return about_.point_count; }
   CoordinateSurvey survey(const Progress&) override {
     // The lattice is in the header: there is nothing to find out.
     return {};
   }
+
+  /// Each piece is a pass over the octree, since its points do not lie in the order of their rows.
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override;
+                      const Progress& progress) override {
+    const PointCloud& own = index_.description();
+    cloud.warnings.insert(cloud.warnings.end(), own.warnings.begin(), own.warnings.end());
+    cloud.scanner_positions.insert(cloud.scanner_positions.end(), own.scanner_positions.begin(),
+                                   own.scanner_positions.end());
+    const std::vector<VariableLengthRecord> records = index_.records();
+    cloud.records.insert(cloud.records.end(), records.begin(), records.end());
+    const std::uint64_t bytes = index_.header().file_bytes;
+    index_.tree();
+    report(progress, bytes / 4, bytes);
+    const AttributeSet kept = attributes() & wanted;
+    std::uint64_t row = 0;
+    do {
+      const std::size_t count = room_in_piece(cloud, kept, about_.point_count - row, pieces);
+      const Rows rows{static_cast<std::size_t>(row), count, cloud.size()};
+      append_rows(cloud, kept, count);
+      take_positions(cloud, rows);
+      take_columns(cloud, kept, rows);
+      row += count;
+      report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, about_.point_count) * row,
+             bytes);
+    } while (row < about_.point_count);
+    report(progress, bytes, bytes);
+  }
 
  private:
   /// Rows [first, first + count) of the index, and where they go in the cloud.
   struct Rows {
     std::size_t first, count, target;
   };
-  void take_positions(PointCloud& cloud, const Rows& rows) const;
-  void take_columns(PointCloud& cloud, AttributeSet kept, const Rows& rows) const;
+
+  void take_positions(PointCloud& cloud, const Rows& rows) const {
+    const TreeView& tree = index_.tree();
+    if (tree.point_count == 0) return;
+    const LatticeShift shift(tree.lattice, cloud.lattice, index_.name());
+    for_each_leaf(tree, [&](const Leaf& leaf) {
+      for (std::uint32_t i = 0; i < leaf.count; ++i) {
+        const std::size_t row = static_cast<std::size_t>(point_id(tree, leaf.place + i)) - rows.first;
+        if (row >= rows.count) continue;
+        cloud.positions[rows.target + row] = shift(position_of(tree, leaf, i));
+      }
+    });
+  }
+
+  void take_columns(PointCloud& cloud, AttributeSet kept, const Rows& rows) const {
+    const auto copy = [&](const auto& own, auto& column, std::size_t width) {
+      const auto part = own.subspan(rows.first * width, rows.count * width);
+      std::copy(part.begin(), part.end(), column.begin() + static_cast<std::ptrdiff_t>(rows.target * width));
+    };
+    for_each_column(cloud, index_.columns(), [&](Attribute attribute, auto& column, const auto& own) {
+      if (kept.contains(attribute)) copy(own, column, 1);
+    });
+    if (!kept.contains(Attribute::extra_dimensions)) return;
+    const std::vector<ExtraColumn>& extra = index_.columns().extra_dimensions;
+    for (std::size_t i = 0; i < extra.size(); ++i) {
+      const std::size_t column = find_extra_dimension(cloud, extra[i].description,
+                                                      occurrence_of(extra, i, &ExtraColumn::description));
+      copy(extra[i].values, cloud.extra_dimensions[column].values,
+           static_cast<std::size_t>(extra[i].description.byte_count));
+    }
+  }
 
   IndexFile index_;
   CloudFile about_;
 };
-
-FileFacts IndexReader::facts() const {
-  const PointCloud& own = index_.description();
-  const TreeView& tree = index_.header().tree;
-  return {.crs = own.crs,
-          .gps_time_is_standard = own.gps_time_is_standard,
-          .project_id = own.project_id,
-          .file_source_id = own.file_source_id,
-          .box = widened_header_box(tree.bounds, tree.lattice)};
-}
-
-void IndexReader::take_positions(PointCloud& cloud, const Rows& rows) const {
-  const TreeView& tree = index_.tree();
-  if (tree.point_count == 0) return;
-  const LatticeShift shift(tree.lattice, cloud.lattice, index_.name());
-  for_each_leaf(tree, [&](const Leaf& leaf) {
-    for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const std::size_t row = static_cast<std::size_t>(point_id(tree, leaf.place + i)) - rows.first;
-      if (row >= rows.count) continue;
-      cloud.positions[rows.target + row] = shift(position_of(tree, leaf, i));
-    }
-  });
-}
-
-void IndexReader::take_columns(PointCloud& cloud, AttributeSet kept, const Rows& rows) const {
-  const auto copy = [&](const auto& own, auto& column, std::size_t width) {
-    const auto part = own.subspan(rows.first * width, rows.count * width);
-    std::copy(part.begin(), part.end(), column.begin() + static_cast<std::ptrdiff_t>(rows.target * width));
-  };
-  for_each_column(cloud, index_.columns(), [&](Attribute attribute, auto& column, const auto& own) {
-    if (kept.contains(attribute)) copy(own, column, 1);
-  });
-  if (!kept.contains(Attribute::extra_dimensions)) return;
-  const std::vector<ExtraColumn>& extra = index_.columns().extra_dimensions;
-  for (std::size_t i = 0; i < extra.size(); ++i) {
-    const std::size_t column =
-        find_extra_dimension(cloud, extra[i].description, occurrence_of(extra, i, &ExtraColumn::description));
-    copy(extra[i].values, cloud.extra_dimensions[column].values,
-         static_cast<std::size_t>(extra[i].description.byte_count));
-  }
-}
-
-/// Each piece is a pass over the octree, since its points do not lie in the order of their rows.
-void IndexReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                                 const Progress& progress) {
-  const PointCloud& own = index_.description();
-  cloud.warnings.insert(cloud.warnings.end(), own.warnings.begin(), own.warnings.end());
-  cloud.scanner_positions.insert(cloud.scanner_positions.end(), own.scanner_positions.begin(),
-                                 own.scanner_positions.end());
-  const std::vector<VariableLengthRecord> records = index_.records();
-  cloud.records.insert(cloud.records.end(), records.begin(), records.end());
-  const std::uint64_t bytes = index_.header().file_bytes;
-  index_.tree();
-  report(progress, bytes / 4, bytes);
-  const AttributeSet kept = attributes() & wanted;
-  std::uint64_t row = 0;
-  do {
-    const std::size_t count = room_in_piece(cloud, kept, about_.point_count - row, pieces);
-    const Rows rows{static_cast<std::size_t>(row), count, cloud.size()};
-    append_rows(cloud, kept, count);
-    take_positions(cloud, rows);
-    take_columns(cloud, kept, rows);
-    row += count;
-    report(progress, bytes / 4 + bytes / 4 * 3 / std::max<std::uint64_t>(1, about_.point_count) * row, bytes);
-  } while (row < about_.point_count);
-  report(progress, bytes, bytes);
-}
 
 }  // namespace
 

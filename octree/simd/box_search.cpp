@@ -38,16 +38,12 @@ class BoxWalk {
       const bool child_inside = (inside >> slot & 1u) != 0;
       if (child_inside && visit_.all(frame, slot)) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
-        const Leaf leaf{slots.first_point(node, slot), node.kind[slot], frame.corner, frame.depth};
+        const Leaf leaf = slots.leaf_in(node, frame, slot);
         const std::uint32_t all = leaf.count == 32 ? ~0u : (1u << leaf.count) - 1u;
         const std::uint32_t points = child_inside ? all : compare_points(leaf, frame.level) & all;
         if (points != 0) visit_.leaf(leaf, points);
       } else {
-        const int drop = node.kind[slot] - k_inner_kind;
-        Frame child{slots.child(node, slot), frame.corner, frame.level - drop, frame.depth + 1};
-        for (int axis = 0; axis < 3; ++axis)
-          child.corner[axis] += child_corner(node.low[axis][slot], frame.level, drop);
-        walk(child, child_inside);
+        walk(slots.child_in(node, frame, slot), child_inside);
       }
     }
   }
@@ -144,7 +140,7 @@ class BoxFinder {
     }
     if (query_.filter || (tree_.positions && leaf.place >= tree_.first_exact)) {
       for (; points != 0; points &= points - 1) {
-        const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
+        const std::uint32_t i = index_of_lowest_bit(points);
         const std::uint64_t id = point_id(tree_, leaf.place + i);
         const LatticePosition position = position_of(tree_, leaf, i);
         if (!query_.filter || evaluate(box_, query_, to_world(tree_.lattice, position), id, query_index_))
@@ -159,7 +155,7 @@ class BoxFinder {
     for (int axis = 0; axis < 3; ++axis)
       corner[axis] = static_cast<std::uint32_t>(tree_.base[axis]) + leaf.corner[axis];
     for (; points != 0; points &= points - 1) {
-      const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
+      const std::uint32_t i = index_of_lowest_bit(points);
       add(point_id(tree_, leaf.place + i),
           {static_cast<std::int32_t>(corner[0] + x[i]), static_cast<std::int32_t>(corner[1] + y[i]),
            static_cast<std::int32_t>(corner[2] + z[i])});
@@ -193,44 +189,31 @@ class BoxFinder {
   std::vector<LatticePosition> positions_;
 };
 
-/// How many points, without a filter.
+/// How many points, up to k.
 class BoxCounter {
  public:
-  BoxCounter(const TreeView& tree, std::size_t k, bool knows_subtrees)
-      : tree_(tree), k_(k), knows_subtrees_(knows_subtrees) {}
-
-  bool is_done() const { return count_ >= k_; }
-  bool all(const Frame& frame, int slot) {
-    if (knows_subtrees_) count_ += subtree_count(tree_, frame, slot);
-    return knows_subtrees_;
-  }
-  void leaf(const Leaf&, std::uint32_t points) { count_ += static_cast<std::size_t>(std::popcount(points)); }
-  std::size_t count() const { return std::min(count_, k_); }
-
- private:
-  const TreeView& tree_;
-  const std::size_t k_;
-  const bool knows_subtrees_;
-  std::size_t count_ = 0;
-};
-
-/// How many points the filter admits.
-class FilteredBoxCounter {
- public:
-  FilteredBoxCounter(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
-                     std::size_t query_index)
+  BoxCounter(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
+             std::size_t query_index)
       : tree_(tree), box_(box), query_(query), k_(k), query_index_(query_index) {}
 
   bool is_done() const { return count_ >= k_; }
-  bool all(const Frame&, int) const { return false; }
+  bool all(const Frame& frame, int slot) {
+    const bool knows_subtrees = !query_.filter && query_.max_level == k_all_levels;
+    if (knows_subtrees) count_ += subtree_count(tree_, frame, slot);
+    return knows_subtrees;
+  }
   void leaf(const Leaf& leaf, std::uint32_t points) {
+    if (!query_.filter) {
+      count_ += static_cast<std::size_t>(std::popcount(points));
+      return;
+    }
     for (; points != 0 && !is_done(); points &= points - 1) {
-      const auto i = static_cast<std::uint32_t>(std::countr_zero(points));
+      const std::uint32_t i = index_of_lowest_bit(points);
       const glm::dvec3 position = to_world(tree_.lattice, position_of(tree_, leaf, i));
       count_ += evaluate(box_, query_, position, point_id(tree_, leaf.place + i), query_index_) ? 1 : 0;
     }
   }
-  std::size_t count() const { return count_; }
+  std::size_t count() const { return std::min(count_, k_); }
 
  private:
   const TreeView& tree_;
@@ -240,20 +223,12 @@ class FilteredBoxCounter {
   std::size_t count_ = 0;
 };
 
-template <class Counter>
-std::size_t count_with(const TreeView& tree, const LatticeBox& steps, const PointQuery& query,
-                       Counter counter) {
-  BoxWalk(tree, steps, query.max_level, counter).run();
-  return counter.count();
-}
-
 std::size_t count(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,
                   std::size_t query_index) {
   const LatticeBox steps(tree, box);
-  if (steps.empty()) return 0;
-  if (query.filter)
-    return count_with(tree, steps, query, FilteredBoxCounter(tree, box, query, k, query_index));
-  return count_with(tree, steps, query, BoxCounter(tree, k, query.max_level == k_all_levels));
+  BoxCounter counter(tree, box, query, k, query_index);
+  if (!steps.empty()) BoxWalk(tree, steps, query.max_level, counter).run();
+  return counter.count();
 }
 
 void find(const TreeView& tree, const Bounds& box, const PointQuery& query, std::size_t k,

@@ -12,22 +12,11 @@
 
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
+#include "octree/tree_walk.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
-
-/// A node under visit, with the frame that its parent told.
-struct Visit {
-  std::uint32_t corner[3];  ///< lattice steps from the root's
-  std::uint32_t node;
-  std::uint16_t level;
-  std::uint16_t depth;
-};
-
-inline Visit root_visit(const TreeView& tree) {
-  return {{0, 0, 0}, 0, static_cast<std::uint16_t>(tree.root_level), 0};
-}
 
 /// What the slots of a node hold, as bits and bytes per slot.
 struct Slots {
@@ -35,21 +24,13 @@ struct Slots {
   unsigned leaf;                ///< bit per slot
   std::uint64_t points_before;  ///< byte per slot: points of the leaf slots before it
 
-  static constexpr std::uint64_t k_high_bits = 0x8080808080808080u;
-
-  static unsigned inner_of(const Node& node) {
-    std::uint64_t kinds;
-    std::memcpy(&kinds, node.kind, 8);
-    return gather_high_bits(kinds & k_high_bits);
-  }
+  static unsigned inner_of(const Node& node) { return gather_high_bits(inner_bits(kinds_of(node))); }
 
   explicit Slots(const Node& node) : inner(inner_of(node)) {
-    std::uint64_t kinds;
-    std::memcpy(&kinds, node.kind, 8);
-    const std::uint64_t leaf_counts = kinds & ~((kinds >> 7 & 0x0101010101010101u) * 0xff);
-    leaf = gather_high_bits((leaf_counts + 0x7f7f7f7f7f7f7f7fu) & k_high_bits);
+    const std::uint64_t counts = leaf_counts(kinds_of(node));
+    leaf = gather_high_bits((counts + 0x7f * k_every_byte) & (k_every_byte << 7));
     // Each byte of the product holds the sum of all lower counts (at most 7 * 32).
-    points_before = leaf_counts * 0x0101010101010100u;
+    points_before = counts * (k_every_byte - 1);
   }
 
   std::uint32_t first_point(const Node& node, int slot) const {
@@ -57,6 +38,16 @@ struct Slots {
   }
   std::uint32_t child(const Node& node, int slot) const {
     return node.first_child + static_cast<unsigned>(std::popcount(inner & ((1u << slot) - 1u)));
+  }
+  HWY_INLINE Leaf leaf_in(const Node& node, const Frame& frame, int slot) const {
+    return {first_point(node, slot), node.kind[slot], frame.corner, frame.depth};
+  }
+  HWY_INLINE Frame child_in(const Node& node, const Frame& frame, int slot) const {
+    const int drop = node.kind[slot] - k_inner_kind;
+    Frame below{child(node, slot), frame.corner, frame.level - drop, frame.depth + 1};
+    for (int axis = 0; axis < 3; ++axis)
+      below.corner[axis] += child_corner(node.low[axis][slot], frame.level, drop);
+    return below;
   }
 };
 
@@ -75,7 +66,7 @@ struct Places {
       std::memcpy(&low, node.low[axis], 8);
       std::memcpy(&high, node.high[axis], 8);
       spread |= low ^ high;
-      difference |= low ^ (node.low[axis][0] * 0x0101010101010101u);
+      difference |= low ^ (node.low[axis][0] * k_every_byte);
     }
     single = zero_bytes(spread);
     twins = (single & 1u) != 0 ? zero_bytes(spread | difference) & ~1u : 0u;
@@ -87,18 +78,6 @@ struct Places {
     return gather_high_bits(~(((word & k_low_bits) + k_low_bits) | word) & ~k_low_bits);
   }
 };
-
-/// The visit of an inner child.
-HWY_INLINE Visit child_visit(const Visit& visit, const Node& node, std::uint32_t child, int slot) {
-  const int drop = node.kind[slot] - k_inner_kind;
-  Visit inner;
-  for (int axis = 0; axis < 3; ++axis)
-    inner.corner[axis] = visit.corner[axis] + child_corner(node.low[axis][slot], visit.level, drop);
-  inner.node = child;
-  inner.level = static_cast<std::uint16_t>(visit.level - drop);
-  inner.depth = static_cast<std::uint16_t>(visit.depth + 1);
-  return inner;
-}
 
 /// Near faces in the lower, far faces in the upper half.
 using FaceLanes = hn::CappedTag<float, 2 * k_node_width>;

@@ -32,10 +32,6 @@ struct TestedPoints {
   alignas(64) float high[k_max_leaf_size];
 };
 
-inline std::uint32_t index_of_lowest_bit(std::uint32_t bits) {
-  return static_cast<std::uint32_t>(std::countr_zero(bits));
-}
-
 /// Decides one point in double.
 template <class Target>
 auto decide(const TreeView& tree, const Target& target, const Leaf& leaf, std::uint32_t index) {

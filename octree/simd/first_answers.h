@@ -20,15 +20,9 @@ namespace alidade::simd {
 inline std::uint32_t end_place(const TreeView& tree, std::uint32_t index) {
   for (;;) {
     const Node& node = tree.nodes[index];
-    std::uint32_t points = node.first_point, inner = 0;
-    for (const std::uint8_t kind : node.kind) {
-      if (is_inner(kind)) {
-        ++inner;
-      } else {
-        points += kind;
-      }
-    }
-    if (inner == 0) return points;
+    const std::uint64_t kinds = kinds_of(node);
+    const auto inner = static_cast<std::uint32_t>(std::popcount(inner_bits(kinds)));
+    if (inner == 0) return node.first_point + static_cast<std::uint32_t>(sum_of_bytes(leaf_counts(kinds)));
     index = node.first_child + inner - 1;
   }
 }

@@ -9,11 +9,13 @@
 
 #include <hwy/highway.h>
 
+#include <bit>
 #include <cstdint>
 
 #include "octree/octree.h"
 #include "octree/query.h"
 #include "octree/simd/ray_state.h"
+#include "octree/tree_walk.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
@@ -50,6 +52,68 @@ HWY_INLINE unsigned mask_bits(D d, const Mask& mask) {
 #endif
 }
 
+inline std::uint32_t index_of_lowest_bit(std::uint32_t bits) {
+  return static_cast<std::uint32_t>(std::countr_zero(bits));
+}
+
+/// Where points lie relative to a line through the place that x, y, z count from: t along it, and the square of
+/// the distance.
+template <class V>
+struct OnLine {
+  V t, distance_sq;
+};
+template <class V>
+HWY_INLINE OnLine<V> on_line(const V& x, const V& y, const V& z, const V& along_x, const V& along_y,
+                             const V& along_z) {
+  const V t = hn::MulAdd(z, along_z, hn::MulAdd(y, along_y, hn::Mul(x, along_x)));
+  const V across_x = hn::NegMulAdd(t, along_x, x), across_y = hn::NegMulAdd(t, along_y, y),
+          across_z = hn::NegMulAdd(t, along_z, z);
+  return {t, hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)))};
+}
+
+/// The coordinates of a leaf's points, counted from a place near its frame's corner, in metres.
+struct LeafCoordinates {
+  using V = hn::Vec<PointLanes>;
+
+  /// scale: of the lattice; place: from the corner of the frame.
+  HWY_INLINE LeafCoordinates(const TreeView& tree, const Leaf& leaf, int level, const float* lattice_scale,
+                             const float* place)
+      : values(tree.coordinates + std::size_t{3} * leaf.place), count(static_cast<int>(leaf.count)) {
+    const PointLanes d;
+    const int shift = coordinate_shift(level);
+    const auto step = static_cast<float>(power_of_two(shift));
+    for (int axis = 0; axis < 3; ++axis) {
+      scale[axis] = hn::Set(d, lattice_scale[axis] * step);
+      // Coordinates lose up to a step when they are shifted; half of it on either side of the middle.
+      origin[axis] =
+          hn::Set(d, place[axis] - (shift > 0 ? 0.5f * lattice_scale[axis] * (step - 1.0f) : 0.0f));
+    }
+  }
+  /// What is lost of them. Nothing unless they are shifted.
+  static HWY_INLINE float lost(int level, double widest_scale) {
+    const int shift = coordinate_shift(level);
+    return shift > 0 ? static_cast<float>(widest_scale) * static_cast<float>(power_of_two(shift)) : 0.0f;
+  }
+
+  /// Of the points from `first` on.
+  HWY_INLINE V operator()(int axis, int first) const {
+    return hn::MulSub(load_as_float(PointLanes(), values + axis * count + first), scale[axis], origin[axis]);
+  }
+  /// Bits of the mask that are points of the leaf.
+  HWY_INLINE unsigned in_leaf(const hn::Mask<PointLanes>& mask, int first) const {
+    const PointLanes d;
+    const unsigned bits = mask_bits(d, mask);
+    return count - first < static_cast<int>(hn::Lanes(d)) ? bits & ((1u << (count - first)) - 1u) : bits;
+  }
+
+  const std::uint16_t* values;
+  const int count;
+  V scale[3], origin[3];
+};
+
+/// For the few roundings of float expressions of positive numbers.
+constexpr float k_up = 1.0f + 0x1p-20f, k_down = 1.0f - 0x1p-20f;
+
 /// Bit 7 of byte i becomes bit i.
 HWY_INLINE unsigned gather_high_bits(std::uint64_t word) {
   return static_cast<unsigned>(((word >> 7) * 0x0102040810204080u) >> 56);
@@ -74,12 +138,12 @@ class OwnRadii {
   template <class D, class V>
   static HWY_INLINE V outer_sq(D d, V above, V error) {
     const V outer = hn::Add(above, error);
-    return hn::Mul(hn::Mul(outer, outer), hn::Set(d, 1.0f + 0x1p-20f));
+    return hn::Mul(hn::Mul(outer, outer), hn::Set(d, k_up));
   }
   template <class D, class V>
   static HWY_INLINE V inner_sq(D d, V above, V error) {
-    const V inner = hn::Sub(hn::Mul(above, hn::Set(d, 1.0f - 0x1p-20f)), error);
-    const V square = hn::Mul(hn::Mul(inner, inner), hn::Set(d, 1.0f - 0x1p-20f));
+    const V inner = hn::Sub(hn::Mul(above, hn::Set(d, k_down)), error);
+    const V square = hn::Mul(hn::Mul(inner, inner), hn::Set(d, k_down));
     return hn::IfThenElse(hn::Gt(inner, hn::Zero(d)), square, hn::Set(d, -1.0f));
   }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "base/bounds.h"
@@ -89,12 +90,7 @@ inline void sort_by_id(std::vector<IdKey>& keys, std::size_t k) {
     const auto digit = [&](IdKey key) { return key >> shift & ((1u << k_digit_bits) - 1u); };
     std::array<std::uint32_t, std::size_t{1} << k_digit_bits> place{};
     for (const IdKey key : keys) ++place[digit(key)];
-    std::uint32_t next = 0;
-    for (std::uint32_t& count_or_place : place) {
-      const std::uint32_t here = count_or_place;
-      count_or_place = next;
-      next += here;
-    }
+    std::exclusive_scan(place.begin(), place.end(), place.begin(), 0u);
     for (const IdKey key : keys) sorted[place[digit(key)]++] = key;
     keys.swap(sorted);
   }

@@ -216,13 +216,7 @@ class LeafGroupTest {
       const auto x = hn::Sub(hn::Set(d, points_[0][i]), group.x),
                  y = hn::Sub(hn::Set(d, points_[1][i]), group.y),
                  z = hn::Sub(hn::Set(d, points_[2][i]), group.z);
-      const auto t =
-          hn::MulAdd(z, group.direction_z, hn::MulAdd(y, group.direction_y, hn::Mul(x, group.direction_x)));
-      const auto across_x = hn::NegMulAdd(t, group.direction_x, x),
-                 across_y = hn::NegMulAdd(t, group.direction_y, y),
-                 across_z = hn::NegMulAdd(t, group.direction_z, z);
-      const auto distance_sq =
-          hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)));
+      const auto [t, distance_sq] = on_line(x, y, z, group.direction_x, group.direction_y, group.direction_z);
       hn::Store(t, d, ts[i]);
       hn::Store(distance_sq, d, distances_sq[i]);
       const auto near = hn::And(hn::Le(distance_sq, outer_sq(i)), hn::And(hn::Ge(t, low), hn::Le(t, high)));
@@ -241,7 +235,7 @@ class LeafGroupTest {
     const hn::RebindToUnsigned<RayLanes> n;
     auto leader = hn::Zero(n);
     for (; possible != 0; possible &= possible - 1) {
-      const auto i = static_cast<std::uint32_t>(std::countr_zero(possible));
+      const std::uint32_t i = index_of_lowest_bit(possible);
       const auto t = hn::Load(d, ts[i]), distance_sq = hn::Load(d, distances_sq[i]);
       const auto outer_sq = this->outer_sq(i), inner_sq = this->inner_sq(i);
       const auto near = hn::And(hn::Le(distance_sq, outer_sq), hn::And(hn::Ge(t, low), hn::Le(t, high)));

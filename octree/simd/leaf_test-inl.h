@@ -9,9 +9,7 @@
 
 #include <hwy/cache_control.h>
 
-#include <bit>
 #include <optional>
-#include <span>
 
 #include "octree/simd/lanes-inl.h"
 #include "octree/simd/ray_state.h"
@@ -60,7 +58,7 @@ class LeafTest {
     float outer_sq;
     float scale[3];
 
-    Place(const QuerySetup& setup, const std::uint32_t* frame_corner, int level) {
+    Place(const QuerySetup& setup, const std::array<std::uint32_t, 3>& frame_corner, int level) {
       error = setup.leaf_error(level);
       for (int axis = 0; axis < 3; ++axis)
         corner[axis] = setup.corner[axis] + setup.scale[axis] * frame_corner[axis];
@@ -72,7 +70,9 @@ class LeafTest {
     }
   };
 
-  Place place(const std::uint32_t* frame_corner, int level) const { return {setup_, frame_corner, level}; }
+  Place place(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
+    return {setup_, frame_corner, level};
+  }
 
   /// A point certainly counts if its distance squared is not above. For the half chord
   /// h = sqrt(r^2 - distance^2) of the sphere: (r + e)^2 - (x + e)^2 >= r^2 - x^2 >= (r - e)^2 - (x - e)^2
@@ -164,12 +164,9 @@ class LeafTest {
         return hn::MulSub(load_as_float(d, coordinates + axis * leaf.count + i * lanes),
                           hn::Set(d, place.scale[axis]), hn::Set(d, from[axis]));
       };
-      const auto x = from_corner(0), y = from_corner(1), z = from_corner(2);
-      ts[i] = hn::MulAdd(z, along_z, hn::MulAdd(y, along_y, hn::Mul(x, along_x)));
-      const auto across_x = hn::NegMulAdd(ts[i], along_x, x), across_y = hn::NegMulAdd(ts[i], along_y, y),
-                 across_z = hn::NegMulAdd(ts[i], along_z, z);
-      distances_sq[i] =
-          hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)));
+      const auto point = on_line(from_corner(0), from_corner(1), from_corner(2), along_x, along_y, along_z);
+      ts[i] = point.t;
+      distances_sq[i] = point.distance_sq;
       const auto near =
           hn::And(hn::Le(distances_sq[i], outer_sq_of(i)), hn::And(hn::Ge(ts[i], low), hn::Le(ts[i], high)));
       possible |= mask_bits(d, near) << (i * lanes);
@@ -221,12 +218,12 @@ class LeafTest {
     possible &= begins_before;
     if (possible == 0) return;
     if (start + leader_high < ray.state.best_low) {
-      const std::uint32_t leader = index_of_lowest(leaders);
+      const std::uint32_t leader = index_of_lowest_bit(leaders);
       take(ray, leaf, leader, start + all_lows[leader], start + leader_high);
       possible &= ~(1u << leader);
     }
     for (; possible != 0; possible &= possible - 1) {
-      const std::uint32_t i = index_of_lowest(possible);
+      const std::uint32_t i = index_of_lowest_bit(possible);
       if (start + all_lows[i] <= ray.state.limits.cut) decide(ray, leaf, i);
     }
   }
@@ -237,11 +234,7 @@ class LeafTest {
       return;
     }
     for (; possible != 0 && !ray.state.found(); possible &= possible - 1)
-      if (in_double(ray, leaf, index_of_lowest(possible))) finish(ray);
-  }
-
-  static std::uint32_t index_of_lowest(std::uint32_t bits) {
-    return static_cast<std::uint32_t>(std::countr_zero(bits));
+      if (in_double(ray, leaf, index_of_lowest_bit(possible))) finish(ray);
   }
 
   static void cut_at(const RayUnderWay& ray, double t) {

@@ -79,23 +79,22 @@ class SumsAround {
   }
 
   void run() {
-    Visit waiting[k_max_tree_depth * k_node_width];
+    Frame waiting[k_max_tree_depth * k_node_width];
     std::size_t count = 0;
-    waiting[count++] = root_visit(tree_);
+    waiting[count++] = root_frame(tree_);
     while (count > 0) {
-      const Visit visit = waiting[--count];
-      const Node& node = tree_.nodes[visit.node];
+      const Frame frame = waiting[--count];
+      const Node& node = tree_.nodes[frame.node];
       const Slots slots(node);
       float place[3];
-      local_place(visit.corner, place);
-      for (unsigned near = near_slots(node, visit.level, place) & (slots.inner | slots.leaf); near != 0;
+      local_place(frame.corner, place);
+      for (unsigned near = near_slots(node, frame.level, place) & (slots.inner | slots.leaf); near != 0;
            near &= near - 1) {
         const int slot = std::countr_zero(near);
         if ((slots.inner >> slot & 1u) != 0) {
-          waiting[count++] = child_visit(visit, node, slots.child(node, slot), slot);
+          waiting[count++] = slots.child_in(node, frame, slot);
         } else {
-          const std::uint32_t first = slots.first_point(node, slot);
-          add_leaf({first, node.kind[slot], {visit.corner[0], visit.corner[1], visit.corner[2]}}, place);
+          add_leaf(slots.leaf_in(node, frame, slot), place);
         }
       }
     }
@@ -116,7 +115,7 @@ class SumsAround {
   static constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
 
   /// The place from the corner of a frame, in units of the reach.
-  void local_place(const std::uint32_t* corner, float* place) const {
+  void local_place(const std::array<std::uint32_t, 3>& corner, float* place) const {
     for (int axis = 0; axis < 3; ++axis)
       place[axis] = static_cast<float>((place_[axis] - tree_.lattice.scale[axis] * corner[axis]) / reach_);
   }

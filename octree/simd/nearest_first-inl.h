@@ -37,50 +37,41 @@ class NearestFirst {
       : tree_(tree), kernel_(kernel), collector_(collector), max_level_(max_level), k_(k) {}
 
   void run() {
-    stack_[0] = {-std::numeric_limits<float>::infinity(),
-                 0,
-                 {0, 0, 0},
-                 static_cast<std::uint16_t>(tree_.root_level),
-                 0};
+    stack_[0] = {-std::numeric_limits<float>::infinity(), root_frame(tree_)};
     stack_count_ = 1;
     while (stack_count_ > 0 && !collector_.is_done()) {
       const OpenNode open = stack_[--stack_count_];
-      if (open.bound <= limit()) visit(open);
+      if (open.bound <= limit()) visit(open.frame);
     }
   }
 
  private:
   struct OpenNode {
     float bound;
-    std::uint32_t node;
-    std::uint32_t corner[3];
-    std::uint16_t level;
-    std::uint16_t depth;
-
-    Frame frame() const { return {node, {corner[0], corner[1], corner[2]}, level, depth}; }
+    Frame frame;
   };
   static constexpr int k_stack_size = k_max_tree_depth * (k_node_width - 1) + 1;
 
   float limit() const { return kernel_.limit(collector_.cut()); }
 
-  void visit(const OpenNode& open) {
-    const Node& node = tree_.nodes[open.node];
-    const typename Kernel::Local local = kernel_.at(open.corner, open.level);
+  void visit(const Frame& frame) {
+    const Node& node = tree_.nodes[frame.node];
+    const typename Kernel::Local local = kernel_.at(frame.corner, frame.level);
     TestedBoxes boxes;
-    kernel_.template test_boxes<Collector::k_counts>(local, node, open.level, collector_.cut(), boxes);
+    kernel_.template test_boxes<Collector::k_counts>(local, node, frame.level, collector_.cut(), boxes);
     const Slots slots(node);
-    unsigned met = boxes.met & (open.depth < max_level_ ? slots.leaf | slots.inner : slots.leaf);
-    if (open.level == k_min_frame_level && k_ != k_all) met &= ~slots_after_k_equal(tree_, open.frame(), k_);
+    unsigned met = boxes.met & (frame.depth < max_level_ ? slots.leaf | slots.inner : slots.leaf);
+    if (frame.level == k_min_frame_level && k_ != k_all) met &= ~slots_after_k_equal(tree_, frame, k_);
     if constexpr (Collector::k_counts) {
       for (unsigned inside = met & boxes.inside; inside != 0; inside &= inside - 1)
-        collector_.add(subtree_count(tree_, open.frame(), std::countr_zero(inside)));
+        collector_.add(subtree_count(tree_, frame, std::countr_zero(inside)));
       met &= ~boxes.inside;
     }
-    visit_leaves(open, local, node, slots, met & slots.leaf, boxes);
-    push_children(open, node, slots, met & slots.inner, boxes);
+    visit_leaves(frame, local, node, slots, met & slots.leaf, boxes);
+    push_children(frame, node, slots, met & slots.inner, boxes);
   }
 
-  void visit_leaves(const OpenNode& open, const typename Kernel::Local& local, const Node& node,
+  void visit_leaves(const Frame& frame, const typename Kernel::Local& local, const Node& node,
                     const Slots& slots, unsigned leaves, const TestedBoxes& boxes) {
     int order[k_node_width], count = 0;
     for (; leaves != 0; leaves &= leaves - 1) {
@@ -94,9 +85,8 @@ class NearestFirst {
     for (int i = 0; i < count; ++i) {
       const int slot = order[i];
       if (Collector::k_has_cut && boxes.bound[slot] > limit()) return;
-      const std::uint32_t size = node.kind[slot];
-      const Leaf leaf{slots.first_point(node, slot), size, {open.corner[0], open.corner[1], open.corner[2]}};
-      kernel_.test_points(local, leaf, open.level, collector_.cut(), points);
+      const Leaf leaf = slots.leaf_in(node, frame, slot);
+      kernel_.test_points(local, leaf, frame.level, collector_.cut(), points);
       if (points.possible == 0) continue;
       collector_.add(leaf, points);
       if (collector_.is_done()) return;
@@ -104,21 +94,14 @@ class NearestFirst {
   }
 
   /// Farthest first on the stack, so that the nearest is visited next.
-  void push_children(const OpenNode& open, const Node& node, const Slots& slots, unsigned children,
+  void push_children(const Frame& frame, const Node& node, const Slots& slots, unsigned children,
                      const TestedBoxes& boxes) {
     const float limit_now = limit();
     const int bottom = stack_count_;
     for (; children != 0; children &= children - 1) {
       const int slot = std::countr_zero(children);
       if (boxes.bound[slot] > limit_now) continue;
-      const int drop = node.kind[slot] - k_inner_kind;
-      OpenNode child;
-      child.bound = boxes.bound[slot];
-      child.node = slots.child(node, slot);
-      for (int axis = 0; axis < 3; ++axis)
-        child.corner[axis] = open.corner[axis] + child_corner(node.low[axis][slot], open.level, drop);
-      child.level = static_cast<std::uint16_t>(open.level - drop);
-      child.depth = static_cast<std::uint16_t>(open.depth + 1);
+      const OpenNode child{boxes.bound[slot], slots.child_in(node, frame, slot)};
       int at = stack_count_++;
       if constexpr (Collector::k_has_cut)
         for (; at > bottom && stack_[at - 1].bound < child.bound; --at) stack_[at] = stack_[at - 1];

@@ -52,7 +52,7 @@ class PointKernel {
     certain_radius_ = std::isinf(radius) ? radius_ : at_most(radius);
   }
 
-  HWY_INLINE Local at(const std::uint32_t* corner, int level) const {
+  HWY_INLINE Local at(const std::array<std::uint32_t, 3>& corner, int level) const {
     Local local;
     double farthest = 0.0;
     for (int axis = 0; axis < 3; ++axis) {
@@ -106,32 +106,17 @@ class PointKernel {
   HWY_INLINE void test_points(const Local& local, const Leaf& leaf, int level, float cut,
                               TestedPoints& points) const {
     const PointLanes d;
-    const auto lanes = static_cast<int>(hn::Lanes(d));
-    const int shift = coordinate_shift(level);
-    const auto step = static_cast<float>(power_of_two(shift));
-    // Coordinates lose up to a step when they are shifted; half of it on either side of the middle.
-    const float lost = shift > 0 ? static_cast<float>(widest_scale_) * step : 0.0f;
-    const float error = local.error + lost;
+    const float error = local.error + LeafCoordinates::lost(level, widest_scale_);
     const float outer = std::min(cut, radius_) + error;
     const auto outer_sq = hn::Set(d, outer * outer * k_up);
     const auto inner = hn::Set(d, all_in_double_ ? -1.0f : certain_radius_);
     const auto float_error = hn::Set(d, error);
-    hn::Vec<PointLanes> scale[3], origin[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      scale[axis] = hn::Set(d, float_scale_[axis] * step);
-      origin[axis] =
-          hn::Set(d, local.point[axis] - (shift > 0 ? 0.5f * float_scale_[axis] * (step - 1.0f) : 0.0f));
-    }
+    const LeafCoordinates coordinates(tree_, leaf, level, float_scale_, local.point);
     points.possible = points.certain = 0;
-    const std::uint16_t* coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
-    const auto end = static_cast<int>(leaf.count);
-    for (int first = 0; first < end; first += lanes) {
-      const auto x = hn::MulSub(load_as_float(d, coordinates + first), scale[0], origin[0]),
-                 y = hn::MulSub(load_as_float(d, coordinates + end + first), scale[1], origin[1]),
-                 z = hn::MulSub(load_as_float(d, coordinates + 2 * end + first), scale[2], origin[2]);
+    for (int first = 0; first < coordinates.count; first += static_cast<int>(hn::Lanes(d))) {
+      const auto x = coordinates(0, first), y = coordinates(1, first), z = coordinates(2, first);
       const auto distance_sq = hn::MulAdd(z, z, hn::MulAdd(y, y, hn::Mul(x, x)));
-      unsigned bits = mask_bits(d, hn::Le(distance_sq, outer_sq));
-      if (end - first < lanes) bits &= (1u << (end - first)) - 1u;
+      const unsigned bits = coordinates.in_leaf(hn::Le(distance_sq, outer_sq), first);
       if (bits == 0) continue;
       const auto distance = hn::Sqrt(distance_sq);
       const auto high = hn::Add(distance, float_error);
@@ -143,9 +128,6 @@ class PointKernel {
   }
 
  private:
-  /// For the few roundings of float expressions of positive numbers.
-  static constexpr float k_up = 1.0f + 0x1p-20f, k_down = 1.0f - 0x1p-20f;
-
   const TreeView& tree_;
   double point_[3];  ///< from the root's corner
   double widest_scale_ = 0.0, double_error_ = 0.0;

@@ -62,7 +62,7 @@ class RayKernel {
     entry_min_ = at_least(query.entry_min - line.shift + line.error);
   }
 
-  HWY_INLINE Local at(const std::uint32_t* corner, int level) const {
+  HWY_INLINE Local at(const std::array<std::uint32_t, 3>& corner, int level) const {
     double from_corner[3], foot[3], away = 0.0;
     for (int axis = 0; axis < 3; ++axis)
       from_corner[axis] = line_.origin[axis] - tree_.lattice.scale[axis] * corner[axis];
@@ -160,11 +160,7 @@ class RayKernel {
                               TestedPoints& points) const {
     const PointLanes d;
     using V = hn::Vec<PointLanes>;
-    const auto lanes = static_cast<int>(hn::Lanes(d));
-    const int shift = coordinate_shift(level);
-    const auto step = static_cast<float>(power_of_two(shift));
-    // Coordinates lose up to a step when they are shifted; half of it on either side of the middle.
-    const float lost = shift > 0 ? static_cast<float>(widest_scale_) * step : 0.0f;
+    const float lost = LeafCoordinates::lost(level, widest_scale_);
     const float float_error = local.error + lost, float_t_error = local.t_error + lost;
     const float outer = (measure == Measure::distance ? std::min(cut, radius_) : radius_) + float_error;
     const float rim = radius_ + float_error, inner = inner_radius_ - float_error;
@@ -179,31 +175,16 @@ class RayKernel {
                sure_t_low = hn::Set(d, sure_t_low_ + float_t_error),
                sure_t_high = hn::Set(d, sure_t_high_ - float_t_error), foot_t = hn::Set(d, local.t),
                zero = hn::Zero(d);
-    V scale[3], foot[3], direction[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      scale[axis] = hn::Set(d, float_scale_[axis] * step);
-      foot[axis] =
-          hn::Set(d, local.foot[axis] - (shift > 0 ? 0.5f * float_scale_[axis] * (step - 1.0f) : 0.0f));
-      direction[axis] = hn::Set(d, direction_[axis]);
-    }
+    const LeafCoordinates coordinates(tree_, leaf, level, float_scale_, local.foot);
+    const auto along_x = hn::Set(d, direction_[0]), along_y = hn::Set(d, direction_[1]),
+               along_z = hn::Set(d, direction_[2]);
     points.possible = points.certain = 0;
-    const std::uint16_t* coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
-    const auto end = static_cast<int>(leaf.count);
-    for (int first = 0; first < end; first += lanes) {
-      const auto x = hn::MulSub(load_as_float(d, coordinates + first), scale[0], foot[0]),
-                 y = hn::MulSub(load_as_float(d, coordinates + end + first), scale[1], foot[1]),
-                 z = hn::MulSub(load_as_float(d, coordinates + 2 * end + first), scale[2], foot[2]);
-      const auto from_foot =
-          hn::MulAdd(z, direction[2], hn::MulAdd(y, direction[1], hn::Mul(x, direction[0])));
-      const auto across_x = hn::NegMulAdd(from_foot, direction[0], x),
-                 across_y = hn::NegMulAdd(from_foot, direction[1], y),
-                 across_z = hn::NegMulAdd(from_foot, direction[2], z);
-      const auto distance_sq =
-          hn::MulAdd(across_z, across_z, hn::MulAdd(across_y, across_y, hn::Mul(across_x, across_x)));
+    for (int first = 0; first < coordinates.count; first += static_cast<int>(hn::Lanes(d))) {
+      const auto [from_foot, distance_sq] = on_line(coordinates(0, first), coordinates(1, first),
+                                                    coordinates(2, first), along_x, along_y, along_z);
       const auto t = hn::Add(foot_t, from_foot);
       const auto near = hn::And(hn::Le(distance_sq, outer_sq), hn::And(hn::Ge(t, t_low), hn::Le(t, t_high)));
-      unsigned bits = mask_bits(d, near);
-      if (end - first < lanes) bits &= (1u << (end - first)) - 1u;
+      const unsigned bits = coordinates.in_leaf(near, first);
       if (bits == 0) continue;
 
       auto counts =
@@ -231,9 +212,6 @@ class RayKernel {
 
  private:
   static constexpr float infinity() { return std::numeric_limits<float>::infinity(); }
-  /// For the few roundings of float expressions of positive numbers.
-  static constexpr float k_up = 1.0f + 0x1p-20f, k_down = 1.0f - 0x1p-20f;
-
   const TreeView& tree_;
   const LineFromRoot& line_;
   const bool all_in_double_, has_entry_min_;

@@ -9,7 +9,6 @@
 
 #include <hwy/cache_control.h>
 
-#include <algorithm>
 #include <memory>
 #include <span>
 #include <vector>
@@ -42,14 +41,14 @@ struct Traversed {
 template <Measure measure, bool any, Radii radii>
 class RayWalk {
  public:
-  RayWalk(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Visit& from)
+  RayWalk(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Frame& from)
       : ray_(ray),
         on_grid_(traversed.setup, ray.boxes),
         at_{{static_cast<float>(from.corner[0]), static_cast<float>(from.corner[1]),
              static_cast<float>(from.corner[2])},
             from.node,
-            from.level,
-            from.depth} {}
+            static_cast<std::uint16_t>(from.level),
+            static_cast<std::uint16_t>(from.depth)} {}
 
   /// Whether the ray meets leaves of the node.
   HWY_INLINE bool look(const Traversed<measure, any, radii>& traversed) {
@@ -92,15 +91,15 @@ class RayWalk {
     const Node& node = traversed.setup.tree.nodes[at_.node];
     const Slots slots(node);
     const float cut_before = ray_.boxes.t_cut;
-    const std::uint32_t corner[3] = {lattice_steps(at_.corner[0]), lattice_steps(at_.corner[1]),
-                                     lattice_steps(at_.corner[2])};
+    const std::array<std::uint32_t, 3> corner = {lattice_steps(at_.corner[0]), lattice_steps(at_.corner[1]),
+                                                 lattice_steps(at_.corner[2])};
     const auto place = traversed.leaf_test.place(corner, at_.level);
     do {
       const int slot = std::countr_zero(leaves_ | 0x80u);
       leaves_ &= leaves_ - 1;
       if (t_near_[slot] > ray_.boxes.t_cut) continue;
       const std::uint32_t count = node.kind[slot];
-      const Leaf leaf{slots.first_point(node, slot), count, {corner[0], corner[1], corner[2]}};
+      const Leaf leaf{slots.first_point(node, slot), count, corner};
       traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, place, t_near_[slot]);
       if (any && ray_.state.found()) return;
     } while (leaves_ != 0);
@@ -192,7 +191,7 @@ class RayWalk {
 
 /// One ray from one node on.
 template <Measure measure, bool any, Radii radii>
-void trace(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Visit& from) {
+void trace(const Traversed<measure, any, radii>& traversed, const RayUnderWay& ray, const Frame& from) {
   RayWalk<measure, any, radii> walk(traversed, ray, from);
   do {
     if (walk.look(traversed)) walk.test_leaves(traversed);
@@ -215,7 +214,7 @@ class RayStream {
     if (lists_.empty()) lists_.resize(k_max_tree_depth + 1);
     RayList list{rays.data(), nullptr, static_cast<std::uint32_t>(rays.size())};
     list.pad();
-    visit_node(root_visit(setup_.tree), list);
+    visit_node(root_frame(setup_.tree), list);
   }
 
  private:
@@ -244,16 +243,16 @@ class RayStream {
     float near[3][k_node_width], far[3][k_node_width];
   };
 
-  void visit_node(const Visit& visit, const RayList& list) {
+  void visit_node(const Frame& frame, const RayList& list) {
     if (list.count < k_min_rays) {
-      for (std::uint32_t i = 0; i < list.count; ++i) trace(traversed_, batch_[list.rays[i]], visit);
+      for (std::uint32_t i = 0; i < list.count; ++i) trace(traversed_, batch_[list.rays[i]], frame);
       ++answers_;
       return;
     }
-    const Node& node = setup_.tree.nodes[visit.node];
+    const Node& node = setup_.tree.nodes[frame.node];
     const Slots slots(node);
-    unsigned single = 0, wanted = slots.leaf | (visit.depth < traversed_.max_depth ? slots.inner : 0u);
-    if (visit.level == k_min_frame_level && traversed_.skips_twins) {
+    unsigned single = 0, wanted = slots.leaf | (frame.depth < traversed_.max_depth ? slots.inner : 0u);
+    if (frame.level == k_min_frame_level && traversed_.skips_twins) {
       const Places places(node);
       wanted &= ~places.twins;
       single = places.single;
@@ -269,26 +268,24 @@ class RayStream {
       }
     }
     const SlotOrder order = front_to_back(node, octant_, wanted);
-    Lists& lists = lists_[visit.depth];
+    Lists& lists = lists_[frame.depth];
     lists.reserve(list.count);
     RayList met[k_node_width];
     for (int place = 0; place < order.count; ++place)
       met[place] = lists.list(static_cast<std::size_t>(place));
-    meet_boxes(node, visit, list, order, met);
+    meet_boxes(node, frame, list, order, met);
     const std::uint64_t answers_before = answers_;
-    const auto leaf_place = traversed_.leaf_test.place(visit.corner, visit.level);
+    const auto leaf_place = traversed_.leaf_test.place(frame.corner, frame.level);
     for (int place = 0; place < order.count; ++place) {
       const int slot = order.slot[place];
       if (met[place].count == 0) continue;
       if (answers_ != answers_before) met[place].discard(batch_.boxes);
       if (met[place].count == 0) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
-        const std::uint32_t points = node.kind[slot];
-        const Leaf leaf{
-            slots.first_point(node, slot), points, {visit.corner[0], visit.corner[1], visit.corner[2]}};
-        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : points, leaf_place, met[place]);
+        const Leaf leaf = slots.leaf_in(node, frame, slot);
+        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_place, met[place]);
       } else {
-        visit_node(child_visit(visit, node, slots.child(node, slot), slot), met[place]);
+        visit_node(slots.child_in(node, frame, slot), met[place]);
       }
     }
   }
@@ -305,16 +302,16 @@ class RayStream {
     ++answers_;
   }
 
-  Faces faces_of(const Node& node, const Visit& visit) const {
+  Faces faces_of(const Node& node, const Frame& frame) const {
     const ChildLanes d;
     Faces faces;
-    const auto grid_step = static_cast<float>(power_of_two(visit.level - k_min_frame_level));
+    const auto grid_step = static_cast<float>(power_of_two(frame.level - k_min_frame_level));
     const auto margin = static_cast<float>(radii == Radii::own ? setup_.box_margin : setup_.box_radius);
     const OwnRadii& own_radii = traversed_.leaf_test.own_radii();
-    const std::uint16_t* spacings = slot_spacings(setup_.tree, visit.node);
+    const std::uint16_t* spacings = slot_spacings(setup_.tree, frame.node);
     for (int axis = 0; axis < 3; ++axis) {
       const bool negative = (octant_ >> axis & 1) != 0;
-      const float corner = static_cast<float>(static_cast<std::int32_t>(visit.corner[axis] >> 8)) * 256.0f *
+      const float corner = static_cast<float>(static_cast<std::int32_t>(frame.corner[axis] >> 8)) * 256.0f *
                            setup_.float_scale[axis];
       const float step = grid_step * setup_.float_scale[axis];
       const float low_base = corner - margin, high_base = corner + (step + margin);
@@ -336,11 +333,11 @@ class RayStream {
   }
 
   /// Fills `met`, one list per slot in the order of `order`.
-  void meet_boxes(const Node& node, const Visit& visit, const RayList& list, const SlotOrder& order,
+  void meet_boxes(const Node& node, const Frame& frame, const RayList& list, const SlotOrder& order,
                   RayList* met) const {
     const RayLanes d;
     const RayNumbers n;
-    const Faces faces = faces_of(node, visit);
+    const Faces faces = faces_of(node, frame);
     for (std::uint32_t i = 0; i < list.count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
       const RayGroup ray(batch_.boxes, list.rays + i, list.count - i);
       const auto numbers = hn::LoadU(n, list.rays + i);

@@ -83,7 +83,7 @@ void trace_interleaved(const Traversed<measure, any, radii>& traversed, const Ra
   };
   const auto turns = std::make_unique_for_overwrite<Turn[]>(k_under_way);
   const auto walk_of = [](Turn& turn) { return std::launder(reinterpret_cast<Walk*>(turn.walk)); };
-  const Visit root = root_visit(traversed.setup.tree);
+  const Frame root = root_frame(traversed.setup.tree);
   std::size_t next = 0, active = 0;
   const auto start = [&](Turn& turn) {
     new (turn.walk) Walk(traversed, batch[rays[next++]], root);
@@ -128,7 +128,7 @@ class Tracer {
         traversed_(setup_, leaf_test_) {}
 
   void trace(const RayUnderWay& ray) const {
-    if (start(ray)) simd::HWY_NAMESPACE::trace(traversed_, ray, root_visit(setup_.tree));
+    if (start(ray)) simd::HWY_NAMESPACE::trace(traversed_, ray, root_frame(setup_.tree));
   }
 
   /// Calls tell(number, ray) for every ray.
@@ -155,7 +155,7 @@ class Tracer {
       constexpr std::uint32_t k_nearby_nodes = 1u << 15;
       if (setup_.tree.node_count <= k_nearby_nodes) {
         for (const std::uint32_t number : under_way)
-          simd::HWY_NAMESPACE::trace(traversed_, batch[number], root_visit(setup_.tree));
+          simd::HWY_NAMESPACE::trace(traversed_, batch[number], root_frame(setup_.tree));
       } else {
         trace_interleaved(traversed_, batch, std::span<const std::uint32_t>(under_way));
       }
@@ -214,7 +214,7 @@ class Tracer {
     const LeafTest<measure, any, radii> leaf_test(setup);
     if (set_up(setup, ray) == Course::usual)
       simd::HWY_NAMESPACE::trace(Traversed<measure, any, radii>(setup, leaf_test), ray,
-                                 root_visit(setup.tree));
+                                 root_frame(setup.tree));
   }
 
   const QuerySetup setup_;

@@ -185,7 +185,7 @@ struct ShardPlanCommand {
 ExitCode run(const ShardPlanCommand& command) {
   std::uint64_t count = 0;
   load_with_progress(command.load, "writing", [&](const ReadOptions& reading, const Progress& writing) {
-    database::ShardPlan plan = database::write_shard_plan(
+    database::StoredFiles plan = database::write_shard_plan(
         command.output, command.files, reading, command.shards,
         {.table = command.table, .memory = command.load.memory, .progress = writing});
     count = plan.point_count;
