@@ -49,27 +49,26 @@ struct Source {
   }
 
   /// Where the points end, packed or not.
-  std::uint64_t points_end();
-};
 
-std::uint64_t Source::points_end() {
-  if (!packing) return header.points_end();
-  const std::uint64_t extended =
-      header.extended_record_count > 0 ? header.extended_records_place : file.size();
-  if (extended < header.points_place + k_laz_table_place_bytes) return extended;
-  std::string missing;
-  const auto chunks = packing->compressor == LazCompressor::pointwise
-                          ? std::nullopt
-                          : read_chunk_table(file, header, *packing, missing);
-  // Without a table only the extended records tell where something else begins.
-  if (!chunks) return extended;
-  const std::uint64_t table = chunks->empty() ? header.points_place + k_laz_table_place_bytes
-                                              : chunks->back().place + chunks->back().byte_count;
-  const auto place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
-  // A writer that could not go back wrote the place of the table behind it.
-  const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (place == -1 ? 8 : 0);
-  return std::min(end, extended);
-}
+  std::uint64_t points_end() {
+    if (!packing) return header.points_end();
+    const std::uint64_t extended =
+        header.extended_record_count > 0 ? header.extended_records_place : file.size();
+    if (extended < header.points_place + k_laz_table_place_bytes) return extended;
+    std::string missing;
+    const auto chunks = packing->compressor == LazCompressor::pointwise
+                            ? std::nullopt
+                            : read_chunk_table(file, header, *packing, missing);
+    // Without a table only the extended records tell where something else begins.
+    if (!chunks) return extended;
+    const std::uint64_t table = chunks->empty() ? header.points_place + k_laz_table_place_bytes
+                                                : chunks->back().place + chunks->back().byte_count;
+    const auto place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
+    // A writer that could not go back wrote the place of the table behind it.
+    const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (place == -1 ? 8 : 0);
+    return std::min(end, extended);
+  }
+};
 
 /// Takes the records "laszip encoded" out of header and records; returns the place behind the last record.
 std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& header) {
