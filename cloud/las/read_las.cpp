@@ -33,33 +33,31 @@ void fill(const RecordBlock& block, int place, Column& column, Value value) {
 template <class T>
 constexpr auto k_plain = [](const std::byte* at) { return load<T>(at); };
 
-ReturnNumbers legacy_returns(const std::byte* at) {
+constexpr auto k_legacy_returns = [](const std::byte* at) -> ReturnNumbers {
   const unsigned bits = load<std::uint8_t>(at);
   return {.number = static_cast<std::uint8_t>(bits & 7), .count = static_cast<std::uint8_t>(bits >> 3 & 7)};
-}
+};
 
-ReturnNumbers returns(const std::byte* at) {
+constexpr auto k_returns = [](const std::byte* at) -> ReturnNumbers {
   const unsigned bits = load<std::uint8_t>(at);
   return {.number = static_cast<std::uint8_t>(bits & 15), .count = static_cast<std::uint8_t>(bits >> 4)};
-}
+};
 
 /// Scan direction and edge of flight line from the byte of the returns; synthetic, key point and withheld
 /// from the upper bits of the classification behind it.
-PointFlags legacy_flags(const std::byte* at) {
+constexpr auto k_legacy_flags = [](const std::byte* at) -> PointFlags {
   return static_cast<PointFlags>((load<std::uint8_t>(at) & 0xc0) | load<std::uint8_t>(at + 1) >> 5);
-}
+};
 
-std::uint8_t legacy_classification(const std::byte* at) {
+constexpr auto k_legacy_classification = [](const std::byte* at) -> std::uint8_t {
   return load<std::uint8_t>(at) & 31;
-}
+};
 
-float legacy_scan_angle(const std::byte* at) {
-  return load<std::int8_t>(at);
-}
+constexpr auto k_legacy_scan_angle = [](const std::byte* at) -> float { return load<std::int8_t>(at); };
 
-float scan_angle(const std::byte* at) {
+constexpr auto k_scan_angle = [](const std::byte* at) -> float {
   return static_cast<float>(load<std::int16_t>(at) * k_las_scan_angle_step);
-}
+};
 
 /// Index of the first of three dimensions that hold a normal as LasWriter writes it; empty if there are none.
 std::optional<std::size_t> find_normal(const std::vector<ExtraDimension>& dimensions) {
@@ -140,15 +138,15 @@ void LasColumns::take_attributes(const RecordBlock& block, AttributeSet kept, Po
   };
   keep(Attribute::intensity, 12, cloud.intensities, k_plain<std::uint16_t>);
   if (layout_.legacy) {
-    keep(Attribute::returns, 14, cloud.returns, legacy_returns);
-    keep(Attribute::flags, 14, cloud.flags, legacy_flags);
-    keep(Attribute::classification, 15, cloud.classifications, legacy_classification);
-    keep(Attribute::scan_angle, 16, cloud.scan_angles, legacy_scan_angle);
+    keep(Attribute::returns, 14, cloud.returns, k_legacy_returns);
+    keep(Attribute::flags, 14, cloud.flags, k_legacy_flags);
+    keep(Attribute::classification, 15, cloud.classifications, k_legacy_classification);
+    keep(Attribute::scan_angle, 16, cloud.scan_angles, k_legacy_scan_angle);
   } else {
-    keep(Attribute::returns, 14, cloud.returns, returns);
+    keep(Attribute::returns, 14, cloud.returns, k_returns);
     keep(Attribute::flags, 15, cloud.flags, k_plain<PointFlags>);
     keep(Attribute::classification, 16, cloud.classifications, k_plain<std::uint8_t>);
-    keep(Attribute::scan_angle, 18, cloud.scan_angles, scan_angle);
+    keep(Attribute::scan_angle, 18, cloud.scan_angles, k_scan_angle);
   }
   keep(Attribute::user_data, 17, cloud.user_data, k_plain<std::uint8_t>);
   keep(Attribute::point_source_id, layout_.legacy ? 18 : 20, cloud.point_source_ids, k_plain<std::uint16_t>);

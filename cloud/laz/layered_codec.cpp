@@ -231,8 +231,6 @@ struct LayeredDecoder::State {
 
 LayeredDecoder::LayeredDecoder(const LazLayout& layout, const LazLayers& wanted)
     : state_(std::make_unique<State>(layout, wanted)) {}
-LayeredDecoder::LayeredDecoder(LayeredDecoder&&) noexcept = default;
-LayeredDecoder& LayeredDecoder::operator=(LayeredDecoder&&) noexcept = default;
 LayeredDecoder::~LayeredDecoder() = default;
 
 void LayeredDecoder::decode(std::span<const std::byte> chunk, std::span<std::byte> records) {
@@ -275,8 +273,6 @@ struct LayeredEncoder::State {
 };
 
 LayeredEncoder::LayeredEncoder(const LazLayout& layout) : state_(std::make_unique<State>(layout)) {}
-LayeredEncoder::LayeredEncoder(LayeredEncoder&&) noexcept = default;
-LayeredEncoder& LayeredEncoder::operator=(LayeredEncoder&&) noexcept = default;
 LayeredEncoder::~LayeredEncoder() = default;
 
 std::vector<std::byte> LayeredEncoder::encode(std::span<const std::byte> records) {
