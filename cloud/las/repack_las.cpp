@@ -28,7 +28,7 @@ constexpr std::size_t k_repacked_bytes = 1 << 20;
 // Fields of the header: LAS Specification 1.4 R15, table 3.
 constexpr std::size_t k_points_place = 96, k_record_count = 100, k_point_format = 104;
 constexpr std::size_t k_wave_packets_place = 227, k_extended_records_place = 235;
-constexpr std::byte k_laz_mark{0x80}, k_laz_marks{0xc0};
+constexpr std::byte k_laz_format_mark{0x80}, k_laz_format_marks{0xc0};
 
 /// A LAS or LAZ file with all that it says about its points.
 struct Source {
@@ -104,10 +104,10 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   std::vector<std::byte> head(source.header.points_place);
   source.file.read_at(0, head);
   const std::size_t records_end = take_out_laszip(head, source.header);
-  head[k_point_format] &= ~k_laz_marks;
+  head[k_point_format] &= ~k_laz_format_marks;
   if (packing) {
     put_in_laszip(head, records_end, *packing);
-    head[k_point_format] |= k_laz_mark;
+    head[k_point_format] |= k_laz_format_mark;
   }
   if (head.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error({.file = source.file.name(),
