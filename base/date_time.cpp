@@ -69,6 +69,13 @@ class Reading {
        "one like \"2003-10-17T12:30:30-07:00\" or \"2003-10-17T19:30:30Z\", in the years 1600 to 2999");
 }
 
+/// A number of exactly so many digits, and the letter behind it unless that is 0.
+int require_number(Reading& reading, std::string_view text, std::size_t digits, char behind = 0) {
+  const std::optional<int> number = reading.digits(digits);
+  if (!number || (behind != 0 && !reading.take(behind))) fail_form(text);
+  return *number;
+}
+
 /// Minutes that the zone's clocks are ahead of UTC.
 int read_zone(Reading& reading, std::string_view text) {
   if (reading.at_end()) {
@@ -78,13 +85,10 @@ int read_zone(Reading& reading, std::string_view text) {
   if (reading.take('Z')) return 0;
   const bool ahead = reading.take('+');
   if (!ahead && !reading.take('-')) fail_form(text);
-  const auto hours = reading.digits(2);
-  if (!hours || !reading.take(':')) fail_form(text);
-  const auto minutes = reading.digits(2);
-  if (!minutes) fail_form(text);
-  if (*hours > 23 || *minutes > 59)
+  const int hours = require_number(reading, text, 2, ':'), minutes = require_number(reading, text, 2);
+  if (hours > 23 || minutes > 59)
     fail(text, "no such time zone", "an offset from UTC below 24 hours, as hours:minutes");
-  const int offset = 60 * *hours + *minutes;
+  const int offset = 60 * hours + minutes;
   return ahead ? offset : -offset;
 }
 
@@ -92,21 +96,14 @@ int read_zone(Reading& reading, std::string_view text) {
 
 Moment parse_date_time(std::string_view text) {
   Reading reading(text);
-  const auto year = reading.digits(4);
-  if (!year || !reading.take('-')) fail_form(text);
-  const auto month = reading.digits(2);
-  if (!month || !reading.take('-')) fail_form(text);
-  const auto day = reading.digits(2);
-  if (!day || !reading.take('T')) fail_form(text);
-  const auto hour = reading.digits(2);
-  if (!hour || !reading.take(':')) fail_form(text);
-  const auto minute = reading.digits(2);
-  if (!minute) fail_form(text);
+  const int year = require_number(reading, text, 4, '-');
+  const int month = require_number(reading, text, 2, '-');
+  const int day = require_number(reading, text, 2, 'T');
+  const int hour = require_number(reading, text, 2, ':');
+  const int minute = require_number(reading, text, 2);
   double seconds = 0.0;
   if (reading.take(':')) {
-    const auto whole = reading.digits(2);
-    if (!whole) fail_form(text);
-    seconds = *whole;
+    seconds = require_number(reading, text, 2);
     if (reading.take('.')) {
       const auto part = reading.decimals();
       if (!part) fail_form(text);
@@ -115,15 +112,14 @@ Moment parse_date_time(std::string_view text) {
   }
   const int ahead = read_zone(reading, text);
   if (!reading.at_end()) fail_form(text);
-  if (*year < k_first_year || *year > k_last_year) fail_form(text);
-  const std::chrono::year_month_day date{std::chrono::year(*year),
-                                         std::chrono::month(static_cast<unsigned>(*month)),
-                                         std::chrono::day(static_cast<unsigned>(*day))};
+  if (year < k_first_year || year > k_last_year) fail_form(text);
+  const std::chrono::year_month_day date{std::chrono::year(year),
+                                         std::chrono::month(static_cast<unsigned>(month)),
+                                         std::chrono::day(static_cast<unsigned>(day))};
   if (!date.ok()) fail(text, "no such day", "a day of the calendar");
-  if (*hour > 23 || *minute > 59 || seconds >= 60.0)
-    fail(text, "no such time", "00:00 to 23:59:59.999999999");
+  if (hour > 23 || minute > 59 || seconds >= 60.0) fail(text, "no such time", "00:00 to 23:59:59.999999999");
 
-  const int minutes = 60 * *hour + *minute - ahead;
+  const int minutes = 60 * hour + minute - ahead;
   Moment moment{std::chrono::sys_days(date), 60.0 * minutes + seconds};
   if (moment.seconds < 0.0) {
     moment.day -= std::chrono::days(1);

@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace alidade {
 
@@ -22,6 +23,11 @@ class Error : public std::runtime_error {
   };
 
   explicit Error(Parts parts) : std::runtime_error(compose(parts)), parts_(std::move(parts)) {}
+  /// The same of parts in their order, for functions that are given them.
+  Error(std::string file, std::string place, std::string problem, std::string expected = {},
+        std::string found = {})
+      : Error(Parts{std::move(file), std::move(place), std::move(problem), std::move(expected),
+                    std::move(found)}) {}
 
   const Parts& parts() const { return parts_; }
 

@@ -15,6 +15,20 @@ struct SineCosine {
   double cosine = 1.0;
 };
 
+/// Those of an angle that is larger by 0 to 3 quarter turns.
+inline SineCosine turned_by_quarters(const SineCosine& of, int quarters) {
+  switch (quarters) {
+    case 0:
+      return of;
+    case 1:
+      return {of.cosine, -of.sine};
+    case 2:
+      return {-of.sine, -of.cosine};
+    default:
+      return {-of.cosine, of.sine};
+  }
+}
+
 /// sin and cos of 2 pi `turns`, for |turns| < 2^30. Error below 4e-16. Source: Taylor series around the
 /// nearest quarter turn.
 inline SineCosine sine_cosine_of_turns(double turns) {
@@ -30,16 +44,7 @@ inline SineCosine sine_cosine_of_turns(double turns) {
   }
   sine = (1.0 + sine) * x;
   cosine = 1.0 - (1.0 + cosine) * (0.5 * x2);
-  switch (static_cast<int>(quarter - 4.0 * std::floor(0.25 * quarter))) {
-    case 0:
-      return {sine, cosine};
-    case 1:
-      return {cosine, -sine};
-    case 2:
-      return {-sine, -cosine};
-    default:
-      return {-cosine, sine};
-  }
+  return turned_by_quarters({sine, cosine}, static_cast<int>(quarter - 4.0 * std::floor(0.25 * quarter)));
 }
 
 /// sin and cos of an angle in degrees.
@@ -79,16 +84,7 @@ inline SineCosine sine_cosine_by_quarters(double angle) {
                                                                 y * (1.0 / 479001600.0 +
                                                                      y * (-1.0 / 87178291200.0 +
                                                                           y * (1.0 / 20922789888000.0))))))));
-  switch (static_cast<std::int64_t>(quarter_turns) & 3) {
-    case 0:
-      return {sine, cosine};
-    case 1:
-      return {cosine, -sine};
-    case 2:
-      return {-sine, -cosine};
-    default:
-      return {-cosine, sine};
-  }
+  return turned_by_quarters({sine, cosine}, static_cast<int>(static_cast<std::int64_t>(quarter_turns) & 3));
 }
 
 // The few curves the tracer needs, from operations that IEEE 754 rounds exactly (+ - * / sqrt). The functions

@@ -8,6 +8,7 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/words.h"
 
 // The library's code is compiled in, so that nobody who links Alidade has to link xxHash.
 #define XXH_INLINE_ALL
@@ -28,11 +29,6 @@ void append_checksums(std::initializer_list<std::span<const std::byte>> arrays,
 namespace {
 
 constexpr std::size_t k_lengths = 8;
-
-/// Whether a byte is one within a character of UTF-8.
-bool is_continuation(char c) {
-  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
-}
 
 /// What a message can show of two values, which differ: of long ones, from the word on that does.
 std::pair<std::string, std::string> telling_parts(const std::string& a, const std::string& b) {

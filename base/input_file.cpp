@@ -17,57 +17,42 @@
 
 namespace alidade {
 
-InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
-  open();
+namespace {
+
+constexpr int k_read_flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
+
+}  // namespace
+
+FileDescriptor::FileDescriptor(const std::string& path, int flags) : number_(::open(path.c_str(), flags)) {
+  if (number_ < 0) throw Error({.file = path, .problem = "cannot be opened", .found = std::strerror(errno)});
+}
+
+void FileDescriptor::close() {
+  if (number_ >= 0) ::close(number_);
+  number_ = -1;
+}
+
+std::uint64_t FileDescriptor::size_of_regular(const std::string& path) const {
   struct stat status {};
-  if (::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    ::close(descriptor_);
-    throw Error({.file = name_,
+  if (::fstat(number_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    throw Error({.file = path,
                  .problem = "cannot be read",
                  .expected = "a regular file",
                  .found = S_ISDIR(status.st_mode) ? "a folder" : "something else"});
   }
-  size_ = static_cast<std::uint64_t>(status.st_size);
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+InputFile::InputFile(const std::filesystem::path& path)
+    : name_(path.string()), descriptor_(name_, k_read_flags) {
+  size_ = descriptor_.size_of_regular(name_);
 }
 
 InputFile::InputFile(std::span<const std::byte> bytes, std::string name)
-    : name_(std::move(name)), size_(bytes.size()), memory_(bytes), in_memory_(true) {}
-
-InputFile::~InputFile() {
-  rest();
-}
-
-InputFile::InputFile(InputFile&& other) noexcept
-    : name_(std::move(other.name_)),
-      size_(std::exchange(other.size_, 0)),
-      descriptor_(std::exchange(other.descriptor_, -1)),
-      memory_(std::exchange(other.memory_, {})),
-      in_memory_(std::exchange(other.in_memory_, true)),
-      window_(std::move(other.window_)),
-      window_place_(other.window_place_),
-      window_size_(std::exchange(other.window_size_, 0)) {}
-
-InputFile& InputFile::operator=(InputFile&& other) noexcept {
-  std::swap(name_, other.name_);
-  std::swap(size_, other.size_);
-  std::swap(descriptor_, other.descriptor_);
-  std::swap(memory_, other.memory_);
-  std::swap(in_memory_, other.in_memory_);
-  std::swap(window_, other.window_);
-  std::swap(window_place_, other.window_place_);
-  std::swap(window_size_, other.window_size_);
-  return *this;
-}
-
-void InputFile::open() {
-  descriptor_ = ::open(name_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (descriptor_ < 0)
-    throw Error({.file = name_, .problem = "cannot be opened", .found = std::strerror(errno)});
-}
+    : name_(std::move(name)), size_(bytes.size()), memory_(bytes) {}
 
 void InputFile::rest() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-  descriptor_ = -1;
+  descriptor_.close();
   window_ = {};
   window_size_ = 0;
 }
@@ -82,9 +67,10 @@ void InputFile::check_range(std::uint64_t place, std::uint64_t count) const {
 }
 
 void InputFile::fill(std::uint64_t place, std::span<std::byte> into) {
-  if (descriptor_ < 0) open();
+  if (!descriptor_.is_open()) descriptor_ = FileDescriptor(name_, k_read_flags);
   while (!into.empty()) {
-    const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(place));
+    const ::ssize_t count =
+        ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(place));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
       throw Error({.file = name_,
@@ -100,8 +86,8 @@ void InputFile::fill(std::uint64_t place, std::span<std::byte> into) {
 void InputFile::read_at(std::uint64_t place, std::span<std::byte> into) {
   check_range(place, into.size());
   if (into.empty()) return;
-  if (in_memory_) {
-    std::memcpy(into.data(), memory_.data() + place, into.size());
+  if (memory_) {
+    std::memcpy(into.data(), memory_->data() + place, into.size());
   } else {
     fill(place, into);
   }
@@ -109,7 +95,7 @@ void InputFile::read_at(std::uint64_t place, std::span<std::byte> into) {
 
 std::span<const std::byte> InputFile::view(std::uint64_t place, std::size_t count) {
   check_range(place, count);
-  if (in_memory_) return memory_.subspan(static_cast<std::size_t>(place), count);
+  if (memory_) return memory_->subspan(static_cast<std::size_t>(place), count);
   const bool inside = window_size_ > 0 && place >= window_place_ && place - window_place_ <= window_size_ &&
                       count <= window_size_ - (place - window_place_);
   if (!inside) {
@@ -151,18 +137,6 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
 
 namespace {
 
-/// Closes the file when it goes away; the map stays.
-struct Descriptor {
-  explicit Descriptor(const std::string& name) : number(::open(name.c_str(), O_RDONLY | O_CLOEXEC)) {
-    if (number < 0) throw Error({.file = name, .problem = "cannot be opened", .found = std::strerror(errno)});
-  }
-  ~Descriptor() { ::close(number); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-
-  int number;
-};
-
 std::shared_ptr<const void> aligned_copy(std::span<const std::byte> bytes) {
   constexpr std::align_val_t k_page{4096};
   void* const copy = ::operator new(bytes.size(), k_page);
@@ -180,13 +154,10 @@ MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
     bytes_ = {static_cast<const std::byte*>(storage_.get()), memory->size()};
     return;
   }
-  const Descriptor descriptor(name_);
-  struct stat status {};
-  if (::fstat(descriptor.number, &status) != 0 || !S_ISREG(status.st_mode))
-    throw Error({.file = name_, .problem = "cannot be read", .expected = "a regular file"});
-  const auto size = static_cast<std::size_t>(status.st_size);
+  const FileDescriptor descriptor(name_, O_RDONLY | O_CLOEXEC);  // closed when the map is made
+  const auto size = static_cast<std::size_t>(descriptor.size_of_regular(name_));
   if (size == 0) return;
-  void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.number, 0);
+  void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.number(), 0);
   if (map == MAP_FAILED)
     throw Error({.file = name_, .problem = "cannot be mapped into memory", .found = std::strerror(errno)});
   storage_ = std::shared_ptr<const void>(

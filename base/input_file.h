@@ -9,9 +9,33 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alidade {
+
+/// What the system calls an open file by, closed with it; -1: none.
+class FileDescriptor {
+ public:
+  FileDescriptor() = default;
+  /// Opens `path` with the flags of open(2). Errors: it cannot be opened.
+  FileDescriptor(const std::string& path, int flags);
+  ~FileDescriptor() { close(); }
+  FileDescriptor(FileDescriptor&& other) noexcept : number_(std::exchange(other.number_, -1)) {}
+  FileDescriptor& operator=(FileDescriptor&& other) noexcept {
+    std::swap(number_, other.number_);
+    return *this;
+  }
+
+  int number() const { return number_; }
+  bool is_open() const { return number_ >= 0; }
+  void close();
+  /// Bytes of the file. Errors: it is not a regular file; they and those above are said of `path`.
+  std::uint64_t size_of_regular(const std::string& path) const;
+
+ private:
+  int number_ = -1;
+};
 
 /// A file to read from anywhere in it, checked: whoever asks for bytes beyond its end gets an Error that
 /// names the byte. Works alike on bytes in memory, which is how fuzz tests feed the readers. Not thread safe.
@@ -21,18 +45,13 @@ class InputFile {
   explicit InputFile(const std::filesystem::path& path);
   /// Takes bytes in memory for a file called `name`. The bytes must outlive the object.
   InputFile(std::span<const std::byte> bytes, std::string name);
-  ~InputFile();
-  InputFile(InputFile&& other) noexcept;
-  InputFile& operator=(InputFile&& other) noexcept;
 
   /// Path as the caller gave it; what error messages call the file.
   const std::string& name() const { return name_; }
   /// Bytes in the file when it was opened.
   std::uint64_t size() const { return size_; }
   /// The bytes of a file in memory; empty for one on disk.
-  std::optional<std::span<const std::byte>> memory() const {
-    return in_memory_ ? std::optional(memory_) : std::nullopt;
-  }
+  const std::optional<std::span<const std::byte>>& memory() const { return memory_; }
 
   /// Copies into.size() bytes from `place` on. Errors: they are not all there ("file ends early"), reading
   /// failed.
@@ -51,15 +70,13 @@ class InputFile {
   void rest();
 
  private:
-  void open();
   void fill(std::uint64_t place, std::span<std::byte> into);
   void check_range(std::uint64_t place, std::uint64_t count) const;
 
   std::string name_;
   std::uint64_t size_ = 0;
-  int descriptor_ = -1;  ///< -1 while resting and for bytes in memory
-  std::span<const std::byte> memory_;
-  bool in_memory_ = false;
+  FileDescriptor descriptor_;  ///< closed while resting and for bytes in memory
+  std::optional<std::span<const std::byte>> memory_;
   std::vector<std::byte>
       window_;  ///< bytes of the file from window_place_ on; window_size_ of them are valid
   std::uint64_t window_place_ = 0;

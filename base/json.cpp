@@ -24,7 +24,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
   TreeBuilder(JsonDocument& document, std::span<const std::string_view> unread)
       : document_(document), text_(document.text), unread_(unread) {
-    if (text_.starts_with("\xEF\xBB\xBF")) cursor_ = 3;
+    if (text_.starts_with(k_byte_order_mark)) cursor_ = k_byte_order_mark.size();
   }
 
   bool null() override { return add(nullptr, literal_end(4)); }
@@ -81,11 +81,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  private:
   [[noreturn]] void fail(std::size_t byte, std::string problem, std::string expected,
                          std::string found) const {
-    throw Error({.file = document_.name,
-                 .place = document_.place(byte),
-                 .problem = std::move(problem),
-                 .expected = std::move(expected),
-                 .found = std::move(found)});
+    throw Error(document_.name, document_.place(byte), std::move(problem), std::move(expected),
+                std::move(found));
   }
 
   std::size_t token_begin() const {
@@ -184,10 +181,6 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool skips_next_ = false;        // the next value stands under an unread key
   std::size_t skipped_depth_ = 0;  // objects and arrays open inside such a value
 };
-
-bool is_continuation(char byte) {
-  return (static_cast<unsigned char>(byte) & 0xC0) == 0x80;
-}
 
 }  // namespace
 

@@ -51,11 +51,8 @@ bool TextScanner::next_words(std::vector<std::string_view>& words) {
 }
 
 void TextScanner::fail(std::string problem, std::string expected, std::string found) const {
-  throw Error({.file = file_.name(),
-               .place = "line " + std::to_string(line_number_),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw Error(file_.name(), "line " + std::to_string(line_number_), std::move(problem), std::move(expected),
+              std::move(found));
 }
 
 void require_few_columns(const TextScanner& scanner, std::size_t count) {

@@ -27,7 +27,7 @@ std::size_t utf8_letter_size(std::string_view text) {
   const std::size_t size = stated_size(at(0));
   if (size == 0 || size > text.size()) return 0;
   for (std::size_t place = 1; place < size; ++place) {
-    if ((at(place) & 0xc0) != 0x80) return 0;
+    if (!is_continuation(text[place])) return 0;
   }
   const bool is_long = (at(0) == 0xe0 && at(1) < 0xa0) || (at(0) == 0xf0 && at(1) < 0x90);
   const bool is_no_letter = (at(0) == 0xed && at(1) >= 0xa0) || (at(0) == 0xf4 && at(1) >= 0x90);
@@ -70,14 +70,6 @@ std::optional<double> parse_number(std::string_view word) {
     if (tiny) return 0.0;
     return (word.front() == '-' ? -1.0 : 1.0) * std::numeric_limits<double>::infinity();
   }
-  return value;
-}
-
-std::optional<std::uint64_t> parse_count(std::string_view word) {
-  std::uint64_t value = 0;
-  const char* const end = word.data() + word.size();
-  const auto result = std::from_chars(word.data(), end, value);
-  if (result.ptr != end || result.ec != std::errc{}) return std::nullopt;
   return value;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -8,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace alidade {
@@ -15,6 +17,11 @@ namespace alidade {
 /// Bytes of the letter that a text begins with: UTF-8 in its shortest form, without halves of UTF-16 and NUL.
 /// 0 if it begins with none.
 std::size_t utf8_letter_size(std::string_view text);
+
+/// Whether a byte is one within a letter of UTF-8, not its first.
+inline bool is_continuation(char byte) {
+  return (static_cast<unsigned char>(byte) & 0xc0) == 0x80;
+}
 
 /// Whether a text is made of such letters.
 bool is_utf8(std::string_view text);
@@ -42,7 +49,14 @@ std::string_view trim(std::string_view text);
 std::optional<double> parse_number(std::string_view word);
 
 /// The same for whole numbers without exponent; empty also if it does not fit.
-std::optional<std::uint64_t> parse_count(std::string_view word);
+template <class Whole = std::uint64_t>
+std::optional<Whole> parse_count(std::string_view word) {
+  Whole value = 0;
+  const char* const end = word.data() + word.size();
+  const auto result = std::from_chars(word.data(), end, value);
+  if (result.ptr != end || result.ec != std::errc{}) return std::nullopt;
+  return value;
+}
 
 /// How many digits after the decimal point a number is written with: 2 for "1.25", 4 for "1.25e-2", 0 for
 /// "12", -3 for "1e3".

@@ -49,6 +49,10 @@ bool is_text(std::string_view start) {
   });
 }
 
+bool is_ply(std::string_view start) {
+  return start.starts_with("ply") && start.size() > 3 && (is_blank(start[3]) || start[3] == '\n');
+}
+
 /// A PCD header begins with one of its keywords, after comments.
 bool is_pcd(std::string_view start) {
   static constexpr std::array<std::string_view, 10> k_keywords = {
@@ -77,10 +81,17 @@ int count_numbers(std::string_view line) {
 /// A PTX scan begins with columns, rows, four lines of three numbers (the scanner) and four of four (the
 /// transform).
 bool is_ptx(std::string_view start) {
+  if (!is_text(start)) return false;
   for (const int expected : {1, 1, 3, 3, 3, 3, 4, 4, 4, 4}) {
     if (count_numbers(next_line(start)) != expected) return false;
   }
   return true;
+}
+
+/// Whether a file begins with text of which `is` says so.
+template <bool (*is)(std::string_view)>
+bool begins(std::span<const std::byte> start) {
+  return is(unmarked_text_of(start));
 }
 
 bool begins_las(std::span<const std::byte> start) {
@@ -91,32 +102,15 @@ bool begins_e57(std::span<const std::byte> start) {
   return text_of(start).starts_with("ASTM-E57");
 }
 
-bool begins_ply(std::span<const std::byte> start) {
-  const std::string_view text = unmarked_text_of(start);
-  return text.starts_with("ply") && text.size() > 3 && (is_blank(text[3]) || text[3] == '\n');
-}
-
-bool begins_pcd(std::span<const std::byte> start) {
-  return is_pcd(unmarked_text_of(start));
-}
-
-bool begins_ptx(std::span<const std::byte> start) {
-  return is_text(unmarked_text_of(start)) && is_ptx(unmarked_text_of(start));
-}
-
-bool begins_text(std::span<const std::byte> start) {
-  return is_text(unmarked_text_of(start));
-}
-
 }  // namespace
 
 const CloudFormat k_copc_format{.name = "COPC", .is_begun_by = is_copc, .open = open_las};
 const CloudFormat k_las_format{.name = "LAS", .is_begun_by = begins_las, .open = open_las};
 const CloudFormat k_e57_format{.name = "E57", .is_begun_by = begins_e57, .open = open_e57};
-const CloudFormat k_ply_format{.name = "PLY", .is_begun_by = begins_ply, .open = open_ply};
-const CloudFormat k_pcd_format{.name = "PCD", .is_begun_by = begins_pcd, .open = open_pcd};
-const CloudFormat k_ptx_format{.name = "PTX", .is_begun_by = begins_ptx, .open = open_ptx};
-const CloudFormat k_text_format{.name = "text", .is_begun_by = begins_text, .open = open_text};
+const CloudFormat k_ply_format{.name = "PLY", .is_begun_by = begins<is_ply>, .open = open_ply};
+const CloudFormat k_pcd_format{.name = "PCD", .is_begun_by = begins<is_pcd>, .open = open_pcd};
+const CloudFormat k_ptx_format{.name = "PTX", .is_begun_by = begins<is_ptx>, .open = open_ptx};
+const CloudFormat k_text_format{.name = "text", .is_begun_by = begins<is_text>, .open = open_text};
 
 CloudFormats file_formats() {
   static constexpr const CloudFormat* k_formats[] = {&k_copc_format, &k_las_format, &k_e57_format,

@@ -85,7 +85,7 @@ struct FileFacts {
 std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice);
 
 /// One cloud file, opened and its header understood, points not read yet. One class per format, made by
-/// `open_*` below; read_cloud.cpp joins them. Not thread safe.
+/// `open_*` below; read_in_pieces.cpp joins them. Not thread safe.
 class CloudReader {
  public:
   virtual ~CloudReader() = default;

@@ -17,14 +17,6 @@
 
 namespace alidade {
 
-/// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
-/// meridian, units, and the parameters of the projection, which are told by the letters and digits of their
-/// names. Programs give systems, datums and projections names of their own, as "ETRS89 / UTM zone 32N" and
-/// "ETRS_1989_UTM_Zone_32N"; numbers they share up to their last digit. True does not say that the systems
-/// are one: datums on one ellipsoid lie up to some metres apart. False for what has no parameters, or other
-/// ones, as WKT of version 2 beside that of version 1.
-bool same_definition(const std::string& wkt_a, const std::string& wkt_b);
-
 namespace {
 
 /// Numbers by the word that they stand in, and for parameters its name: those of all such words in a row.
@@ -68,8 +60,12 @@ bool nearly_equal(double a, double b) {
   return std::fabs(a - b) <= k_last_digits * std::max(std::fabs(a), std::fabs(b));
 }
 
-}  // namespace
-
+/// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
+/// meridian, units, and the parameters of the projection, which are told by the letters and digits of their
+/// names. Programs give systems, datums and projections names of their own, as "ETRS89 / UTM zone 32N" and
+/// "ETRS_1989_UTM_Zone_32N"; numbers they share up to their last digit. True does not say that the systems
+/// are one: datums on one ellipsoid lie up to some metres apart. False for what has no parameters, or other
+/// ones, as WKT of version 2 beside that of version 1.
 bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
   const Definition a = definition_of(wkt_a), b = definition_of(wkt_b);
   const auto parameter = a.lower_bound("PARAMETER");
@@ -78,8 +74,6 @@ bool same_definition(const std::string& wkt_a, const std::string& wkt_b) {
            return one.first == other.first && std::ranges::equal(one.second, other.second, nearly_equal);
          });
 }
-
-namespace {
 
 constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_projected_type = 3072,
                         k_vertical_type = 4096;

@@ -25,11 +25,8 @@ struct LostPoints {
 /// Throws the Error about a byte of a file.
 [[noreturn]] inline void fail_at_byte(std::string file, std::uint64_t byte, std::string problem,
                                       std::string expected = {}, std::string found = {}) {
-  throw Error({.file = std::move(file),
-               .place = "byte " + std::to_string(byte),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw Error(std::move(file), "byte " + std::to_string(byte), std::move(problem), std::move(expected),
+              std::move(found));
 }
 
 /// The Error for damage that Damage::read_over would read over. Its message ends with the option that does

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <string_view>
@@ -12,59 +11,42 @@ namespace alidade {
 
 namespace {
 
-struct RoleName {
-  ColumnRole role;
-  const char* name;
+/// What is known of a role. Names are plain_name()s, the more usual one first.
+struct RoleFacts {
+  std::optional<Attribute> attribute;
+  std::string_view names;
+  std::string_view text_names = {};  ///< those of NameRules::text beside
 };
 
-// Where a role has several names, the more usual one stands first.
-constexpr RoleName k_names[] = {{ColumnRole::x, "x"},
-                                {ColumnRole::y, "y"},
-                                {ColumnRole::z, "z"},
-                                {ColumnRole::normal_x, "nx"},
-                                {ColumnRole::normal_x, "normalx"},
-                                {ColumnRole::normal_y, "ny"},
-                                {ColumnRole::normal_y, "normaly"},
-                                {ColumnRole::normal_z, "nz"},
-                                {ColumnRole::normal_z, "normalz"},
-                                {ColumnRole::red, "red"},
-                                {ColumnRole::red, "r"},
-                                {ColumnRole::red, "diffusered"},
-                                {ColumnRole::green, "green"},
-                                {ColumnRole::green, "g"},
-                                {ColumnRole::green, "diffusegreen"},
-                                {ColumnRole::blue, "blue"},
-                                {ColumnRole::blue, "b"},
-                                {ColumnRole::blue, "diffuseblue"},
-                                {ColumnRole::near_infrared, "nearinfrared"},
-                                {ColumnRole::near_infrared, "infrared"},
-                                {ColumnRole::near_infrared, "nir"},
-                                {ColumnRole::intensity, "intensity"},
-                                {ColumnRole::classification, "classification"},
-                                {ColumnRole::classification, "class"},
-                                {ColumnRole::return_number, "returnnumber"},
-                                {ColumnRole::return_count, "numberofreturns"},
-                                {ColumnRole::return_count, "numreturns"},
-                                {ColumnRole::class_flags, "classflags"},
-                                {ColumnRole::scanner_channel, "scanchannel"},
-                                {ColumnRole::scanner_channel, "scannerchannel"},
-                                {ColumnRole::scan_direction, "scandirectionflag"},
-                                {ColumnRole::edge_of_flight_line, "edgeofflightline"},
-                                {ColumnRole::scan_angle, "scanangle"},
-                                {ColumnRole::scan_angle, "scananglerank"},
-                                {ColumnRole::user_data, "userdata"},
-                                {ColumnRole::point_source_id, "pointsourceid"},
-                                {ColumnRole::gps_time, "gpstime"},
-                                {ColumnRole::gps_time, "time"}};
-
-constexpr RoleName k_text_names[] = {
-    {ColumnRole::x, "easting"},   {ColumnRole::x, "east"},      {ColumnRole::x, "xcoordinate"},
-    {ColumnRole::x, "xcoord"},    {ColumnRole::x, "longitude"}, {ColumnRole::x, "lon"},
-    {ColumnRole::y, "northing"},  {ColumnRole::y, "north"},     {ColumnRole::y, "ycoordinate"},
-    {ColumnRole::y, "ycoord"},    {ColumnRole::y, "latitude"},  {ColumnRole::y, "lat"},
-    {ColumnRole::z, "elevation"}, {ColumnRole::z, "height"},    {ColumnRole::z, "zcoordinate"},
-    {ColumnRole::z, "zcoord"},    {ColumnRole::z, "altitude"},  {ColumnRole::z, "alt"},
-    {ColumnRole::intensity, "i"}};
+/// In the order of the roles.
+constexpr RoleFacts k_role_facts[] = {
+    {{}, "x", "easting east xcoordinate xcoord longitude lon"},
+    {{}, "y", "northing north ycoordinate ycoord latitude lat"},
+    {{}, "z", "elevation height zcoordinate zcoord altitude alt"},
+    {Attribute::normal, "nx normalx"},
+    {Attribute::normal, "ny normaly"},
+    {Attribute::normal, "nz normalz"},
+    {Attribute::color, "red r diffusered"},
+    {Attribute::color, "green g diffusegreen"},
+    {Attribute::color, "blue b diffuseblue"},
+    {Attribute::color, ""},  // packed_color: the format knows
+    {Attribute::near_infrared, "nearinfrared infrared nir"},
+    {Attribute::intensity, "intensity", "i"},
+    {Attribute::classification, "classification class"},
+    {Attribute::returns, "returnnumber"},
+    {Attribute::returns, "numberofreturns numreturns"},
+    {Attribute::flags, "classflags"},
+    {Attribute::flags, "scanchannel scannerchannel"},
+    {Attribute::flags, "scandirectionflag"},
+    {Attribute::flags, "edgeofflightline"},
+    {Attribute::scan_angle, "scanangle scananglerank"},
+    {Attribute::user_data, "userdata"},
+    {Attribute::point_source_id, "pointsourceid"},
+    {Attribute::gps_time, "gpstime time"},
+    {Attribute::extra_dimensions, ""},
+    {{}, ""},  // ignored
+};
+static_assert(std::size(k_role_facts) == static_cast<std::size_t>(ColumnRole::ignored) + 1);
 
 std::string plain_name(std::string_view name) {
   std::string plain;
@@ -83,18 +65,22 @@ void assign_roles(std::vector<TableColumn>& columns, NameRules rules) {
   std::vector<std::string> plain;
   for (const TableColumn& column : columns) plain.push_back(plain_name(column.name));
 
-  const auto assign = [&](std::span<const RoleName> names) {
-    for (const RoleName& candidate : names) {
-      if (find_role(columns, candidate.role)) continue;
+  std::vector<std::string_view> names;
+  const auto assign = [&](ColumnRole role, std::string_view role_names) {
+    split_words(role_names, names);
+    for (const std::string_view name : names) {
+      if (find_role(columns, role)) return;
       for (std::size_t i = 0; i < columns.size(); ++i) {
-        if (columns[i].role != ColumnRole::extra || plain[i] != candidate.name) continue;
-        columns[i].role = candidate.role;
+        if (columns[i].role != ColumnRole::extra || plain[i] != name) continue;
+        columns[i].role = role;
         break;
       }
     }
   };
-  assign(k_names);
-  if (rules == NameRules::text) assign(k_text_names);
+  for (std::size_t role = 0; role < std::size(k_role_facts); ++role) {
+    assign(static_cast<ColumnRole>(role), k_role_facts[role].names);
+    if (rules == NameRules::text) assign(static_cast<ColumnRole>(role), k_role_facts[role].text_names);
+  }
 
   const auto keep_whole = [&](const std::array<ColumnRole, 3>& roles) {
     const auto is_one = [&](ColumnRole role) { return std::ranges::find(roles, role) != roles.end(); };
@@ -124,35 +110,7 @@ AttributeSet attributes_of(std::span<const TableColumn> columns) {
 }
 
 std::optional<Attribute> attribute_of(ColumnRole role) {
-  using enum Attribute;
-  // In the order of the roles.
-  static constexpr std::optional<Attribute> k_attributes[] = {{},
-                                                              {},
-                                                              {},
-                                                              normal,
-                                                              normal,
-                                                              normal,
-                                                              color,
-                                                              color,
-                                                              color,
-                                                              color,
-                                                              near_infrared,
-                                                              intensity,
-                                                              classification,
-                                                              returns,
-                                                              returns,
-                                                              flags,
-                                                              flags,
-                                                              flags,
-                                                              flags,
-                                                              scan_angle,
-                                                              user_data,
-                                                              point_source_id,
-                                                              gps_time,
-                                                              extra_dimensions,
-                                                              {}};
-  static_assert(std::size(k_attributes) == static_cast<std::size_t>(ColumnRole::ignored) + 1);
-  return k_attributes[static_cast<std::size_t>(role)];
+  return k_role_facts[static_cast<std::size_t>(role)].attribute;
 }
 
 namespace {
@@ -215,21 +173,10 @@ PositionColumns::PositionColumns(std::span<const TableColumn> columns)
 
 TableSurvey::TableSurvey(std::span<const TableColumn> columns) : positions_(columns) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
-    switch (columns[i].role) {
-      case ColumnRole::red:
-      case ColumnRole::green:
-      case ColumnRole::blue:
-        watched_.push_back({i, &TableSurvey::colors_});
-        break;
-      case ColumnRole::near_infrared:
-        watched_.push_back({i, &TableSurvey::near_infrared_});
-        break;
-      case ColumnRole::intensity:
-        watched_.push_back({i, &TableSurvey::intensities_});
-        break;
-      default:
-        break;
-    }
+    const ColumnRole role = columns[i].role;
+    if (role >= ColumnRole::red && role <= ColumnRole::blue) watched_.push_back({i, &TableSurvey::colors_});
+    if (role == ColumnRole::near_infrared) watched_.push_back({i, &TableSurvey::near_infrared_});
+    if (role == ColumnRole::intensity) watched_.push_back({i, &TableSurvey::intensities_});
   }
 }
 
@@ -246,17 +193,15 @@ bool TableSurvey::add(std::span<const Cell> row) {
 }
 
 Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType type) {
-  if (type == ScalarType::uint64 || type == ScalarType::int64) {
-    std::int64_t whole = 0;
-    const char* const end = word.data() + word.size();
-    if (type == ScalarType::uint64) {
-      if (const auto count = parse_count(word)) return {static_cast<double>(*count), *count};
-    } else if (const auto result = std::from_chars(word.data(), end, whole);
-               result.ptr == end && result.ec == std::errc{}) {
-      return {static_cast<double>(whole), static_cast<std::uint64_t>(whole)};
-    }
-    scanner.fail("not a whole number of 64 bits", "a whole number", quote(word));
+  if (type == ScalarType::uint64) {
+    if (const auto count = parse_count(word)) return {static_cast<double>(*count), *count};
   }
+  if (type == ScalarType::int64) {
+    if (const auto whole = parse_count<std::int64_t>(word))
+      return {static_cast<double>(*whole), static_cast<std::uint64_t>(*whole)};
+  }
+  if (type == ScalarType::uint64 || type == ScalarType::int64)
+    scanner.fail("not a whole number of 64 bits", "a whole number", quote(word));
   const auto number = parse_number(word);
   if (!number) scanner.fail("not a number", "a number", quote(word));
   return {*number, 0};

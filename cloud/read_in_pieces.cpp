@@ -13,6 +13,7 @@
 #include "base/parallel.h"
 #include "cloud/crs.h"
 #include "cloud/joined_files.h"
+#include "cloud/read_cloud.h"
 #include "cloud/rows.h"
 
 namespace alidade {
@@ -184,8 +185,34 @@ class Joining {
     taken_ += cloud_.size();
     given_pieces_.take(cloud_);
   }
-  void join_facts(const CloudSource& source);
-  void join_time(const CloudSource& source);
+
+  /// Takes over what the first file says about its points.
+  void join_facts(const CloudSource& source) {
+    if (cloud_.files.empty()) {
+      cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);
+      cloud_.project_id = source.facts.project_id;
+      cloud_.file_source_id = source.facts.file_source_id;
+    }
+    join_time(source);
+  }
+
+  /// How times are counted, the first file says that has some and can say; tells which other one counts another
+  /// way.
+  void join_time(const CloudSource& source) {
+    const std::optional<bool> is_standard = source.facts.gps_time_is_standard;
+    const bool has_times =
+        source.point_count() > 0 && source.reader->attributes().contains(Attribute::gps_time);
+    if (!is_standard || !has_times) return;
+    if (timed_file_.empty()) {
+      timed_file_ = source.path().string();
+      cloud_.gps_time_is_standard = *is_standard;
+    } else if (cloud_.gps_time_is_standard != *is_standard &&
+               options_.attributes.contains(Attribute::gps_time)) {
+      cloud_.warnings.push_back(
+          fmt::format("{}: counts GPS time another way (week or standard) than {}; the times do not compare",
+                      source.path().string(), timed_file_));
+    }
+  }
 
   PointCloud& cloud_;
   const ReadOptions& options_;
@@ -199,34 +226,6 @@ class Joining {
   std::vector<GivenRows> given_;
   std::vector<ColoredRows> colored_;
 };
-
-/// Takes over what the first file says about its points.
-void Joining::join_facts(const CloudSource& source) {
-  if (cloud_.files.empty()) {
-    cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);
-    cloud_.project_id = source.facts.project_id;
-    cloud_.file_source_id = source.facts.file_source_id;
-  }
-  join_time(source);
-}
-
-/// How times are counted, the first file says that has some and can say; tells which other one counts another
-/// way.
-void Joining::join_time(const CloudSource& source) {
-  const std::optional<bool> is_standard = source.facts.gps_time_is_standard;
-  const bool has_times =
-      source.point_count() > 0 && source.reader->attributes().contains(Attribute::gps_time);
-  if (!is_standard || !has_times) return;
-  if (timed_file_.empty()) {
-    timed_file_ = source.path().string();
-    cloud_.gps_time_is_standard = *is_standard;
-  } else if (cloud_.gps_time_is_standard != *is_standard &&
-             options_.attributes.contains(Attribute::gps_time)) {
-    cloud_.warnings.push_back(
-        fmt::format("{}: counts GPS time another way (week or standard) than {}; the times do not compare",
-                    source.path().string(), timed_file_));
-  }
-}
 
 /// Where the files end that are read into pieces at once, from `first` on: at least one.
 std::size_t end_of_lot(const std::vector<CloudSource>& sources, std::size_t first,
@@ -311,6 +310,30 @@ PiecewiseCloud read_in_pieces(const CloudInputs& inputs, const ReadOptions& opti
   report(options.progress, work, work);
   warn_of_twins(inputs, cloud);
   return whole;
+}
+
+PointCloud read_cloud(const CloudInputs& inputs, const ReadOptions& options) {
+  PiecewiseCloud whole = read_in_pieces(inputs, options, {});
+  apply(whole.spread, whole.rest);
+  return std::move(whole.rest);
+}
+
+PointCloud read_cloud(std::span<const std::filesystem::path> files, const ReadOptions& options) {
+  return read_cloud(resolve_clouds(files), options);
+}
+
+PointCloud read_cloud(const std::filesystem::path& file, const ReadOptions& options) {
+  return read_cloud(std::span(&file, 1), options);
+}
+
+Bounds stated_box(const CloudInputs& inputs) {
+  std::vector<Bounds> boxes(inputs.size());
+  in_turns(inputs.size(), k_most_files_at_once, [&](std::size_t i) {
+    boxes[i] = open_cloud(inputs.inputs[i], Damage::read_over)->facts().box.value_or(Bounds());
+  });
+  Bounds all;
+  for (const Bounds& box : boxes) all.grow(box);
+  return all;
 }
 
 }  // namespace alidade

@@ -20,35 +20,6 @@
 
 namespace alidade {
 
-/// The second pass over the rows of a point table: puts them into the columns of a cloud.
-class TableAppender : public RowsToFill {
- public:
-  /// Makes new rows of zeros in `cloud` for the `count` rows to come, as far as a piece has room, and the
-  /// columns that they need: those of `columns` that are in `wanted`. `pieces` must outlive the object.
-  TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
-                std::uint64_t count, const CloudPieces& pieces);
-
-  void scale_colors(const ValueScaling& scaling) { colors_ = scaling; }
-  void scale_near_infrared(const ValueScaling& scaling) { near_infrared_ = scaling; }
-  void scale_intensities(const ValueScaling& scaling) { intensities_ = scaling; }
-
-  /// Takes the next row; a position that is not finite is left out. False as begin_row().
-  bool add(std::span<const Cell> row);
-
- private:
-  struct Target {
-    std::size_t column;
-    ColumnRole role;
-    ScalarType type;
-    std::size_t dimension;  ///< of the cloud, for ColumnRole::extra
-  };
-  void put(const Target& target, const Cell& cell);
-
-  PositionColumns positions_;
-  std::vector<Target> targets_;
-  ValueScaling colors_, near_infrared_, intensities_;
-};
-
 namespace {
 
 /// Nearest value of an integer type, held at its ends; NaN becomes 0.
@@ -82,117 +53,128 @@ void store_as(ScalarType type, const Cell& cell, std::byte* place) {
   });
 }
 
-std::uint8_t bits_from(double value, int mask, int shift) {
-  return static_cast<std::uint8_t>((nearest<std::uint8_t>(value) & mask) << shift);
-}
-
 }  // namespace
 
-TableAppender::TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
-                             std::uint64_t count, const CloudPieces& pieces)
-    : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces), positions_(columns) {
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const TableColumn& column = columns[i];
-    const auto attribute = attribute_of(column.role);
-    if (!attribute || !wanted.contains(*attribute)) continue;
-    Target target{i, column.role, column.type, 0};
-    if (column.role == ColumnRole::extra) {
-      ExtraDimension dimension;
-      dimension.name = column.name;
-      dimension.type = column.type;
-      dimension.byte_count = scalar_size(column.type);
-      target.dimension = find_extra_dimension(cloud, dimension);
-    }
-    targets_.push_back(target);
-  }
-  make_rows();
-}
+/// The second pass over the rows of a point table: puts them into the columns of a cloud.
+class TableAppender : public RowsToFill {
+ public:
+  /// Makes new rows of zeros in `cloud` for the `count` rows to come, as far as a piece has room, and the
+  /// columns that they need: those of `columns` that are in `wanted`. `pieces` must outlive the object.
 
-bool TableAppender::add(std::span<const Cell> row) {
-  const glm::dvec3 world = positions_.position(row);
-  if (!(std::isfinite(world.x) && std::isfinite(world.y) && std::isfinite(world.z))) return true;
-  if (!begin_row(world)) return false;
-  for (const Target& target : targets_) put(target, row[target.column]);
-  return true;
-}
-
-void TableAppender::put(const Target& target, const Cell& cell) {
-  const double number = cell.number;
-  switch (target.role) {
-    case ColumnRole::red:
-      cloud_.colors[row_].x = colors_.apply(number);
-      return;
-    case ColumnRole::green:
-      cloud_.colors[row_].y = colors_.apply(number);
-      return;
-    case ColumnRole::blue:
-      cloud_.colors[row_].z = colors_.apply(number);
-      return;
-    case ColumnRole::packed_color:
-      cloud_.colors[row_] = {(cell.integer >> 16 & 255) * 257, (cell.integer >> 8 & 255) * 257,
-                             (cell.integer & 255) * 257};
-      return;
-    case ColumnRole::normal_x:
-      cloud_.normals[row_].x = to_float(number);
-      return;
-    case ColumnRole::normal_y:
-      cloud_.normals[row_].y = to_float(number);
-      return;
-    case ColumnRole::normal_z:
-      cloud_.normals[row_].z = to_float(number);
-      return;
-    case ColumnRole::near_infrared:
-      cloud_.near_infrared[row_] = near_infrared_.apply(number);
-      return;
-    case ColumnRole::intensity:
-      cloud_.intensities[row_] = intensities_.apply(number);
-      return;
-    case ColumnRole::classification:
-      cloud_.classifications[row_] = nearest<std::uint8_t>(number);
-      return;
-    case ColumnRole::return_number:
-      cloud_.returns[row_].number = nearest<std::uint8_t>(number);
-      return;
-    case ColumnRole::return_count:
-      cloud_.returns[row_].count = nearest<std::uint8_t>(number);
-      return;
-    case ColumnRole::class_flags:
-      cloud_.flags[row_] |= bits_from(number, 15, 0);
-      return;
-    case ColumnRole::scanner_channel:
-      cloud_.flags[row_] |= bits_from(number, 3, 4);
-      return;
-    case ColumnRole::scan_direction:
-      cloud_.flags[row_] |= bits_from(number, 1, 6);
-      return;
-    case ColumnRole::edge_of_flight_line:
-      cloud_.flags[row_] |= bits_from(number, 1, 7);
-      return;
-    case ColumnRole::scan_angle:
-      cloud_.scan_angles[row_] = to_float(number);
-      return;
-    case ColumnRole::user_data:
-      cloud_.user_data[row_] = nearest<std::uint8_t>(number);
-      return;
-    case ColumnRole::point_source_id:
-      cloud_.point_source_ids[row_] = nearest<std::uint16_t>(number);
-      return;
-    case ColumnRole::gps_time:
-      cloud_.gps_times[row_] = number;
-      return;
-    case ColumnRole::extra: {
-      ExtraDimension& dimension = cloud_.extra_dimensions[target.dimension];
-      const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
-      store_as(target.type, cell, reinterpret_cast<std::byte*>(dimension.values.data() + row_ * bytes));
-      return;
+  TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
+                std::uint64_t count, const CloudPieces& pieces)
+      : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces), positions_(columns) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const TableColumn& column = columns[i];
+      const auto attribute = attribute_of(column.role);
+      if (!attribute || !wanted.contains(*attribute)) continue;
+      Target target{i, column.role, column.type, 0};
+      if (column.role == ColumnRole::extra) {
+        ExtraDimension dimension;
+        dimension.name = column.name;
+        dimension.type = column.type;
+        dimension.byte_count = scalar_size(column.type);
+        target.dimension = find_extra_dimension(cloud, dimension);
+      }
+      targets_.push_back(target);
     }
-    case ColumnRole::x:
-    case ColumnRole::y:
-    case ColumnRole::z:
-    case ColumnRole::ignored:
-      return;
+    make_rows();
   }
-}
+
+  void scale_colors(const ValueScaling& scaling) { colors_ = scaling; }
+  void scale_near_infrared(const ValueScaling& scaling) { near_infrared_ = scaling; }
+  void scale_intensities(const ValueScaling& scaling) { intensities_ = scaling; }
+
+  /// Takes the next row; a position that is not finite is left out. False as begin_row().
+
+  bool add(std::span<const Cell> row) {
+    const glm::dvec3 world = positions_.position(row);
+    if (!(std::isfinite(world.x) && std::isfinite(world.y) && std::isfinite(world.z))) return true;
+    if (!begin_row(world)) return false;
+    for (const Target& target : targets_) put(target, row[target.column]);
+    return true;
+  }
+
+ private:
+  struct Target {
+    std::size_t column;
+    ColumnRole role;
+    ScalarType type;
+    std::size_t dimension;  ///< of the cloud, for ColumnRole::extra
+  };
+
+  void put(const Target& target, const Cell& cell) {
+    const double number = cell.number;
+    const auto round = [number]<class Integer>(Integer& value) { value = nearest<Integer>(number); };
+    const auto add_flags = [&](int mask, int shift) {
+      cloud_.flags[row_] |= static_cast<PointFlags>((nearest<std::uint8_t>(number) & mask) << shift);
+    };
+    const auto part_behind = [&](ColumnRole first) {
+      return static_cast<int>(target.role) - static_cast<int>(first);
+    };
+    switch (target.role) {
+      case ColumnRole::red:
+      case ColumnRole::green:
+      case ColumnRole::blue:
+        cloud_.colors[row_][part_behind(ColumnRole::red)] = colors_.apply(number);
+        return;
+      case ColumnRole::packed_color:
+        cloud_.colors[row_] = {(cell.integer >> 16 & 255) * 257, (cell.integer >> 8 & 255) * 257,
+                               (cell.integer & 255) * 257};
+        return;
+      case ColumnRole::normal_x:
+      case ColumnRole::normal_y:
+      case ColumnRole::normal_z:
+        cloud_.normals[row_][part_behind(ColumnRole::normal_x)] = to_float(number);
+        return;
+      case ColumnRole::near_infrared:
+        cloud_.near_infrared[row_] = near_infrared_.apply(number);
+        return;
+      case ColumnRole::intensity:
+        cloud_.intensities[row_] = intensities_.apply(number);
+        return;
+      case ColumnRole::classification:
+        return round(cloud_.classifications[row_]);
+      case ColumnRole::return_number:
+        return round(cloud_.returns[row_].number);
+      case ColumnRole::return_count:
+        return round(cloud_.returns[row_].count);
+      case ColumnRole::class_flags:
+        return add_flags(15, 0);
+      case ColumnRole::scanner_channel:
+        return add_flags(3, 4);
+      case ColumnRole::scan_direction:
+        return add_flags(1, 6);
+      case ColumnRole::edge_of_flight_line:
+        return add_flags(1, 7);
+      case ColumnRole::scan_angle:
+        cloud_.scan_angles[row_] = to_float(number);
+        return;
+      case ColumnRole::user_data:
+        return round(cloud_.user_data[row_]);
+      case ColumnRole::point_source_id:
+        return round(cloud_.point_source_ids[row_]);
+      case ColumnRole::gps_time:
+        cloud_.gps_times[row_] = number;
+        return;
+      case ColumnRole::extra: {
+        ExtraDimension& dimension = cloud_.extra_dimensions[target.dimension];
+        const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
+        store_as(target.type, cell, reinterpret_cast<std::byte*>(dimension.values.data() + row_ * bytes));
+        return;
+      }
+      case ColumnRole::x:
+      case ColumnRole::y:
+      case ColumnRole::z:
+      case ColumnRole::ignored:
+        return;
+    }
+  }
+
+  PositionColumns positions_;
+  std::vector<Target> targets_;
+  ValueScaling colors_, near_infrared_, intensities_;
+};
 
 void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage) {
   // In text, a value takes two bytes with the blank after it; the very last one may lack that.
@@ -294,6 +276,7 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
 }
 
 glm::dvec3 TableReader::resolution(const Bounds& bounds) const {
+  if (written_) return written_->resolution();
   glm::dvec3 result(0.0);
   if (bounds.empty()) return result;
   constexpr ColumnRole k_roles[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
@@ -315,11 +298,7 @@ void TableReader::warn(const std::string& clause) {
 
 void TableReader::fail(std::string place, std::string problem, std::string expected,
                        std::string found) const {
-  throw Error({.file = input_.name(),
-               .place = std::move(place),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw Error(input_.name(), std::move(place), std::move(problem), std::move(expected), std::move(found));
 }
 
 }  // namespace alidade

@@ -92,8 +92,8 @@ class TableReader : public CloudReader {
   /// How many rows the header says there are, if it does.
   virtual std::optional<std::uint64_t> announced_rows() const { return std::nullopt; }
 
-  /// The resolution of the coordinates after a pass; by default from the types of the columns and the largest
-  /// coordinates.
+  /// The resolution of the coordinates after a pass; by default as they were written, or from the types of
+  /// the columns and the largest coordinates.
   virtual glm::dvec3 resolution(const Bounds& bounds) const;
 
   /// Says why points were left out, as a clause.
@@ -107,11 +107,26 @@ class TableReader : public CloudReader {
   [[noreturn]] void fail(std::string place, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 
+  /// Calls fill(row) and then `visit` for `count` points; `source` is at the place that progress names.
+  template <class Source, class Fill>
+  void visit_points(std::uint64_t count, const Source& source, const RowVisitor& visit,
+                    const Progress& progress, const Fill& fill) {
+    constexpr std::uint64_t k_points_per_report = 1 << 16;
+    std::vector<Cell> row(columns_.size());
+    for (std::uint64_t point = 0; point < count; ++point) {
+      if (point % k_points_per_report == 0) report(progress, source.place(), input_.size());
+      fill(row);
+      visit(row);
+    }
+  }
+
   const std::vector<TableColumn>& columns() const { return columns_; }
   /// With Damage::read_over, counts are not compared with the room in the file: it ends where it ends.
   Damage damage() const { return damage_; }
   InputFile input_;
   CloudFile description_;
+  std::optional<WrittenResolution> written_;  ///< by the last pass, of text
+  std::vector<std::string_view> words_;       ///< of the line that is read, of text
 
  private:
   ScalarType type_of(ColumnRole role) const;

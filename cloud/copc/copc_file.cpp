@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -27,10 +26,7 @@ namespace {
 constexpr std::size_t k_start_size = 589;  // header, record header and the record of COPC
 
 [[noreturn]] void not_copc(const std::string& file_name, std::string expected, std::string found) {
-  throw Error({.file = file_name,
-               .problem = "is no COPC 1.0",
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw Error(file_name, {}, "is no COPC 1.0", std::move(expected), std::move(found));
 }
 
 LazLayout read_layout(const std::string& file_name, const LasHeader& header, const LasRecords& records) {
@@ -124,8 +120,7 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
   tbb::enumerable_thread_specific<Workshop> workshops([&] {
     return Workshop{ChunkDecoder(file.layout(), layers_of(choice.kept)), {}};
   });
-  std::vector<std::optional<CorruptChunk>> problems(part.nodes.size());
-  tbb::parallel_for(std::size_t{0}, part.nodes.size(), [&](std::size_t i) {
+  at_once(std::size_t{0}, part.nodes.size(), [&](std::size_t i) {
     const CopcNode& node = file.hierarchy().nodes[part.nodes[i]];
     if (node.chunk.point_count == 0) return;
     Workshop& workshop = workshops.local();
@@ -138,17 +133,11 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
                          choice, cloud);
           });
     } catch (const CorruptChunk& problem) {
-      // Which one is told must not depend on threads.
-      problems[i] = problem;
+      throw Error(file.name(), fmt::format("COPC node {}", node.key.name()),
+                  fmt::format("the compressed points are damaged: {}", problem.what()));
     }
     progress.add(node.chunk.point_count);
   });
-  for (std::size_t i = 0; i < problems.size(); ++i) {
-    if (!problems[i]) continue;
-    throw Error({.file = file.name(),
-                 .place = fmt::format("COPC node {}", file.hierarchy().nodes[part.nodes[i]].key.name()),
-                 .problem = fmt::format("the compressed points are damaged: {}", problems[i]->what())});
-  }
 }
 
 }  // namespace

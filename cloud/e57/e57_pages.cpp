@@ -157,11 +157,7 @@ void E57Pages::rest() {
 }
 
 void E57Pages::fail(std::string where, std::string problem, std::string expected, std::string found) const {
-  throw Error({.file = file_.name(),
-               .place = std::move(where),
-               .problem = std::move(problem),
-               .expected = std::move(expected),
-               .found = std::move(found)});
+  throw Error(file_.name(), std::move(where), std::move(problem), std::move(expected), std::move(found));
 }
 
 }  // namespace alidade

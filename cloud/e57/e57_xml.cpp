@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -19,11 +18,7 @@ namespace {
 
 template <class Integer>
 std::optional<Integer> parse_integer(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  Integer value{};
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  return parse_count<Integer>(text.substr(text.starts_with('+') ? 1 : 0));
 }
 
 std::string_view without_blanks(std::string_view text) {

@@ -50,6 +50,7 @@ class E57Reader final : public CloudReader {
     for (std::size_t i = 0; i < scans().size(); ++i) {
       const E57Roles& roles = roles_.emplace_back(scans()[i]);
       if (scans()[i].record_count == 0) continue;
+      filled_scans_.push_back(i);
       if (!roles.has_cartesian() && !roles.has_spherical()) {
         file_.pages().fail(where(i), "has no coordinates",
                            "cartesianX, Y and Z or sphericalRange, Azimuth and Elevation");
@@ -72,9 +73,76 @@ class E57Reader final : public CloudReader {
   FileFacts facts() const override { return facts_; }
   std::optional<Lattice> lattice() const override { return std::nullopt; }
   std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
-  CoordinateSurvey survey(const Progress& progress) override;
+
+  CoordinateSurvey survey(const Progress& progress) override {
+    CoordinateSurvey survey;
+    survey.resolution = glm::dvec3(std::numeric_limits<double>::infinity());
+    values_.assign(scans().size(), {});
+    left_out_ = {};
+    const auto grow = [](ColumnRange& range, const E57Points& points, E57Role role, std::size_t i) {
+      if (points.has(role) && std::isfinite(points.value(role, i))) range.grow(points.value(role, i));
+    };
+    for (const std::size_t scan : filled_scans_) {
+      E57Values& values = values_[scan];
+      glm::dvec3 resolution;
+      const E57LeftOut left_out = visit_scan(
+          scan, Attribute::color | Attribute::intensity, progress,
+          [&](const E57Points& points) {
+            for (std::size_t i = 0; i < points.positions.size(); ++i) {
+              if (points.is_left_out(i)) continue;
+              ++survey.finite_count;
+              survey.bounds.grow(points.positions[i]);
+              if (!points.is_flagged(E57Role::color_invalid, i)) {
+                for (const E57Role role : {E57Role::red, E57Role::green, E57Role::blue})
+                  grow(values.colors, points, role, i);
+              }
+              if (!points.is_flagged(E57Role::intensity_invalid, i))
+                grow(values.intensities, points, E57Role::intensity, i);
+            }
+          },
+          &resolution);
+      survey.resolution = glm::min(survey.resolution, resolution);
+      left_out_.directions += left_out.directions;
+      left_out_.unknown += left_out.unknown;
+      left_out_.not_finite += left_out.not_finite;
+    }
+    if (survey.finite_count == 0) survey.resolution = glm::dvec3(0.0);
+    survey.dropped_count = left_out_.total();
+    survey_ = survey;
+    return survey;
+  }
+
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override;
+                      const Progress& progress) override {
+    if (!survey_) survey({});
+    E57Oddities assumptions;
+    const AttributeSet kept = attributes_ & wanted;
+    const std::vector<E57Scaling> scalings = e57_scalings(scans(), roles_, values_, kept, assumptions);
+    for (const std::string& assumption : assumptions.clauses()) warn(assumption);
+    for (const E57Scan& scan : scans()) {
+      if (scan.pose) cloud.scanner_positions.push_back({scan.name, scan.pose->translation});
+    }
+    E57Appender appender(cloud, kept, survey_->finite_count, pieces);
+    for (const std::size_t scan : filled_scans_) {
+      appender.begin_scan(scans()[scan], scalings[scan], time_origins_[scan]);
+      visit_scan(
+          scan, kept, progress,
+          [&](const E57Points& points) {
+            if (appender.add(points)) return;
+            file_.pages().fail(where(scan),
+                               "a point does not fit on the lattice, or the file changed while it was read");
+          },
+          nullptr);
+    }
+    if (!appender.complete()) file_.pages().fail({}, "the file changed while it was read");
+    warn_of_gaps(kept);
+    about_.point_count = survey_->finite_count;
+    about_.dropped_count = survey_->dropped_count;
+    warn_of_left_out();
+    warn_of_invalid(appender.invalid());
+    cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
+  }
+
   void rest() override { file_.pages().rest(); }
 
  private:
@@ -83,17 +151,80 @@ class E57Reader final : public CloudReader {
   void warn(const std::string& clause) { warnings_.push_back(file_.pages().name() + ": " + clause); }
 
   using PointVisitor = std::function<void(const E57Points&)>;
+
+  /// Shows the points of one scan; tells which were left out and how finely the others are told apart.
   E57LeftOut visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
-                        const PointVisitor& visitor, glm::dvec3* resolution);
-  void find_time_origins();
-  void warn_of_gaps(AttributeSet kept);
-  void warn_of_left_out();
-  void warn_of_invalid(const std::array<std::uint64_t, 3>& invalid);
+                        const PointVisitor& visitor, glm::dvec3* resolution) {
+    const E57Scan& about = scans()[scan];
+    E57PointReader reader(about, roles_[scan]);
+    std::uint64_t done = 0;
+    reader.visit(file_.pages(), where(scan), attributes, [&](const E57Points& points) {
+      const double share = static_cast<double>(done) / static_cast<double>(about.record_count);
+      const double bytes = static_cast<double>(about.end - about.begin);
+      report(progress, about.begin + static_cast<std::uint64_t>(share * bytes), file_.pages().file_size());
+      visitor(points);
+      done += points.positions.size();
+    });
+    if (resolution) *resolution = reader.resolution();
+    return reader.left_out();
+  }
+
+  /// What the time stamps of each scan count from. Adjusted standard GPS time needs to know of every scan when
+  /// it began.
+  void find_time_origins() {
+    time_origins_.assign(scans().size(), 0.0);
+    std::size_t timed = 0, dated = 0;
+    for (const std::size_t scan : filled_scans_) {
+      if (!roles_[scan].has(E57Role::time)) continue;
+      ++timed;
+      if (scans()[scan].start) ++dated;
+    }
+    const bool is_standard = timed > 0 && dated == timed;
+    facts_.gps_time_is_standard = is_standard;
+    for (std::size_t scan = 0; is_standard && scan < scans().size(); ++scan)
+      time_origins_[scan] = scans()[scan].start.value_or(0.0) + k_adjusted_gps_time;
+    if (dated < timed)
+      warn(
+          "time stamps are seconds since the start of each scan, which the file does not tell of every scan");
+  }
+
+  /// Says which attributes are zeros in some scans, because these have none.
+  void warn_of_gaps(AttributeSet kept) {
+    std::map<std::string, std::size_t> lacking;
+    for (const std::size_t scan : filled_scans_) {
+      AttributeSet missing;
+      missing.bits = kept.bits & ~roles_[scan].attributes().bits;
+      for (const std::string& name : attribute_names(missing)) ++lacking[name];
+    }
+    for (const auto& [name, count] : lacking) {
+      warn(fmt::format("{} of {} scans {} no {}, which is filled with zeros", count, filled_scans_.size(),
+                       count == 1 ? "has" : "have", name));
+    }
+  }
+
+  void warn_of_left_out() {
+    const auto warn_of = [&](std::uint64_t count, const char* why) {
+      if (count > 0) warn(fmt::format("{} points {} were left out", count, why));
+    };
+    warn_of(left_out_.directions, "of which only the direction is known");
+    warn_of(left_out_.unknown, "that the file calls invalid");
+    warn_of(left_out_.not_finite, "without finite coordinates");
+  }
+
+  void warn_of_invalid(const std::array<std::uint64_t, 3>& invalid) {
+    constexpr const char* k_kinds[] = {"a colour", "an intensity", "a time"};
+    for (std::size_t kind = 0; kind < invalid.size(); ++kind) {
+      if (invalid[kind] == 0) continue;
+      warn(fmt::format("{} points have {} that the file calls invalid; it became 0", invalid[kind],
+                       k_kinds[kind]));
+    }
+  }
 
   E57File file_;
   CloudFile about_;
   AttributeSet attributes_;
   std::vector<E57Roles> roles_;
+  std::vector<std::size_t> filled_scans_;  ///< those with records
   std::vector<std::string> warnings_;
   FileFacts facts_;
   std::vector<double> time_origins_;  ///< of each scan
@@ -102,147 +233,6 @@ class E57Reader final : public CloudReader {
   E57LeftOut left_out_;
   std::optional<CoordinateSurvey> survey_;
 };
-
-/// Shows the points of one scan; tells which were left out and how finely the others are told apart.
-E57LeftOut E57Reader::visit_scan(std::size_t scan, AttributeSet attributes, const Progress& progress,
-                                 const PointVisitor& visitor, glm::dvec3* resolution) {
-  const E57Scan& about = scans()[scan];
-  E57PointReader reader(about, roles_[scan]);
-  std::uint64_t done = 0;
-  reader.visit(file_.pages(), where(scan), attributes, [&](const E57Points& points) {
-    const double share = static_cast<double>(done) / static_cast<double>(about.record_count);
-    const double bytes = static_cast<double>(about.end - about.begin);
-    report(progress, about.begin + static_cast<std::uint64_t>(share * bytes), file_.pages().file_size());
-    visitor(points);
-    done += points.positions.size();
-  });
-  if (resolution) *resolution = reader.resolution();
-  return reader.left_out();
-}
-
-CoordinateSurvey E57Reader::survey(const Progress& progress) {
-  CoordinateSurvey survey;
-  survey.resolution = glm::dvec3(std::numeric_limits<double>::infinity());
-  values_.assign(scans().size(), {});
-  left_out_ = {};
-  const auto grow = [](ColumnRange& range, const E57Points& points, E57Role role, std::size_t i) {
-    if (points.has(role) && std::isfinite(points.value(role, i))) range.grow(points.value(role, i));
-  };
-  for (std::size_t scan = 0; scan < scans().size(); ++scan) {
-    if (scans()[scan].record_count == 0) continue;
-    E57Values& values = values_[scan];
-    glm::dvec3 resolution;
-    const E57LeftOut left_out = visit_scan(
-        scan, Attribute::color | Attribute::intensity, progress,
-        [&](const E57Points& points) {
-          for (std::size_t i = 0; i < points.positions.size(); ++i) {
-            if (points.is_left_out(i)) continue;
-            ++survey.finite_count;
-            survey.bounds.grow(points.positions[i]);
-            if (!points.is_flagged(E57Role::color_invalid, i)) {
-              for (const E57Role role : {E57Role::red, E57Role::green, E57Role::blue})
-                grow(values.colors, points, role, i);
-            }
-            if (!points.is_flagged(E57Role::intensity_invalid, i))
-              grow(values.intensities, points, E57Role::intensity, i);
-          }
-        },
-        &resolution);
-    survey.resolution = glm::min(survey.resolution, resolution);
-    left_out_.directions += left_out.directions;
-    left_out_.unknown += left_out.unknown;
-    left_out_.not_finite += left_out.not_finite;
-  }
-  if (survey.finite_count == 0) survey.resolution = glm::dvec3(0.0);
-  survey.dropped_count = left_out_.total();
-  survey_ = survey;
-  return survey;
-}
-
-/// What the time stamps of each scan count from. Adjusted standard GPS time needs to know of every scan when
-/// it began.
-void E57Reader::find_time_origins() {
-  time_origins_.assign(scans().size(), 0.0);
-  std::size_t timed = 0, dated = 0;
-  for (std::size_t scan = 0; scan < scans().size(); ++scan) {
-    if (scans()[scan].record_count == 0 || !roles_[scan].has(E57Role::time)) continue;
-    ++timed;
-    if (scans()[scan].start) ++dated;
-  }
-  const bool is_standard = timed > 0 && dated == timed;
-  facts_.gps_time_is_standard = is_standard;
-  for (std::size_t scan = 0; is_standard && scan < scans().size(); ++scan)
-    time_origins_[scan] = scans()[scan].start.value_or(0.0) + k_adjusted_gps_time;
-  if (dated < timed)
-    warn("time stamps are seconds since the start of each scan, which the file does not tell of every scan");
-}
-
-/// Says which attributes are zeros in some scans, because these have none.
-void E57Reader::warn_of_gaps(AttributeSet kept) {
-  std::map<std::string, std::size_t> lacking;
-  std::size_t scan_count = 0;
-  for (std::size_t scan = 0; scan < scans().size(); ++scan) {
-    if (scans()[scan].record_count == 0) continue;
-    ++scan_count;
-    AttributeSet missing;
-    missing.bits = kept.bits & ~roles_[scan].attributes().bits;
-    for (const std::string& name : attribute_names(missing)) ++lacking[name];
-  }
-  for (const auto& [name, count] : lacking) {
-    warn(fmt::format("{} of {} scans {} no {}, which is filled with zeros", count, scan_count,
-                     count == 1 ? "has" : "have", name));
-  }
-}
-
-void E57Reader::warn_of_left_out() {
-  const auto warn_of = [&](std::uint64_t count, const char* why) {
-    if (count > 0) warn(fmt::format("{} points {} were left out", count, why));
-  };
-  warn_of(left_out_.directions, "of which only the direction is known");
-  warn_of(left_out_.unknown, "that the file calls invalid");
-  warn_of(left_out_.not_finite, "without finite coordinates");
-}
-
-void E57Reader::warn_of_invalid(const std::array<std::uint64_t, 3>& invalid) {
-  constexpr const char* k_kinds[] = {"a colour", "an intensity", "a time"};
-  for (std::size_t kind = 0; kind < invalid.size(); ++kind) {
-    if (invalid[kind] == 0) continue;
-    warn(fmt::format("{} points have {} that the file calls invalid; it became 0", invalid[kind],
-                     k_kinds[kind]));
-  }
-}
-
-void E57Reader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                               const Progress& progress) {
-  if (!survey_) survey({});
-  E57Oddities assumptions;
-  const AttributeSet kept = attributes_ & wanted;
-  const std::vector<E57Scaling> scalings = e57_scalings(scans(), roles_, values_, kept, assumptions);
-  for (const std::string& assumption : assumptions.clauses()) warn(assumption);
-  for (const E57Scan& scan : scans()) {
-    if (scan.pose) cloud.scanner_positions.push_back({scan.name, scan.pose->translation});
-  }
-  E57Appender appender(cloud, kept, survey_->finite_count, pieces);
-  for (std::size_t scan = 0; scan < scans().size(); ++scan) {
-    if (scans()[scan].record_count == 0) continue;
-    appender.begin_scan(scans()[scan], scalings[scan], time_origins_[scan]);
-    visit_scan(
-        scan, kept, progress,
-        [&](const E57Points& points) {
-          if (appender.add(points)) return;
-          file_.pages().fail(where(scan),
-                             "a point does not fit on the lattice, or the file changed while it was read");
-        },
-        nullptr);
-  }
-  if (!appender.complete()) file_.pages().fail({}, "the file changed while it was read");
-  warn_of_gaps(kept);
-  about_.point_count = survey_->finite_count;
-  about_.dropped_count = survey_->dropped_count;
-  warn_of_left_out();
-  warn_of_invalid(appender.invalid());
-  cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
-}
 
 }  // namespace
 

@@ -9,6 +9,7 @@
 
 #include "base/bytes.h"
 #include "base/error.h"
+#include "base/words.h"
 #include "cloud/laz/chunk_table.h"
 
 // Byte positions below are those of the public header block: LAS Specification 1.4 R15, table 3.
@@ -196,10 +197,7 @@ std::string las_text(const std::byte* field, std::size_t length) {
 
 void store_las_text(std::byte* field, std::size_t length, const std::string& text) {
   std::size_t count = std::min(length, text.size());
-  const auto continues_character = [&](std::size_t at) {
-    return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80;
-  };
-  while (count > 0 && count < text.size() && continues_character(count)) --count;
+  while (count > 0 && count < text.size() && is_continuation(text[count])) --count;
   std::memcpy(field, text.data(), count);
 }
 

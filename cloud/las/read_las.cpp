@@ -33,33 +33,31 @@ void fill(const RecordBlock& block, int place, Column& column, Value value) {
 template <class T>
 constexpr auto k_plain = [](const std::byte* at) { return load<T>(at); };
 
-ReturnNumbers legacy_returns(const std::byte* at) {
+constexpr auto k_legacy_returns = [](const std::byte* at) -> ReturnNumbers {
   const unsigned bits = load<std::uint8_t>(at);
   return {.number = static_cast<std::uint8_t>(bits & 7), .count = static_cast<std::uint8_t>(bits >> 3 & 7)};
-}
+};
 
-ReturnNumbers returns(const std::byte* at) {
+constexpr auto k_returns = [](const std::byte* at) -> ReturnNumbers {
   const unsigned bits = load<std::uint8_t>(at);
   return {.number = static_cast<std::uint8_t>(bits & 15), .count = static_cast<std::uint8_t>(bits >> 4)};
-}
+};
 
 /// Scan direction and edge of flight line from the byte of the returns; synthetic, key point and withheld
 /// from the upper bits of the classification behind it.
-PointFlags legacy_flags(const std::byte* at) {
+constexpr auto k_legacy_flags = [](const std::byte* at) -> PointFlags {
   return static_cast<PointFlags>((load<std::uint8_t>(at) & 0xc0) | load<std::uint8_t>(at + 1) >> 5);
-}
+};
 
-std::uint8_t legacy_classification(const std::byte* at) {
+constexpr auto k_legacy_classification = [](const std::byte* at) -> std::uint8_t {
   return load<std::uint8_t>(at) & 31;
-}
+};
 
-float legacy_scan_angle(const std::byte* at) {
-  return load<std::int8_t>(at);
-}
+constexpr auto k_legacy_scan_angle = [](const std::byte* at) -> float { return load<std::int8_t>(at); };
 
-float scan_angle(const std::byte* at) {
+constexpr auto k_scan_angle = [](const std::byte* at) -> float {
   return static_cast<float>(load<std::int16_t>(at) * k_las_scan_angle_step);
-}
+};
 
 /// Index of the first of three dimensions that hold a normal as LasWriter writes it; empty if there are none.
 std::optional<std::size_t> find_normal(const std::vector<ExtraDimension>& dimensions) {
@@ -135,46 +133,27 @@ void LasColumns::take(const RecordBlock& block, const Choice& choice, PointCloud
 }
 
 void LasColumns::take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const {
-  const bool legacy = layout_.legacy;
-  if (kept.contains(Attribute::intensity)) fill(block, 12, cloud.intensities, k_plain<std::uint16_t>);
-  if (kept.contains(Attribute::returns)) {
-    if (legacy) {
-      fill(block, 14, cloud.returns, legacy_returns);
-    } else {
-      fill(block, 14, cloud.returns, returns);
-    }
+  const auto keep = [&](Attribute attribute, int place, auto& column, auto value) {
+    if (kept.contains(attribute)) fill(block, place, column, value);
+  };
+  keep(Attribute::intensity, 12, cloud.intensities, k_plain<std::uint16_t>);
+  if (layout_.legacy) {
+    keep(Attribute::returns, 14, cloud.returns, k_legacy_returns);
+    keep(Attribute::flags, 14, cloud.flags, k_legacy_flags);
+    keep(Attribute::classification, 15, cloud.classifications, k_legacy_classification);
+    keep(Attribute::scan_angle, 16, cloud.scan_angles, k_legacy_scan_angle);
+  } else {
+    keep(Attribute::returns, 14, cloud.returns, k_returns);
+    keep(Attribute::flags, 15, cloud.flags, k_plain<PointFlags>);
+    keep(Attribute::classification, 16, cloud.classifications, k_plain<std::uint8_t>);
+    keep(Attribute::scan_angle, 18, cloud.scan_angles, k_scan_angle);
   }
-  if (kept.contains(Attribute::flags)) {
-    if (legacy) {
-      fill(block, 14, cloud.flags, legacy_flags);
-    } else {
-      fill(block, 15, cloud.flags, k_plain<PointFlags>);
-    }
-  }
-  if (kept.contains(Attribute::classification)) {
-    if (legacy) {
-      fill(block, 15, cloud.classifications, legacy_classification);
-    } else {
-      fill(block, 16, cloud.classifications, k_plain<std::uint8_t>);
-    }
-  }
-  if (kept.contains(Attribute::scan_angle)) {
-    if (legacy) {
-      fill(block, 16, cloud.scan_angles, legacy_scan_angle);
-    } else {
-      fill(block, 18, cloud.scan_angles, scan_angle);
-    }
-  }
-  if (kept.contains(Attribute::user_data)) fill(block, 17, cloud.user_data, k_plain<std::uint8_t>);
-  if (kept.contains(Attribute::point_source_id)) {
-    fill(block, legacy ? 18 : 20, cloud.point_source_ids, k_plain<std::uint16_t>);
-  }
-  if (kept.contains(Attribute::gps_time)) fill(block, layout_.gps_time, cloud.gps_times, k_plain<double>);
-  if (kept.contains(Attribute::color)) fill(block, layout_.color, cloud.colors, k_plain<Color16>);
-  if (kept.contains(Attribute::near_infrared)) {
-    fill(block, layout_.near_infrared, cloud.near_infrared, k_plain<std::uint16_t>);
-  }
-  if (kept.contains(Attribute::normal)) fill(block, *normal_place_, cloud.normals, k_plain<glm::vec3>);
+  keep(Attribute::user_data, 17, cloud.user_data, k_plain<std::uint8_t>);
+  keep(Attribute::point_source_id, layout_.legacy ? 18 : 20, cloud.point_source_ids, k_plain<std::uint16_t>);
+  keep(Attribute::gps_time, layout_.gps_time, cloud.gps_times, k_plain<double>);
+  keep(Attribute::color, layout_.color, cloud.colors, k_plain<Color16>);
+  keep(Attribute::near_infrared, layout_.near_infrared, cloud.near_infrared, k_plain<std::uint16_t>);
+  keep(Attribute::normal, normal_place_.value_or(0), cloud.normals, k_plain<glm::vec3>);
 }
 
 namespace {
@@ -233,18 +212,66 @@ class LasReader final : public CloudReader {
 
   const CloudFile& file() const override { return about_; }
   AttributeSet attributes() const override { return columns_.attributes(); }
-  FileFacts facts() const override;
+
+  FileFacts facts() const override {
+    return {.crs = records_.crs,
+            .gps_time_is_standard = (header_.global_encoding & k_las_gps_time_is_standard) != 0,
+            .project_id = header_.project_id,
+            .file_source_id = header_.file_source_id,
+            .box = widened_header_box(header_.bounds, header_.lattice)};
+  }
+
   std::optional<Lattice> lattice() const override { return header_.lattice; }
   std::optional<std::uint64_t> point_count() const override { return header_.point_count; }
-  CoordinateSurvey survey(const Progress&) override;
+
+  CoordinateSurvey survey(const Progress&) override {
+    // The lattice is in the header: there is nothing to find out.
+    return {};
+  }
+
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                      const Progress& progress) override;
-  std::vector<LostPoints> lost() const override;
+                      const Progress& progress) override {
+    cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
+    cloud.records.insert(cloud.records.end(), records_.others.begin(), records_.others.end());
+    if (header_.point_count == 0) return;
+    const LasColumns::Choice choice = columns_.choose(wanted, cloud);
+    if (!laz_) {
+      read_plain(choice, cloud, pieces, progress);
+      return;
+    }
+    CloudRows rows(columns_, choice, header_.point_size, cloud, pieces);
+    LazPoints points(file_, header_, *laz_, damage_);
+    cloud.warnings.insert(cloud.warnings.end(), points.warnings().begin(), points.warnings().end());
+    lost_ = points.read(layers_of(choice.kept), rows, progress);
+    about_.point_count = rows.count();
+  }
+
+  std::vector<LostPoints> lost() const override {
+    if (header_.lost_count == 0) return lost_;
+    return {{.count = header_.lost_count,
+             .place = fmt::format("byte {}", file_.size()),
+             .problem = "the file ends before its last point"}};
+  }
+
   void rest() override { file_.rest(); }
 
  private:
   void read_plain(const LasColumns::Choice& choice, PointCloud& cloud, const CloudPieces& pieces,
-                  const Progress& progress);
+                  const Progress& progress) {
+    const std::size_t point_size = header_.point_size;
+    const std::size_t step = std::max<std::size_t>(k_block_bytes / point_size, 1);
+    std::uint64_t place = header_.points_place;
+    while (place < header_.points_end()) {
+      const std::uint64_t left = (header_.points_end() - place) / point_size;
+      const std::size_t count =
+          room_in_piece(cloud, choice.kept, std::min<std::uint64_t>(step, left), pieces);
+      const RecordBlock block{file_.view(place, count * point_size).data(), point_size, count, cloud.size()};
+      append_rows(cloud, choice.kept, count);
+      columns_.take(block, choice, cloud);
+      place += count * point_size;
+      report(progress, place, file_.size());
+    }
+  }
 
   InputFile file_;
   Damage damage_;
@@ -256,59 +283,6 @@ class LasReader final : public CloudReader {
   CloudFile about_;
   std::vector<LostPoints> lost_;  ///< of compressed points
 };
-
-FileFacts LasReader::facts() const {
-  return {.crs = records_.crs,
-          .gps_time_is_standard = (header_.global_encoding & k_las_gps_time_is_standard) != 0,
-          .project_id = header_.project_id,
-          .file_source_id = header_.file_source_id,
-          .box = widened_header_box(header_.bounds, header_.lattice)};
-}
-
-std::vector<LostPoints> LasReader::lost() const {
-  if (header_.lost_count == 0) return lost_;
-  return {{.count = header_.lost_count,
-           .place = fmt::format("byte {}", file_.size()),
-           .problem = "the file ends before its last point"}};
-}
-
-CoordinateSurvey LasReader::survey(const Progress&) {
-  // The lattice is in the header: there is nothing to find out.
-  return {};
-}
-
-void LasReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
-                               const Progress& progress) {
-  cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
-  cloud.records.insert(cloud.records.end(), records_.others.begin(), records_.others.end());
-  if (header_.point_count == 0) return;
-  const LasColumns::Choice choice = columns_.choose(wanted, cloud);
-  if (!laz_) {
-    read_plain(choice, cloud, pieces, progress);
-    return;
-  }
-  CloudRows rows(columns_, choice, header_.point_size, cloud, pieces);
-  LazPoints points(file_, header_, *laz_, damage_);
-  cloud.warnings.insert(cloud.warnings.end(), points.warnings().begin(), points.warnings().end());
-  lost_ = points.read(layers_of(choice.kept), rows, progress);
-  about_.point_count = rows.count();
-}
-
-void LasReader::read_plain(const LasColumns::Choice& choice, PointCloud& cloud, const CloudPieces& pieces,
-                           const Progress& progress) {
-  const std::size_t point_size = header_.point_size;
-  const std::size_t step = std::max<std::size_t>(k_block_bytes / point_size, 1);
-  std::uint64_t place = header_.points_place;
-  while (place < header_.points_end()) {
-    const std::uint64_t left = (header_.points_end() - place) / point_size;
-    const std::size_t count = room_in_piece(cloud, choice.kept, std::min<std::uint64_t>(step, left), pieces);
-    const RecordBlock block{file_.view(place, count * point_size).data(), point_size, count, cloud.size()};
-    append_rows(cloud, choice.kept, count);
-    columns_.take(block, choice, cloud);
-    place += count * point_size;
-    report(progress, place, file_.size());
-  }
-}
 
 }  // namespace
 

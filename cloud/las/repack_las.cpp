@@ -28,7 +28,7 @@ constexpr std::size_t k_repacked_bytes = 1 << 20;
 // Fields of the header: LAS Specification 1.4 R15, table 3.
 constexpr std::size_t k_points_place = 96, k_record_count = 100, k_point_format = 104;
 constexpr std::size_t k_wave_packets_place = 227, k_extended_records_place = 235;
-constexpr std::byte k_laz_mark{0x80}, k_laz_marks{0xc0};
+constexpr std::byte k_laz_format_mark{0x80}, k_laz_format_marks{0xc0};
 
 /// A LAS or LAZ file with all that it says about its points.
 struct Source {
@@ -49,27 +49,26 @@ struct Source {
   }
 
   /// Where the points end, packed or not.
-  std::uint64_t points_end();
-};
 
-std::uint64_t Source::points_end() {
-  if (!packing) return header.points_end();
-  const std::uint64_t extended =
-      header.extended_record_count > 0 ? header.extended_records_place : file.size();
-  if (extended < header.points_place + k_laz_table_place_bytes) return extended;
-  std::string missing;
-  const auto chunks = packing->compressor == LazCompressor::pointwise
-                          ? std::nullopt
-                          : read_chunk_table(file, header, *packing, missing);
-  // Without a table only the extended records tell where something else begins.
-  if (!chunks) return extended;
-  const std::uint64_t table = chunks->empty() ? header.points_place + k_laz_table_place_bytes
-                                              : chunks->back().place + chunks->back().byte_count;
-  const auto place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
-  // A writer that could not go back wrote the place of the table behind it.
-  const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (place == -1 ? 8 : 0);
-  return std::min(end, extended);
-}
+  std::uint64_t points_end() {
+    if (!packing) return header.points_end();
+    const std::uint64_t extended =
+        header.extended_record_count > 0 ? header.extended_records_place : file.size();
+    if (extended < header.points_place + k_laz_table_place_bytes) return extended;
+    std::string missing;
+    const auto chunks = packing->compressor == LazCompressor::pointwise
+                            ? std::nullopt
+                            : read_chunk_table(file, header, *packing, missing);
+    // Without a table only the extended records tell where something else begins.
+    if (!chunks) return extended;
+    const std::uint64_t table = chunks->empty() ? header.points_place + k_laz_table_place_bytes
+                                                : chunks->back().place + chunks->back().byte_count;
+    const auto place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
+    // A writer that could not go back wrote the place of the table behind it.
+    const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (place == -1 ? 8 : 0);
+    return std::min(end, extended);
+  }
+};
 
 /// Takes the records "laszip encoded" out of header and records; returns the place behind the last record.
 std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& header) {
@@ -105,10 +104,10 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   std::vector<std::byte> head(source.header.points_place);
   source.file.read_at(0, head);
   const std::size_t records_end = take_out_laszip(head, source.header);
-  head[k_point_format] &= ~k_laz_marks;
+  head[k_point_format] &= ~k_laz_format_marks;
   if (packing) {
     put_in_laszip(head, records_end, *packing);
-    head[k_point_format] |= k_laz_mark;
+    head[k_point_format] |= k_laz_format_mark;
   }
   if (head.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error({.file = source.file.name(),

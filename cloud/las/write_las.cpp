@@ -73,9 +73,58 @@ struct LasWriter::State {
   State(const std::filesystem::path& path, const LasWriteOptions& write_options)
       : file(path, write_options.overwrite), options(write_options) {}
 
-  void encode(const PointCloud& batch, std::size_t first, std::size_t count);
-  void encode_extra_dimensions(const PointCloud& batch, std::size_t first, std::size_t count);
-  void count_points(const PointCloud& batch, std::size_t first, std::size_t count);
+  void encode(const PointCloud& batch, std::size_t first, std::size_t count) {
+    const std::size_t size = header.point_size;
+    block.assign(count * size, std::byte{0});
+    const auto put_at = [&](int place, const auto& column, auto value) {
+      if (place >= 0) put(column, first, count, block.data() + place, size, value);
+    };
+    put_at(0, batch.positions, k_as_it_is);
+    put_at(12, batch.intensities, k_as_it_is);
+    put_at(14, batch.returns, return_byte);
+    put_at(15, batch.flags, k_as_it_is);
+    put_at(16, batch.classifications, k_as_it_is);
+    put_at(17, batch.user_data, k_as_it_is);
+    put_at(18, batch.scan_angles, scan_angle_steps);
+    put_at(20, batch.point_source_ids, k_as_it_is);
+    const LasPointLayout& layout = header.layout();
+    put_at(layout.gps_time, batch.gps_times, k_as_it_is);
+    put_at(layout.color, batch.colors, k_as_it_is);
+    put_at(layout.near_infrared, batch.near_infrared, k_as_it_is);
+    encode_extra_dimensions(batch, first, count);
+  }
+
+  void encode_extra_dimensions(const PointCloud& batch, std::size_t first, std::size_t count) {
+    std::byte* at = block.data() + header.layout().size;
+    const std::size_t own_count = extra_dimensions.size() - (has_normals ? 3 : 0);
+    for (std::size_t i = 0; i < own_count; ++i) {
+      const ExtraDimension& dimension = extra_dimensions[i];
+      const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
+      const auto same = [&](const ExtraDimension& other) { return same_meaning(other, dimension); };
+      // Dimensions of one name are told apart by their place.
+      const auto& given = batch.extra_dimensions;
+      const auto source = i < given.size() && same(given[i]) ? given.begin() + static_cast<std::ptrdiff_t>(i)
+                                                             : std::find_if(given.begin(), given.end(), same);
+      if (source != given.end() && !source->values.empty()) {
+        assert(source->values.size() == batch.size() * bytes);
+        for (std::size_t row = 0; row < count; ++row) {
+          std::memcpy(at + row * header.point_size, source->values.data() + (first + row) * bytes, bytes);
+        }
+      }
+      at += bytes;
+    }
+    if (has_normals) put(batch.normals, first, count, at, header.point_size, k_as_it_is);
+  }
+
+  void count_points(const PointCloud& batch, std::size_t first, std::size_t count) {
+    header.point_count += count;
+    for (std::size_t row = first; row < first + count; ++row) {
+      extent.grow(batch.positions[row]);
+      if (batch.returns.empty()) continue;
+      const int number = std::min<int>(batch.returns[row].number, 15);
+      if (number > 0) ++header.points_by_return[static_cast<std::size_t>(number - 1)];
+    }
+  }
 };
 
 LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, AttributeSet attributes,
@@ -146,60 +195,6 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
 }
 
 LasWriter::~LasWriter() = default;
-
-void LasWriter::State::encode(const PointCloud& batch, std::size_t first, std::size_t count) {
-  const std::size_t size = header.point_size;
-  block.assign(count * size, std::byte{0});
-  std::byte* const at = block.data();
-  put(batch.positions, first, count, at, size, k_as_it_is);
-  put(batch.intensities, first, count, at + 12, size, k_as_it_is);
-  put(batch.returns, first, count, at + 14, size, return_byte);
-  put(batch.flags, first, count, at + 15, size, k_as_it_is);
-  put(batch.classifications, first, count, at + 16, size, k_as_it_is);
-  put(batch.user_data, first, count, at + 17, size, k_as_it_is);
-  put(batch.scan_angles, first, count, at + 18, size, scan_angle_steps);
-  put(batch.point_source_ids, first, count, at + 20, size, k_as_it_is);
-  const LasPointLayout& layout = header.layout();
-  put(batch.gps_times, first, count, at + layout.gps_time, size, k_as_it_is);
-  if (layout.color >= 0) put(batch.colors, first, count, at + layout.color, size, k_as_it_is);
-  if (layout.near_infrared >= 0) {
-    put(batch.near_infrared, first, count, at + layout.near_infrared, size, k_as_it_is);
-  }
-  encode_extra_dimensions(batch, first, count);
-}
-
-void LasWriter::State::encode_extra_dimensions(const PointCloud& batch, std::size_t first,
-                                               std::size_t count) {
-  std::byte* at = block.data() + header.layout().size;
-  const std::size_t own_count = extra_dimensions.size() - (has_normals ? 3 : 0);
-  for (std::size_t i = 0; i < own_count; ++i) {
-    const ExtraDimension& dimension = extra_dimensions[i];
-    const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
-    const auto same = [&](const ExtraDimension& other) { return same_meaning(other, dimension); };
-    // Dimensions of one name are told apart by their place.
-    const auto& given = batch.extra_dimensions;
-    const auto source = i < given.size() && same(given[i]) ? given.begin() + static_cast<std::ptrdiff_t>(i)
-                                                           : std::find_if(given.begin(), given.end(), same);
-    if (source != given.end() && !source->values.empty()) {
-      assert(source->values.size() == batch.size() * bytes);
-      for (std::size_t row = 0; row < count; ++row) {
-        std::memcpy(at + row * header.point_size, source->values.data() + (first + row) * bytes, bytes);
-      }
-    }
-    at += bytes;
-  }
-  if (has_normals) put(batch.normals, first, count, at, header.point_size, k_as_it_is);
-}
-
-void LasWriter::State::count_points(const PointCloud& batch, std::size_t first, std::size_t count) {
-  header.point_count += count;
-  for (std::size_t row = first; row < first + count; ++row) {
-    extent.grow(batch.positions[row]);
-    if (batch.returns.empty()) continue;
-    const int number = std::min<int>(batch.returns[row].number, 15);
-    if (number > 0) ++header.points_by_return[static_cast<std::size_t>(number - 1)];
-  }
-}
 
 void LasWriter::write(const PointCloud& batch) {
   State& state = *state_;

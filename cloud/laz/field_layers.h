@@ -14,43 +14,73 @@
 
 namespace alidade {
 
-/// z of POINT14: predicted by the last point of the channel that was as far from the last return.
-class ZLayer final : public LayerOfPoints<ZLayer> {
+/// Layers of POINT14 whose values are predicted by the last point of the channel that was of a kind. Rules
+/// says which of eight kinds a point is, and which of its contexts codes the difference.
+template <class Rules>
+class PredictedLayer final : public LayerOfPoints<PredictedLayer<Rules>> {
+  using Value = typename Rules::Value;
+
  public:
-  ZLayer() : LayerOfPoints({"z", point14::k_z, 4}) {}
+  PredictedLayer() : LayerOfPoints<PredictedLayer<Rules>>(Rules::k_field) {}
 
   void start(const std::byte* first_record, unsigned channel) override {
-    channels_.start(channel, load<std::int32_t>(first_record + point14::k_z));
+    channels_.start(channel, load<Value>(first_record + Rules::k_field.offset));
   }
 
-  /// Written even where z never changes, as other writers do.
-  bool needed(std::span<const std::byte>, std::size_t) const override { return true; }
+  bool needed(std::span<const std::byte> records, std::size_t record_size) const override {
+    return Rules::k_is_always_written || Layer::needed(records, record_size);
+  }
 
   template <class Coder, class Byte>
   void code(Coder& coder, const LayeredPoint& point, Byte* field) {
     Channel& channel = channels_.select(point);
-    std::int32_t& last = channel.by_level[point.level];
-    last = coder.integer(channel.dz, last, coder.template value<std::int32_t>(field), point.z_context);
+    Value& last = channel.by_kind[Rules::kind(point)];
+    last = static_cast<Value>(
+        coder.integer(channel.differences, last, coder.template value<Value>(field), Rules::context(point)));
     channel.last = last;
     coder.put(field, last);
   }
 
  private:
   struct Channel {
-    void open(std::int32_t value) {
-      dz.reset();
-      by_level.fill(value);
+    void open(Value value) {
+      differences.reset();
+      by_kind.fill(value);
       last = value;
     }
-    std::int32_t last_value() const { return last; }
+    Value last_value() const { return last; }
 
-    IntegerCompressor dz{32, 20};
-    std::array<std::int32_t, 8> by_level{};
-    std::int32_t last = 0;
+    IntegerCompressor differences{8 * sizeof(Value), Rules::k_contexts};
+    std::array<Value, 8> by_kind{};
+    Value last = 0;
   };
 
   ChannelStates<Channel> channels_;
 };
+
+struct ZRules {
+  using Value = std::int32_t;
+  static constexpr Layer::Field k_field = {"z", point14::k_z, sizeof(Value)};
+  static constexpr int k_contexts = 20;
+  static constexpr bool k_is_always_written = true;  // also where z never changes, as other writers do
+  static unsigned kind(const LayeredPoint& point) { return point.level; }
+  static int context(const LayeredPoint& point) { return point.z_context; }
+};
+
+/// Points are alike that are both first or last returns or neither, and both have a new time or not.
+struct IntensityRules {
+  using Value = std::uint16_t;
+  static constexpr Layer::Field k_field = {"intensity", point14::k_intensity, sizeof(Value)};
+  static constexpr int k_contexts = 4;
+  static constexpr bool k_is_always_written = false;
+  static unsigned kind(const LayeredPoint& point) {
+    return 2u * point.return_end + point.has(LayeredPoint::k_gps_time);
+  }
+  static int context(const LayeredPoint& point) { return point.return_end; }
+};
+
+using ZLayer = PredictedLayer<ZRules>;
+using IntensityLayer = PredictedLayer<IntensityRules>;
 
 // Layers of POINT14 whose values are few: each is one symbol, whose model the last value of the channel
 // chooses.
@@ -129,43 +159,6 @@ struct FlagsRules {
 using ClassificationLayer = ByteLayer<ClassificationRules>;
 using UserDataLayer = ByteLayer<UserDataRules>;
 using FlagsLayer = ByteLayer<FlagsRules>;
-
-/// Intensity of POINT14: predicted by the last point of the channel that was like it first or last return and
-/// like it had a new time or not.
-class IntensityLayer final : public LayerOfPoints<IntensityLayer> {
- public:
-  IntensityLayer() : LayerOfPoints({"intensity", point14::k_intensity, 2}) {}
-
-  void start(const std::byte* first_record, unsigned channel) override {
-    channels_.start(channel, load<std::uint16_t>(first_record + point14::k_intensity));
-  }
-
-  template <class Coder, class Byte>
-  void code(Coder& coder, const LayeredPoint& point, Byte* field) {
-    Channel& channel = channels_.select(point);
-    std::uint16_t& last = channel.by_return[2u * point.return_end + point.has(LayeredPoint::k_gps_time)];
-    last = static_cast<std::uint16_t>(
-        coder.integer(channel.intensity, last, coder.template value<std::uint16_t>(field), point.return_end));
-    channel.last = last;
-    coder.put(field, last);
-  }
-
- private:
-  struct Channel {
-    void open(std::uint16_t value) {
-      intensity.reset();
-      by_return.fill(value);
-      last = value;
-    }
-    std::uint16_t last_value() const { return last; }
-
-    IntegerCompressor intensity{16, 4};
-    std::array<std::uint16_t, 8> by_return{};
-    std::uint16_t last = 0;
-  };
-
-  ChannelStates<Channel> channels_;
-};
 
 // Layers of POINT14 that hold a value only for points where the first layer says it has changed; all others
 // have the last one of their channel.

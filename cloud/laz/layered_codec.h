@@ -52,8 +52,6 @@ class LayeredDecoder {
  public:
   /// Errors: CorruptChunk, if the layout has items that layered chunks do not have.
   explicit LayeredDecoder(const LazLayout& layout, const LazLayers& wanted = {});
-  LayeredDecoder(LayeredDecoder&&) noexcept;
-  LayeredDecoder& operator=(LayeredDecoder&&) noexcept;
   ~LayeredDecoder();
 
   /// Decodes a chunk that is exactly `chunk` into `records`, whose size says how many points are expected, at
@@ -74,8 +72,6 @@ class LayeredEncoder {
  public:
   /// Requires items of version 3 or 4. Errors: as LayeredDecoder.
   explicit LayeredEncoder(const LazLayout& layout);
-  LayeredEncoder(LayeredEncoder&&) noexcept;
-  LayeredEncoder& operator=(LayeredEncoder&&) noexcept;
   ~LayeredEncoder();
 
   /// One chunk. Requires a whole number of records, at least one. Cost: linear in the records.

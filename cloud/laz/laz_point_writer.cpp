@@ -2,7 +2,6 @@
 #include "cloud/laz/laz_point_writer.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/parallel.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/laz/chunk_table.h"
 
@@ -39,31 +39,24 @@ struct LazPointWriter::State {
     batch.reserve(std::min(batch_bytes, k_most_bytes));
   }
 
-  void write_batch();
-};
-
-void LazPointWriter::State::write_batch() {
-  const std::size_t count = (batch.size() + chunk_bytes - 1) / chunk_bytes;
-  std::vector<std::vector<std::byte>> packed(count);
-  const std::span<const std::byte> records(batch);
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-          const std::size_t begin = i * chunk_bytes;
-          packed[i] =
-              encoders.local().encode(records.subspan(begin, std::min(chunk_bytes, records.size() - begin)));
-        }
-      },
-      tbb::simple_partitioner());
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t bytes = std::min(chunk_bytes, batch.size() - i * chunk_bytes);
-    chunks.push_back(
-        {.place = file.size(), .byte_count = packed[i].size(), .point_count = bytes / record_size});
-    file.write(packed[i]);
+  void write_batch() {
+    const std::size_t count = (batch.size() + chunk_bytes - 1) / chunk_bytes;
+    std::vector<std::vector<std::byte>> packed(count);
+    const std::span<const std::byte> records(batch);
+    at_once(std::size_t{0}, count, [&](std::size_t i) {
+      const std::size_t begin = i * chunk_bytes;
+      packed[i] =
+          encoders.local().encode(records.subspan(begin, std::min(chunk_bytes, records.size() - begin)));
+    });
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t bytes = std::min(chunk_bytes, batch.size() - i * chunk_bytes);
+      chunks.push_back(
+          {.place = file.size(), .byte_count = packed[i].size(), .point_count = bytes / record_size});
+      file.write(packed[i]);
+    }
+    batch.clear();
   }
-  batch.clear();
-}
+};
 
 LazPointWriter::LazPointWriter(OutputFile& file, const LazLayout& layout)
     : state_(std::make_unique<State>(file, layout)) {

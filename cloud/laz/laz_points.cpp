@@ -19,43 +19,6 @@
 
 namespace alidade {
 
-/// One reading of a LAZ file: see LazPoints::read(). What it is given must outlive it.
-class ChunkUnpacker {
- public:
-  ChunkUnpacker(InputFile& file, const LasHeader& header, const LazLayout& layout, const LazLayers& wanted,
-                Damage damage, LazSink& sink, const Progress& progress);
-
-  /// Unpacks chunks that lie one behind the other.
-  std::vector<LostPoints> read_chunks(std::span<const LazChunk> chunks);
-  /// Unpacks pointwise chunks whose ends nobody knows.
-  std::vector<LostPoints> read_in_sequence();
-
- private:
-  using Problem = std::optional<CorruptChunk>;
-
-  template <class Take>
-  std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take);
-  void read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count);
-  void read_batch_and_sort_out(std::span<const LazChunk> chunks);
-  void read_large(std::span<const std::byte> bytes, std::uint64_t point_count, bool ends_there,
-                  std::size_t& used);
-  std::span<const std::byte> bytes_of(std::span<const LazChunk> batch, std::size_t i) const;
-  void meet(const CorruptChunk& problem, std::size_t chunk, std::uint64_t first_point, std::uint64_t lost);
-
-  InputFile& file_;
-  const LasHeader& header_;
-  const LazLayout& layout_;
-  Damage damage_;
-  LazSink& sink_;
-  JoinedProgress progress_;
-  tbb::enumerable_thread_specific<ChunkDecoder> decoders_;
-  std::vector<std::byte> bytes_;  ///< of the chunks of a batch
-  std::size_t chunks_done_ = 0;
-  std::uint64_t points_done_ = 0;  ///< of the file, lost ones too
-  std::uint64_t rows_ = 0;
-  std::vector<LostPoints> lost_;
-};
-
 namespace {
 
 // Enough chunks that threads rarely wait for the last one, little enough to be of no account as memory.
@@ -73,167 +36,190 @@ std::uint64_t longest_chunk(const LazLayout& layout, std::uint64_t point_count) 
 
 }  // namespace
 
-ChunkUnpacker::ChunkUnpacker(InputFile& file, const LasHeader& header, const LazLayout& layout,
-                             const LazLayers& wanted, Damage damage, LazSink& sink, const Progress& progress)
-    : file_(file),
-      header_(header),
-      layout_(layout),
-      damage_(damage),
-      sink_(sink),
-      progress_(progress, file.size()),
-      decoders_([&layout, wanted] { return ChunkDecoder(layout, wanted); }) {
-  progress_.add(header.points_place);
-}
-
-/// A chunk of which `lost` points cannot be had.
-void ChunkUnpacker::meet(const CorruptChunk& problem, std::size_t chunk, std::uint64_t first_point,
-                         std::uint64_t lost) {
-  std::string place = fmt::format("chunk {}", chunk);
-  if (problem.point) place += fmt::format(", point {}", first_point + *problem.point);
-  std::string text = fmt::format("the compressed points are damaged: {}", problem.what());
-  if (damage_ == Damage::refuse) {
-    throw DamagedFile({.file = file_.name(), .place = std::move(place), .problem = std::move(text)});
+/// One reading of a LAZ file: see LazPoints::read(). What it is given must outlive it.
+class ChunkUnpacker {
+ public:
+  ChunkUnpacker(InputFile& file, const LasHeader& header, const LazLayout& layout, const LazLayers& wanted,
+                Damage damage, LazSink& sink, const Progress& progress)
+      : file_(file),
+        header_(header),
+        layout_(layout),
+        damage_(damage),
+        sink_(sink),
+        progress_(progress, file.size()),
+        decoders_([&layout, wanted] { return ChunkDecoder(layout, wanted); }) {
+    progress_.add(header.points_place);
   }
-  lost_.push_back({lost, std::move(place), std::move(text)});
-}
 
-std::span<const std::byte> ChunkUnpacker::bytes_of(std::span<const LazChunk> batch, std::size_t i) const {
-  return std::span(bytes_).subspan(static_cast<std::size_t>(batch[i].place - batch[0].place),
-                                   static_cast<std::size_t>(batch[i].byte_count));
-}
+  /// Unpacks chunks that lie one behind the other.
 
-std::vector<LostPoints> ChunkUnpacker::read_chunks(std::span<const LazChunk> chunks) {
-  const std::uint64_t most_points =
-      std::min(damage_ == Damage::refuse ? k_batch_points : k_batch_points_sorted_out,
-               k_batch_record_bytes / layout_.record_size());
-  for (std::size_t begin = 0; begin < chunks.size();) {
-    std::size_t end = begin;
-    std::uint64_t byte_count = 0, point_count = 0;
-    for (; end < chunks.size(); ++end) {
-      const bool fits = byte_count + chunks[end].byte_count <= k_batch_bytes &&
-                        point_count + chunks[end].point_count <= most_points;
-      if (!fits && end > begin) break;
-      byte_count += chunks[end].byte_count;
-      point_count += chunks[end].point_count;
+  std::vector<LostPoints> read_chunks(std::span<const LazChunk> chunks) {
+    const std::uint64_t most_points =
+        std::min(damage_ == Damage::refuse ? k_batch_points : k_batch_points_sorted_out,
+                 k_batch_record_bytes / layout_.record_size());
+    for (std::size_t begin = 0; begin < chunks.size();) {
+      std::size_t end = begin;
+      std::uint64_t byte_count = 0, point_count = 0;
+      for (; end < chunks.size(); ++end) {
+        const bool fits = byte_count + chunks[end].byte_count <= k_batch_bytes &&
+                          point_count + chunks[end].point_count <= most_points;
+        if (!fits && end > begin) break;
+        byte_count += chunks[end].byte_count;
+        point_count += chunks[end].point_count;
+      }
+      const std::span<const LazChunk> batch = chunks.subspan(begin, end - begin);
+      bytes_.resize(static_cast<std::size_t>(byte_count));
+      file_.read_at(batch[0].place, bytes_);
+      if (point_count > most_points) {
+        std::size_t used = 0;
+        read_large(bytes_, point_count, true, used);
+      } else if (damage_ == Damage::refuse) {
+        read_batch(batch, point_count);
+      } else {
+        read_batch_and_sort_out(batch);
+      }
+      chunks_done_ += batch.size();
+      points_done_ += point_count;
+      begin = end;
     }
-    const std::span<const LazChunk> batch = chunks.subspan(begin, end - begin);
-    bytes_.resize(static_cast<std::size_t>(byte_count));
-    file_.read_at(batch[0].place, bytes_);
-    if (point_count > most_points) {
+    return std::move(lost_);
+  }
+
+  /// Unpacks pointwise chunks whose ends nobody knows.
+
+  std::vector<LostPoints> read_in_sequence() {
+    const bool one_stream = layout_.compressor == LazCompressor::pointwise;
+    std::uint64_t place = header_.points_place + (one_stream ? 0 : k_laz_table_place_bytes);
+    while (points_done_ < header_.point_count) {
+      const std::uint64_t left = header_.point_count - points_done_;
+      const std::uint64_t point_count = one_stream ? left : std::min<std::uint64_t>(layout_.chunk_size, left);
+      const std::uint64_t room = file_.size() - std::min(place, file_.size());
+      bytes_.resize(static_cast<std::size_t>(std::min(room, longest_chunk(layout_, point_count))));
+      if (!bytes_.empty()) file_.read_at(place, bytes_);
       std::size_t used = 0;
-      read_large(bytes_, point_count, true, used);
-    } else if (damage_ == Damage::refuse) {
-      read_batch(batch, point_count);
-    } else {
-      read_batch_and_sort_out(batch);
+      read_large(bytes_, point_count, false, used);
+      ++chunks_done_;
+      points_done_ += point_count;
+      place += used;
+      if (lost_.empty()) continue;
+      // Where the next chunk begins, only this one could have told.
+      lost_.back().count += header_.point_count - points_done_;
+      break;
     }
-    chunks_done_ += batch.size();
-    points_done_ += point_count;
-    begin = end;
+    return std::move(lost_);
   }
-  return std::move(lost_);
-}
 
-/// Unpacks the chunks of a batch, each by take(chunk, records, count, first point); tells what is wrong with
-/// each.
-template <class Take>
-std::vector<ChunkUnpacker::Problem> ChunkUnpacker::decode_at_once(std::span<const LazChunk> chunks,
-                                                                  const Take& take) {
-  std::vector<Problem> problems(chunks.size());
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+ private:
+  using Problem = std::optional<CorruptChunk>;
+
+  /// Unpacks the chunks of a batch, each by take(chunk, records, count, first point); tells what is wrong with
+  /// each.
+  template <class Take>
+  std::vector<Problem> decode_at_once(std::span<const LazChunk> chunks, const Take& take) {
+    std::vector<Problem> problems(chunks.size());
+    tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+      try {
+        const std::size_t used =
+            decoders_.local().decode(bytes_of(chunks, i), chunks[i].point_count,
+                                     [&](const std::byte* records, std::size_t count, std::uint64_t first) {
+                                       take(i, records, count, first);
+                                     });
+        if (used != chunks[i].byte_count) throw CorruptChunk(k_other_end);
+      } catch (const CorruptChunk& problem) {
+        // Which one is told must not depend on threads.
+        problems[i] = problem;
+      }
+      progress_.add(chunks[i].byte_count);
+    });
+    return problems;
+  }
+
+  /// Straight into the rows, all of which are needed.
+  void read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count) {
+    std::vector<std::uint64_t> first_rows(chunks.size(), rows_);
+    for (std::size_t i = 1; i < chunks.size(); ++i)
+      first_rows[i] = first_rows[i - 1] + chunks[i - 1].point_count;
+    sink_.make_room(point_count);
+    const std::vector<Problem> problems = decode_at_once(
+        chunks, [&](std::size_t i, const std::byte* records, std::size_t count, std::uint64_t first) {
+          sink_.take(records, count, first_rows[i] + first);
+        });
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      if (problems[i]) meet(*problems[i], chunks_done_ + i, first_rows[i], chunks[i].point_count);
+    }
+    rows_ += point_count;
+  }
+
+  /// The same if some chunks may be damaged: rows are made for those that are not.
+  void read_batch_and_sort_out(std::span<const LazChunk> chunks) {
+    std::vector<std::vector<std::byte>> unpacked(chunks.size());
+    const std::vector<Problem> problems = decode_at_once(
+        chunks, [&](std::size_t i, const std::byte* records, std::size_t count, std::uint64_t) {
+          unpacked[i].insert(unpacked[i].end(), records, records + count * layout_.record_size());
+        });
+    std::uint64_t first_point = points_done_;
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+      const std::uint64_t count = chunks[i].point_count;
+      if (problems[i]) {
+        meet(*problems[i], chunks_done_ + i, first_point, count);
+      } else {
+        sink_.make_room(count);
+        sink_.take(unpacked[i].data(), static_cast<std::size_t>(count), rows_);
+        rows_ += count;
+      }
+      first_point += count;
+    }
+  }
+
+  /// A chunk whose points nobody should make room for before they are there.
+  void read_large(std::span<const std::byte> bytes, std::uint64_t point_count, bool ends_there,
+                  std::size_t& used) {
+    const std::uint64_t rows_before = rows_;
     try {
-      const std::size_t used =
-          decoders_.local().decode(bytes_of(chunks, i), chunks[i].point_count,
-                                   [&](const std::byte* records, std::size_t count, std::uint64_t first) {
-                                     take(i, records, count, first);
-                                   });
-      if (used != chunks[i].byte_count) throw CorruptChunk(k_other_end);
+      used = decoders_.local().decode(bytes, point_count,
+                                      [&](const std::byte* records, std::size_t count, std::uint64_t) {
+                                        sink_.make_room(count);
+                                        sink_.take(records, count, rows_);
+                                        rows_ += count;
+                                        progress_.add(0);
+                                      });
+      if (ends_there && used != bytes.size()) throw CorruptChunk(k_other_end);
     } catch (const CorruptChunk& problem) {
-      // Which one is told must not depend on threads.
-      problems[i] = problem;
+      const std::uint64_t lost = point_count - (rows_ - rows_before);
+      if (lost > 0 || damage_ == Damage::refuse) meet(problem, chunks_done_, points_done_, lost);
     }
-    progress_.add(chunks[i].byte_count);
-  });
-  return problems;
-}
-
-/// Straight into the rows, all of which are needed.
-void ChunkUnpacker::read_batch(std::span<const LazChunk> chunks, std::uint64_t point_count) {
-  std::vector<std::uint64_t> first_rows(chunks.size(), rows_);
-  for (std::size_t i = 1; i < chunks.size(); ++i)
-    first_rows[i] = first_rows[i - 1] + chunks[i - 1].point_count;
-  sink_.make_room(point_count);
-  const std::vector<Problem> problems =
-      decode_at_once(chunks, [&](std::size_t i, const std::byte* records, std::size_t count,
-                                 std::uint64_t first) { sink_.take(records, count, first_rows[i] + first); });
-  for (std::size_t i = 0; i < chunks.size(); ++i) {
-    if (problems[i]) meet(*problems[i], chunks_done_ + i, first_rows[i], chunks[i].point_count);
+    progress_.add(ends_there ? bytes.size() : used);
   }
-  rows_ += point_count;
-}
 
-/// The same if some chunks may be damaged: rows are made for those that are not.
-void ChunkUnpacker::read_batch_and_sort_out(std::span<const LazChunk> chunks) {
-  std::vector<std::vector<std::byte>> unpacked(chunks.size());
-  const std::vector<Problem> problems =
-      decode_at_once(chunks, [&](std::size_t i, const std::byte* records, std::size_t count, std::uint64_t) {
-        unpacked[i].insert(unpacked[i].end(), records, records + count * layout_.record_size());
-      });
-  std::uint64_t first_point = points_done_;
-  for (std::size_t i = 0; i < chunks.size(); ++i) {
-    const std::uint64_t count = chunks[i].point_count;
-    if (problems[i]) {
-      meet(*problems[i], chunks_done_ + i, first_point, count);
-    } else {
-      sink_.make_room(count);
-      sink_.take(unpacked[i].data(), static_cast<std::size_t>(count), rows_);
-      rows_ += count;
+  std::span<const std::byte> bytes_of(std::span<const LazChunk> batch, std::size_t i) const {
+    return std::span(bytes_).subspan(static_cast<std::size_t>(batch[i].place - batch[0].place),
+                                     static_cast<std::size_t>(batch[i].byte_count));
+  }
+
+  /// A chunk of which `lost` points cannot be had.
+  void meet(const CorruptChunk& problem, std::size_t chunk, std::uint64_t first_point, std::uint64_t lost) {
+    std::string place = fmt::format("chunk {}", chunk);
+    if (problem.point) place += fmt::format(", point {}", first_point + *problem.point);
+    std::string text = fmt::format("the compressed points are damaged: {}", problem.what());
+    if (damage_ == Damage::refuse) {
+      throw DamagedFile({.file = file_.name(), .place = std::move(place), .problem = std::move(text)});
     }
-    first_point += count;
+    lost_.push_back({lost, std::move(place), std::move(text)});
   }
-}
 
-/// A chunk whose points nobody should make room for before they are there.
-void ChunkUnpacker::read_large(std::span<const std::byte> bytes, std::uint64_t point_count, bool ends_there,
-                               std::size_t& used) {
-  const std::uint64_t rows_before = rows_;
-  try {
-    used = decoders_.local().decode(bytes, point_count,
-                                    [&](const std::byte* records, std::size_t count, std::uint64_t) {
-                                      sink_.make_room(count);
-                                      sink_.take(records, count, rows_);
-                                      rows_ += count;
-                                      progress_.add(0);
-                                    });
-    if (ends_there && used != bytes.size()) throw CorruptChunk(k_other_end);
-  } catch (const CorruptChunk& problem) {
-    const std::uint64_t lost = point_count - (rows_ - rows_before);
-    if (lost > 0 || damage_ == Damage::refuse) meet(problem, chunks_done_, points_done_, lost);
-  }
-  progress_.add(ends_there ? bytes.size() : used);
-}
-
-std::vector<LostPoints> ChunkUnpacker::read_in_sequence() {
-  const bool one_stream = layout_.compressor == LazCompressor::pointwise;
-  std::uint64_t place = header_.points_place + (one_stream ? 0 : k_laz_table_place_bytes);
-  while (points_done_ < header_.point_count) {
-    const std::uint64_t left = header_.point_count - points_done_;
-    const std::uint64_t point_count = one_stream ? left : std::min<std::uint64_t>(layout_.chunk_size, left);
-    const std::uint64_t room = file_.size() - std::min(place, file_.size());
-    bytes_.resize(static_cast<std::size_t>(std::min(room, longest_chunk(layout_, point_count))));
-    if (!bytes_.empty()) file_.read_at(place, bytes_);
-    std::size_t used = 0;
-    read_large(bytes_, point_count, false, used);
-    ++chunks_done_;
-    points_done_ += point_count;
-    place += used;
-    if (lost_.empty()) continue;
-    // Where the next chunk begins, only this one could have told.
-    lost_.back().count += header_.point_count - points_done_;
-    break;
-  }
-  return std::move(lost_);
-}
+  InputFile& file_;
+  const LasHeader& header_;
+  const LazLayout& layout_;
+  Damage damage_;
+  LazSink& sink_;
+  JoinedProgress progress_;
+  tbb::enumerable_thread_specific<ChunkDecoder> decoders_;
+  std::vector<std::byte> bytes_;  ///< of the chunks of a batch
+  std::size_t chunks_done_ = 0;
+  std::uint64_t points_done_ = 0;  ///< of the file, lost ones too
+  std::uint64_t rows_ = 0;
+  std::vector<LostPoints> lost_;
+};
 
 LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& layout, Damage damage)
     : file_(file), header_(header), layout_(layout), damage_(damage) {

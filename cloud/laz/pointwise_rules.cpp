@@ -7,50 +7,47 @@
 
 namespace alidade {
 
-void Point10Version1::start(const std::byte* first) {
+void Point10Models::start(const std::byte* first) {
   last_ = load<Point10>(first);
+  changed_.reset();
+  for (SymbolModelSet* models : {&bits_, &classifications_, &user_data_}) models->reset();
+  for (IntegerCompressor* compressor : {&intensity_, &source_, &x_, &y_, &z_}) compressor->reset();
+}
+
+unsigned Point10Models::changes_to(const Point10& point) const {
+  return (point.classification != last_.classification ? k_classification : 0) |
+         (point.scan_angle != last_.scan_angle ? k_scan_angle : 0) |
+         (point.user_data != last_.user_data ? k_user_data : 0) |
+         (point.source != last_.source ? k_source : 0);
+}
+
+void Point10Version1::start(const std::byte* first) {
+  Point10Models::start(first);
   x_steps_.fill(0);
   y_steps_.fill(0);
   oldest_ = 0;
-  changed_.reset();
-  for (SymbolModelSet* models : {&bits_, &classifications_, &user_data_}) models->reset();
-  for (IntegerCompressor* compressor : {&scan_angle_, &intensity_, &source_, &x_, &y_, &z_})
-    compressor->reset();
+  scan_angle_.reset();
 }
 
 unsigned Point10Version1::changes_to(const Point10& point) const {
-  unsigned changed = 0;
-  if (point.intensity != last_.intensity) changed |= k_intensity;
-  if (point.bits != last_.bits) changed |= k_bits;
-  if (point.classification != last_.classification) changed |= k_classification;
-  if (point.scan_angle != last_.scan_angle) changed |= k_scan_angle;
-  if (point.user_data != last_.user_data) changed |= k_user_data;
-  if (point.source != last_.source) changed |= k_source;
-  return changed;
+  return Point10Models::changes_to(point) | (point.intensity != last_.intensity ? k_intensity : 0) |
+         (point.bits != last_.bits ? k_bits : 0);
 }
 
 void Point10Version2::start(const std::byte* first) {
-  last_ = load<Point10>(first);
+  Point10Models::start(first);
   // Not those of the first point: that is what all writers do.
   last_intensities_.fill(0);
   last_z_.fill(0);
   x_steps_.fill({});
   y_steps_.fill({});
-  changed_.reset();
-  for (SymbolModelSet* models : {&bits_, &classifications_, &user_data_, &scan_angles_}) models->reset();
-  for (IntegerCompressor* compressor : {&intensity_, &source_, &x_, &y_, &z_}) compressor->reset();
+  scan_angles_.reset();
 }
 
 unsigned Point10Version2::changes_to(const Point10& point) const {
   const unsigned kind = k_kinds[point.return_count()][point.return_number()];
-  unsigned changed = 0;
-  if (point.bits != last_.bits) changed |= k_bits;
-  if (point.intensity != last_intensities_[kind]) changed |= k_intensity;
-  if (point.classification != last_.classification) changed |= k_classification;
-  if (point.scan_angle != last_.scan_angle) changed |= k_scan_angle;
-  if (point.user_data != last_.user_data) changed |= k_user_data;
-  if (point.source != last_.source) changed |= k_source;
-  return changed;
+  return Point10Models::changes_to(point) | (point.intensity != last_intensities_[kind] ? k_intensity : 0) |
+         (point.bits != last_.bits ? k_bits : 0);
 }
 
 void GpsTimeVersion1::start(const std::byte* first) {

@@ -30,10 +30,51 @@ struct Point10 {
 };
 static_assert(sizeof(Point10) == 20);
 
+/// What both versions of LAZ item POINT10 have learnt.
+class Point10Models {
+ protected:
+  // Bits of the symbol that says what has changed; two others differ from version to version.
+  static constexpr unsigned k_source = 1, k_user_data = 2, k_scan_angle = 4, k_classification = 8;
+
+  Point10Models(int intensity_contexts, int x_contexts, int y_contexts)
+      : intensity_(16, intensity_contexts), x_(32, x_contexts), y_(32, y_contexts) {}
+
+  /// All models are fresh; the first record is the last point.
+  void start(const std::byte* first);
+
+  /// Those of the bits above that a point sets.
+  unsigned changes_to(const Point10& point) const;
+
+  template <class Coder>
+  void code_classification(Coder& coder, unsigned changed, const Point10& point, Point10& next) {
+    if ((changed & k_classification) != 0)
+      next.classification = code_byte(coder, classifications_[last_.classification], point.classification);
+  }
+  template <class Coder>
+  void code_user_data_and_source(Coder& coder, unsigned changed, const Point10& point, Point10& next) {
+    if ((changed & k_user_data) != 0)
+      next.user_data = code_byte(coder, user_data_[last_.user_data], point.user_data);
+    if ((changed & k_source) != 0)
+      next.source = static_cast<std::uint16_t>(coder.integer(source_, last_.source, point.source));
+  }
+
+  Point10 last_;
+  SymbolModel changed_{64};
+  SymbolModelSet bits_{256, 256};  // by the value before, as the next two
+  SymbolModelSet classifications_{256, 256};
+  SymbolModelSet user_data_{256, 256};
+  IntegerCompressor intensity_;
+  IntegerCompressor source_{16, 1};
+  IntegerCompressor x_;
+  IntegerCompressor y_;
+  IntegerCompressor z_{32, 20};
+};
+
 /// Rules of LAZ item POINT10, version 1, of old files: coordinates are predicted from the last three points,
 /// all else from the last.
-class Point10Version1 {
+class Point10Version1 : Point10Models {
  public:
+  Point10Version1() : Point10Models(1, 1, k_last_context + 1) {}
   void start(const std::byte* first);
 
   /// Codes the next record with a coder of layer_coders.h.
@@ -58,9 +99,7 @@ class Point10Version1 {
   }
 
  private:
-  // Bits of the symbol that says what has changed; two of them differ from version 2.
-  static constexpr unsigned k_source = 1, k_user_data = 2, k_scan_angle = 4, k_classification = 8,
-                            k_bits = 16, k_intensity = 32;
+  static constexpr unsigned k_bits = 16, k_intensity = 32;
   static constexpr int k_last_context = 19;
 
   static std::int32_t median(const std::array<std::int32_t, 3>& values) {
@@ -76,38 +115,25 @@ class Point10Version1 {
       next.intensity =
           static_cast<std::uint16_t>(coder.integer(intensity_, last_.intensity, point.intensity));
     if ((changed & k_bits) != 0) next.bits = code_byte(coder, bits_[last_.bits], point.bits);
-    if ((changed & k_classification) != 0)
-      next.classification = code_byte(coder, classifications_[last_.classification], point.classification);
+    code_classification(coder, changed, point, next);
     if ((changed & k_scan_angle) != 0) {
       next.scan_angle = static_cast<std::uint8_t>(
           coder.integer(scan_angle_, last_.scan_angle, point.scan_angle, bits < 3 ? 1 : 0));
     }
-    if ((changed & k_user_data) != 0)
-      next.user_data = code_byte(coder, user_data_[last_.user_data], point.user_data);
-    if ((changed & k_source) != 0)
-      next.source = static_cast<std::uint16_t>(coder.integer(source_, last_.source, point.source));
+    code_user_data_and_source(coder, changed, point, next);
   }
 
-  Point10 last_;
   std::array<std::int32_t, 3> x_steps_{};
   std::array<std::int32_t, 3> y_steps_{};
   std::size_t oldest_ = 0;  // of the steps
-  SymbolModel changed_{64};
-  SymbolModelSet bits_{256, 256};  // by the value before, as the next two
-  SymbolModelSet classifications_{256, 256};
-  SymbolModelSet user_data_{256, 256};
   IntegerCompressor scan_angle_{8, 2};
-  IntegerCompressor intensity_{16, 1};
-  IntegerCompressor source_{16, 1};
-  IntegerCompressor x_{32, 1};
-  IntegerCompressor y_{32, k_last_context + 1};
-  IntegerCompressor z_{32, k_last_context + 1};
 };
 
 /// Rules of LAZ item POINT10, version 2: attributes are expected to stay; coordinates and intensities are
 /// predicted from points that were the same return of as many returns.
-class Point10Version2 {
+class Point10Version2 : Point10Models {
  public:
+  Point10Version2() : Point10Models(4, 2, 22) {}
   void start(const std::byte* first);
 
   /// Codes the next record with a coder of layer_coders.h.
@@ -123,26 +149,20 @@ class Point10Version2 {
           coder.integer(intensity_, last_intensities_[kind], point.intensity, std::min<int>(kind, 3)));
     }
     next.intensity = last_intensities_[kind];
-    if ((changed & k_classification) != 0)
-      next.classification = code_byte(coder, classifications_[last_.classification], point.classification);
+    code_classification(coder, changed, point, next);
     if ((changed & k_scan_angle) != 0) {
       SymbolModel& model = scan_angles_[next.scan_direction()];
       next.scan_angle = static_cast<std::uint8_t>(
           last_.scan_angle + coder.symbol(model, (point.scan_angle - last_.scan_angle) & 255));
     }
-    if ((changed & k_user_data) != 0)
-      next.user_data = code_byte(coder, user_data_[last_.user_data], point.user_data);
-    if ((changed & k_source) != 0)
-      next.source = static_cast<std::uint16_t>(coder.integer(source_, last_.source, point.source));
+    code_user_data_and_source(coder, changed, point, next);
     code_position(coder, point, kind, next);
     Coder::put(record, next);
     last_ = next;
   }
 
  private:
-  // Bits of the symbol that says what is not as expected.
-  static constexpr unsigned k_source = 1, k_user_data = 2, k_scan_angle = 4, k_classification = 8,
-                            k_intensity = 16, k_bits = 32;
+  static constexpr unsigned k_intensity = 16, k_bits = 32;
 
   // Kinds of points by number of returns and return number.
   static constexpr std::array<std::array<std::uint8_t, 8>, 8> k_kinds = {{
@@ -181,21 +201,11 @@ class Point10Version2 {
     last_z_[level] = next.z;
   }
 
-  Point10 last_;
   std::array<std::uint16_t, 16> last_intensities_{};  // by kind
   std::array<std::int32_t, 8> last_z_{};              // by number of returns that are missing
   std::array<MedianPredictor, 16> x_steps_;           // by kind
   std::array<MedianPredictor, 16> y_steps_;
-  SymbolModel changed_{64};
-  SymbolModelSet bits_{256, 256};  // by the value before, as the next two
-  SymbolModelSet classifications_{256, 256};
-  SymbolModelSet user_data_{256, 256};
   SymbolModelSet scan_angles_{2, 256};  // by scan direction
-  IntegerCompressor intensity_{16, 4};
-  IntegerCompressor source_{16, 1};
-  IntegerCompressor x_{32, 2};
-  IntegerCompressor y_{32, 22};
-  IntegerCompressor z_{32, 20};
 };
 
 /// Rules of LAZ item GPSTIME11, version 1, of old files: one sequence of times, the bits of doubles taken as

@@ -33,7 +33,7 @@ unsigned GpsTimeModel::symbol_of(std::int32_t change, std::int32_t difference) {
 
 namespace {
 
-using Bytes = std::array<int, 6>;  // red low, red high, green low, ...
+using Bytes = ColorModels::Bytes;
 
 constexpr unsigned k_not_grey = 1 << 6;  // the bits below say which bytes differ
 
@@ -41,10 +41,6 @@ Bytes bytes_of(const std::byte* color) {
   Bytes bytes;
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = std::to_integer<int>(color[i]);
   return bytes;
-}
-
-bool differs(unsigned used, std::size_t byte) {
-  return (used >> byte & 1) != 0;
 }
 
 // What the low (half 0) or high (1) byte of green and blue probably are, given those before them.
@@ -67,47 +63,45 @@ void ColorModels::reset() {
   for (SymbolModel& model : bytes_) model.reset();
 }
 
-void ColorModels::decode(ArithmeticDecoder& decoder, std::byte* color) {
-  const Bytes previous = bytes_of(color);
-  Bytes next = previous;
-  const unsigned used = decoder.symbol(used_);
-  const auto read = [&](std::size_t byte, int prediction) {
-    next[byte] = (prediction + static_cast<int>(decoder.symbol(bytes_[byte]))) & 255;
+template <class Coder>
+unsigned ColorModels::code(Coder& coder, const Bytes& previous, Bytes& next) {
+  unsigned used = 0;
+  if constexpr (!Coder::k_decodes) {
+    for (std::size_t i = 0; i < next.size(); ++i) used |= (next[i] != previous[i] ? 1u : 0u) << i;
+    const bool grey = next[0] == next[2] && next[0] == next[4] && next[1] == next[3] && next[1] == next[5];
+    if (!grey) used |= k_not_grey;
+  }
+  used = coder.symbol(used_, used);
+  const auto differs = [&](std::size_t byte) { return (used >> byte & 1) != 0; };
+  const auto code_change = [&](std::size_t byte, int prediction) {
+    const unsigned change = static_cast<unsigned>(next[byte] - prediction) & 255;
+    next[byte] = (prediction + static_cast<int>(coder.symbol(bytes_[byte], change))) & 255;
   };
   for (std::size_t half = 0; half < 2; ++half)
-    if (differs(used, half)) read(half, previous[half]);
-  if ((used & k_not_grey) != 0) {
-    for (std::size_t half = 0; half < 2; ++half) {
-      if (differs(used, 2 + half)) read(2 + half, predicted_green(previous, next, half));
-      if (differs(used, 4 + half)) read(4 + half, predicted_blue(previous, next, half));
-    }
-  } else {
+    if (differs(half)) code_change(half, previous[half]);
+  if ((used & k_not_grey) == 0) {
     next = {next[0], next[1], next[0], next[1], next[0], next[1]};
+    return used;
   }
+  for (std::size_t half = 0; half < 2; ++half) {
+    if (differs(2 + half)) code_change(2 + half, predicted_green(previous, next, half));
+    if (differs(4 + half)) code_change(4 + half, predicted_blue(previous, next, half));
+  }
+  return used;
+}
+
+void ColorModels::decode(ArithmeticDecoder& decoder, std::byte* color) {
+  LayerDecoding coder(decoder);
+  const Bytes previous = bytes_of(color);
+  Bytes next = previous;
+  code(coder, previous, next);
   for (std::size_t i = 0; i < next.size(); ++i) color[i] = static_cast<std::byte>(next[i]);
 }
 
-bool ColorModels::encode(ArithmeticEncoder& encoder, const std::byte* previous_color,
-                         const std::byte* color) {
-  const Bytes previous = bytes_of(previous_color);
-  const Bytes next = bytes_of(color);
-  unsigned used = 0;
-  for (std::size_t i = 0; i < next.size(); ++i) used |= (next[i] != previous[i] ? 1u : 0u) << i;
-  const bool grey = next[0] == next[2] && next[0] == next[4] && next[1] == next[3] && next[1] == next[5];
-  if (!grey) used |= k_not_grey;
-  encoder.symbol(used_, used);
-  const auto write = [&](std::size_t byte, int prediction) {
-    encoder.symbol(bytes_[byte], static_cast<unsigned>(next[byte] - prediction) & 255);
-  };
-  for (std::size_t half = 0; half < 2; ++half)
-    if (differs(used, half)) write(half, previous[half]);
-  if (!grey) {
-    for (std::size_t half = 0; half < 2; ++half) {
-      if (differs(used, 2 + half)) write(2 + half, predicted_green(previous, next, half));
-      if (differs(used, 4 + half)) write(4 + half, predicted_blue(previous, next, half));
-    }
-  }
-  return used != 0;
+bool ColorModels::encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* color) {
+  LayerEncoding coder(encoder);
+  Bytes next = bytes_of(color);
+  return code(coder, bytes_of(previous), next) != 0;
 }
 
 namespace {
@@ -147,62 +141,48 @@ void WavePacketModels::reset() {
   last_difference_ = 0;
 }
 
-void WavePacketModels::decode(ArithmeticDecoder& decoder, std::byte* packet) {
-  packet[0] = static_cast<std::byte>(decoder.symbol(descriptor_index_));
-  std::uint64_t place = load<std::uint64_t>(packet + k_place);
-  last_move_ = decoder.symbol(moves_[last_move_]);
-  switch (last_move_) {
-    case Move::unchanged:
-      break;
-    case Move::by_packet_size:
-      place += load<std::uint32_t>(packet + k_packet_size);
-      break;
-    case Move::by_difference:
-      last_difference_ = place_.decode(decoder, last_difference_);
-      place += widened(last_difference_);
-      break;
-    default:
-      place = decoder.raw64();
+template <class Coder>
+void WavePacketModels::code(Coder& coder, std::byte* last, const std::byte* packet) {
+  last[0] = static_cast<std::byte>(
+      code_byte(coder, descriptor_index_, Coder::template value<std::uint8_t>(packet)));
+  std::uint64_t place = load<std::uint64_t>(last + k_place);
+  const std::uint64_t next_place = Coder::template value<std::uint64_t>(packet + k_place);
+  const std::uint64_t wide = next_place - place;
+  const std::int32_t difference = static_cast<std::int32_t>(wide);
+  const std::uint32_t last_size = load<std::uint32_t>(last + k_packet_size);
+  const Move move = widened(difference) != wide ? Move::anywhere
+                    : difference == 0           ? Move::unchanged
+                    : wide == last_size         ? Move::by_packet_size
+                                                : Move::by_difference;
+  last_move_ = coder.symbol(moves_[last_move_], move);
+  if (last_move_ == Move::by_packet_size) place += last_size;
+  if (last_move_ == Move::by_difference) {
+    last_difference_ = coder.integer(place_, last_difference_, difference);
+    place += widened(last_difference_);
   }
-  store(packet + k_place, place);
-  const auto read = [&](std::size_t at, IntegerCompressor& compressor, int context) {
-    store(packet + at, compressor.decode(decoder, load<std::int32_t>(packet + at), context));
+  if (last_move_ == Move::anywhere) place = coder.raw64(next_place);
+  store(last + k_place, place);
+  const auto code_integer = [&](std::size_t at, IntegerCompressor& compressor, int context) {
+    const std::int32_t next = Coder::template value<std::int32_t>(packet + at);
+    store(last + at, coder.integer(compressor, load<std::int32_t>(last + at), next, context));
   };
-  read(k_packet_size, size_, 0);
-  read(k_return_point, return_point_, 0);
+  code_integer(k_packet_size, size_, 0);
+  code_integer(k_return_point, return_point_, 0);
   for (int axis = 0; axis < 3; ++axis)
-    read(k_direction + 4 * static_cast<std::size_t>(axis), direction_, axis);
+    code_integer(k_direction + 4 * static_cast<std::size_t>(axis), direction_, axis);
+}
+
+void WavePacketModels::decode(ArithmeticDecoder& decoder, std::byte* packet) {
+  LayerDecoding coder(decoder);
+  code(coder, packet, packet);
 }
 
 void WavePacketModels::encode(ArithmeticEncoder& encoder, const std::byte* previous,
                               const std::byte* packet) {
-  encoder.symbol(descriptor_index_, std::to_integer<unsigned>(packet[0]));
-  const std::uint64_t place = load<std::uint64_t>(packet + k_place);
-  const std::uint64_t wide = place - load<std::uint64_t>(previous + k_place);
-  const std::int32_t difference = static_cast<std::int32_t>(wide);
-  Move move = Move::by_difference;
-  if (widened(difference) != wide) {
-    move = Move::anywhere;
-  } else if (difference == 0) {
-    move = Move::unchanged;
-  } else if (wide == load<std::uint32_t>(previous + k_packet_size)) {
-    move = Move::by_packet_size;
-  }
-  encoder.symbol(moves_[last_move_], move);
-  last_move_ = move;
-  if (move == Move::by_difference) {
-    place_.encode(encoder, last_difference_, difference);
-    last_difference_ = difference;
-  } else if (move == Move::anywhere) {
-    encoder.raw64(place);
-  }
-  const auto write = [&](std::size_t at, IntegerCompressor& compressor, int context) {
-    compressor.encode(encoder, load<std::int32_t>(previous + at), load<std::int32_t>(packet + at), context);
-  };
-  write(k_packet_size, size_, 0);
-  write(k_return_point, return_point_, 0);
-  for (int axis = 0; axis < 3; ++axis)
-    write(k_direction + 4 * static_cast<std::size_t>(axis), direction_, axis);
+  LayerEncoding coder(encoder);
+  std::array<std::byte, k_size> last;
+  std::copy_n(previous, k_size, last.begin());
+  code(coder, last.data(), packet);
 }
 
 }  // namespace alidade

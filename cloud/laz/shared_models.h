@@ -239,6 +239,8 @@ void GpsTimeModel::code_new_sequence(Coder& coder, std::int64_t time) {
 /// did. A colour is the six bytes of a point data record: red, green, blue as u16.
 class ColorModels {
  public:
+  using Bytes = std::array<int, 6>;  ///< red low, red high, green low, ...
+
   ColorModels();
 
   /// All models are fresh again.
@@ -252,6 +254,10 @@ class ColorModels {
   bool encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* color);
 
  private:
+  /// Makes `next` the colour that the coder returns; returns what the first symbol says.
+  template <class Coder>
+  unsigned code(Coder& coder, const Bytes& previous, Bytes& next);
+
   SymbolModel used_;
   std::vector<SymbolModel> bytes_;  // by place in the record
 };
@@ -275,6 +281,10 @@ class WavePacketModels {
   void encode(ArithmeticEncoder& encoder, const std::byte* previous, const std::byte* packet);
 
  private:
+  /// Replaces the last wave packet by the one that the coder returns.
+  template <class Coder>
+  void code(Coder& coder, std::byte* last, const std::byte* packet);
+
   SymbolModel descriptor_index_;
   std::vector<SymbolModel> moves_;  // by the last move: how the place changes
   IntegerCompressor place_;

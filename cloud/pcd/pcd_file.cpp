@@ -53,25 +53,10 @@ using Words = std::vector<std::string_view>;
 constexpr std::uint64_t k_largest_point = 1 << 20;
 
 std::optional<ScalarType> scalar_type(char letter, std::uint64_t size) {
-  switch (letter) {
-    case 'I':
-      if (size == 1) return ScalarType::int8;
-      if (size == 2) return ScalarType::int16;
-      if (size == 4) return ScalarType::int32;
-      if (size == 8) return ScalarType::int64;
-      break;
-    case 'U':
-      if (size == 1) return ScalarType::uint8;
-      if (size == 2) return ScalarType::uint16;
-      if (size == 4) return ScalarType::uint32;
-      if (size == 8) return ScalarType::uint64;
-      break;
-    case 'F':
-      if (size == 4) return ScalarType::float32;
-      if (size == 8) return ScalarType::float64;
-      break;
-    default:
-      break;
+  constexpr std::string_view k_letters = " UIUIUIUIFF";  // in the order of the types
+  for (std::size_t i = 1; i < k_letters.size(); ++i) {
+    const auto type = static_cast<ScalarType>(i);
+    if (k_letters[i] == letter && static_cast<std::uint64_t>(scalar_size(type)) == size) return type;
   }
   return std::nullopt;
 }

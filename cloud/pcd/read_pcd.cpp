@@ -71,10 +71,6 @@ class PcdReader final : public TableReader {
     }
   }
 
-  glm::dvec3 resolution(const Bounds& bounds) const override {
-    return header_.format == PcdFormat::ascii ? written_.resolution() : TableReader::resolution(bounds);
-  }
-
  private:
   Cell read_cell(const std::byte* place, std::size_t column) const {
     const ScalarType type = columns()[column].type;
@@ -86,16 +82,13 @@ class PcdReader final : public TableReader {
   void visit_binary(const RowVisitor& visit, const Progress& progress) {
     ByteCursor cursor(input_, header_.data_place);
     const std::size_t point_size = static_cast<std::size_t>(header_.point_size());
-    std::vector<Cell> row(header_.fields.size());
-    for (std::uint64_t point = 0; point < header_.point_count; ++point) {
-      if (point % k_rows_per_report == 0) report(progress, cursor.place(), input_.size());
+    visit_points(header_.point_count, cursor, visit, progress, [&](std::vector<Cell>& row) {
       const std::byte* place = cursor.take(point_size);
       for (std::size_t i = 0; i < row.size(); ++i) {
         if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(place, i);
         place += header_.fields[i].size();
       }
-      visit(row);
-    }
+    });
   }
 
   /// Two sizes, then LZF; decoded, all values of the first field come first, then all of the second, and so
@@ -147,16 +140,15 @@ class PcdReader final : public TableReader {
 
   void visit_text(const RowVisitor& visit, const Progress& progress) {
     TextScanner scanner(input_, header_.data_place, header_.line_count);
-    written_ = WrittenResolution(columns());
-    std::vector<Cell> row(header_.fields.size());
-    for (std::uint64_t point = 0; point < header_.point_count; ++point) {
-      if (point % k_rows_per_report == 0) report(progress, scanner.place(), input_.size());
+    written_.emplace(columns());
+    std::uint64_t point = 0;
+    visit_points(header_.point_count, scanner, visit, progress, [&](std::vector<Cell>& row) {
       if (!scanner.next_words(words_))
         scanner.fail("the file ends early", std::to_string(header_.point_count) + " points",
                      std::to_string(point));
       parse_row(scanner, row);
-      visit(row);
-    }
+      ++point;
+    });
   }
 
   void parse_row(const TextScanner& scanner, std::vector<Cell>& row) {
@@ -171,15 +163,13 @@ class PcdReader final : public TableReader {
         row[i] = {0.0, packed_color_from(cell, column.type)};
       } else if (column.role != ColumnRole::ignored) {
         row[i] = require_cell(scanner, words_[word], column.type);
-        written_.add(i, words_[word]);
+        written_->add(i, words_[word]);
       }
       word += static_cast<std::size_t>(header_.fields[i].count);
     }
   }
 
   PcdHeader header_;
-  WrittenResolution written_;
-  std::vector<std::string_view> words_;
 };
 
 }  // namespace

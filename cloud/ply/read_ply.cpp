@@ -20,6 +20,8 @@
 
 namespace alidade {
 
+namespace {
+
 enum class PlyFormat { ascii, binary_little_endian, binary_big_endian };
 
 struct PlyProperty {
@@ -35,8 +37,13 @@ struct PlyElement {
   std::vector<PlyProperty> properties;
 
   /// Bytes one instance takes in a binary file, at least: lists count as empty ones.
-  std::uint64_t smallest_size() const;
-  bool has_lists() const;
+  std::uint64_t smallest_size() const {
+    std::uint64_t size = 0;
+    for (const PlyProperty& property : properties)
+      size += static_cast<std::uint64_t>(scalar_size(property.is_list ? property.count_type : property.type));
+    return size;
+  }
+  bool has_lists() const { return std::ranges::any_of(properties, &PlyProperty::is_list); }
 };
 
 /// What stands between "ply" and "end_header".
@@ -48,16 +55,14 @@ struct PlyHeader {
   std::uint64_t line_count = 0;  ///< lines of the header
 };
 
-/// Reads and checks the header. Errors: anything that is not a PLY 1.0 header, no element "vertex" or two of
-/// them, vertices without properties; more vertices than the file has room for are damage.
-PlyHeader read_ply_header(InputFile& input, Damage damage = Damage::refuse);
+using Words = std::vector<std::string_view>;
 
 /// "binary_little_endian 1.0" and the like.
-std::string ply_version(PlyFormat format);
-
-namespace {
-
-using Words = std::vector<std::string_view>;
+std::string ply_version(PlyFormat format) {
+  static constexpr const char* k_versions[] = {"ascii 1.0", "binary_little_endian 1.0",
+                                               "binary_big_endian 1.0"};
+  return k_versions[static_cast<std::size_t>(format)];
+}
 
 std::optional<ScalarType> scalar_type(std::string_view name) {
   static constexpr std::pair<std::string_view, ScalarType> k_names[] = {
@@ -148,19 +153,8 @@ void check_count(const InputFile& input, const PlyHeader& header, Damage damage)
              damage);
 }
 
-}  // namespace
-
-std::uint64_t PlyElement::smallest_size() const {
-  std::uint64_t size = 0;
-  for (const PlyProperty& property : properties)
-    size += static_cast<std::uint64_t>(scalar_size(property.is_list ? property.count_type : property.type));
-  return size;
-}
-
-bool PlyElement::has_lists() const {
-  return std::ranges::any_of(properties, &PlyProperty::is_list);
-}
-
+/// Reads and checks the header. Errors: anything that is not a PLY 1.0 header, no element "vertex" or two of
+/// them, vertices without properties; more vertices than the file has room for are damage.
 PlyHeader read_ply_header(InputFile& input, Damage damage) {
   TextScanner scanner(input);
   const std::string first(scanner.next_line().value_or(""));
@@ -204,16 +198,6 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
   return header;
 }
 
-std::string ply_version(PlyFormat format) {
-  static constexpr const char* k_versions[] = {"ascii 1.0", "binary_little_endian 1.0",
-                                               "binary_big_endian 1.0"};
-  return k_versions[static_cast<std::size_t>(format)];
-}
-
-namespace {
-
-constexpr std::uint64_t k_points_per_report = 1 << 16;
-
 class PlyReader final : public TableReader {
  public:
   PlyReader(InputFile input, PlyHeader header, Damage damage)
@@ -238,10 +222,6 @@ class PlyReader final : public TableReader {
     }
   }
 
-  glm::dvec3 resolution(const Bounds& bounds) const override {
-    return header_.format == PlyFormat::ascii ? written_.resolution() : TableReader::resolution(bounds);
-  }
-
  private:
   const PlyElement& vertex() const { return header_.elements[header_.vertex]; }
 
@@ -252,9 +232,7 @@ class PlyReader final : public TableReader {
     for (std::size_t i = 0; i < header_.vertex; ++i) skip_binary(header_.elements[i], cursor, order);
 
     const std::vector<PlyProperty>& properties = vertex().properties;
-    std::vector<Cell> row(properties.size());
-    for (std::uint64_t point = 0; point < vertex().count; ++point) {
-      if (point % k_points_per_report == 0) report(progress, cursor.place(), input_.size());
+    visit_points(vertex().count, cursor, visit, progress, [&](std::vector<Cell>& row) {
       for (std::size_t i = 0; i < properties.size(); ++i) {
         if (properties[i].is_list) {
           skip_list(properties[i], cursor, order);
@@ -263,8 +241,7 @@ class PlyReader final : public TableReader {
           row[i] = cell_from(cursor.take(size), properties[i].type, order);
         }
       }
-      visit(row);
-    }
+    });
   }
 
   void skip_binary(const PlyElement& element, ByteCursor& cursor, std::endian order) const {
@@ -307,19 +284,16 @@ class PlyReader final : public TableReader {
 
   void visit_text(const RowVisitor& visit, const Progress& progress) {
     TextScanner scanner(input_, header_.data_place, header_.line_count);
-    std::vector<Cell> row(vertex().properties.size());
-    written_ = WrittenResolution(columns());
+    written_.emplace(columns());
     for (std::size_t i = 0; i < header_.vertex; ++i) {
       const PlyElement& element = header_.elements[i];
       if (element.properties.empty()) continue;
       for (std::uint64_t instance = 0; instance < element.count; ++instance) next_words(scanner, element);
     }
-    for (std::uint64_t point = 0; point < vertex().count; ++point) {
-      if (point % k_points_per_report == 0) report(progress, scanner.place(), input_.size());
+    visit_points(vertex().count, scanner, visit, progress, [&](std::vector<Cell>& row) {
       next_words(scanner, vertex());
       parse_row(scanner, row);
-      visit(row);
-    }
+    });
   }
 
   /// Fills words_ from the next line that is not empty.
@@ -345,15 +319,13 @@ class PlyReader final : public TableReader {
         continue;
       }
       row[i] = require_cell(scanner, text, properties[i].type);
-      written_.add(i, text);
+      written_->add(i, text);
     }
     if (word < words_.size())
       scanner.fail("too many values", std::to_string(word), std::to_string(words_.size()));
   }
 
   PlyHeader header_;
-  WrittenResolution written_;
-  std::vector<std::string_view> words_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "cloud/ply/write_ply.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cassert>
 #include <charconv>
@@ -36,26 +37,25 @@ const char* type_name(ScalarType type) {
   return k_names[static_cast<std::size_t>(type)];
 }
 
-double to_8_bits(std::uint16_t value) {
-  return (value + 128) / 257;
+glm::ivec3 to_8_bits(const Color16& color) {
+  return (glm::ivec3(color) + 128) / 257;
 }
 
 void add_standard(const PointCloud& cloud, std::vector<Property>& properties) {
   const auto add = [&](const char* name, ScalarType type, auto value) {
     properties.push_back({name, type, [value](std::size_t i) { return static_cast<double>(value(i)); }});
   };
-  add("x", ScalarType::float64, [&cloud](std::size_t i) { return cloud.world(i).x; });
-  add("y", ScalarType::float64, [&cloud](std::size_t i) { return cloud.world(i).y; });
-  add("z", ScalarType::float64, [&cloud](std::size_t i) { return cloud.world(i).z; });
+  const auto add_three = [&](const std::array<const char*, 3>& names, ScalarType type, auto values) {
+    for (int part = 0; part < 3; ++part)
+      add(names[static_cast<std::size_t>(part)], type, [=](std::size_t i) { return values(i)[part]; });
+  };
+  add_three({"x", "y", "z"}, ScalarType::float64, [&cloud](std::size_t i) { return cloud.world(i); });
   if (!cloud.normals.empty()) {
-    add("nx", ScalarType::float32, [&cloud](std::size_t i) { return cloud.normals[i].x; });
-    add("ny", ScalarType::float32, [&cloud](std::size_t i) { return cloud.normals[i].y; });
-    add("nz", ScalarType::float32, [&cloud](std::size_t i) { return cloud.normals[i].z; });
+    add_three({"nx", "ny", "nz"}, ScalarType::float32, [&cloud](std::size_t i) { return cloud.normals[i]; });
   }
   if (!cloud.colors.empty()) {
-    add("red", ScalarType::uint8, [&cloud](std::size_t i) { return to_8_bits(cloud.colors[i].x); });
-    add("green", ScalarType::uint8, [&cloud](std::size_t i) { return to_8_bits(cloud.colors[i].y); });
-    add("blue", ScalarType::uint8, [&cloud](std::size_t i) { return to_8_bits(cloud.colors[i].z); });
+    add_three({"red", "green", "blue"}, ScalarType::uint8,
+              [&cloud](std::size_t i) { return to_8_bits(cloud.colors[i]); });
   }
   const auto add_column = [&](const char* name, ScalarType type, const auto& column) {
     if (!column.empty()) add(name, type, [&column](std::size_t i) { return column[i]; });

@@ -57,7 +57,7 @@ class PtxReader final : public TableReader {
  protected:
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     TextScanner scanner(input_);
-    written_ = WrittenResolution(columns());
+    written_.emplace(columns());
     row_.assign(columns().size(), {});
     scale_ = std::numeric_limits<double>::infinity();
     while (scanner.next_words(words_)) {
@@ -78,7 +78,7 @@ class PtxReader final : public TableReader {
   }
 
   glm::dvec3 resolution(const Bounds&) const override {
-    return written_.resolution() * (std::isfinite(scale_) && scale_ > 0.0 ? scale_ : 1.0);
+    return written_->resolution() * (std::isfinite(scale_) && scale_ > 0.0 ? scale_ : 1.0);
   }
   IntensityScale intensity_scale() const override { return IntensityScale::unit; }
   std::string reason_to_drop() const override { return "without a return"; }
@@ -168,15 +168,13 @@ class PtxReader final : public TableReader {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       row_[axis].number = has_return ? x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis]
                                      : std::numeric_limits<double>::quiet_NaN();
-      if (has_return) written_.add(axis, words_[axis]);
+      if (has_return) written_->add(axis, words_[axis]);
     }
   }
 
   std::size_t value_count_ = 3;
-  WrittenResolution written_;
   double scale_ = 1.0;  ///< smallest length that a transform gives to a unit of its scan
   bool warned_ = false;
-  std::vector<std::string_view> words_;
   std::vector<Cell> row_;
 };
 

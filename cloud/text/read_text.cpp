@@ -25,7 +25,7 @@ class TextReader final : public TableReader {
  protected:
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     TextScanner scanner(input_, layout_.data_place, layout_.line_count);
-    written_ = WrittenResolution(columns());
+    written_.emplace(columns());
     row_.assign(columns().size(), {});
     word_count_ = 0;
     const bool has_blocks = layout_.format == "PTS";
@@ -48,7 +48,6 @@ class TextReader final : public TableReader {
       scanner.fail("the file ends early", std::to_string(announced) + " more points, as the count line says");
   }
 
-  glm::dvec3 resolution(const Bounds&) const override { return written_.resolution(); }
   IntensityScale intensity_scale() const override {
     return layout_.format == "CSV" ? IntensityScale::free : IntensityScale::signed_12_bit;
   }
@@ -92,15 +91,13 @@ class TextReader final : public TableReader {
       if (!number)
         scanner.fail("not a number in the column " + quote(columns()[i].name), "a number", quote(words_[i]));
       row_[i].number = *number;
-      if (role <= ColumnRole::z) written_.add(i, words_[i]);
+      if (role <= ColumnRole::z) written_->add(i, words_[i]);
     }
   }
 
   TextLayout layout_;
-  WrittenResolution written_;
   std::uint64_t word_count_ = 0;  ///< cells of extra columns that hold a word instead of a number
   bool warned_ = false;
-  std::vector<std::string_view> words_;
   std::vector<Cell> row_;
 };
 

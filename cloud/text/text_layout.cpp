@@ -2,6 +2,7 @@
 #include "cloud/text/text_layout.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -90,31 +91,22 @@ void assign_by_content(TextLayout& result, const Sample& sample) {
   const auto give = [&](std::size_t column, ColumnRole role, const char* name) {
     columns[column] = {name, ScalarType::float64, role};
   };
-  give(0, ColumnRole::x, "x");
-  give(1, ColumnRole::y, "y");
-  give(2, ColumnRole::z, "z");
+  std::size_t column = 0;
+  const auto give_three = [&](ColumnRole first, const std::array<const char*, 3>& names) {
+    for (std::size_t i = 0; i < 3; ++i)
+      give(column++, static_cast<ColumnRole>(static_cast<std::size_t>(first) + i), names[i]);
+  };
+  give_three(ColumnRole::x, {"x", "y", "z"});
   std::string_view layout;
   for (const std::string_view candidate : layouts_for(columns.size())) {
     if (!fits(sample, candidate)) continue;
     layout = candidate;
     break;
   }
-  std::size_t column = 3;
   for (const char part : layout) {
-    if (part == 'i') {
-      give(column, ColumnRole::intensity, "intensity");
-      column += 1;
-    } else if (part == 'c') {
-      give(column, ColumnRole::red, "red");
-      give(column + 1, ColumnRole::green, "green");
-      give(column + 2, ColumnRole::blue, "blue");
-      column += 3;
-    } else {
-      give(column, ColumnRole::normal_x, "normal_x");
-      give(column + 1, ColumnRole::normal_y, "normal_y");
-      give(column + 2, ColumnRole::normal_z, "normal_z");
-      column += 3;
-    }
+    if (part == 'i') give(column++, ColumnRole::intensity, "intensity");
+    if (part == 'c') give_three(ColumnRole::red, {"red", "green", "blue"});
+    if (part == 'n') give_three(ColumnRole::normal_x, {"normal_x", "normal_y", "normal_z"});
   }
   std::string reading;
   for (const TableColumn& each : columns) reading += (reading.empty() ? "" : " ") + each.name;
