@@ -20,62 +20,17 @@
 namespace alidade {
 namespace {
 
-constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'R', 'U', 'N', 'S'};
+constexpr CheckpointForm k_runs = {.magic = {'A', 'L', 'I', 'D', 'R', 'U', 'N', 'S'},
+                                   .name = "a checkpoint of such a run",
+                                   .fixed_bytes = 40,
+                                   .identity_bytes = 32};
 constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
-constexpr std::size_t k_fixed_bytes = 40, k_checksum_place = 24, k_record_bytes = 32, k_summed_bytes = 24;
+constexpr std::size_t k_checksum = 24, k_record_bytes = 32, k_summed_bytes = 24;
 constexpr std::size_t k_most_pending = std::size_t{4} << 20;
 
 std::uint64_t head_checksum(std::vector<std::byte> head) {
-  store<std::uint64_t>(head.data() + k_checksum_place, 0);
+  store<std::uint64_t>(head.data() + k_checksum, 0);
   return checksum(head);
-}
-
-std::vector<std::byte> head_bytes(const Identity& identity, std::uint64_t count) {
-  std::vector<std::byte> bytes(k_fixed_bytes);
-  append_identity(identity, bytes);
-  store(bytes.data(), k_magic);
-  store(bytes.data() + 8, k_byte_order);
-  store(bytes.data() + 12, k_version);
-  store(bytes.data() + 16, count);
-  store<std::uint64_t>(bytes.data() + 32, bytes.size() - k_fixed_bytes);
-  store(bytes.data() + k_checksum_place, head_checksum(bytes));
-  return bytes;
-}
-
-bool begins_as_parts(InputFile& file) {
-  const auto start = file.view_up_to(0, k_magic.size());
-  return start.size() == k_magic.size() && std::memcmp(start.data(), k_magic.data(), k_magic.size()) == 0;
-}
-
-/// The head, checked but for what it says the run is.
-std::vector<std::byte> read_head(InputFile& file) {
-  if (!begins_as_parts(file)) {
-    throw Error({.file = file.name(), .place = "byte 0", .problem = "is not a checkpoint of such a run"});
-  }
-  std::vector<std::byte> bytes(k_fixed_bytes);
-  file.read_at(0, bytes);
-  const std::string name = file.name();
-  {
-    const HeaderFields fixed(bytes, name);
-    const auto order = fixed.get<std::uint32_t>(8);
-    fixed.require(order != k_other_byte_order, 8, "comes from a machine of another byte order",
-                  "little endian", "big endian");
-    fixed.require(order == k_byte_order, 8, "bad byte order mark", "01020304", fmt::format("{:08x}", order));
-    const auto version = fixed.get<std::uint32_t>(12);
-    fixed.require(version == k_version, 12, "another version of checkpoints", std::to_string(k_version),
-                  version);
-    const auto identity = fixed.get<std::uint64_t>(32);
-    fixed.require(identity <= file.size() - k_fixed_bytes, 32, "is damaged",
-                  fmt::format("at most {} bytes of description", file.size() - k_fixed_bytes), identity);
-    bytes.resize(k_fixed_bytes + identity);
-  }
-  file.read_at(k_fixed_bytes, std::span(bytes).subspan(k_fixed_bytes));
-  const HeaderFields whole(bytes, name);
-  const auto said = whole.get<std::uint64_t>(k_checksum_place);
-  const std::uint64_t sum = head_checksum(bytes);
-  whole.require(said == sum, k_checksum_place, "is damaged: the head has another checksum",
-                fmt::format("{:016x}", said), fmt::format("{:016x}", sum));
-  return bytes;
 }
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem) {
@@ -104,6 +59,61 @@ bool write_fully(int descriptor, std::uint64_t place, std::span<const std::byte>
 }
 
 }  // namespace
+
+std::vector<std::byte> checkpoint_head(const CheckpointForm& form, const Identity& identity,
+                                       const std::function<void(std::byte*)>& fill) {
+  std::vector<std::byte> bytes(form.fixed_bytes);
+  append_identity(identity, bytes);
+  store(bytes.data(), form.magic);
+  store(bytes.data() + 8, k_byte_order);
+  store(bytes.data() + 12, k_version);
+  store(bytes.data() + form.identity_bytes, static_cast<std::uint32_t>(bytes.size() - form.fixed_bytes));
+  fill(bytes.data());
+  store(bytes.data() + k_checksum, head_checksum(bytes));
+  return bytes;
+}
+
+bool begins_as(InputFile& file, const CheckpointForm& form) {
+  const auto start = file.view_up_to(0, form.magic.size());
+  return start.size() == form.magic.size() &&
+         std::memcmp(start.data(), form.magic.data(), form.magic.size()) == 0;
+}
+
+std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointForm& form,
+                                            const std::function<void(const HeaderFields&)>& check) {
+  if (!begins_as(file, form))
+    throw Error({.file = file.name(), .place = "byte 0", .problem = fmt::format("is not {}", form.name)});
+  std::vector<std::byte> bytes(form.fixed_bytes);
+  file.read_at(0, bytes);
+  const std::string name = file.name();
+  {
+    const HeaderFields fixed(bytes, name);
+    const auto order = fixed.get<std::uint32_t>(8);
+    fixed.require(order != k_other_byte_order, 8, "comes from a machine of another byte order",
+                  "little endian", "big endian");
+    fixed.require(order == k_byte_order, 8, "bad byte order mark", "01020304", fmt::format("{:08x}", order));
+    const auto version = fixed.get<std::uint32_t>(12);
+    fixed.require(version == k_version, 12, "another version of checkpoints", std::to_string(k_version),
+                  version);
+    check(fixed);
+    const std::uint64_t most = file.size() - form.fixed_bytes;
+    const auto identity = fixed.get<std::uint32_t>(form.identity_bytes);
+    fixed.require(identity <= most, form.identity_bytes, "is damaged",
+                  fmt::format("at most {} bytes of description", most), identity);
+    bytes.resize(form.fixed_bytes + identity);
+  }
+  file.read_at(form.fixed_bytes, std::span(bytes).subspan(form.fixed_bytes));
+  const HeaderFields whole(bytes, name);
+  const auto said = whole.get<std::uint64_t>(k_checksum);
+  const std::uint64_t sum = head_checksum(bytes);
+  whole.require(said == sum, k_checksum, "is damaged: the head has another checksum",
+                fmt::format("{:016x}", said), fmt::format("{:016x}", sum));
+  return bytes;
+}
+
+Identity identity_of(const CheckpointForm& form, std::span<const std::byte> head, const std::string& file) {
+  return read_identity(head.subspan(form.fixed_bytes), form.fixed_bytes, file);
+}
 
 FinishedParts::FinishedParts(PartsOptions options, Identity identity)
     : options_(std::move(options)),
@@ -154,9 +164,8 @@ void FinishedParts::open() {
 
 void FinishedParts::read() {
   InputFile file(options_.file);
-  const std::vector<std::byte> head = read_head(file);
-  const std::span<const std::byte> described = std::span(head).subspan(k_fixed_bytes);
-  check_identity(read_identity(described, k_fixed_bytes, file.name()), identity_, file.name(),
+  const std::vector<std::byte> head = read_checkpoint_head(file, k_runs, [](const HeaderFields&) {});
+  check_identity(identity_of(k_runs, head, file.name()), identity_, file.name(),
                  {.of = "run", .same = "cloud and options"});
   count_ = load<std::uint64_t>(head.data() + 16);
   size_ = head.size();
@@ -188,7 +197,8 @@ void FinishedParts::read() {
 }
 
 void FinishedParts::create() {
-  const std::vector<std::byte> head = head_bytes(identity_, count_);
+  const std::vector<std::byte> head =
+      checkpoint_head(k_runs, identity_, [this](std::byte* head) { store(head + 16, count_); });
   OutputFile file(options_.file, true);
   file.write(head);
   file.commit();
@@ -274,7 +284,7 @@ void FinishedParts::remove() {
 
 bool is_parts_file(const std::filesystem::path& path) {
   InputFile file(path);
-  return begins_as_parts(file);
+  return begins_as(file, k_runs);
 }
 
 }  // namespace alidade

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -37,6 +38,34 @@
 // not finished.
 
 namespace alidade {
+
+class HeaderFields;
+class InputFile;
+
+/// How a kind of checkpoint begins: its magic, the byte order and the version of checkpoints, 8 bytes of the
+/// kind, the checksum of the head, further fields of the kind, and the identity of what is computed. The kinds are
+/// runs in parts (above) and pictures under way (renderer/checkpoint.h).
+struct CheckpointForm {
+  std::array<char, 8> magic;
+  const char* name;            ///< in "is not NAME"
+  std::size_t fixed_bytes;     ///< before the identity
+  std::size_t identity_bytes;  ///< offset of the field with the length of the identity
+};
+
+/// The head of a checkpoint; `fill` stores the fields of the kind.
+std::vector<std::byte> checkpoint_head(const CheckpointForm& form, const Identity& identity,
+                                       const std::function<void(std::byte*)>& fill);
+
+/// Whether a file has the magic, of whatever version. Errors: those of InputFile.
+bool begins_as(InputFile& file, const CheckpointForm& form);
+
+/// Reads a head; `check` sees its fixed bytes before the identity is read. Errors: not a checkpoint of the kind;
+/// another byte order or version; damaged; those of `check`.
+std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointForm& form,
+                                            const std::function<void(const HeaderFields&)>& check);
+
+/// The identity in a head that was read from `file`.
+Identity identity_of(const CheckpointForm& form, std::span<const std::byte> head, const std::string& file);
 
 struct PartsOptions {
   std::filesystem::path file{};

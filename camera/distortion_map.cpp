@@ -10,15 +10,6 @@ namespace alidade::camera {
 /// Coefficients, that of x^0 first.
 using Polynomial = std::vector<double>;
 
-double value_at(const Polynomial& polynomial, double x);
-Polynomial derivative(const Polynomial& polynomial);
-Polynomial product(const Polynomial& a, const Polynomial& b);
-Polynomial difference(const Polynomial& a, const Polynomial& b);
-
-/// The last places before the polynomial changes its sign in (0, end], ascending, to the last bit. Places
-/// where it only touches zero are left out. The same bits on every machine.
-std::vector<double> sign_changes(const Polynomial& polynomial, double end);
-
 double value_at(const Polynomial& polynomial, double x) {
   double value = 0.0;
   for (auto each = polynomial.rbegin(); each != polynomial.rend(); ++each) value = value * x + *each;
@@ -47,6 +38,8 @@ Polynomial difference(const Polynomial& a, const Polynomial& b) {
   return result;
 }
 
+/// The last places before the polynomial changes its sign in (0, end], ascending, to the last bit. Places
+/// where it only touches zero are left out. The same bits on every machine.
 std::vector<double> sign_changes(const Polynomial& polynomial, double end) {
   if (polynomial.size() < 2) return {};
   // Between two places where the derivative changes its sign the polynomial is monotone.

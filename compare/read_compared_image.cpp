@@ -11,10 +11,6 @@
 
 namespace alidade::compare {
 
-/// Turns all layers as the EXIF field Orientation asks for (1 to 8; others are taken as 1, upright).
-/// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the picture row 0 and column 0 are.
-void turn_upright(ComparedImage& image, int orientation);
-
 namespace {
 
 /// How to go through the stored picture so as to meet its pixels in upright order.
@@ -62,6 +58,8 @@ void turn(std::vector<Value>& values, const Walk& walk, std::ptrdiff_t width, st
 
 }  // namespace
 
+/// Turns all layers as the EXIF field Orientation asks for (1 to 8; others are taken as 1, upright).
+/// Source: CIPA DC-008 (Exif 2.32), 4.6.5.1, tag 274: which side of the picture row 0 and column 0 are.
 void turn_upright(ComparedImage& image, int orientation) {
   if (orientation < 2 || orientation > 8) return;
   const Walk walk = walk_of(orientation, image.width, image.height);

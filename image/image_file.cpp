@@ -66,17 +66,6 @@ struct Channel {
   int component;  ///< 0, 1, 2 of a vector or colour; 3 = alpha
 };
 
-/// The channels of the layers asked for, in the order of the enumeration Layer.
-std::vector<Channel> exr_channels(const OutputSettings& output);
-
-/// Size of a pixel of these channels in bytes, each value in its own type, without gaps.
-std::size_t pixel_bytes(std::span<const Channel> channels);
-
-/// Row `y` of the film as such pixels. `offset`: ImageFacts::position_offset. `bytes` holds width *
-/// pixel_bytes.
-void pack_row(const Film& film, int y, std::span<const Channel> channels, const glm::dvec3& offset,
-              std::span<std::byte> bytes);
-
 namespace {
 
 constexpr float k_largest_half = 65504.0f;
@@ -113,6 +102,7 @@ std::size_t put(std::span<std::byte> bytes, std::size_t place, const Value& valu
 
 }  // namespace
 
+/// The channels of the layers asked for, in the order of the enumeration Layer.
 std::vector<Channel> exr_channels(const OutputSettings& output) {
   const ChannelType color = output.half ? ChannelType::half_float : ChannelType::single_float;
   const std::vector<Channel> all{
@@ -143,12 +133,15 @@ std::vector<Channel> exr_channels(const OutputSettings& output) {
   return channels;
 }
 
+/// Size of a pixel of these channels in bytes, each value in its own type, without gaps.
 std::size_t pixel_bytes(std::span<const Channel> channels) {
   std::size_t bytes = 0;
   for (const Channel& channel : channels) bytes += channel.type == ChannelType::half_float ? 2 : 4;
   return bytes;
 }
 
+/// Row `y` of the film as such pixels. `offset`: ImageFacts::position_offset. `bytes` holds width *
+/// pixel_bytes.
 void pack_row(const Film& film, int y, std::span<const Channel> channels, const glm::dvec3& offset,
               std::span<std::byte> bytes) {
   assert(bytes.size() == pixel_bytes(channels) * static_cast<std::size_t>(film.width));

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/bytes.h"
+#include "base/checkpoint.h"
 #include "base/fingerprint.h"
 #include "base/input_file.h"
 #include "base/output_file.h"
@@ -30,85 +31,39 @@ struct CheckpointHead {
   std::uint64_t head_bytes = 0;  ///< where the rest begins
 };
 
-/// Bytes of the head, its checksum included; sets head_bytes.
-std::vector<std::byte> encode_checkpoint_head(CheckpointHead& head);
-
-/// Whether the magic is there.
-bool begins_as_checkpoint(InputFile& file);
-
-/// Errors: not a checkpoint; another byte order or version; cut short or too long; damaged.
-CheckpointHead read_checkpoint_head(InputFile& file);
-
 namespace {
 
-constexpr std::array<char, 8> k_magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'};
-constexpr std::uint32_t k_byte_order = 0x01020304, k_other_byte_order = 0x04030201, k_version = 1;
-constexpr std::size_t k_fixed_bytes = 80, k_checksum_place = 24;
+constexpr CheckpointForm k_pictures = {.magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'},
+                                       .name = "a checkpoint of Alidade",
+                                       .fixed_bytes = 80,
+                                       .identity_bytes = 72};
 
-std::uint64_t head_checksum(std::vector<std::byte> head) {
-  store<std::uint64_t>(head.data() + k_checksum_place, 0);
-  return checksum(head);
-}
-
-}  // namespace
-
-std::vector<std::byte> encode_checkpoint_head(CheckpointHead& head) {
-  std::vector<std::byte> bytes(k_fixed_bytes);
-  append_identity(head.identity, bytes);
+/// Bytes of the head, its checksum included; sets head_bytes.
+std::vector<std::byte> encode_head(CheckpointHead& head) {
+  std::vector<std::byte> bytes = checkpoint_head(k_pictures, head.identity, [&head](std::byte* at) {
+    store(at + 16, head.file_bytes);
+    store(at + 32, head.rest_checksum);
+    store(at + 40, head.width);
+    store(at + 44, head.height);
+    store<std::uint32_t>(at + 48, head.with_noise ? 1 : 0);
+    store(at + 52, head.pass_end);
+    store(at + 56, head.samples_taken);
+    store(at + 64, head.seconds);
+    store(at + 76, head.samples);
+  });
   head.head_bytes = bytes.size();
-  std::byte* const at = bytes.data();
-  store(at, k_magic);
-  store(at + 8, k_byte_order);
-  store(at + 12, k_version);
-  store(at + 16, head.file_bytes);
-  store(at + 32, head.rest_checksum);
-  store(at + 40, head.width);
-  store(at + 44, head.height);
-  store<std::uint32_t>(at + 48, head.with_noise ? 1 : 0);
-  store(at + 52, head.pass_end);
-  store(at + 56, head.samples_taken);
-  store(at + 64, head.seconds);
-  store(at + 72, static_cast<std::uint32_t>(bytes.size() - k_fixed_bytes));
-  store(at + 76, head.samples);
-  store(at + k_checksum_place, head_checksum(bytes));
   return bytes;
 }
 
-bool begins_as_checkpoint(InputFile& file) {
-  const auto start = file.view_up_to(0, k_magic.size());
-  return start.size() == k_magic.size() && std::memcmp(start.data(), k_magic.data(), k_magic.size()) == 0;
-}
-
-CheckpointHead read_checkpoint_head(InputFile& file) {
-  std::vector<std::byte> bytes(k_fixed_bytes);
-  if (!begins_as_checkpoint(file))
-    throw Error({.file = file.name(), .place = "byte 0", .problem = "is not a checkpoint of Alidade"});
-  file.read_at(0, bytes);
-  {
-    const HeaderFields fixed(bytes, file.name());
-    const auto order = fixed.get<std::uint32_t>(8);
-    fixed.require(order != k_other_byte_order, 8, "comes from a machine of another byte order",
-                  "little endian", "big endian");
-    fixed.require(order == k_byte_order, 8, "bad byte order mark", "01020304", fmt::format("{:08x}", order));
-    const auto version = fixed.get<std::uint32_t>(12);
-    fixed.require(version == k_version, 12, "another version of checkpoints", std::to_string(k_version),
-                  version);
-    const auto size = fixed.get<std::uint64_t>(16);
-    fixed.require(size == file.size(), 16, "is cut short or too long", fmt::format("{} bytes", size),
-                  file.size());
-    const std::uint64_t identity_bytes = fixed.get<std::uint32_t>(72);
-    fixed.require(identity_bytes <= file.size() - k_fixed_bytes, 72, "is damaged",
-                  fmt::format("at most {} bytes of description", file.size() - k_fixed_bytes),
-                  identity_bytes);
-    bytes.resize(k_fixed_bytes + identity_bytes);
-  }
-  file.read_at(k_fixed_bytes, std::span(bytes).subspan(k_fixed_bytes));
+/// Errors: not a checkpoint; another byte order or version; cut short or too long; damaged.
+CheckpointHead read_head(InputFile& file) {
+  const std::vector<std::byte> bytes =
+      read_checkpoint_head(file, k_pictures, [&file](const HeaderFields& fixed) {
+        const auto size = fixed.get<std::uint64_t>(16);
+        fixed.require(size == file.size(), 16, "is cut short or too long", fmt::format("{} bytes", size),
+                      file.size());
+      });
   const HeaderFields reader(bytes, file.name());
-  const std::uint64_t sum = head_checksum(bytes);
-  reader.require(reader.get<std::uint64_t>(k_checksum_place) == sum, k_checksum_place,
-                 "is damaged: the head has another checksum",
-                 fmt::format("{:016x}", reader.get<std::uint64_t>(k_checksum_place)),
-                 fmt::format("{:016x}", sum));
   CheckpointHead head;
   head.file_bytes = reader.get<std::uint64_t>(16);
   head.rest_checksum = reader.get<std::uint64_t>(32);
@@ -122,7 +77,7 @@ CheckpointHead read_checkpoint_head(InputFile& file) {
   head.seconds = reader.get<double>(64);
   reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "is damaged", "seconds", head.seconds);
   head.samples = reader.get<std::uint32_t>(76);
-  head.identity = read_identity(std::span(bytes).subspan(k_fixed_bytes), k_fixed_bytes, file.name());
+  head.identity = identity_of(k_pictures, bytes, file.name());
   head.head_bytes = bytes.size();
   return head;
 }
@@ -286,7 +241,7 @@ void write_checkpoint(const std::filesystem::path& path, const PictureIdentity& 
   head.samples = static_cast<std::uint32_t>(samples);
   head.identity = identity;
   OutputFile file(path, true);
-  file.write(encode_checkpoint_head(head));
+  file.write(encode_head(head));
   BlockWriter writer(file);
   for (const TileState& tile : state.tiles) {
     std::array<std::byte, k_tile_bytes> bytes{};
@@ -298,12 +253,12 @@ void write_checkpoint(const std::filesystem::path& path, const PictureIdentity& 
   for_each_array(state, [&](const auto& values) { writer.add(std::as_bytes(values)); });
   head.rest_checksum = writer.finish();
   head.file_bytes = file.size();
-  file.write_at(0, encode_checkpoint_head(head));
+  file.write_at(0, encode_head(head));
   file.commit();
 }
 
 void read_checkpoint(InputFile file, const PictureIdentity& identity, int samples, PictureState& state) {
-  const CheckpointHead head = read_checkpoint_head(file);
+  const CheckpointHead head = read_head(file);
   check_head(file, head, identity, samples, state);
   BlockReader reader(file, head.head_bytes);
   read_tiles(reader, file, samples, state);
@@ -319,12 +274,12 @@ void read_checkpoint(InputFile file, const PictureIdentity& identity, int sample
 
 bool is_checkpoint(const std::filesystem::path& path) {
   InputFile file(path);
-  return begins_as_checkpoint(file);
+  return begins_as(file, k_pictures);
 }
 
 CheckpointSummary read_checkpoint_summary(const std::filesystem::path& path) {
   InputFile file(path);
-  const CheckpointHead head = read_checkpoint_head(file);
+  const CheckpointHead head = read_head(file);
   CheckpointSummary summary;
   if (!head.identity.empty()) summary.picture = head.identity.front().value;
   summary.samples_taken = head.samples_taken;

@@ -36,12 +36,6 @@ inline Rgb eval(const Lambertian& material, const Rgb& color, const glm::dvec3& 
 // Masking-Shadowing Function, JCGT 2014; visible normals by spherical caps: Dupuy and Benyoub, HPG 2023;
 // Schlick 1994.
 
-/// Whether it is so smooth that it counts as a perfect mirror.
-bool is_mirror(const Metal& material);
-
-std::optional<MaterialSample> sample(const Metal& material, const Rgb& color, const glm::dvec3& outgoing,
-                                     const glm::dvec2& u);
-Rgb eval(const Metal& material, const Rgb& color, const glm::dvec3& outgoing, const glm::dvec3& incoming);
 double pdf(const Metal& material, const glm::dvec3& outgoing, const glm::dvec3& incoming);
 
 namespace {
@@ -97,6 +91,7 @@ glm::dvec3 above(const glm::dvec3& direction, bool mirrored) {
 
 }  // namespace
 
+/// Whether it is so smooth that it counts as a perfect mirror.
 bool is_mirror(const Metal& material) {
   return alpha_of(material) < 1e-4;
 }

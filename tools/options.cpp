@@ -326,6 +326,16 @@ Option add_partial(const Options& command, bool& partial) {
                       partial);
 }
 
+void add_cloud(const Options& command, CloudRequest& request) {
+  add_cloud_files(command, "cloud", "CLOUD...", k_cloud_help, request.files).required();
+}
+
+void add_run_options(const Options& command, CloudRequest& request) {
+  add_partial(command, request.partial);
+  add_threads(command, request.threads);
+  add_verbosity(command, request.verbosity);
+}
+
 std::bitset<256> parse_classes(const std::string& text) {
   std::bitset<256> classes;
   for (const std::string& word : split_list(text))

@@ -263,6 +263,20 @@ Option add_cloud_files(const Options& command, const std::string& name, const st
 /// Declares --partial.
 Option add_partial(const Options& command, bool& partial);
 
+/// What all commands on one cloud are asked.
+struct CloudRequest {
+  CloudInputs files;
+  bool partial = false;        ///< ReadOptions::partial
+  std::optional<int> threads;  ///< empty: all of the machine
+  VerbosityOptions verbosity;
+};
+
+/// Declares the operand that names the cloud, which is required.
+void add_cloud(const Options& command, CloudRequest& request);
+
+/// Declares --partial, --threads, -q and -v.
+void add_run_options(const Options& command, CloudRequest& request);
+
 /// What stands between the commas of a text, one word at least.
 inline std::vector<std::string> split_list(const std::string& text) {
   std::vector<std::string> words;

@@ -34,15 +34,6 @@ struct CropOptions {
 
   bool given() const { return !text.empty(); }
 };
-void add_crop_options(const Options& command, CropOptions& options);
-
-/// Finds what is wrong before a cloud is read. Errors: no such file; --crop-crs without a file.
-void check_crop(const CropOptions& options);
-
-/// Crops a cloud, which may lack the files outside the box (ReadOptions::region). Errors: as read_polygons()
-/// of geo/read_polygons.h and image_module(); no point is left of a cloud that had some.
-void crop(PointCloud& cloud, const CropOptions& options, const Progress& progress);
-
 namespace {
 
 /// Whether a text is meant as a box. A file whose name holds commas comes first.
@@ -110,6 +101,7 @@ void add_crop_options(const Options& command, CropOptions& options) {
                 [&options](const std::string& text) { options.reference = text; });
 }
 
+/// Finds what is wrong before a cloud is read. Errors: no such file; --crop-crs without a file.
 void check_crop(const CropOptions& options) {
   if (options.polygons.empty()) {
     if (!options.reference.empty())
@@ -124,6 +116,8 @@ void check_crop(const CropOptions& options) {
   }
 }
 
+/// Crops a cloud, which may lack the files outside the box (ReadOptions::region). Errors: as read_polygons()
+/// of geo/read_polygons.h and image_module(); no point is left of a cloud that had some.
 void crop(PointCloud& cloud, const CropOptions& options, const Progress& progress) {
   if (!options.given()) return;
   const std::string before = whereabouts(cloud);
@@ -143,17 +137,13 @@ void crop(PointCloud& cloud, const CropOptions& options, const Progress& progres
 
 namespace {
 
-struct ConvertCommand {
-  CloudInputs files;
-  bool partial = false;
+struct ConvertCommand : CloudRequest {
   std::filesystem::path output;
   CropOptions crop;
   std::uint64_t every = 1;
   std::optional<double> spacing;
   std::optional<ColorDepth> color_depth;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 void check_name(const std::filesystem::path& output) {
@@ -270,10 +260,8 @@ Command add_convert(const Options& program) {
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_partial(convert, command->partial);
   convert.flag("--overwrite", "replace an existing output", command->overwrite);
-  add_threads(convert, command->threads);
-  add_verbosity(convert, command->verbosity);
+  add_run_options(convert, *command);
   return {convert, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
 }
 

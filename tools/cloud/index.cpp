@@ -60,15 +60,11 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
 
 namespace {
 
-struct IndexCommand {
-  CloudInputs files;
-  bool partial = false;
+struct IndexCommand : CloudRequest {
   std::filesystem::path output;
   IndexRequest index;
   std::optional<Organisation> organisation;
   std::optional<ColorDepth> color_depth;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 PointCloud read(const IndexCommand& command) {
@@ -147,9 +143,7 @@ Command add_index(const Options& program) {
              "to measure; implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
-  add_partial(index, command->partial);
-  add_threads(index, command->threads);
-  add_verbosity(index, command->verbosity);
+  add_run_options(index, *command);
   return {index, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
 }
 

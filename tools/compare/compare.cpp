@@ -24,15 +24,6 @@
 
 namespace alidade::tools {
 
-/// The table that people read on a terminal.
-std::string comparison_text(const compare::Comparison& comparison, const compare::Verdict& verdict);
-
-/// A line per pair, worst first, and one that sums up.
-std::string batch_text(const std::vector<compare::PairOutcome>& outcomes);
-
-/// "flip=0.05: 0.08", for those that fail.
-std::vector<std::string> failures_of(const compare::Verdict& verdict);
-
 namespace {
 
 std::string facts_text(const char* side, const compare::PictureFacts& facts) {
@@ -57,6 +48,7 @@ std::string regions_text(const compare::ChangeRegions& changes) {
 
 }  // namespace
 
+/// "flip=0.05: 0.08", for those that fail.
 std::vector<std::string> failures_of(const compare::Verdict& verdict) {
   std::vector<std::string> failures;
   for (const compare::JudgedThreshold& judged : verdict.judged)
@@ -65,6 +57,7 @@ std::vector<std::string> failures_of(const compare::Verdict& verdict) {
   return failures;
 }
 
+/// The table that people read on a terminal.
 std::string comparison_text(const compare::Comparison& comparison, const compare::Verdict& verdict) {
   std::string text = facts_text("reference", comparison.reference) + facts_text("test", comparison.test);
   text += fmt::format("{:<10} {} of {} pixels", "counted", comparison.counted, comparison.pixels);
@@ -93,6 +86,7 @@ std::string comparison_text(const compare::Comparison& comparison, const compare
   return text + (verdict.pass() ? "pass\n" : "FAIL\n");
 }
 
+/// A line per pair, worst first, and one that sums up.
 std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
   std::string text = fmt::format("{:<5} {:>10} {:>10} {:>10}  pair\n", "", "flip", "ssim", "psnr");
   std::size_t failed = 0;

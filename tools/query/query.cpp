@@ -114,14 +114,12 @@ void add_answers(const Options& query, QueryCommand& command) {
 
 std::shared_ptr<QueryCommand> add_query_options(const Options& query) {
   auto command = std::make_shared<QueryCommand>();
-  add_cloud_files(query, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_cloud(query, *command);
   add_targets(query, *command);
   add_conditions(query, *command);
   add_answers(query, *command);
   add_copc(query, *command);
-  add_partial(query, command->partial);
-  add_threads(query, command->threads);
-  add_verbosity(query, command->verbosity);
+  add_run_options(query, *command);
   return command;
 }
 

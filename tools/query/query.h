@@ -29,9 +29,7 @@ struct GivenTargets {
 enum class AnswerForm { csv, json_lines, las };
 
 /// What was asked of `alidade query`.
-struct QueryCommand {
-  CloudInputs files;
-  bool partial = false;
+struct QueryCommand : CloudRequest {
   GivenTargets targets[k_target_families];
   std::optional<double> radius, t_min, t_max, entry_min;
   std::optional<std::size_t> k;
@@ -44,8 +42,6 @@ struct QueryCommand {
   std::filesystem::path output;
   std::optional<AnswerForm> format;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 /// Declares the command's options; they fill what is returned.

@@ -20,20 +20,6 @@
 
 namespace alidade::tools {
 
-/// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or stands twice, a
-/// required column that is missing, no names at all.
-std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kind);
-
-/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too
-/// many.
-std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind& kind);
-
-/// Reads a line of comma-separated numbers into `row`, which holds one value per column of the kind; NaN for
-/// those that are not given. An empty cell of an optional column counts as not given. Errors: number of
-/// cells; a cell that is no number or breaks its column's rule; see check_row().
-void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const std::size_t> column_of_cell,
-                 std::span<double> row);
-
 namespace {
 
 std::size_t offset_in(const TextLine& line, std::string_view cell) {
@@ -46,6 +32,8 @@ std::string count_of(std::size_t count, const char* what) {
 
 }  // namespace
 
+/// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or stands twice, a
+/// required column that is missing, no names at all.
 std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kind) {
   std::vector<std::string_view> names;
   split_cells(line.text, ',', names);
@@ -69,6 +57,8 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
   return columns;
 }
 
+/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too
+/// many.
 std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind& kind) {
   std::vector<std::string_view> cells;
   split_cells(line.text, ',', cells);
@@ -80,6 +70,9 @@ std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind
   return columns;
 }
 
+/// Reads a line of comma-separated numbers into `row`, which holds one value per column of the kind; NaN for
+/// those that are not given. An empty cell of an optional column counts as not given. Errors: number of
+/// cells; a cell that is no number or breaks its column's rule; see check_row().
 void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const std::size_t> column_of_cell,
                  std::span<double> row) {
   std::vector<std::string_view> cells;
@@ -108,13 +101,6 @@ void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const s
   }
   check_row(line, kind, row, std::span(offsets).first(row.size()));
 }
-
-/// Reads a line of JSON into `row`, which holds one value per column of the kind; NaN for those that are not
-/// given. The line is an object whose keys are columns ("ox": 1) or vectors ("origin": [1, 2, 3]) of the
-/// kind, or an array in the kind's order. Values are numbers, "inf" or "-inf"; null counts as not given.
-/// Errors: no JSON (nested at most 64 deep, no key twice); an unknown key; a value given twice; one that is
-/// no number or breaks its column's rule; see check_row().
-void parse_json_row(const TextLine& line, const TargetKind& kind, std::span<double> row);
 
 namespace {
 
@@ -201,6 +187,11 @@ class RowFiller {
 
 }  // namespace
 
+/// Reads a line of JSON into `row`, which holds one value per column of the kind; NaN for those that are not
+/// given. The line is an object whose keys are columns ("ox": 1) or vectors ("origin": [1, 2, 3]) of the
+/// kind, or an array in the kind's order. Values are numbers, "inf" or "-inf"; null counts as not given.
+/// Errors: no JSON (nested at most 64 deep, no key twice); an unknown key; a value given twice; one that is
+/// no number or breaks its column's rule; see check_row().
 void parse_json_row(const TextLine& line, const TargetKind& kind, std::span<double> row) {
   const JsonDocument document = parse_line(line);
   RowFiller(line, document, kind, row).fill();

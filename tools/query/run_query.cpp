@@ -24,9 +24,6 @@ namespace alidade::tools {
 
 /// What --explain says: the work of a run in all and for each target.
 std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
-                          std::uint64_t answers);
-
-std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
                           std::uint64_t answers) {
   std::string text = fmt::format("{:<22}{:>16}{:>16}\n", "", "in all", fmt::format("per {}", kind.name));
   const auto row = [&](const char* name, std::uint64_t count) {

@@ -29,14 +29,6 @@ struct LoadOptions {
 };
 
 /// Declares them.
-void add_load_options(const Options& command, LoadOptions& options);
-
-/// Does `work`, which reads files and then stores points, with a progress line for each; prints the warnings
-/// that it answers. `storing` is what the second line says.
-void load_with_progress(
-    const LoadOptions& options, const std::string& storing,
-    const std::function<std::vector<std::string>(const ReadOptions& reading, const Progress& storing)>& work);
-
 void add_load_options(const Options& command, LoadOptions& options) {
   command.value(
       "--memory", "SIZE",
@@ -55,6 +47,8 @@ void add_load_options(const Options& command, LoadOptions& options) {
   add_verbosity(command, options.verbosity);
 }
 
+/// Does `work`, which reads files and then stores points, with a progress line for each; prints the warnings
+/// that it answers. `storing` is what the second line says.
 void load_with_progress(const LoadOptions& options, const std::string& storing,
                         const std::function<std::vector<std::string>(const ReadOptions& reading,
                                                                      const Progress& storing)>& work) {

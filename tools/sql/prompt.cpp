@@ -24,10 +24,6 @@
 
 namespace alidade::tools {
 
-/// Where the program keeps what was typed at its prompt: $XDG_STATE_HOME/alidade/sql_history, or below
-/// ~/.local/state; empty if there is no home.
-std::filesystem::path sql_history_file();
-
 /// Lines typed at a terminal, which can be edited and called back as in a shell. That is libedit's work,
 /// which is loaded only here; without it lines are read as the terminal gives them.
 class LineEditor {
@@ -130,6 +126,8 @@ struct LineEditor::Library {
   }
 };
 
+/// Where the program keeps what was typed at its prompt: $XDG_STATE_HOME/alidade/sql_history, or below
+/// ~/.local/state; empty if there is no home.
 std::filesystem::path sql_history_file() {
   const auto folder = [](const char* variable) {
     const char* const value = std::getenv(variable);

@@ -15,22 +15,6 @@
 
 namespace alidade::tools {
 
-/// The shortest text that reads as this number again: 1.0, 0.1, 1e+300, inf.
-std::string real_text(double value);
-
-/// The value of a column as it is, without quotes: a blob hexadecimal, nothing for NULL.
-std::string value_text(sqlite3_stmt* statement, int column);
-
-/// Between quotes, for JSON. Bytes that are no UTF-8 become U+FFFD.
-std::string json_text(std::string_view text);
-
-/// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b,
-/// \u009b, bytes that are no UTF-8 as \xff, and letters that turn the direction of writing as \u202e.
-std::string line_text(std::string_view text);
-
-/// How many letters a text of UTF-8 has.
-std::size_t letter_count(std::string_view text);
-
 namespace {
 
 /// The code in Unicode of what is one letter of UTF-8.
@@ -50,12 +34,14 @@ bool is_command(unsigned code) {
 
 }  // namespace
 
+/// The shortest text that reads as this number again: 1.0, 0.1, 1e+300, inf.
 std::string real_text(double value) {
   std::string text = fmt::format("{}", value);
   if (std::isfinite(value) && text.find_first_of(".e") == std::string::npos) text += ".0";
   return text;
 }
 
+/// The value of a column as it is, without quotes: a blob hexadecimal, nothing for NULL.
 std::string value_text(sqlite3_stmt* statement, int column) {
   const auto size = [&] { return static_cast<std::size_t>(sqlite3_column_bytes(statement, column)); };
   switch (sqlite3_column_type(statement, column)) {
@@ -78,10 +64,13 @@ std::string value_text(sqlite3_stmt* statement, int column) {
   }
 }
 
+/// Between quotes, for JSON. Bytes that are no UTF-8 become U+FFFD.
 std::string json_text(std::string_view text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+/// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b,
+/// \u009b, bytes that are no UTF-8 as \xff, and letters that turn the direction of writing as \u202e.
 std::string line_text(std::string_view text) {
   std::string line;
   while (!text.empty()) {
@@ -101,6 +90,7 @@ std::string line_text(std::string_view text) {
   return line;
 }
 
+/// How many letters a text of UTF-8 has.
 std::size_t letter_count(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(
       text, [](char letter) { return (static_cast<unsigned char>(letter) & 0xc0u) != 0x80u; }));

@@ -17,8 +17,6 @@ namespace alidade::tools {
 
 /// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing
 /// has an elevation, so that all answers about sight would be wrong.
-void check_map_unit(const PointCloud& cloud);
-
 void check_map_unit(const PointCloud& cloud) {
   if (geo::map_unit(cloud.crs) != geo::MapUnit::degree) return;
   throw Error({.file = cloud.files.empty() ? "" : cloud.files.front().path.string(),
@@ -59,19 +57,20 @@ void add_occluder_options(const Options& command, OccluderRequest& request) {
 
 namespace {
 
-IndexedCloud load(const CloudInputs& files, bool partial, AttributeSet attributes, Verbosity verbosity) {
+IndexedCloud load(const CloudRequest& request, AttributeSet attributes) {
+  const Verbosity verbosity = request.verbosity.verbosity();
   ProgressLine line("loading cloud", "B", verbosity);
   IndexCloudOptions options;
   options.read.progress = line.callback();
-  options.read.partial = partial;
+  options.read.partial = request.partial;
   options.read.attributes = attributes | Attribute::classification;
-  IndexedCloud cloud = load_indexed_cloud(files, options);
+  IndexedCloud cloud = load_indexed_cloud(request.files, options);
   line.finish();
   if (verbosity != Verbosity::quiet) {
     for (const std::string& warning : cloud.cloud.warnings) say_warning(warning);
   }
   if (cloud.octree.size() == 0)
-    throw Error({.file = files.first_name().string(), .problem = "holds no points"});
+    throw Error({.file = request.files.first_name().string(), .problem = "holds no points"});
   return cloud;
 }
 
@@ -117,10 +116,9 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 
 }  // namespace
 
-std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudInputs& files, bool partial,
-                                                  AttributeSet attributes, Verbosity verbosity) {
+std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudRequest& request, AttributeSet attributes) {
   auto loaded = std::make_unique<VisibilityCloud>();
-  loaded->cloud = load(files, partial, attributes, verbosity);
+  loaded->cloud = load(request, attributes);
   check_map_unit(loaded->cloud.cloud);
   loaded->columns = loaded->cloud.columns();
   return loaded;

@@ -41,8 +41,7 @@ struct VisibilityCloud {
 /// Loads cloud files or an index file and shows progress; occluders are still to be measured. What classes
 /// and `attributes` say is in memory then. Errors: as load_indexed_cloud(); no points; coordinates
 /// in degrees (check_map_unit.h).
-std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudInputs& files, bool partial,
-                                                  AttributeSet attributes, Verbosity verbosity);
+std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudRequest& request, AttributeSet attributes);
 
 /// Measures what the cloud lacks, shows progress, and says what blocks. May take long, so what else can be
 /// wrong is better found before. Errors: as Occluders.

@@ -25,9 +25,7 @@
 namespace alidade::tools {
 namespace {
 
-struct HorizonCommand {
-  CloudInputs files;
-  bool partial = false;
+struct HorizonCommand : CloudRequest {
   ObserverOptions observers;
   OccluderRequest occluders;
   double step = 0.5, resolution = 0.01;
@@ -35,8 +33,7 @@ struct HorizonCommand {
   std::filesystem::path output, skyline, depth;
   ImageSize depth_size{2048, 1024};
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
+
   CommandLine words;
 };
 
@@ -199,7 +196,7 @@ ExitCode run(const HorizonCommand& command) {
   // Fails before the work if what it ends in cannot be written here.
   if (!command.skyline.empty() || !command.depth.empty() || is_geojson(command.output)) image_module();
   const Verbosity verbosity = command.verbosity.verbosity();
-  const auto cloud = load_cloud_alone(command.files, command.partial, Attribute::classification, verbosity);
+  const auto cloud = load_cloud_alone(command, Attribute::classification);
   const visibility::Observer observer = only_observer(command, *cloud);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(std::span(&observer, 1), *cloud, verbosity);
@@ -238,13 +235,11 @@ Command add_visibility_horizon(const Options& visibility, const CommandLine& wor
   command->words = words;
   const Options horizon =
       visibility.command("horizon", "Look around from one place: horizon line, sky, panorama");
-  add_cloud_files(horizon, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_cloud(horizon, *command);
   add_observer_options(horizon, command->observers);
   add_occluder_options(horizon, command->occluders);
   add_answers(horizon, *command);
-  add_partial(horizon, command->partial);
-  add_threads(horizon, command->threads);
-  add_verbosity(horizon, command->verbosity);
+  add_run_options(horizon, *command);
   return {horizon, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
 }
 

@@ -21,10 +21,8 @@ namespace {
 
 constexpr double k_radio_factor = 4.0 / 3.0;
 
-struct LinesCommand {
+struct LinesCommand : CloudRequest {
   CommandLine command_line;
-  CloudInputs files;
-  bool partial = false;
   PairRequest pairs;
   std::optional<double> frequency;                    ///< Hz
   std::optional<std::optional<double>> earth_factor;  ///< empty inside: off
@@ -33,8 +31,6 @@ struct LinesCommand {
   CheckpointRequest checkpoint;
   std::filesystem::path output;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 /// Metres of the cloud's unit, which wavelengths and the Earth are measured by.
@@ -102,7 +98,7 @@ ExitCode run_lines(const LinesCommand& command, const Options& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
-  const auto cloud = load_cloud_alone(command.files, command.partial, {}, verbosity);
+  const auto cloud = load_cloud_alone(command, {});
   const visibility::LineReportOptions options = report_options(command, *cloud);
   visibility::check_line_report(options, command.occluders.transparency);
   const LineEnds ends = load_line_ends(command.pairs, *cloud, verbosity);
@@ -161,7 +157,7 @@ Command add_visibility_lines(const Options& visibility, const CommandLine& comma
   command->command_line = command_line;
   const Options lines = visibility.command(
       "lines", "Report on sight lines between pairs of places, and on their Fresnel zones");
-  add_cloud_files(lines, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_cloud(lines, *command);
   add_pair_options(lines, command->pairs);
   add_margin(lines, *command);
   add_radio(lines, *command);
@@ -169,9 +165,7 @@ Command add_visibility_lines(const Options& visibility, const CommandLine& comma
   lines.file("-o,--output", "FILE", "file to write: .csv, .json or .geojson", command->output).required();
   lines.flag("--overwrite", "replace an existing file", command->overwrite);
   add_checkpoint_options(lines, command->checkpoint);
-  add_partial(lines, command->partial);
-  add_threads(lines, command->threads);
-  add_verbosity(lines, command->verbosity);
+  add_run_options(lines, *command);
   return {lines, [command, lines] {
             return with_threads(command->threads, [&] { return run_lines(*command, lines); });
           }};

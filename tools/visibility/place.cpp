@@ -20,10 +20,8 @@
 namespace alidade::tools {
 namespace {
 
-struct PlaceCommand {
+struct PlaceCommand : CloudRequest {
   CommandLine command_line;
-  CloudInputs files;
-  bool partial = false;
   ObserverOptions candidates;
   std::optional<double> target_height;
   double target_spacing = 1.0;
@@ -34,8 +32,6 @@ struct PlaceCommand {
   CheckpointRequest checkpoint;
   std::filesystem::path output, curve;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 int parse_class(const std::string& text) {
@@ -113,7 +109,7 @@ ExitCode run_place(const PlaceCommand& command, const Options& words) {
   const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
   if (!command.curve.empty()) image_module();
-  const auto cloud = load_cloud_alone(command.files, command.partial, {}, verbosity);
+  const auto cloud = load_cloud_alone(command, {});
   const std::vector<visibility::Observer> candidates = load_observers(command.candidates, *cloud, verbosity);
   const std::vector<visibility::PlacementTarget> targets = targets_of(command, *cloud);
   visibility::check_coverage(candidates.size(), targets.size());
@@ -189,15 +185,13 @@ Command add_visibility_place(const Options& visibility, const CommandLine& comma
   auto command = std::make_shared<PlaceCommand>();
   command->command_line = command_line;
   const Options place = visibility.command("place", "Choose the few of many places from which one sees most");
-  add_cloud_files(place, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_cloud(place, *command);
   add_observer_options(place, command->candidates);
   add_targets(place, *command);
   add_occluder_options(place, command->occluders);
   add_answers(place, *command);
   add_checkpoint_options(place, command->checkpoint);
-  add_partial(place, command->partial);
-  add_threads(place, command->threads);
-  add_verbosity(place, command->verbosity);
+  add_run_options(place, *command);
   return {place, [command, place] {
             return with_threads(command->threads, [&] { return run_place(*command, place); });
           }};

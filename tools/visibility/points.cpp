@@ -20,9 +20,7 @@ namespace {
 
 enum class BlockerColumns { none, all };
 
-struct PointsCommand {
-  CloudInputs files;
-  bool partial = false;
+struct PointsCommand : CloudRequest {
   ObserverOptions observers;
   OccluderRequest occluders;
   CheckpointRequest checkpoint;
@@ -30,8 +28,6 @@ struct PointsCommand {
   std::optional<BlockerColumns> blockers;
   std::filesystem::path output, lists;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 /// "observer,point_id" for every point that an observer sees.
@@ -159,7 +155,7 @@ visibility::PointVisibility look(const PointsCommand& command, const VisibilityC
 ExitCode run(const PointsCommand& command, const Options& words) {
   check_options(command);
   const Verbosity verbosity = command.verbosity.verbosity();
-  const auto cloud = load_cloud_alone(command.files, command.partial, AttributeSet::all(), verbosity);
+  const auto cloud = load_cloud_alone(command, AttributeSet::all());
   const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, verbosity);
   check_observer_count(command, observers.size());
   const visibility::PointVisibilityOptions options =
@@ -221,14 +217,12 @@ Command add_visibility_points(const Options& visibility) {
   auto command = std::make_shared<PointsCommand>();
   const Options points =
       visibility.command("points", "Say of every point of a cloud whether it is seen, and what blocks it");
-  add_cloud_files(points, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_cloud(points, *command);
   add_observer_options(points, command->observers);
   add_occluder_options(points, command->occluders);
   add_answers(points, *command);
   add_checkpoint_options(points, command->checkpoint);
-  add_partial(points, command->partial);
-  add_threads(points, command->threads);
-  add_verbosity(points, command->verbosity);
+  add_run_options(points, *command);
   return {points, [command, points] {
             return with_threads(command->threads, [&] { return run(*command, points); });
           }};

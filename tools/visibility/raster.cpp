@@ -28,9 +28,7 @@ namespace alidade::tools {
 enum class DefaultSet { gdal, grass };
 
 /// What was asked of `alidade visibility raster`.
-struct RasterCommand {
-  CloudInputs files;
-  bool partial = false;
+struct RasterCommand : CloudRequest {
   ObserverOptions observers;
   OccluderRequest occluders;
   MapOptions map;
@@ -43,19 +41,11 @@ struct RasterCommand {
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
   std::filesystem::path output;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
-
-/// Declares the command's options; they fill what is returned.
-std::shared_ptr<RasterCommand> add_raster_options(const Options& raster);
 
 inline DefaultSet default_set(const RasterCommand& command) {
   return command.like.value_or(DefaultSet::gdal);
 }
-
-/// The values of the chosen set, but for those that were given.
-visibility::SeenValues seen_values_of(const RasterCommand& command);
 
 namespace {
 
@@ -117,9 +107,10 @@ void add_sight(const Options& raster, RasterCommand& command) {
 
 }  // namespace
 
+/// Declares the command's options; they fill what is returned.
 std::shared_ptr<RasterCommand> add_raster_options(const Options& raster) {
   auto command = std::make_shared<RasterCommand>();
-  add_cloud_files(raster, "cloud", "CLOUD...", k_cloud_help, command->files).required();
+  add_cloud(raster, *command);
   add_output(raster, *command);
   add_map_options(raster, command->map);
   add_values(raster, *command);
@@ -128,12 +119,11 @@ std::shared_ptr<RasterCommand> add_raster_options(const Options& raster) {
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);
   add_checkpoint_options(raster, command->checkpoint);
-  add_partial(raster, command->partial);
-  add_threads(raster, command->threads);
-  add_verbosity(raster, command->verbosity);
+  add_run_options(raster, *command);
   return command;
 }
 
+/// The values of the chosen set, but for those that were given.
 visibility::SeenValues seen_values_of(const RasterCommand& command) {
   visibility::SeenValues values;
   if (default_set(command) == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
@@ -268,7 +258,7 @@ ExitCode run(RasterCommand command, const CommandLine& words, const Options& giv
   };
   if (default_set(command) == DefaultSet::grass)
     command.observers.defaults.height_on_ground = k_grass_observer;
-  const auto cloud = load_cloud_alone(command.files, command.partial, AttributeSet(), verbosity);
+  const auto cloud = load_cloud_alone(command, AttributeSet());
   const Crs& crs = cloud->cloud.cloud.crs;
   const CloudUnit unit = cloud_unit(crs);
   const visibility::ViewshedOptions options = options_of(command, unit);

@@ -55,7 +55,7 @@ bool SkyRequest::is_map() const {
 }
 
 void add_sky_request(const Options& command, SkyRequest& request) {
-  add_cloud_files(command, "cloud", "CLOUD...", k_cloud_help, request.files).required();
+  add_cloud(command, request);
   const Options group = command.group(k_group);
   group
       .file("-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",
@@ -76,16 +76,14 @@ void add_sky_request(const Options& command, SkyRequest& request) {
   add_target_height(command.group(k_map_group), request.map.target_height);
   add_occluder_options(command, request.occluders);
   add_checkpoint_options(command, request.checkpoint);
-  add_partial(command, request.partial);
-  add_threads(command, request.threads);
-  add_verbosity(command, request.verbosity);
+  add_run_options(command, request);
 }
 
 SkySite load_sky_site(const SkyRequest& request, int bands) {
   check_sky_request(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
   const Verbosity verbosity = request.verbosity.verbosity();
-  SkySite site{load_cloud_alone(request.files, request.partial, attributes, verbosity), {}, {}, {}};
+  SkySite site{load_cloud_alone(request, attributes), {}, {}, {}};
   if (!request.is_map()) return site;
   site.ground = find_map_ground(request.map, *site.cloud, verbosity);
   site.unit = cloud_unit(site.cloud->cloud.cloud.crs).name;

@@ -20,9 +20,7 @@
 namespace alidade::tools {
 
 /// What both commands are asked.
-struct SkyRequest {
-  CloudInputs files;
-  bool partial = false;
+struct SkyRequest : CloudRequest {
   OccluderRequest occluders;
   std::optional<visibility::SkyReceiver> receiver;  ///< points only
   MapOptions map;                                   ///< maps only
@@ -30,8 +28,6 @@ struct SkyRequest {
   double max_distance = std::numeric_limits<double>::infinity();
   std::filesystem::path output;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 
   /// Whether the answers are for cells, by the ending of the output.
   bool is_map() const;

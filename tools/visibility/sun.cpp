@@ -23,15 +23,6 @@ struct SunDate {
   bool is_day = false;
 };
 
-/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may stand for the T).
-/// Errors: UsageError for anything else.
-SunDate parse_sun_date(const std::string& text);
-
-/// When a range that begins with the date begins, and when one that ends with it ends. Days begin and end at
-/// the middle of the night: midnight of mean solar time, 4 minutes earlier per degree to the east.
-Moment begin_of(const SunDate& date, double longitude);
-Moment end_of(const SunDate& date, double longitude);
-
 namespace {
 
 constexpr double k_seconds_per_day = 86400.0;
@@ -44,6 +35,8 @@ Moment midnight(const Moment& utc, double longitude) {
 
 }  // namespace
 
+/// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may stand for the T).
+/// Errors: UsageError for anything else.
 SunDate parse_sun_date(const std::string& text) {
   constexpr std::size_t k_date_length = 10;
   SunDate date;
@@ -61,6 +54,8 @@ SunDate parse_sun_date(const std::string& text) {
   return date;
 }
 
+/// When a range that begins with the date begins, and when one that ends with it ends. Days begin and end at
+/// the middle of the night: midnight of mean solar time, 4 minutes earlier per degree to the east.
 Moment begin_of(const SunDate& date, double longitude) {
   return date.is_day ? midnight(date.moment, longitude) : date.moment;
 }

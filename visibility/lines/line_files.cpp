@@ -111,16 +111,6 @@ std::vector<GivenPair> read_pair_table(const std::filesystem::path& path) {
   return pairs;
 }
 
-/// A line as a row of named values, in the order of the columns; null where there is nothing to say. All rows
-/// of a table have the same names. Lengths and places along the line from its first end, in `..._at`, are in
-/// the cloud's unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every
-/// column.
-Row line_row(const LineTable& table, std::size_t line);
-
-/// What obstructs the Fresnel zone of a line: `points` by their share of it, and `classes`; of a line without
-/// a zone empty.
-Row line_obstructions(const LineTable& table, std::size_t line);
-
 namespace {
 
 Row class_of(const LineTable& table, std::uint64_t point_id) {
@@ -182,6 +172,10 @@ void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresn
 
 }  // namespace
 
+/// A line as a row of named values, in the order of the columns; null where there is nothing to say. All rows
+/// of a table have the same names. Lengths and places along the line from its first end, in `..._at`, are in
+/// the cloud's unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every
+/// column.
 Row line_row(const LineTable& table, std::size_t line) {
   const LinePair& pair = table.pairs[line];
   const LineReport& report = table.reports[line];
@@ -205,6 +199,8 @@ Row line_row(const LineTable& table, std::size_t line) {
   return row;
 }
 
+/// What obstructs the Fresnel zone of a line: `points` by their share of it, and `classes`; of a line without
+/// a zone empty.
 Row line_obstructions(const LineTable& table, std::size_t line) {
   const std::optional<FresnelClearance>& fresnel = table.reports[line].fresnel;
   Row points = Row::array(), classes = Row::array();
