@@ -82,8 +82,6 @@ CheckpointHead read_head(InputFile& file) {
   return head;
 }
 
-namespace {
-
 constexpr std::size_t k_tile_bytes = 16;
 
 /// Calls `use` with the bytes of everything behind the head but the tiles, in the order of the file.
