@@ -6,8 +6,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "base/csv_table.h"
 #include "base/error.h"
-#include "base/text_scanner.h"
 #include "base/words.h"
 #include "geo/gdal_reference.h"
 #include "geo/vector_file.h"
@@ -19,66 +19,39 @@ constexpr std::string_view k_form =
     "x,y[,z][,name][,height][,azimuth_min][,azimuth_max][,elevation_min][,elevation_max][,max_distance]";
 
 /// What a column means: x, y and name by themselves, the others by their place in k_observer_fields.
-constexpr std::size_t k_x = k_observer_fields.size(), k_y = k_x + 1, k_name = k_x + 2, k_unknown = k_x + 3;
+constexpr std::size_t k_x = k_observer_fields.size(), k_y = k_x + 1, k_name = k_x + 2;
 
-std::size_t meaning_of(std::string_view name) {
+std::optional<std::size_t> meaning_of(std::string_view name) {
   if (name == "x") return k_x;
   if (name == "y") return k_y;
   if (name == "name") return k_name;
   const auto field =
       std::ranges::find_if(k_observer_fields, [&](const ObserverField& one) { return one.is_called(name); });
-  return field == k_observer_fields.end() ? k_unknown
-                                          : static_cast<std::size_t>(field - k_observer_fields.begin());
+  if (field == k_observer_fields.end()) return {};
+  return static_cast<std::size_t>(field - k_observer_fields.begin());
 }
 
-std::vector<std::size_t> read_header(const TextScanner& scanner, std::string_view line) {
-  std::vector<std::string_view> names;
-  split_cells(line, ',', names);
-  require_few_columns(scanner, names.size());
-  if (parse_number(names.front())) scanner.fail("there is no header", std::string(k_form), quote(line));
-  std::vector<std::size_t> columns;
-  for (const std::string_view name : names) {
-    const std::size_t meaning = meaning_of(name);
-    if (meaning == k_unknown) scanner.fail("unknown column " + quote(name), "some of " + std::string(k_form));
-    if (std::ranges::find(columns, meaning) != columns.end())
-      scanner.fail(fmt::format("column {} stands twice", name));
-    columns.push_back(meaning);
-  }
-  for (const auto& [meaning, name] : {std::pair(k_x, "x"), std::pair(k_y, "y")}) {
-    if (std::ranges::find(columns, meaning) == columns.end())
-      scanner.fail(fmt::format("column {} is missing", name), std::string(k_form));
-  }
-  return columns;
-}
-
-double number_in(const TextScanner& scanner, std::string_view cell, std::string_view column) {
+double number_in(const CsvTable& table, std::string_view cell, std::string_view column) {
   const std::optional<double> number = parse_number(cell);
   // Only a distance may be infinite, which check is made where observers get their place.
-  if (!number || std::isnan(*number)) {
-    scanner.fail(fmt::format("{} is not a number", column), "a number",
-                 cell.empty() ? "nothing" : quote(cell));
-  }
+  if (!number || std::isnan(*number))
+    table.fail(fmt::format("{} is not a number", column), "a number", cell.empty() ? "nothing" : quote(cell));
   return *number;
 }
 
-GivenObserver read_row(const TextScanner& scanner, std::string_view line,
-                       const std::vector<std::size_t>& columns, const std::string& file) {
-  std::vector<std::string_view> cells;
-  split_cells(line, ',', cells);
-  if (cells.size() != columns.size()) {
-    scanner.fail(cells.size() > columns.size() ? "too many columns" : "too few columns",
-                 std::to_string(columns.size()), std::to_string(cells.size()));
-  }
-  GivenObserver given{.source = fmt::format("{}:line {}", file, scanner.line_number())};
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (columns[i] == k_name)
-      given.name = cells[i];
-    else if (columns[i] == k_x)
-      given.place.x = number_in(scanner, cells[i], "x");
-    else if (columns[i] == k_y)
-      given.place.y = number_in(scanner, cells[i], "y");
-    else if (const ObserverField& field = k_observer_fields[columns[i]]; !cells[i].empty())
-      given.*field.value = number_in(scanner, cells[i], field.name);
+GivenObserver read_row(const CsvTable& table) {
+  GivenObserver given{.source = table.source()};
+  for (std::size_t i = 0; i < table.cells().size(); ++i) {
+    const std::size_t column = table.columns()[i];
+    const std::string_view cell = table.cells()[i];
+    if (column == k_name)
+      given.name = cell;
+    else if (column == k_x)
+      given.place.x = number_in(table, cell, "x");
+    else if (column == k_y)
+      given.place.y = number_in(table, cell, "y");
+    else if (const ObserverField& field = k_observer_fields[column]; !cell.empty())
+      given.*field.value = number_in(table, cell, field.name);
   }
   return given;
 }
@@ -91,22 +64,14 @@ std::vector<GivenObserver> read_observer_table(const std::filesystem::path& path
 }
 
 std::vector<GivenObserver> read_observer_table(InputFile& file) {
-  TextScanner scanner(file);
-  std::vector<std::size_t> columns;
+  CsvTable table(file, meaning_of, std::string(k_form));
+  for (const auto& [column, name] : {std::pair(k_x, "x"), std::pair(k_y, "y")}) {
+    if (!table.columns().empty() && !table.has(column))
+      table.fail(fmt::format("column {} is missing", name), std::string(k_form));
+  }
   std::vector<GivenObserver> observers;
-  while (const std::optional<std::string_view> line = scanner.next_line()) {
-    if (trim(*line).empty()) continue;
-    if (columns.empty())
-      columns = read_header(scanner, *line);
-    else
-      observers.push_back(read_row(scanner, *line, columns, file.name()));
-  }
-  if (observers.empty()) {
-    throw Error({.file = file.name(),
-                 .problem = "holds no observers",
-                 .expected = columns.empty() ? "CSV with the header " + std::string(k_form)
-                                             : "a row for each behind the header"});
-  }
+  while (table.next()) observers.push_back(read_row(table));
+  if (observers.empty()) table.fail_as_empty("observers");
   return observers;
 }
 

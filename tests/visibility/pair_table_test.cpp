@@ -66,8 +66,8 @@ TEST(PairTable, errors_name_the_line) {
   EXPECT_TRUE(problem_of("from,to,from_z\na,b,1\n").starts_with(":line 1: columns are missing"));
   const std::string places = "from_x,from_y,to_x,to_y\n";
   EXPECT_EQ(problem_of(places + "1,2,3,4\n"), "");
-  EXPECT_TRUE(problem_of(places + "1,2,3\n").starts_with(":line 2: too few cells"));
-  EXPECT_TRUE(problem_of(places + "1,2,3,4,5\n").starts_with(":line 2: too many cells"));
+  EXPECT_TRUE(problem_of(places + "1,2,3\n").starts_with(":line 2: too few columns"));
+  EXPECT_TRUE(problem_of(places + "1,2,3,4,5\n").starts_with(":line 2: too many columns"));
   EXPECT_TRUE(problem_of(places + "\n1,2,x,4\n").starts_with(":line 3: to_x is not a finite number"));
   EXPECT_TRUE(problem_of(places + "1,2,,4\n").starts_with(":line 2: to_x is not a finite number"));
   EXPECT_TRUE(problem_of(places + "1,nan,3,4\n").starts_with(":line 2: from_y is not a finite number"));

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/text_scanner.h"
+
+namespace alidade {
+
+/// A table as CSV: a header with the names of columns in any order, then rows with a cell for each. Blank lines are
+/// skipped. Errors name file and line.
+///
+///   CsvTable table(file, column_of, "x,y[,z]");
+///   while (table.next()) use(table.columns(), table.cells());
+class CsvTable {
+ public:
+  /// The number of the column that a header calls so; empty for an unknown name.
+  using ColumnOf = std::function<std::optional<std::size_t>(std::string_view name)>;
+
+  /// Reads the header; of a file without lines there is none. `form` is what it may be, for messages. Errors: numbers
+  /// instead of names; an unknown column; a column twice; more than k_most_columns; those of InputFile.
+  CsvTable(InputFile& file, const ColumnOf& column_of, std::string form);
+
+  /// Reads the next row; false at the end. Errors: more or fewer cells than columns.
+  bool next();
+
+  /// Columns in the order of the header, by number.
+  const std::vector<std::size_t>& columns() const { return columns_; }
+  bool has(std::size_t column) const;
+  /// Cells of the row last read, valid until the next one.
+  const std::vector<std::string_view>& cells() const { return cells_; }
+
+  /// "table.csv:line 3".
+  std::string source() const;
+  /// Throws the Error for the line last read.
+  [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const;
+  /// The Error of a table that has no rows of `what`.
+  [[noreturn]] void fail_as_empty(const std::string& what) const;
+
+ private:
+  InputFile& file_;
+  TextScanner scanner_;
+  std::string form_;
+  std::vector<std::size_t> columns_;
+  std::vector<std::string_view> cells_;
+};
+
+}  // namespace alidade
