@@ -260,8 +260,10 @@ Command add_convert(const Options& program) {
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
+  add_partial(convert, command->partial);
   convert.flag("--overwrite", "replace an existing output", command->overwrite);
-  add_run_options(convert, *command);
+  add_threads(convert, command->threads);
+  add_verbosity(convert, command->verbosity);
   return {convert, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
 }
 
