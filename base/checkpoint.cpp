@@ -198,7 +198,7 @@ void FinishedParts::read() {
 
 void FinishedParts::create() {
   const std::vector<std::byte> head =
-      checkpoint_head(k_runs, identity_, [this](std::byte* head) { store(head + 16, count_); });
+      checkpoint_head(k_runs, identity_, [this](std::byte* bytes) { store(bytes + 16, count_); });
   OutputFile file(options_.file, true);
   file.write(head);
   file.commit();
