@@ -34,14 +34,14 @@ std::uint64_t head_checksum(std::vector<std::byte> head) {
 }
 
 [[noreturn]] void fail(const std::string& file, const std::string& problem) {
-  throw Error({.file = file, .problem = problem, .found = std::strerror(errno)});
+  throw system_error(file, problem);
 }
 
 [[noreturn]] void fail_as_damaged(const std::string& file, std::uint64_t place, std::uint64_t part,
                                   std::uint64_t expected, std::uint64_t found) {
   throw Error({.file = file,
                .place = fmt::format("byte {}", place),
-               .problem = fmt::format("is damaged: part {} has another checksum", part),
+               .problem = fmt::format("corrupt checkpoint: wrong checksum of part {}", part),
                .expected = fmt::format("{:016x}", expected),
                .found = fmt::format("{:016x}", found)});
 }
@@ -82,31 +82,31 @@ bool begins_as(InputFile& file, const CheckpointForm& form) {
 std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointForm& form,
                                             const std::function<void(const HeaderFields&)>& check) {
   if (!begins_as(file, form))
-    throw Error({.file = file.name(), .place = "byte 0", .problem = fmt::format("is not {}", form.name)});
+    throw Error({.file = file.name(), .place = "byte 0", .problem = fmt::format("not {}", form.name)});
   std::vector<std::byte> bytes(form.fixed_bytes);
   file.read_at(0, bytes);
   const std::string name = file.name();
   {
     const HeaderFields fixed(bytes, name);
     const auto order = fixed.get<std::uint32_t>(8);
-    fixed.require(order != k_other_byte_order, 8, "comes from a machine of another byte order",
-                  "little endian", "big endian");
-    fixed.require(order == k_byte_order, 8, "bad byte order mark", "01020304", fmt::format("{:08x}", order));
+    fixed.require(order != k_other_byte_order, 8, "wrong byte order", "little endian", "big endian");
+    fixed.require(order == k_byte_order, 8, "an invalid byte order mark", "01020304",
+                  fmt::format("{:08x}", order));
     const auto version = fixed.get<std::uint32_t>(12);
-    fixed.require(version == k_version, 12, "another version of checkpoints", std::to_string(k_version),
+    fixed.require(version == k_version, 12, "unsupported checkpoint version", std::to_string(k_version),
                   version);
     check(fixed);
     const std::uint64_t most = file.size() - form.fixed_bytes;
     const auto identity = fixed.get<std::uint32_t>(form.identity_bytes);
-    fixed.require(identity <= most, form.identity_bytes, "is damaged",
-                  fmt::format("at most {} bytes of description", most), identity);
+    fixed.require(identity <= most, form.identity_bytes, "corrupt checkpoint",
+                  fmt::format("a description of at most {} bytes", most), identity);
     bytes.resize(form.fixed_bytes + identity);
   }
   file.read_at(form.fixed_bytes, std::span(bytes).subspan(form.fixed_bytes));
   const HeaderFields whole(bytes, name);
   const auto said = whole.get<std::uint64_t>(k_checksum);
   const std::uint64_t sum = head_checksum(bytes);
-  whole.require(said == sum, k_checksum, "is damaged: the head has another checksum",
+  whole.require(said == sum, k_checksum, "corrupt checkpoint: wrong header checksum",
                 fmt::format("{:016x}", said), fmt::format("{:016x}", sum));
   return bytes;
 }
@@ -125,7 +125,7 @@ FinishedParts::FinishedParts(PartsOptions options, Identity identity)
     open();
     read();
     // What a killed program left of its last record.
-    if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) fail(name(), "cannot be written");
+    if (::ftruncate(descriptor_, static_cast<::off_t>(size_)) != 0) fail(name(), "cannot write the file");
   } catch (...) {
     close();
     throw;
@@ -155,11 +155,11 @@ void FinishedParts::flush() noexcept {
 
 void FinishedParts::open() {
   descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
-  if (descriptor_ < 0) fail(name(), "cannot be written");
+  if (descriptor_ < 0) fail(name(), "cannot write the file");
   // Held until it is closed: two runs that append to the same file would damage it.
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  if (errno != EWOULDBLOCK) fail(name(), "cannot be locked");
-  throw Error({.file = name(), .problem = "is in use by another run"});
+  if (errno != EWOULDBLOCK) fail(name(), "cannot lock the file");
+  throw Error({.file = name(), .problem = "another run is using this checkpoint"});
 }
 
 void FinishedParts::read() {
@@ -181,7 +181,7 @@ void FinishedParts::read() {
     if (part >= count_) {
       throw Error({.file = file.name(),
                    .place = fmt::format("byte {}", size_),
-                   .problem = "is damaged: number of a part",
+                   .problem = "corrupt checkpoint: invalid part number",
                    .expected = fmt::format("less than {}", count_),
                    .found = std::to_string(part)});
     }
@@ -214,7 +214,7 @@ void FinishedParts::start(std::uint64_t count) {
   if (count_ == count) return;
   throw Error({.file = name(),
                .place = "byte 16",
-               .problem = "is damaged: another number of parts",
+               .problem = "corrupt checkpoint: wrong number of parts",
                .expected = std::to_string(count),
                .found = std::to_string(count_)});
 }
@@ -232,7 +232,7 @@ std::optional<std::vector<std::byte>> FinishedParts::find(std::uint64_t part) {
     const ::ssize_t count = ::pread(descriptor_, answers.data() + done, answers.size() - done,
                                     static_cast<::off_t>(place.begin + done));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(name(), "reading failed");
+    if (count < 0) fail(name(), "cannot read the file");
     if (count == 0) break;
     done += static_cast<std::size_t>(count);
   }
@@ -262,7 +262,7 @@ void FinishedParts::write() {
       size_ += pending_.size();
       places_.merge(pending_places_);
     } else {
-      const Error error({.file = name(), .problem = "writing failed", .found = std::strerror(errno)});
+      const Error error = system_error(name(), "cannot write the file");
       // Behind a torn record nothing could be read.
       const bool is_whole = ::ftruncate(descriptor_, static_cast<::off_t>(size_)) == 0;
       if (is_whole && options_.failed) options_.failed(error);

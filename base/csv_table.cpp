@@ -16,11 +16,11 @@ CsvTable::CsvTable(InputFile& file, const ColumnOf& column_of, std::string form)
   if (!line) return;
   split_cells(*line, ',', cells_);
   require_few_columns(scanner_, cells_.size());
-  if (parse_number(cells_.front())) fail("there is no header", form_, quote(*line));
+  if (parse_number(cells_.front())) fail("missing header", form_, quote(*line));
   for (const std::string_view name : cells_) {
     const std::optional<std::size_t> column = column_of(name);
     if (!column) fail("unknown column " + quote(name), "some of " + form_);
-    if (has(*column)) fail(fmt::format("column {} stands twice", name));
+    if (has(*column)) fail(fmt::format("duplicate column {}", name));
     columns_.push_back(*column);
   }
 }
@@ -51,8 +51,8 @@ void CsvTable::fail(std::string problem, std::string expected, std::string found
 void CsvTable::fail_as_empty(const std::string& what) const {
   throw Error(
       {.file = file_.name(),
-       .problem = "holds no " + what,
-       .expected = columns_.empty() ? "CSV with the header " + form_ : "a row for each behind the header"});
+       .problem = "contains no " + what,
+       .expected = columns_.empty() ? "CSV with the header " + form_ : "one row for each after the header"});
 }
 
 }  // namespace alidade

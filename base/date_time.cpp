@@ -65,7 +65,7 @@ class Reading {
 }
 
 [[noreturn]] void fail_form(std::string_view text) {
-  fail(text, "not a date and time",
+  fail(text, "invalid date and time",
        "one like \"2003-10-17T12:30:30-07:00\" or \"2003-10-17T19:30:30Z\", in the years 1600 to 2999");
 }
 
@@ -79,15 +79,14 @@ int require_number(Reading& reading, std::string_view text, std::size_t digits, 
 /// Minutes that the zone's clocks are ahead of UTC.
 int read_zone(Reading& reading, std::string_view text) {
   if (reading.at_end()) {
-    fail(text, "date and time without a time zone",
-         "Z for UTC or an offset such as -07:00 at its end, without which it may be any of 24 hours");
+    fail(text, "missing time zone", "Z for UTC or an offset such as -07:00 at the end");
   }
   if (reading.take('Z')) return 0;
   const bool ahead = reading.take('+');
   if (!ahead && !reading.take('-')) fail_form(text);
   const int hours = require_number(reading, text, 2, ':'), minutes = require_number(reading, text, 2);
   if (hours > 23 || minutes > 59)
-    fail(text, "no such time zone", "an offset from UTC below 24 hours, as hours:minutes");
+    fail(text, "invalid time zone", "an offset from UTC below 24 hours as hours:minutes");
   const int offset = 60 * hours + minutes;
   return ahead ? offset : -offset;
 }
@@ -116,8 +115,8 @@ Moment parse_date_time(std::string_view text) {
   const std::chrono::year_month_day date{std::chrono::year(year),
                                          std::chrono::month(static_cast<unsigned>(month)),
                                          std::chrono::day(static_cast<unsigned>(day))};
-  if (!date.ok()) fail(text, "no such day", "a day of the calendar");
-  if (hour > 23 || minute > 59 || seconds >= 60.0) fail(text, "no such time", "00:00 to 23:59:59.999999999");
+  if (!date.ok()) fail(text, "invalid date", "a calendar date");
+  if (hour > 23 || minute > 59 || seconds >= 60.0) fail(text, "invalid time", "00:00 to 23:59:59.999999999");
 
   const int minutes = 60 * hour + minute - ahead;
   Moment moment{std::chrono::sys_days(date), 60.0 * minutes + seconds};

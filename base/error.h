@@ -1,29 +1,30 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <cerrno>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 namespace alidade {
 
-/// The one exception of all libraries for input that cannot be used: bad files, bad scenes, impossible
-/// requests. Caller mistakes that a program can rule out itself are asserted instead; "no result" is an empty
-/// optional.
+/// The one exception of all libraries for invalid input: files, scenes and requests. Mistakes that a calling
+/// program can avoid are asserted instead; "no result" is an empty optional.
 ///
-/// what() reads "FILE[:PLACE]: PROBLEM; expected EXPECTED, found FOUND", leaving out what is empty.
+/// what() reads "FILE[:LOCATION]: PROBLEM; expected EXPECTED, found FOUND" without the empty parts.
 class Error : public std::runtime_error {
  public:
   struct Parts {
-    std::string file{};      ///< path as the caller gave it; empty if no file is concerned
+    std::string file{};      ///< path as given by the caller; empty if the error concerns no file
     std::string place{};     ///< "byte 227", "line 3", "12:5" (line:column), or empty
-    std::string problem{};   ///< what is wrong, one clause in lower case, without full stop
-    std::string expected{};  ///< what would have been right
-    std::string found{};     ///< what was there instead
+    std::string problem{};   ///< one clause in lower case, without full stop
+    std::string expected{};  ///< the valid input
+    std::string found{};     ///< the actual input
   };
 
   explicit Error(Parts parts) : std::runtime_error(compose(parts)), parts_(std::move(parts)) {}
-  /// The same of parts in their order, for functions that are given them.
+  /// The same with the parts in their order.
   Error(std::string file, std::string place, std::string problem, std::string expected = {},
         std::string found = {})
       : Error(Parts{std::move(file), std::move(place), std::move(problem), std::move(expected),
@@ -47,6 +48,11 @@ class Error : public std::runtime_error {
 
   Parts parts_;
 };
+
+/// The error of a system call that failed, "FILE: PROBLEM: REASON", with the reason of `number`.
+inline Error system_error(std::string file, const std::string& problem, int number = errno) {
+  return Error({.file = std::move(file), .problem = problem + ": " + std::strerror(number)});
+}
 
 /// Thrown out of a long task when its Progress callback asked to stop (base/progress.h).
 class Cancelled : public std::runtime_error {

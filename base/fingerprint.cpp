@@ -56,11 +56,11 @@ void check_identity(const Identity& made, const Identity& asked, const std::stri
     if (before == now) continue;
     const bool comparable = before.name == now.name;
     const auto [made_with, asked_for] = telling_parts(before.value, now.value);
-    throw Error(
-        {.file = file,
-         .problem = fmt::format("is the checkpoint of another {}: made with {} {}, asked for {}{}", words.of,
-                                before.name, made_with, comparable ? "" : now.name + " ", asked_for),
-         .expected = fmt::format("the same {}, or no --resume", words.same)});
+    throw Error({.file = file,
+                 .problem = fmt::format(
+                     "this checkpoint belongs to another {}: it has {} {}, this run has {}{}", words.of,
+                     before.name, made_with, comparable ? "" : now.name + " ", asked_for),
+                 .expected = fmt::format("the same {}, or no --resume", words.same)});
   }
 }
 
@@ -90,7 +90,7 @@ Identity read_identity(std::span<const std::byte> bytes, std::size_t place, cons
     if (bytes.size() < k_lengths || name + value > bytes.size() - k_lengths) {
       throw Error({.file = file,
                    .place = fmt::format("byte {}", place),
-                   .problem = "is damaged: its description of what it is of does not end where it should"});
+                   .problem = "corrupt checkpoint: truncated fingerprint"});
     }
     identity.push_back({text(bytes.subspan(k_lengths, name)), text(bytes.subspan(k_lengths + name, value))});
     const std::size_t size = k_lengths + name + value;

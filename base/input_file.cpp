@@ -24,7 +24,7 @@ constexpr int k_read_flags = O_RDONLY | O_CLOEXEC | O_NONBLOCK;
 }  // namespace
 
 FileDescriptor::FileDescriptor(const std::string& path, int flags) : number_(::open(path.c_str(), flags)) {
-  if (number_ < 0) throw Error({.file = path, .problem = "cannot be opened", .found = std::strerror(errno)});
+  if (number_ < 0) throw system_error(path, "cannot open the file");
 }
 
 void FileDescriptor::close() {
@@ -36,9 +36,9 @@ std::uint64_t FileDescriptor::size_of_regular(const std::string& path) const {
   struct stat status {};
   if (::fstat(number_, &status) != 0 || !S_ISREG(status.st_mode)) {
     throw Error({.file = path,
-                 .problem = "cannot be read",
+                 .problem = "cannot read the file",
                  .expected = "a regular file",
-                 .found = S_ISDIR(status.st_mode) ? "a folder" : "something else"});
+                 .found = S_ISDIR(status.st_mode) ? "a folder" : "a special file"});
   }
   return static_cast<std::uint64_t>(status.st_size);
 }
@@ -61,7 +61,7 @@ void InputFile::check_range(std::uint64_t place, std::uint64_t count) const {
   if (place <= size_ && count <= size_ - place) return;
   throw Error({.file = name_,
                .place = "byte " + std::to_string(place),
-               .problem = "the file ends early",
+               .problem = "truncated file",
                .expected = std::to_string(count) + " bytes from here",
                .found = std::to_string(place <= size_ ? size_ - place : 0)});
 }
@@ -75,8 +75,8 @@ void InputFile::fill(std::uint64_t place, std::span<std::byte> into) {
     if (count <= 0) {
       throw Error({.file = name_,
                    .place = "byte " + std::to_string(place),
-                   .problem = "reading failed",
-                   .found = count < 0 ? std::strerror(errno) : "the file became shorter while it was read"});
+                   .problem = count < 0 ? std::string("cannot read the file: ") + std::strerror(errno)
+                                        : "the file was truncated while it was read"});
     }
     into = into.subspan(static_cast<std::size_t>(count));
     place += static_cast<std::uint64_t>(count);
@@ -124,13 +124,13 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error || size > largest) {
     throw Error({.file = file.string(),
-                 .problem = "too large for a scene or camera",
+                 .problem = "scene or camera file too large",
                  .expected = "at most " + std::to_string(largest >> 20) + " MiB"});
   }
   std::ifstream stream(file, std::ios::binary);
   std::string text(size, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (!stream && !stream.eof()) throw Error({.file = file.string(), .problem = "cannot be read"});
+  if (!stream && !stream.eof()) throw Error({.file = file.string(), .problem = "cannot read the file"});
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return text;
 }
@@ -158,8 +158,7 @@ MappedFile::MappedFile(const InputFile& file) : name_(file.name()) {
   const auto size = static_cast<std::size_t>(descriptor.size_of_regular(name_));
   if (size == 0) return;
   void* const map = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor.number(), 0);
-  if (map == MAP_FAILED)
-    throw Error({.file = name_, .problem = "cannot be mapped into memory", .found = std::strerror(errno)});
+  if (map == MAP_FAILED) throw system_error(name_, "cannot map the file into memory");
   storage_ = std::shared_ptr<const void>(
       map, [size](const void* address) { ::munmap(const_cast<void*>(address), size); });
   bytes_ = {static_cast<const std::byte*>(map), size};

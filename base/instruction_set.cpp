@@ -55,7 +55,7 @@ InstructionSet best_instruction_set() {
     names += (names.empty() ? "" : ", ") + std::string(name(set));
   }
   throw Error({.file = "ALIDADE_INSTRUCTION_SET",
-               .problem = "no such instruction set on this machine",
+               .problem = "unsupported instruction set",
                .expected = "one of " + names,
                .found = wanted});
 }

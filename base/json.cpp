@@ -62,7 +62,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     std::size_t begin = token_begin();
     std::string problem = exception.what();
     if (exception.id == 406) {
-      fail(begin, "number too large", "a number a double can hold", document_.quote(begin, number_end()));
+      fail(begin, "number out of range", "a number in the range of a double",
+           document_.quote(begin, number_end()));
     }
     // "[...] parse error at line 1, column 2: syntax error while parsing value - PROBLEM; expected X" or
     // "... - PROBLEM; last read: 'TEXT'"; of the first parts we know better.
@@ -75,7 +76,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
       problem.erase(split);
     }
     if (const auto split = problem.find("; last read"); split != std::string::npos) problem.erase(split);
-    fail(begin, "not valid JSON: " + problem, expected, begin >= text_.size() ? "the end of the file" : "");
+    fail(begin, "invalid JSON: " + problem, expected, begin >= text_.size() ? "the end of the file" : "");
   }
 
  private:
@@ -131,7 +132,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
   bool open(Data data) {
     const std::size_t begin = token_begin();
     if (open_.size() + skipped_depth_ >= k_deepest) {
-      fail(begin, "nested too deeply", "at most " + std::to_string(k_deepest) + " levels", "");
+      fail(begin, "too many nested levels", "at most " + std::to_string(k_deepest) + " levels", "");
     }
     if (skips_next_ || skipped_depth_ > 0) {
       if (skipped_depth_ == 0) add(nullptr, begin + 1);
@@ -168,9 +169,8 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     const auto twice = std::ranges::adjacent_find(sorted, same_key);
     if (twice == sorted.end()) return;
     const JsonMember& again = *twice[1];
-    fail(again.key_begin,
-         "key " + document_.quote(again.key_begin, again.key_end) + " stands twice in one object",
-         "every key once", "the first at " + document_.place(twice[0]->key_begin));
+    fail(again.key_begin, "duplicate key " + document_.quote(again.key_begin, again.key_end), "unique keys",
+         "the first one at " + document_.place(twice[0]->key_begin));
   }
 
   JsonDocument& document_;
@@ -300,9 +300,9 @@ std::uint64_t JsonNode::whole_number(std::uint64_t minimum, std::uint64_t maximu
 
 std::string JsonNode::text() const {
   const auto* text = std::get_if<std::string>(&value_->data);
-  if (!text) fail("wrong type", "a text in quotes");
-  if (text->empty()) fail("empty text", "at least one character");
-  if (text->find('\0') != std::string::npos) fail("text holds a NUL character", "text without it");
+  if (!text) fail("wrong type", "a string");
+  if (text->empty()) fail("empty string", "at least one character");
+  if (text->find('\0') != std::string::npos) fail("string contains a NUL character", "a string without NUL");
   return *text;
 }
 
@@ -310,7 +310,7 @@ std::size_t JsonNode::choice(std::span<const std::string_view> words) const {
   const auto* word = std::get_if<std::string>(&value_->data);
   if (!word) fail("wrong type", list_of(words));
   const auto found = std::ranges::find(words, *word);
-  if (found == words.end()) fail("unknown word" + did_you_mean(*word, words), list_of(words));
+  if (found == words.end()) fail("unknown value" + did_you_mean(*word, words), list_of(words));
   return static_cast<std::size_t>(found - words.begin());
 }
 
@@ -383,7 +383,7 @@ std::optional<JsonNode> JsonFields::find(std::string_view key) const {
 
 JsonNode JsonFields::require(std::string_view key) const {
   if (auto node = node_.find(key)) return *node;
-  node_.fail(fmt::format("missing key \"{}\"", key), "the key", "an object without it");
+  node_.fail(fmt::format("missing key \"{}\"", key), "", "");
 }
 
 JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> known) {
@@ -392,7 +392,7 @@ JsonNode type_of(const JsonNode& node, std::initializer_list<std::string_view> k
 }
 
 void read_version(const JsonNode& version) {
-  if (version.number({-1e9, 1e9}) != 1) version.fail("unknown version", "1");
+  if (version.number({-1e9, 1e9}) != 1) version.fail("unsupported version", "1");
 }
 
 }  // namespace alidade

@@ -19,7 +19,7 @@ namespace {
 constexpr std::size_t k_buffer_size = 1 << 18;
 
 [[noreturn]] void fail(const std::string& name, const std::string& problem, int error_number) {
-  throw Error({.file = name, .problem = problem, .found = std::strerror(error_number)});
+  throw system_error(name, problem, error_number);
 }
 
 /// Writes all bytes at a place of the file.
@@ -28,7 +28,7 @@ void write_fully(const std::string& name, int descriptor, std::uint64_t place,
   while (!bytes.empty()) {
     const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(place));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail(name, "writing failed", errno);
+    if (count < 0) fail(name, "cannot write the file", errno);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     place += static_cast<std::uint64_t>(count);
   }
@@ -43,23 +43,23 @@ std::filesystem::path resolve(const std::filesystem::path& path) {
 }
 
 [[noreturn]] void fail_because_it_exists(const std::string& name) {
-  throw Error({.file = name, .problem = "exists already and may not be replaced"});
+  throw Error({.file = name, .problem = "the file exists; --overwrite replaces it"});
 }
 
 }  // namespace
 
 void check_output(const std::filesystem::path& path, bool overwrite) {
   std::error_code error;
-  if (path.filename().empty()) throw Error({.file = path.string(), .problem = "is not the name of a file"});
+  if (path.filename().empty()) throw Error({.file = path.string(), .problem = "not a file name"});
   const std::filesystem::path folder = path.parent_path();
   if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
     throw Error(
-        {.file = path.string(), .problem = "cannot be written: there is no folder " + folder.string()});
+        {.file = path.string(), .problem = "cannot write the file: no such folder " + folder.string()});
   }
   const std::filesystem::file_status status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) return;
   if (!std::filesystem::is_regular_file(status)) {
-    throw Error({.file = path.string(), .problem = "cannot be replaced: it is not a regular file"});
+    throw Error({.file = path.string(), .problem = "cannot replace a file that is not regular"});
   }
   if (!overwrite) fail_because_it_exists(path.string());
 }
@@ -73,7 +73,7 @@ OutputFile::OutputFile(const std::filesystem::path& path, bool overwrite)
                                          path_.extension().string());
     temporary_ = path_.parent_path() / name;
     descriptor_ = ::open(temporary_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) fail(name_, "cannot be written", errno);
+    if (descriptor_ < 0 && errno != EEXIST) fail(name_, "cannot write the file", errno);
   }
   buffer_.reserve(k_buffer_size);
 }
@@ -108,18 +108,18 @@ void OutputFile::commit() {
   assert(!committed_);
   flush();
   // Some file systems tell only here that the disk is full.
-  if (::fsync(descriptor_) != 0) fail(name_, "writing failed", errno);
+  if (::fsync(descriptor_) != 0) fail(name_, "cannot write the file", errno);
   const int closed = ::close(descriptor_);
   descriptor_ = -1;
-  if (closed != 0) fail(name_, "writing failed", errno);
+  if (closed != 0) fail(name_, "cannot write the file", errno);
   if (overwrite_) {
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_, "cannot be written", errno);
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_, "cannot write the file", errno);
   } else if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) != 0) {
     if (errno == EEXIST) fail_because_it_exists(name_);
     // File systems without the atomic form: a check and a plain rename.
-    if (errno != EINVAL && errno != ENOSYS) fail(name_, "cannot be written", errno);
+    if (errno != EINVAL && errno != ENOSYS) fail(name_, "cannot write the file", errno);
     check_output(path_, false);
-    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_, "cannot be written", errno);
+    if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(name_, "cannot write the file", errno);
   }
   committed_ = true;
 }

@@ -44,12 +44,12 @@ inline Ray make_ray(const glm::dvec3& origin, const glm::dvec3& direction,
                     double t_min = -std::numeric_limits<double>::infinity(),
                     double t_max = std::numeric_limits<double>::infinity()) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (!std::isfinite(origin[axis])) throw Error({.problem = "ray origin is not finite"});
-    if (!std::isfinite(direction[axis])) throw Error({.problem = "ray direction is not finite"});
+    if (!std::isfinite(origin[axis])) throw Error({.problem = "the ray origin is not finite"});
+    if (!std::isfinite(direction[axis])) throw Error({.problem = "the ray direction is not finite"});
   }
   if (std::isnan(t_min) || std::isnan(t_max))
-    throw Error({.problem = "limit of the ray's interval is not a number"});
-  if (direction == glm::dvec3(0.0)) throw Error({.problem = "ray direction has length zero"});
+    throw Error({.problem = "a limit of the ray's interval is NaN"});
+  if (direction == glm::dvec3(0.0)) throw Error({.problem = "the ray direction is zero"});
   return {origin, unit_direction(direction), t_min, t_max};
 }
 

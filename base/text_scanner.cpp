@@ -31,7 +31,7 @@ std::optional<std::string_view> TextScanner::next_line() {
     end = left > 0 ? static_cast<const char*>(std::memchr(start, '\n', left)) : nullptr;
     if (!end && window_place_ + window_.size() < file_.size()) {
       ++line_number_;
-      fail("the line does not end", "at most " + std::to_string(k_window) + " bytes in a line");
+      fail("line too long", "at most " + std::to_string(k_window) + " bytes");
     }
   }
   if (left == 0) return std::nullopt;

@@ -124,9 +124,7 @@ ScratchFile::~ScratchFile() {
 }
 
 void ScratchFile::fail(const char* problem) const {
-  throw Error({.file = (folder_.empty() ? std::filesystem::path(".") : folder_).string(),
-               .problem = problem,
-               .found = std::strerror(errno)});
+  throw system_error((folder_.empty() ? std::filesystem::path(".") : folder_).string(), problem);
 }
 
 void ScratchFile::open() {

@@ -36,14 +36,14 @@ void check_all(const PointCloud& cloud, const Target& target, const Query& query
   if constexpr (std::is_same_v<Target, Ray>) {
     check(query);
     if (query.spacing_factor > 0.0 && spacings.size() != cloud.size()) {
-      throw Error({.problem = "spacing_factor needs the spacings of the points",
+      throw Error({.problem = "spacing_factor requires the spacings of the points",
                    .expected = std::to_string(cloud.size()),
                    .found = std::to_string(spacings.size())});
     }
   }
   check_target(target, query);
   if (query.max_level != k_all_levels)
-    throw Error({.problem = "a cloud without an octree has no levels", .expected = "no max_level"});
+    throw Error({.problem = "max_level requires an octree", .expected = "no max_level"});
 }
 
 /// All answers, in the order of the points.

@@ -25,13 +25,13 @@ struct Built {
 
 void check(const BuildOptions& options, std::size_t point_count) {
   if (options.leaf_size < 1 || options.leaf_size > k_max_leaf_size) {
-    throw Error({.problem = "leaf size of the octree is out of range",
+    throw Error({.problem = "leaf size out of range",
                  .expected = "1 to " + std::to_string(k_max_leaf_size),
                  .found = std::to_string(options.leaf_size)});
   }
   if (!(options.cell_size >= 0.0) || std::isinf(options.cell_size)) {
-    throw Error({.problem = "cell size of the octree is out of range",
-                 .expected = "a finite number of metres, or 0 for a suitable one",
+    throw Error({.problem = "cell size out of range",
+                 .expected = "a finite length, or 0 to choose one",
                  .found = std::to_string(options.cell_size)});
   }
   if (point_count >= 0xffffffffu) {

@@ -20,12 +20,12 @@ void require(bool holds, const char* problem, const char* expected, const Found&
 }
 
 void check_k(std::size_t k, int max_level) {
-  if (k == 0) throw Error({.problem = "k of a query is 0", .expected = "at least 1"});
-  require(max_level >= 0, "max_level of a query is negative", "at least 0", max_level);
+  if (k == 0) throw Error({.problem = "k is 0", .expected = "at least 1"});
+  require(max_level >= 0, "max_level is negative", "at least 0", max_level);
 }
 
 void check_radius(double radius) {
-  require(radius >= 0.0, "radius of a query is out of range", "at least 0", radius);
+  require(radius >= 0.0, "radius out of range", "at least 0", radius);
 }
 
 void check_place(const glm::dvec3& place, const char* what) {
@@ -37,14 +37,13 @@ void check_place(const glm::dvec3& place, const char* what) {
 void check_unit(const glm::dvec3& direction, const char* what) {
   const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
   if (std::fabs(std::sqrt(square) - 1.0) <= k_length_tolerance) return;
-  throw Error({.problem = fmt::format("{} has not length 1", what),
-               .expected = "a direction that was normalised",
+  throw Error({.problem = fmt::format("{} is not normalized", what),
+               .expected = "a unit vector",
                .found = text_of(direction)});
 }
 
 void check_interval(double t_min, double t_max) {
-  if (std::isnan(t_min) || std::isnan(t_max))
-    throw Error({.problem = "limit of the interval is not a number"});
+  if (std::isnan(t_min) || std::isnan(t_max)) throw Error({.problem = "a limit of the interval is NaN"});
 }
 
 void check_width(double width, const char* problem) {
@@ -60,10 +59,10 @@ std::string text_of(const glm::dvec3& v) {
 void check(const RayQuery& query) {
   check_k(query.k, query.max_level);
   check_radius(query.radius);
-  require(query.spacing_factor >= 0.0 && std::isfinite(query.spacing_factor),
-          "spacing_factor of a query is out of range", "a finite number, at least 0", query.spacing_factor);
-  if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min of a query is not a number"});
-  require(query.measure != Measure::entry || !std::isinf(query.radius), "measure entry needs a radius",
+  require(query.spacing_factor >= 0.0 && std::isfinite(query.spacing_factor), "spacing_factor out of range",
+          "a finite number, at least 0", query.spacing_factor);
+  if (std::isnan(query.entry_min)) throw Error({.problem = "entry_min is NaN"});
+  require(query.measure != Measure::entry || !std::isinf(query.radius), "measure entry requires a radius",
           "a finite radius, or measure t or distance", "none");
 }
 
@@ -75,7 +74,7 @@ void check(const PathQuery& query) {
   check_k(query.k, query.max_level);
   check_radius(query.radius);
   if (query.measure == Measure::entry)
-    throw Error({.problem = "measure entry is not for paths", .expected = "t or distance"});
+    throw Error({.problem = "paths do not support measure entry", .expected = "t or distance"});
 }
 
 void check(const PointQuery& query) {
@@ -85,7 +84,8 @@ void check(const PointQuery& query) {
 
 void check_without_radius(const PointQuery& query) {
   check(query);
-  require(std::isinf(query.radius), "a box or half-space query has a radius", "none", query.radius);
+  require(std::isinf(query.radius), "box and half-space queries do not support a radius", "none",
+          query.radius);
 }
 
 void check(const Ray& ray) {
@@ -96,14 +96,14 @@ void check(const Ray& ray) {
 
 void check(const Cone& cone) {
   check(cone.axis);
-  check_width(cone.radius, "radius of the cone is out of range");
-  check_width(cone.slope, "slope of the cone is out of range");
+  check_width(cone.radius, "cone radius out of range");
+  check_width(cone.slope, "cone slope out of range");
 }
 
 void check(const Path& path) {
-  require(path.vertices.size() >= 2, "path has too few vertices", "at least 2", path.vertices.size());
+  require(path.vertices.size() >= 2, "too few path vertices", "at least 2", path.vertices.size());
   if (path.vertex_t.size() != path.vertices.size()) {
-    throw Error({.problem = "path does not have one t per vertex",
+    throw Error({.problem = "the path needs one t per vertex",
                  .expected = fmt::format("{}", path.vertices.size()),
                  .found = fmt::format("{}", path.vertex_t.size())});
   }
@@ -115,7 +115,8 @@ void check(const Path& path) {
     follows = length > 0.0 && std::isfinite(length) && path.vertex_t[i + 1] == path.vertex_t[i] + length;
   }
   if (!follows || !std::isfinite(path.vertex_t.back()))
-    throw Error({.problem = "vertex_t is not the way along the path", .expected = "a path from make_path"});
+    throw Error(
+        {.problem = "vertex_t is not the length along the path", .expected = "a path from make_path"});
 }
 
 void check(const HalfSpaces& region) {
@@ -128,7 +129,7 @@ void check(const HalfSpaces& region) {
 void check(const Bounds& box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (std::isnan(box.min[axis]) || std::isnan(box.max[axis]))
-      throw Error({.problem = "face of the box is not a number"});
+      throw Error({.problem = "a face of the box is NaN"});
   }
 }
 
@@ -139,14 +140,15 @@ void check(const glm::dvec3& point) {
 void check_against(const Octree& octree, int max_level, double spacing_factor) {
   if (octree.size() == 0) return;
   if (max_level != k_all_levels && octree.view().organisation != Organisation::layered)
-    throw Error({.problem = "max_level needs a layered octree", .expected = "an octree built as layered"});
+    throw Error({.problem = "max_level requires a layered octree", .expected = "an octree built as layered"});
   if (spacing_factor != 0.0 && !octree.view().spacings)
-    throw Error({.problem = "spacing_factor needs an octree with spacings", .expected = "with_spacings()"});
+    throw Error(
+        {.problem = "spacing_factor requires an octree with spacings", .expected = "with_spacings()"});
 }
 
 void check_room(std::size_t targets, std::size_t room) {
   if (targets == room) return;
-  throw Error({.problem = "room for the answers does not fit the targets",
+  throw Error({.problem = "the span of answers does not match the targets",
                .expected = fmt::format("{}", targets),
                .found = fmt::format("{}", room)});
 }

@@ -163,26 +163,26 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
   Workshop& workshop = workshops_.local();
   file_.read_chunk(node, workshop.bytes);
   try {
-    workshop.decoder.decode(workshop.bytes, node.chunk.point_count,
-                            [&](const std::byte* records, std::size_t count, std::uint64_t first) {
-                              positions.reserve(count);
-                              rows.reserve(count);
-                              for (std::size_t i = 0; i < count; ++i, records += point_size) {
-                                const LatticePosition position = load<LatticePosition>(records);
-                                const glm::dvec3 world = to_world(lattice, position);
-                                if (!bounds.contains(world)) {
-                                  fail(first + i, "the point lies outside the cube of its node",
-                                       "a place from " + text_of(bounds.min) + " to " + text_of(bounds.max),
-                                       text_of(world));
-                                }
-                                const auto point_class = load<std::uint8_t>(records + k_classification_place);
-                                if (options_.classes && !options_.classes->test(point_class)) continue;
-                                positions.push_back(position);
-                                rows.push_back(static_cast<std::uint32_t>(first + i));
-                              }
-                            });
+    workshop.decoder.decode(
+        workshop.bytes, node.chunk.point_count,
+        [&](const std::byte* records, std::size_t count, std::uint64_t first) {
+          positions.reserve(count);
+          rows.reserve(count);
+          for (std::size_t i = 0; i < count; ++i, records += point_size) {
+            const LatticePosition position = load<LatticePosition>(records);
+            const glm::dvec3 world = to_world(lattice, position);
+            if (!bounds.contains(world)) {
+              fail(first + i, "the point is outside the cube of its node",
+                   "a position from " + text_of(bounds.min) + " to " + text_of(bounds.max), text_of(world));
+            }
+            const auto point_class = load<std::uint8_t>(records + k_classification_place);
+            if (options_.classes && !options_.classes->test(point_class)) continue;
+            positions.push_back(position);
+            rows.push_back(static_cast<std::uint32_t>(first + i));
+          }
+        });
   } catch (const CorruptChunk& problem) {
-    fail(problem.point, fmt::format("the compressed points are damaged: {}", problem.what()), "", "");
+    fail(problem.point, fmt::format("corrupt compressed points: {}", problem.what()), "", "");
   }
   return std::make_shared<BoxedPoints>(std::move(positions), std::move(rows));
 }

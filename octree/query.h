@@ -220,7 +220,7 @@ using TargetIn = std::ranges::range_value_t<const T>;
 /// Of targets that limit themselves; all others must come with a query.
 template <Askable T>
 QueryOf<T> no_conditions() {
-  static_assert(QueryFamily<T>::limits_itself, "this target needs a query");
+  static_assert(QueryFamily<T>::limits_itself, "this target requires a query");
   return {};
 }
 

@@ -161,7 +161,7 @@ std::uint16_t spacing_bits(double metres) {
 
 Octree with_spacings(const Octree& octree, int neighbours, const Progress& progress) {
   if (neighbours < 1 || neighbours > k_most_spacing_neighbours) {
-    throw Error({.problem = "bad number of neighbours for spacings",
+    throw Error({.problem = "invalid number of neighbours for spacings",
                  .expected = fmt::format("1 to {}", k_most_spacing_neighbours),
                  .found = std::to_string(neighbours)});
   }

@@ -13,12 +13,12 @@ Cone make_cone(const glm::dvec3& apex, const glm::dvec3& direction, double half_
                double t_min, double t_max) {
   constexpr double k_right_angle = 1.5707963267948966;
   if (!(half_angle >= 0.0 && half_angle < k_right_angle)) {
-    throw Error({.problem = "half angle of a cone is out of range",
+    throw Error({.problem = "cone half angle out of range",
                  .expected = "at least 0 and less than pi / 2",
                  .found = fmt::format("{}", half_angle)});
   }
   if (!(radius >= 0.0 && std::isfinite(radius))) {
-    throw Error({.problem = "radius of a cone is out of range",
+    throw Error({.problem = "cone radius out of range",
                  .expected = "a finite number, at least 0",
                  .found = fmt::format("{}", radius)});
   }
@@ -27,16 +27,16 @@ Cone make_cone(const glm::dvec3& apex, const glm::dvec3& direction, double half_
 
 Plane make_plane(const glm::dvec3& point, const glm::dvec3& normal) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (!std::isfinite(point[axis])) throw Error({.problem = "point of a plane is not finite"});
-    if (!std::isfinite(normal[axis])) throw Error({.problem = "normal of a plane is not finite"});
+    if (!std::isfinite(point[axis])) throw Error({.problem = "the point of a plane is not finite"});
+    if (!std::isfinite(normal[axis])) throw Error({.problem = "the normal of a plane is not finite"});
   }
-  if (normal == glm::dvec3(0.0)) throw Error({.problem = "normal of a plane has length zero"});
+  if (normal == glm::dvec3(0.0)) throw Error({.problem = "the normal of a plane is zero"});
   return {point, unit_direction(normal)};
 }
 
 HalfSpaces make_slab(const Plane& plane, double thickness) {
   if (!(thickness >= 0.0 && std::isfinite(thickness))) {
-    throw Error({.problem = "thickness of a slab is out of range",
+    throw Error({.problem = "slab thickness out of range",
                  .expected = "a finite number, at least 0",
                  .found = fmt::format("{}", thickness)});
   }
@@ -45,7 +45,7 @@ HalfSpaces make_slab(const Plane& plane, double thickness) {
 
 Path make_path(const std::vector<glm::dvec3>& vertices, double t_min, double t_max) {
   if (std::isnan(t_min) || std::isnan(t_max))
-    throw Error({.problem = "limit of the path's interval is not a number"});
+    throw Error({.problem = "a limit of the path's interval is NaN"});
   Path path{.vertices = {}, .vertex_t = {}, .t_min = t_min, .t_max = t_max};
   for (std::size_t i = 0; i < vertices.size(); ++i) {
     const glm::dvec3& vertex = vertices[i];
@@ -60,11 +60,11 @@ Path make_path(const std::vector<glm::dvec3>& vertices, double t_min, double t_m
     path.vertices.push_back(vertex);
   }
   if (path.vertices.size() < 2) {
-    throw Error({.problem = "path has too few different vertices",
+    throw Error({.problem = "too few distinct path vertices",
                  .expected = "at least 2",
                  .found = fmt::format("{}", path.vertices.size())});
   }
-  if (!std::isfinite(path.vertex_t.back())) throw Error({.problem = "path is too long for a number"});
+  if (!std::isfinite(path.vertex_t.back())) throw Error({.problem = "the path length overflows"});
   return path;
 }
 

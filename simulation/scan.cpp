@@ -60,16 +60,16 @@ FlightBeams::FlightBeams(const DroneScanner& scanner, const std::vector<FlightLi
   double area_sum = 0.0;
   for (const FlightLine& line : lines) {
     if (!(line.pitch > -80.0 && line.pitch < 80.0))
-      throw Error({.problem = "pitch of a flight line is out of (-80, 80) degrees"});
+      throw Error({.problem = "pitch of a flight line out of range (-80, 80) degrees"});
     if (!(line.field_of_view > 0.0 && line.field_of_view < 160.0))
-      throw Error({.problem = "field of view of a flight line is out of (0, 160) degrees"});
+      throw Error({.problem = "field of view of a flight line out of range (0, 160) degrees"});
     const double height = line.start.z - ground_height;
     if (!(height > 0.0) || line.end.z != line.start.z)
-      throw Error({.problem = "flight line is not level above the ground"});
+      throw Error({.problem = "the flight line is not level above the ground"});
     Strip strip{.line = line, .seconds_begin = seconds_};
     const glm::dvec3 run = line.end - line.start;
     strip.length = glm::length(run);
-    if (!(strip.length > 0.0)) throw Error({.problem = "flight line has no length"});
+    if (!(strip.length > 0.0)) throw Error({.problem = "the flight line has no length"});
     strip.ahead = run / strip.length;
     strip.side = {strip.ahead.y, -strip.ahead.x, 0.0};
     const SineCosine pitch = sine_cosine_by_quarters(radians(line.pitch)),
@@ -158,7 +158,7 @@ void measure(const Site& site, const Emission& emission, const Beam& beam, std::
   const std::optional<LatticePosition> position = to_lattice(batch.lattice, beam.ray.position(range));
   if (!position)
     throw Error(
-        {.problem = "a scanned point lies beyond the reach of the 1 mm lattice around the site's origin"});
+        {.problem = "a scanned point exceeds the range of the 1 mm lattice around the site's origin"});
   const double facing = std::fabs(glm::dot(hit->normal, beam.ray.direction));
   constexpr double k_half_range = 40.0;  // metres over which the answer falls to a half
   const double echo =
@@ -277,10 +277,10 @@ constexpr double k_pause = 60.0;                  // between one scan and the ne
 void check(const ScanOptions& options) {
   if (options.flight_lines.empty()) throw Error({.problem = "a scan needs a flight line"});
   if (!(options.terrestrial_share >= 0.0 && options.terrestrial_share <= 1.0))
-    throw Error({.problem = "share of points from the stations is out of range", .expected = "0 .. 1"});
+    throw Error({.problem = "share of points from the stations out of range", .expected = "0 .. 1"});
   if (!(options.terrestrial.elevation_min < options.terrestrial.elevation_max) ||
       options.terrestrial.elevation_min < -90.0 || options.terrestrial.elevation_max > 90.0)
-    throw Error({.problem = "elevation limits of the scanner are not in order within -90 .. 90 degrees"});
+    throw Error({.problem = "scanner elevation limits must be in order within -90 .. 90 degrees"});
 }
 
 }  // namespace
@@ -335,7 +335,7 @@ void scan(const Site& site, const ScanOptions& options, const PointSink& sink, c
     constexpr std::uint64_t k_second_try = 100000;
     if (pass > 0 && met == 0.0) count = std::max(count, k_second_try);
     if (pass == k_most_passes || (pass > 1 && met == 0.0))
-      throw Error({.problem = "the flight over the site meets nothing"});
+      throw Error({.problem = "the flight over the site hits nothing"});
 
     const std::uint64_t before = delivery.delivered;
     const FlightBeams beams(options.drone, options.flight_lines, site.origin().z, count, pass);

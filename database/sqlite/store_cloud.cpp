@@ -196,8 +196,7 @@ void give_name(const std::filesystem::path& beside, const std::filesystem::path&
   if (::renameat2(AT_FDCWD, beside.c_str(), AT_FDCWD, file.c_str(), RENAME_NOREPLACE) != 0) {
     // File systems without the atomic form: a check and a plain rename.
     const bool is_known = errno != EINVAL && errno != ENOSYS;
-    if (is_known || std::filesystem::exists(file))
-      throw Error({.file = file.string(), .problem = "cannot be written", .found = std::strerror(errno)});
+    if (is_known || std::filesystem::exists(file)) throw system_error(file.string(), "cannot write the file");
     std::filesystem::rename(beside, file);
   }
   flush_to_disk(file.has_parent_path() ? file.parent_path() : ".");

@@ -33,11 +33,11 @@ std::string rank_children(const TreeView& tree, std::uint32_t index, std::vector
   for (std::uint64_t inner = inner_bits(kinds_of(node)); inner != 0; inner &= inner - 1) {
     const int drop = node.kind[std::countr_zero(inner) / 8] - k_inner_kind;
     if (child <= index || child >= tree.node_count)
-      return fmt::format("its child should be a node behind it, below {}, but is {}", tree.node_count, child);
-    if (ranks[child].level != 0) return fmt::format("its child {} is that of another node too", child);
+      return fmt::format("invalid child: expected a later node below {}, found {}", tree.node_count, child);
+    if (ranks[child].level != 0) return fmt::format("child {} also belongs to another node", child);
     if (drop > k_max_level_drop || rank.level - drop < k_min_frame_level)
-      return fmt::format("its child {} lies {} levels below level {}", child, drop, rank.level);
-    if (rank.depth == tree.level_count) return fmt::format("it should have no child on level {}", rank.depth);
+      return fmt::format("child {} is {} levels below level {}", child, drop, rank.level);
+    if (rank.depth == tree.level_count) return fmt::format("unexpected child on level {}", rank.depth);
     ranks[child++] = {static_cast<std::uint8_t>(rank.level - drop),
                       static_cast<std::uint8_t>(rank.depth + 1)};
   }
@@ -51,10 +51,11 @@ std::string leaf_problem(const TreeView& tree, const Node& node, int level) {
     return fmt::format("a leaf has more than {} points", k_max_leaf_size);
   const std::uint64_t begin = node.first_point, end = begin + sum_of_bytes(counts);
   if (end > tree.point_count)
-    return fmt::format("its leaves should end at place {} but end at {}", tree.point_count, end);
+    return fmt::format("its leaves end at a wrong storage index: expected {}, found {}", tree.point_count,
+                       end);
   const bool has_exact_positions = tree.positions != nullptr && begin >= tree.first_exact;
   if (end > begin && coordinate_shift(level) > 0 && !has_exact_positions)
-    return "its leaves lie too high to go without exact positions";
+    return "its leaves require exact positions";
   return {};
 }
 
@@ -71,8 +72,8 @@ std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::
     for (std::uint32_t child = node.first_child; child < node.first_child + inner; ++child) {
       if (tree.nodes[child].first_point != place) {
         return TreeFault{Array::nodes, child,
-                         fmt::format("its points should begin at place {} but begin at {}", place,
-                                     tree.nodes[child].first_point)};
+                         fmt::format("its points begin at a wrong storage index: expected {}, found {}",
+                                     place, tree.nodes[child].first_point)};
       }
       place = ends[child];
     }
@@ -150,9 +151,9 @@ class PointCheck {
 
   std::optional<TreeFault> run() {
     if (deepest_ + 1 != tree_.level_count) {
-      return TreeFault{
-          Array::nodes, 0,
-          fmt::format("the header has {} levels, the nodes {}", tree_.level_count, deepest_ + 1)};
+      return TreeFault{Array::nodes, 0,
+                       fmt::format("wrong number of levels: {} in the header, {} in the nodes",
+                                   tree_.level_count, deepest_ + 1)};
     }
     const tbb::blocked_range<std::uint32_t> all(0, tree_.node_count, k_nodes_per_task);
     const LatticeExtent extent = tbb::parallel_reduce(
@@ -168,14 +169,14 @@ class PointCheck {
     if (first_.get()) return first_.get();
     if (points_seen_ != tree_.point_count) {
       return TreeFault{Array::nodes, 0,
-                       fmt::format("the leaves should hold {} points but hold {}", tree_.point_count,
-                                   points_seen_.load())};
+                       fmt::format("wrong number of points in the leaves: expected {}, found {}",
+                                   tree_.point_count, points_seen_.load())};
     }
     Bounds bounds;
     bounds.grow(to_world(tree_.lattice, extent.low));
     bounds.grow(to_world(tree_.lattice, extent.high));
     if (bounds.min == tree_.bounds.min && bounds.max == tree_.bounds.max) return std::nullopt;
-    return TreeFault{Array::nodes, 0, "the bounds are not those of the points"};
+    return TreeFault{Array::nodes, 0, "wrong bounds of the points"};
   }
 
  private:
@@ -200,13 +201,13 @@ class PointCheck {
       if (tree_.spacings && slot_spacing(frame, slot - 1) != slot_spacing(frame, slot)) {
         first_.add(frame.node, {Array::slot_spacings,
                                 std::uint64_t{k_node_width} * frame.node + static_cast<unsigned>(slot),
-                                "two slots of one place have different spacings"});
+                                "slots with equal positions have different spacings"});
       }
       if (highest < lowest) continue;
       first_.add(frame.node,
                  {Array::nodes, frame.node,
-                  fmt::format("of two slots of one place, slot {} should have lower ids than slot "
-                              "{} but has id {} beside {}",
+                  fmt::format("slots with equal positions are not sorted by id: slot {}, before slot "
+                              "{}, has id {}, after id {}",
                               slot - 1, slot, highest, lowest)});
     }
   }
@@ -231,8 +232,9 @@ class PointCheck {
     const Frame& child = frames_[child_frame(tree_, frame, slot).node];
     for (int inner = 0; inner < k_node_width; ++inner) {
       if (tree_.nodes[child.node].kind[inner] == 0 || holds(box, slot_box(tree_, child, inner))) continue;
-      first_.add(frame.node, {Array::nodes, frame.node,
-                              fmt::format("its box in slot {} does not hold the boxes of its child", slot)});
+      first_.add(frame.node,
+                 {Array::nodes, frame.node,
+                  fmt::format("its box in slot {} does not contain the boxes of its child", slot)});
     }
   }
 
@@ -245,9 +247,10 @@ class PointCheck {
     const bool is_one_place = frame.level == k_min_frame_level && box.low == box.high;
     for (std::uint32_t place = leaf.place; place < leaf.place + leaf.count; ++place) {
       if (tree_.spacings[place] > k_infinite)
-        first_.add(frame.node, {Array::spacings, place, "the spacing is negative or no number"});
+        first_.add(frame.node, {Array::spacings, place, "the spacing is negative or NaN"});
       if (is_one_place && tree_.spacings[place] != tree_.spacings[leaf.place])
-        first_.add(frame.node, {Array::spacings, place, "two points of one place have different spacings"});
+        first_.add(frame.node,
+                   {Array::spacings, place, "points with equal positions have different spacings"});
     }
   }
 
@@ -268,14 +271,15 @@ class PointCheck {
       if (!holds(box, point))
         first_.add(frame.node, {is_exact ? Array::positions : Array::coordinates,
                                 is_exact ? place - tree_.first_exact : place,
-                                "the point lies outside the box of its leaf"});
+                                "the point is outside the box of its leaf"});
       if (is_exact && !has_right_coordinates(frame, leaf, i, point))
-        first_.add(frame.node, {Array::coordinates, place, "the coordinates are not those of the position"});
+        first_.add(frame.node,
+                   {Array::coordinates, place, "the coordinates do not match the exact position"});
       if (!places_.set(place))
         first_.add(frame.node,
-                   {Array::nodes, frame.node, fmt::format("place {} stands in two leaves", place)});
+                   {Array::nodes, frame.node, fmt::format("storage index {} is in two leaves", place)});
       if (tree_.ids && !ids_.set(tree_.ids[place]))
-        first_.add(frame.node, {Array::ids, place, fmt::format("id {} occurs twice", tree_.ids[place])});
+        first_.add(frame.node, {Array::ids, place, fmt::format("duplicate id {}", tree_.ids[place])});
     }
   }
 
@@ -305,7 +309,7 @@ std::optional<TreeFault> find_broken_link(const TreeView& tree) {
   ranks[0] = {static_cast<std::uint8_t>(tree.root_level), 1};
   for (std::uint32_t index = 0; index < tree.node_count; ++index) {
     std::string problem =
-        ranks[index].level == 0 ? "no node before it has it as its child" : rank_children(tree, index, ranks);
+        ranks[index].level == 0 ? "it is not a child of an earlier node" : rank_children(tree, index, ranks);
     if (problem.empty()) problem = leaf_problem(tree, tree.nodes[index], ranks[index].level);
     if (!problem.empty()) return TreeFault{Array::nodes, index, std::move(problem)};
   }
@@ -320,7 +324,7 @@ std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, 
   const auto bad = std::find_if(tree.ids + begin, tree.ids + end,
                                 [&](std::uint32_t id) { return id >= tree.point_count; });
   return TreeFault{Array::ids, static_cast<std::uint64_t>(bad - tree.ids),
-                   fmt::format("the id should be below {} but is {}", tree.point_count, *bad)};
+                   fmt::format("id out of range: expected less than {}, found {}", tree.point_count, *bad)};
 }
 
 std::optional<TreeFault> find_misplaced_point(const TreeView& tree) {
@@ -336,7 +340,7 @@ std::optional<TreeFault> find_bad_slot_spacing(const TreeView& tree) {
       if (tree.slot_spacings[at] == greatest[slot]) continue;
       return TreeFault{
           Array::slot_spacings, at,
-          fmt::format("the greatest spacing below slot {} of node {} should be {:.9g} but is {:.9g}", slot,
+          fmt::format("wrong largest spacing of slot {} of node {}: expected {:.9g}, found {:.9g}", slot,
                       index, spacing_of(greatest[slot]), spacing_of(tree.slot_spacings[at]))};
     }
   }

@@ -30,7 +30,7 @@ AttributeColumns columns_in(const IndexSections& sections, const PointCloud& des
   const std::size_t points = sections.header().tree.point_count;
   if (rest.size() != bytes_per_point * points) {
     throw Error({.file = sections.name(),
-                 .problem = "bad size of " + name(IndexSection::extra_dimensions),
+                 .problem = "wrong size of " + name(IndexSection::extra_dimensions),
                  .expected = fmt::format("{} bytes for each of {} points", bytes_per_point, points),
                  .found = fmt::format("{} bytes", rest.size())});
   }
@@ -48,7 +48,7 @@ void check_record_bytes(const IndexSections& sections, const IndexMetadata& meta
   for (const std::uint64_t bytes : metadata.record_bytes) {
     if (bytes > left) {
       throw Error({.file = sections.name(),
-                   .problem = "the data of the records do not fit into their section",
+                   .problem = "corrupt file: the data of the records exceeds its section",
                    .expected = fmt::format("at most {} bytes", left),
                    .found = std::to_string(bytes)});
     }
@@ -56,7 +56,7 @@ void check_record_bytes(const IndexSections& sections, const IndexMetadata& meta
   }
   if (left > 0) {
     throw Error({.file = sections.name(),
-                 .problem = "the section of record data is longer than the data of the records",
+                 .problem = "corrupt file: the section of record data is too long",
                  .found = fmt::format("{} bytes more", left)});
   }
 }

@@ -85,42 +85,39 @@ std::uint64_t page_checksum(std::span<const std::byte> page) {
 /// What comes before all other fields may be trusted.
 void check_identity(std::span<const std::byte> file, const HeaderFields& page, const std::string& file_name) {
   if (!is_index_file(file))
-    throw Error({.file = file_name, .place = "byte 0", .problem = "is not an index file of Alidade"});
+    throw Error({.file = file_name, .place = "byte 0", .problem = "not an Alidade index file"});
   if (file.size() < k_index_page) {
     throw Error({.file = file_name,
                  .place = fmt::format("byte {}", file.size()),
-                 .problem = "the file ends inside its header",
+                 .problem = "truncated header",
                  .expected = fmt::format("at least {} bytes", k_index_page),
                  .found = std::to_string(file.size())});
   }
   const auto order = page.get<std::uint32_t>(8);
-  page.require(order != k_other_byte_order, 8, "was written by a machine of the other byte order",
-               "little endian", "big endian");
-  page.require(order == k_byte_order, 8, "the header is damaged", fmt::format("{:#010x}", k_byte_order),
+  page.require(order != k_other_byte_order, 8, "wrong byte order", "little endian", "big endian");
+  page.require(order == k_byte_order, 8, "corrupt header", fmt::format("{:#010x}", k_byte_order),
                fmt::format("{:#010x}", order));
   const auto version = page.get<std::uint32_t>(12);
-  page.require(
-      version >= 1 && version <= k_index_version, 12,
-      "is an index file of a version that this program does not know; make it again with 'alidade index'",
-      fmt::format("version {}", k_index_version), fmt::format("version {}", version));
-  page.require(page.get<std::uint64_t>(32) == page_checksum(file.first(k_index_page)), 32,
-               "the header is damaged", "another checksum",
-               fmt::format("{:#018x}", page.get<std::uint64_t>(32)));
-  page.require(page.get<std::uint32_t>(16) == k_index_page, 16, "bad size of the header",
+  page.require(version >= 1 && version <= k_index_version, 12,
+               "unsupported index file version; create the file again with 'alidade index'",
+               fmt::format("version {}", k_index_version), fmt::format("version {}", version));
+  page.require(page.get<std::uint64_t>(32) == page_checksum(file.first(k_index_page)), 32, "corrupt header",
+               "a different checksum", fmt::format("{:#018x}", page.get<std::uint64_t>(32)));
+  page.require(page.get<std::uint32_t>(16) == k_index_page, 16, "wrong header size",
                std::to_string(k_index_page), page.get<std::uint32_t>(16));
   page.require(page.get<std::uint64_t>(24) == file.size(), 24,
-               page.get<std::uint64_t>(24) > file.size() ? "the file ends early" : "the file is too long",
-               fmt::format("{} bytes as the header says", page.get<std::uint64_t>(24)), file.size());
+               page.get<std::uint64_t>(24) > file.size() ? "truncated file" : "the file is too long",
+               fmt::format("{} bytes", page.get<std::uint64_t>(24)), file.size());
 }
 
 void read_lattice(const HeaderFields& page, TreeView& tree) {
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t scale_place = 72 + 8 * axis, offset_place = 96 + 8 * axis;
     const auto scale = page.get<double>(scale_place), offset = page.get<double>(offset_place);
-    page.require(std::isfinite(scale) && scale > 0.0, scale_place, "bad scale of the lattice",
+    page.require(std::isfinite(scale) && scale > 0.0, scale_place, "invalid lattice scale",
                  "a positive number", scale);
     page.require(std::isfinite(std::abs(offset) + scale * 2147483648.0), offset_place,
-                 "bad offset of the lattice", "a finite number", offset);
+                 "invalid lattice offset", "a finite number", offset);
     tree.lattice.scale[axis] = scale;
     tree.lattice.offset[axis] = offset;
     tree.base[axis] = page.get<std::int32_t>(120 + 4 * axis);
@@ -132,8 +129,8 @@ void read_bounds(const HeaderFields& page, TreeView& tree) {
     const std::size_t min_place = 136 + 8 * axis, max_place = 160 + 8 * axis;
     const auto min = page.get<double>(min_place), max = page.get<double>(max_place);
     if (tree.point_count > 0) {
-      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_place, "bad bounds",
-                   "finite numbers, the lower one first", fmt::format("{} to {}", min, max));
+      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_place, "invalid bounds",
+                   "finite numbers, the minimum first", fmt::format("{} to {}", min, max));
     }
     tree.bounds.min[axis] = min;
     tree.bounds.max[axis] = max;
@@ -146,17 +143,17 @@ TreeView read_tree(const HeaderFields& page) {
   const auto points = page.get<std::uint64_t>(40), nodes = page.get<std::uint64_t>(48);
   page.require(points <= k_most_points, 40, "too many points", fmt::format("at most {}", k_most_points),
                points);
-  page.require((points == 0) == (nodes == 0) && nodes <= 0xffffffffu, 48, "bad number of nodes",
+  page.require((points == 0) == (nodes == 0) && nodes <= 0xffffffffu, 48, "invalid number of nodes",
                points == 0 ? "0" : "1 to 4294967295", nodes);
   tree.point_count = static_cast<std::uint32_t>(points);
   tree.node_count = static_cast<std::uint32_t>(nodes);
   const auto level = page.get<std::uint32_t>(56);
-  page.require(level >= k_min_frame_level && level <= k_highest_level, 56, "bad level of the root",
+  page.require(level >= k_min_frame_level && level <= k_highest_level, 56, "invalid root level",
                fmt::format("{} to {}", k_min_frame_level, k_highest_level), level);
   tree.root_level = static_cast<int>(level);
   const auto level_count = page.get<std::uint32_t>(60);
   page.require(points == 0 ? level_count == 0 : level_count >= 1 && level_count <= k_max_tree_depth, 60,
-               "bad number of levels", points == 0 ? "0" : fmt::format("1 to {}", k_max_tree_depth),
+               "invalid number of levels", points == 0 ? "0" : fmt::format("1 to {}", k_max_tree_depth),
                level_count);
   tree.level_count = static_cast<int>(level_count);
   const auto organisation = page.get<std::uint32_t>(64);
@@ -164,17 +161,17 @@ TreeView read_tree(const HeaderFields& page) {
                fmt::format("0 to {}", k_last_organisation), organisation);
   tree.organisation = static_cast<Organisation>(organisation);
   tree.first_exact = page.get<std::uint32_t>(132);
-  page.require(tree.first_exact <= points, 132, "bad place of the first exact position",
+  page.require(tree.first_exact <= points, 132, "invalid storage index of the first exact position",
                fmt::format("at most {}", points), tree.first_exact);
   const auto neighbours = page.get<std::uint32_t>(204);
-  page.require(neighbours <= k_most_spacing_neighbours, 204, "bad number of neighbours of spacings",
+  page.require(neighbours <= k_most_spacing_neighbours, 204, "invalid number of neighbours for spacings",
                fmt::format("at most {}", k_most_spacing_neighbours), neighbours);
   tree.spacing_neighbours = static_cast<int>(neighbours);
   tree.surface_unit = page.get<double>(208);
   page.require(std::isfinite(tree.surface_unit) && tree.surface_unit >= 0.0 &&
                    (tree.surface_unit == 0.0 || neighbours > 0),
-               208, "bad unit of surfaces", neighbours > 0 ? "0 or a length" : "0 without spacings",
-               tree.surface_unit);
+               208, "invalid length unit of surfaces",
+               neighbours > 0 ? "0 or a length" : "0 without spacings", tree.surface_unit);
   read_lattice(page, tree);
   read_bounds(page, tree);
   return tree;
@@ -215,23 +212,24 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
                      page.get<std::uint64_t>(at + 8), page.get<std::uint64_t>(at + 16),
                      page.get<std::uint64_t>(at + 24)};
   const std::uint32_t element = element_bytes(entry.kind);
-  page.require(element != 0, at, "unknown section", "a kind that version 1 knows", kind);
+  page.require(element != 0, at, "unknown section", "a kind of version 1", kind);
   page.require(header.sections.empty() || header.sections.back().kind < entry.kind, at,
-               "sections are out of order", "ascending kinds", kind);
-  page.require(entry.element_bytes == element, at + 4, fmt::format("bad elements of {}", name(entry.kind)),
+               "sections out of order", "ascending kinds", kind);
+  page.require(entry.element_bytes == element, at + 4,
+               fmt::format("wrong element size of {}", name(entry.kind)),
                fmt::format("{} bytes each", element), entry.element_bytes);
   const std::uint64_t begin =
       align_to_page(header.sections.empty() ? k_index_page : header.sections.back().end());
-  page.require(entry.place == begin, at + 8, fmt::format("bad place of {}", name(entry.kind)),
+  page.require(entry.place == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
                fmt::format("byte {}", begin), fmt::format("byte {}", entry.place));
   // Places stay within the file, since every section before this one did.
   const std::uint64_t room = header.file_bytes - std::min(begin, header.file_bytes);
-  page.require(entry.bytes <= room, at + 16, fmt::format("{} do not fit into the file", name(entry.kind)),
+  page.require(entry.bytes <= room, at + 16, fmt::format("{} exceed the file", name(entry.kind)),
                fmt::format("at most {} bytes", room), entry.bytes);
   const auto expected = expected_bytes(header, entry.kind);
   page.require(!expected || entry.bytes == *expected, at + 16,
-               fmt::format("bad size of {}", name(entry.kind)), fmt::format("{} bytes", expected.value_or(0)),
-               entry.bytes);
+               fmt::format("wrong size of {}", name(entry.kind)),
+               fmt::format("{} bytes", expected.value_or(0)), entry.bytes);
   return entry;
 }
 
@@ -239,20 +237,20 @@ void check_sections(const HeaderFields& page, const IndexHeader& header) {
   for (const IndexSection needed : {IndexSection::nodes, IndexSection::coordinates, IndexSection::metadata,
                                     IndexSection::record_data, IndexSection::checksums}) {
     page.require(header.find(needed) != nullptr, k_section_table,
-                 fmt::format("there is no section {}", name(needed)), "one", "none");
+                 fmt::format("missing section {}", name(needed)), "one", "none");
   }
   const auto agree = [&](IndexSection kind, bool is_said, const char* section) {
     const bool is_there = header.find(kind) != nullptr;
     page.require(is_there == is_said, k_section_table,
-                 fmt::format("sections and header disagree about {}", name(kind)), is_said ? section : "none",
-                 is_there ? "the section" : "none");
+                 fmt::format("the sections do not match the header: {}", name(kind)),
+                 is_said ? section : "none", is_there ? "the section" : "none");
   };
   for (const IndexSection kind : {IndexSection::spacings, IndexSection::slot_spacings})
     agree(kind, header.tree.spacing_neighbours > 0, "the section");
   for (const IndexSection kind : {IndexSection::surfaces, IndexSection::sheet_edges})
     agree(kind, header.tree.surface_unit > 0.0, "the section, as 'alidade index --surfaces' writes it");
-  page.require(header.sections.back().end() == header.file_bytes, 24, "bytes behind the last section",
-               fmt::format("{} bytes in all", header.sections.back().end()), header.file_bytes);
+  page.require(header.sections.back().end() == header.file_bytes, 24, "extra bytes after the last section",
+               fmt::format("{} bytes", header.sections.back().end()), header.file_bytes);
 }
 
 }  // namespace

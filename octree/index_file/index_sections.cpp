@@ -31,7 +31,7 @@ std::span<const std::byte> IndexSections::bytes(IndexSection kind) const {
 void IndexSections::fail(IndexSection kind, std::uint64_t byte, const std::string& problem) const {
   throw Error({.file = map_.name(),
                .place = fmt::format("byte {}", entry(kind).place + byte),
-               .problem = fmt::format("section {} is damaged: {}", alidade::name(kind), problem)});
+               .problem = fmt::format("corrupt section {}: {}", alidade::name(kind), problem)});
 }
 
 std::span<const std::uint64_t> IndexSections::stored_checksums(IndexSection kind) const {
@@ -45,8 +45,7 @@ std::span<const std::uint64_t> IndexSections::stored_checksums(IndexSection kind
                                 static_cast<std::size_t>(checksum_blocks(entry(kind).bytes)));
   if (checksum(std::as_bytes(run)) != entry(kind).checksum) {
     fail(IndexSection::checksums, first * sizeof(std::uint64_t),
-         fmt::format("the checksums of section {} do not have the checksum in the header",
-                     alidade::name(kind)));
+         fmt::format("wrong checksum of the checksums of section {}", alidade::name(kind)));
   }
   return run;
 }
@@ -56,7 +55,7 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
   if (section == nullptr) return;
   const std::span<const std::byte> all = bytes(kind);
   if (kind == IndexSection::checksums) {
-    if (checksum(all) != section->checksum) fail(kind, 0, "its checksum is not the one in the header");
+    if (checksum(all) != section->checksum) fail(kind, 0, "its checksum differs from the one in the header");
     return;
   }
   const std::span<const std::uint64_t> stored = stored_checksums(kind);
@@ -82,7 +81,7 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
     if (first_bad != k_none) {
       const std::uint64_t byte = first_bad * k_checksum_block;
       fail(kind, byte,
-           fmt::format("the checksum of the {} bytes from here on is wrong",
+           fmt::format("wrong checksum of the next {} bytes",
                        std::min<std::uint64_t>(all.size() - byte, k_checksum_block)));
     }
     report(progress, std::min<std::uint64_t>(end * k_checksum_block, all.size()), all.size());
@@ -94,10 +93,11 @@ void IndexSections::check_gaps() const {
   for (const SectionEntry& section : header_.sections) {
     for (; place < section.place; ++place) {
       if (map_.bytes()[static_cast<std::size_t>(place)] == std::byte{0}) continue;
-      throw Error({.file = map_.name(),
-                   .place = fmt::format("byte {}", place),
-                   .problem = fmt::format("something stands before section {}", alidade::name(section.kind)),
-                   .expected = "zeros up to the next multiple of 4096"});
+      throw Error(
+          {.file = map_.name(),
+           .place = fmt::format("byte {}", place),
+           .problem = fmt::format("the gap before section {} is not zero", alidade::name(section.kind)),
+           .expected = "zeros up to the next multiple of 4096"});
     }
     place = section.end();
   }
@@ -155,7 +155,7 @@ class Reader {
   void flag(bool& flag) {
     std::uint8_t stored;
     value(stored);
-    require(stored <= 1, 1, "bad flag in the metadata", "0 or 1", stored);
+    require(stored <= 1, 1, "invalid flag in the metadata", "0 or 1", stored);
     flag = stored == 1;
   }
   template <class Values>
@@ -176,7 +176,8 @@ class Reader {
     return used_ == bytes_.size();
   }
   void finish() const {
-    require(used_ == bytes_.size(), 0, "bytes behind the metadata", std::to_string(used_), bytes_.size());
+    require(used_ == bytes_.size(), 0, "extra bytes after the metadata", std::to_string(used_),
+            bytes_.size());
   }
   /// Complains about what stands `back` bytes before the next one unless what is asked holds.
   template <class Found>
@@ -195,13 +196,13 @@ class Reader {
     std::uint64_t count;
     value(count);
     const std::uint64_t most = (bytes_.size() - used_) / least_bytes;
-    require(count <= most, 8, "a list does not fit into the metadata", fmt::format("at most {}", most),
+    require(count <= most, 8, "corrupt metadata: a list exceeds its section", fmt::format("at most {}", most),
             count);
     return count;
   }
   const std::byte* take(std::size_t count) {
     const std::size_t left = bytes_.size() - used_;
-    require(count <= left, 0, "the metadata end early", fmt::format("{} bytes from here", count), left);
+    require(count <= left, 0, "truncated metadata", fmt::format("{} more bytes", count), left);
     const std::byte* const at = bytes_.data() + used_;
     used_ += count;
     return at;
@@ -218,13 +219,13 @@ void visit_extra_dimension(Stream& stream, Dimension& dimension) {
   stream.all(dimension.name);
   stream.all(dimension.description);
   stream.value(dimension.type);
-  stream.require(dimension.type <= ScalarType::float64, 1, "bad type of an extra dimension", "0 to 10",
+  stream.require(dimension.type <= ScalarType::float64, 1, "invalid type of an extra dimension", "0 to 10",
                  static_cast<int>(dimension.type));
   auto bytes = static_cast<std::uint32_t>(dimension.byte_count);
   stream.value(bytes);
   const auto size = static_cast<std::uint32_t>(scalar_size(dimension.type));
   stream.require(size == 0 ? bytes >= 1 && bytes <= k_longest_extra_dimension : bytes == size, 4,
-                 "bad size of an extra dimension",
+                 "invalid size of an extra dimension",
                  size == 0 ? fmt::format("1 to {}", k_longest_extra_dimension) : std::to_string(size), bytes);
   stream.value(dimension.scale);
   stream.value(dimension.offset);

@@ -100,21 +100,21 @@ class IndexWriter {
 void check_column(std::size_t size, std::size_t points, std::size_t bytes_per_point,
                   const std::string& column) {
   if (size == 0 || size == points * bytes_per_point) return;
-  throw Error({.problem = "a column does not fit the octree: " + column,
+  throw Error({.problem = "wrong column size: " + column,
                .expected = fmt::format("{} values", points),
                .found = std::to_string(size / std::max<std::size_t>(bytes_per_point, 1))});
 }
 
 void check_cloud(const Octree& octree, const PointCloud& cloud) {
   if (octree.size() > 0 && cloud.lattice != octree.lattice())
-    throw Error({.problem = "octree and cloud stand on different lattices"});
+    throw Error({.problem = "octree and cloud have different lattices"});
   for_each_column(cloud, cloud, [&](Attribute attribute, const auto& column, const auto&) {
     check_column(column.size(), octree.size(), 1, attribute_names(attribute).front());
   });
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {
     const auto bytes = static_cast<std::size_t>(dimension.byte_count);
     if (dimension.values.size() != octree.size() * bytes) {
-      throw Error({.problem = "a column does not fit the octree: " + dimension.name,
+      throw Error({.problem = "wrong column size: " + dimension.name,
                    .expected = fmt::format("{} bytes", octree.size() * bytes),
                    .found = std::to_string(dimension.values.size())});
     }

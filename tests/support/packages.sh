@@ -11,9 +11,9 @@ build_packages=(
   libgtest-dev                                     # tests
 )
 # libembree-dev: the test that compares hits with Embree's spheres. python3-numpy: the one that compares answers with a
-# script of ten lines. gdal-bin: gdalinfo, which is asked where orthophotos lie. clang: libFuzzer. chromium: opens reports.
+# script of ten lines. gdal-bin: gdalinfo, which is asked where orthophotos lie. clang: libFuzzer. chromium: opens reports. doxygen: the API pages.
 # ccache: several builds compile the same. postgresql: the extension alidade_pg, left out of a build without them.
-test_packages=(ccache libembree-dev clang libclang-rt-14-dev clang-format python3-numpy gdal-bin chromium
+test_packages=(ccache libembree-dev clang libclang-rt-14-dev clang-format python3-numpy gdal-bin chromium doxygen
                postgresql-15 postgresql-server-dev-15)
 # Beside libbenchmark-dev: what the benchmarks compare with, and their plots.
 bench_packages=(libbenchmark-dev libembree-dev libnanoflann-dev libboost-dev libpcl-dev python3-matplotlib)
