@@ -72,7 +72,41 @@ std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   return std::move(tiff.bytes());
 }
 
+/// What the user wrote, or the WKT of a file; null for text that says nothing. Errors: GDAL does not
+/// understand it.
+GdalReference read_reference(const std::string& text, bool is_wkt, const std::string& whose,
+                             const std::string& way_out) {
+  if (text.empty()) return nullptr;
+  GdalReference reference(OSRNewSpatialReference(nullptr));
+  char* wkt = const_cast<char*>(text.c_str());
+  const OGRErr error =
+      is_wkt ? OSRImportFromWkt(reference.get(), &wkt) : OSRSetFromUserInput(reference.get(), text.c_str());
+  if (error != OGRERR_NONE) {
+    throw Error({.problem = "the reference system of " + whose + " is not understood",
+                 .expected = way_out,
+                 .found = text});
+  }
+  return reference;
+}
+
+/// The plane part of a reference system, x east and y north; null for one that does not say where on Earth
+/// things are.
+GdalReference plane_part(GdalReference reference) {
+  if (!reference || OSRIsLocal(reference.get()) != 0) return nullptr;
+  // So GeoPackage calls what it does not know.
+  const char* const name = OSRGetName(reference.get());
+  if (name != nullptr && std::string_view(name).starts_with("Undefined")) return nullptr;
+  make_plane(reference);
+  return reference;
+}
+
 }  // namespace
+
+void fail_geotiff(const std::filesystem::path& file, const char* what) {
+  const std::string said = CPLGetLastErrorMsg();
+  throw Error(
+      {.file = file.string(), .problem = fmt::format("GeoTIFF cannot be written: {}", what), .found = said});
+}
 
 std::string wkt_of(const Crs& crs) {
   constexpr std::size_t k_most_keys = 65535;
@@ -114,38 +148,6 @@ GdalReference globe_reference() {
 GdalTransformation transformation_between(const GdalReference& from, const GdalReference& to) {
   return GdalTransformation(OCTNewCoordinateTransformation(from.get(), to.get()));
 }
-
-namespace {
-
-/// What the user wrote, or the WKT of a file; null for text that says nothing. Errors: GDAL does not
-/// understand it.
-GdalReference read_reference(const std::string& text, bool is_wkt, const std::string& whose,
-                             const std::string& way_out) {
-  if (text.empty()) return nullptr;
-  GdalReference reference(OSRNewSpatialReference(nullptr));
-  char* wkt = const_cast<char*>(text.c_str());
-  const OGRErr error =
-      is_wkt ? OSRImportFromWkt(reference.get(), &wkt) : OSRSetFromUserInput(reference.get(), text.c_str());
-  if (error != OGRERR_NONE) {
-    throw Error({.problem = "the reference system of " + whose + " is not understood",
-                 .expected = way_out,
-                 .found = text});
-  }
-  return reference;
-}
-
-/// The plane part of a reference system, x east and y north; null for one that does not say where on Earth
-/// things are.
-GdalReference plane_part(GdalReference reference) {
-  if (!reference || OSRIsLocal(reference.get()) != 0) return nullptr;
-  // So GeoPackage calls what it does not know.
-  const char* const name = OSRGetName(reference.get());
-  if (name != nullptr && std::string_view(name).starts_with("Undefined")) return nullptr;
-  make_plane(reference);
-  return reference;
-}
-
-}  // namespace
 
 GdalTransformation transformation_to_cloud(const std::string& own, const ObserverReference& reference,
                                            const std::string& source) {
