@@ -129,7 +129,7 @@ class TableReader : public CloudReader {
   std::vector<std::string_view> words_;       ///< of the line that is read, of text
 
  private:
-  ScalarType type_of(ColumnRole role) const;
+  std::optional<ScalarType> type_of(ColumnRole role) const;
   void visit_whole_rows(const RowVisitor& visit, const Progress& progress);
 
   std::vector<TableColumn> columns_;
