@@ -59,6 +59,10 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
+bool is_float(ScalarType type) {
+  return type == ScalarType::float32 || type == ScalarType::float64;
+}
+
 }  // namespace
 
 void assign_roles(std::vector<TableColumn>& columns, NameRules rules) {
@@ -112,14 +116,6 @@ AttributeSet attributes_of(std::span<const TableColumn> columns) {
 std::optional<Attribute> attribute_of(ColumnRole role) {
   return k_role_facts[static_cast<std::size_t>(role)].attribute;
 }
-
-namespace {
-
-bool is_float(ScalarType type) {
-  return type == ScalarType::float32 || type == ScalarType::float64;
-}
-
-}  // namespace
 
 ValueScaling color_scaling(ScalarType type, const ColumnRange& range) {
   if (range.max <= 0.0) return {};

@@ -158,16 +158,6 @@ class Scalings {
   ColumnRange colors_, intensities_;  ///< of the scans in those lists
 };
 
-}  // namespace
-
-std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
-                                     const std::vector<E57Values>& values, AttributeSet wanted,
-                                     E57Oddities& oddities) {
-  return Scalings(scans, roles, values, wanted, oddities).take();
-}
-
-namespace {
-
 std::size_t index_dimension(PointCloud& cloud, const char* name, const char* description) {
   ExtraDimension dimension;
   dimension.name = name;
@@ -191,6 +181,12 @@ float to_float(double value) {
 }
 
 }  // namespace
+
+std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
+                                     const std::vector<E57Values>& values, AttributeSet wanted,
+                                     E57Oddities& oddities) {
+  return Scalings(scans, roles, values, wanted, oddities).take();
+}
 
 void E57Appender::begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin) {
   scan_ = &scan;

@@ -81,83 +81,6 @@ void take_positions(const RecordBlock& block, const LatticeShift& shift, PointCl
   }
 }
 
-}  // namespace
-
-LasColumns::LasColumns(std::string file_name, const LasHeader& header,
-                       const std::vector<ExtraDimension>& extra_dimensions)
-    : file_name_(std::move(file_name)), lattice_(header.lattice), layout_(header.layout()) {
-  const std::optional<std::size_t> normal = find_normal(extra_dimensions);
-  int place = layout_.size;
-  for (std::size_t i = 0; i < extra_dimensions.size(); ++i) {
-    const ExtraDimension& dimension = extra_dimensions[i];
-    if (normal && i == *normal) normal_place_ = place;
-    const bool part_of_normal = normal && i >= *normal && i < *normal + 3;
-    if (!part_of_normal) extra_dimensions_.push_back({dimension, place});
-    place += dimension.byte_count;
-  }
-}
-
-AttributeSet LasColumns::attributes() const {
-  AttributeSet set = Attribute::intensity | Attribute::classification | Attribute::returns |
-                     Attribute::flags | Attribute::scan_angle | Attribute::user_data |
-                     Attribute::point_source_id;
-  if (layout_.gps_time >= 0) set = set | Attribute::gps_time;
-  if (layout_.color >= 0) set = set | Attribute::color;
-  if (layout_.near_infrared >= 0) set = set | Attribute::near_infrared;
-  if (normal_place_) set = set | Attribute::normal;
-  if (!extra_dimensions_.empty()) set = set | Attribute::extra_dimensions;
-  return set;
-}
-
-LasColumns::Choice LasColumns::choose(AttributeSet wanted, PointCloud& cloud) const {
-  Choice choice{attributes() & wanted, LatticeShift(lattice_, cloud.lattice, file_name_), {}};
-  if (!choice.kept.contains(Attribute::extra_dimensions)) return choice;
-  for (std::size_t i = 0; i < extra_dimensions_.size(); ++i) {
-    const std::size_t occurrence = occurrence_of(extra_dimensions_, i, &PlacedDimension::description);
-    choice.extra_columns.push_back(find_extra_dimension(cloud, extra_dimensions_[i].description, occurrence));
-  }
-  return choice;
-}
-
-void LasColumns::take(const RecordBlock& block, const Choice& choice, PointCloud& cloud) const {
-  take_positions(block, choice.shift, cloud);
-  take_attributes(block, choice.kept, cloud);
-  for (std::size_t i = 0; i < choice.extra_columns.size(); ++i) {
-    ExtraDimension& column = cloud.extra_dimensions[choice.extra_columns[i]];
-    const std::size_t bytes = static_cast<std::size_t>(column.byte_count);
-    for (std::size_t row = 0; row < block.count; ++row) {
-      std::memcpy(column.values.data() + (block.first_row + row) * bytes,
-                  block.bytes + row * block.point_size + extra_dimensions_[i].place, bytes);
-    }
-  }
-}
-
-void LasColumns::take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const {
-  const auto keep = [&](Attribute attribute, int place, auto& column, auto value) {
-    if (kept.contains(attribute)) fill(block, place, column, value);
-  };
-  keep(Attribute::intensity, 12, cloud.intensities, k_plain<std::uint16_t>);
-  if (layout_.legacy) {
-    keep(Attribute::returns, 14, cloud.returns, k_legacy_returns);
-    keep(Attribute::flags, 14, cloud.flags, k_legacy_flags);
-    keep(Attribute::classification, 15, cloud.classifications, k_legacy_classification);
-    keep(Attribute::scan_angle, 16, cloud.scan_angles, k_legacy_scan_angle);
-  } else {
-    keep(Attribute::returns, 14, cloud.returns, k_returns);
-    keep(Attribute::flags, 15, cloud.flags, k_plain<PointFlags>);
-    keep(Attribute::classification, 16, cloud.classifications, k_plain<std::uint8_t>);
-    keep(Attribute::scan_angle, 18, cloud.scan_angles, k_scan_angle);
-  }
-  keep(Attribute::user_data, 17, cloud.user_data, k_plain<std::uint8_t>);
-  keep(Attribute::point_source_id, layout_.legacy ? 18 : 20, cloud.point_source_ids, k_plain<std::uint16_t>);
-  keep(Attribute::gps_time, layout_.gps_time, cloud.gps_times, k_plain<double>);
-  keep(Attribute::color, layout_.color, cloud.colors, k_plain<Color16>);
-  keep(Attribute::near_infrared, layout_.near_infrared, cloud.near_infrared, k_plain<std::uint16_t>);
-  keep(Attribute::normal, normal_place_.value_or(0), cloud.normals, k_plain<glm::vec3>);
-}
-
-namespace {
-
 constexpr std::size_t k_block_bytes = 1 << 20;
 
 /// Puts unpacked records into the cloud, which they make longer.
@@ -285,6 +208,79 @@ class LasReader final : public CloudReader {
 };
 
 }  // namespace
+
+LasColumns::LasColumns(std::string file_name, const LasHeader& header,
+                       const std::vector<ExtraDimension>& extra_dimensions)
+    : file_name_(std::move(file_name)), lattice_(header.lattice), layout_(header.layout()) {
+  const std::optional<std::size_t> normal = find_normal(extra_dimensions);
+  int place = layout_.size;
+  for (std::size_t i = 0; i < extra_dimensions.size(); ++i) {
+    const ExtraDimension& dimension = extra_dimensions[i];
+    if (normal && i == *normal) normal_place_ = place;
+    const bool part_of_normal = normal && i >= *normal && i < *normal + 3;
+    if (!part_of_normal) extra_dimensions_.push_back({dimension, place});
+    place += dimension.byte_count;
+  }
+}
+
+AttributeSet LasColumns::attributes() const {
+  AttributeSet set = Attribute::intensity | Attribute::classification | Attribute::returns |
+                     Attribute::flags | Attribute::scan_angle | Attribute::user_data |
+                     Attribute::point_source_id;
+  if (layout_.gps_time >= 0) set = set | Attribute::gps_time;
+  if (layout_.color >= 0) set = set | Attribute::color;
+  if (layout_.near_infrared >= 0) set = set | Attribute::near_infrared;
+  if (normal_place_) set = set | Attribute::normal;
+  if (!extra_dimensions_.empty()) set = set | Attribute::extra_dimensions;
+  return set;
+}
+
+LasColumns::Choice LasColumns::choose(AttributeSet wanted, PointCloud& cloud) const {
+  Choice choice{attributes() & wanted, LatticeShift(lattice_, cloud.lattice, file_name_), {}};
+  if (!choice.kept.contains(Attribute::extra_dimensions)) return choice;
+  for (std::size_t i = 0; i < extra_dimensions_.size(); ++i) {
+    const std::size_t occurrence = occurrence_of(extra_dimensions_, i, &PlacedDimension::description);
+    choice.extra_columns.push_back(find_extra_dimension(cloud, extra_dimensions_[i].description, occurrence));
+  }
+  return choice;
+}
+
+void LasColumns::take(const RecordBlock& block, const Choice& choice, PointCloud& cloud) const {
+  take_positions(block, choice.shift, cloud);
+  take_attributes(block, choice.kept, cloud);
+  for (std::size_t i = 0; i < choice.extra_columns.size(); ++i) {
+    ExtraDimension& column = cloud.extra_dimensions[choice.extra_columns[i]];
+    const std::size_t bytes = static_cast<std::size_t>(column.byte_count);
+    for (std::size_t row = 0; row < block.count; ++row) {
+      std::memcpy(column.values.data() + (block.first_row + row) * bytes,
+                  block.bytes + row * block.point_size + extra_dimensions_[i].place, bytes);
+    }
+  }
+}
+
+void LasColumns::take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const {
+  const auto keep = [&](Attribute attribute, int place, auto& column, auto value) {
+    if (kept.contains(attribute)) fill(block, place, column, value);
+  };
+  keep(Attribute::intensity, 12, cloud.intensities, k_plain<std::uint16_t>);
+  if (layout_.legacy) {
+    keep(Attribute::returns, 14, cloud.returns, k_legacy_returns);
+    keep(Attribute::flags, 14, cloud.flags, k_legacy_flags);
+    keep(Attribute::classification, 15, cloud.classifications, k_legacy_classification);
+    keep(Attribute::scan_angle, 16, cloud.scan_angles, k_legacy_scan_angle);
+  } else {
+    keep(Attribute::returns, 14, cloud.returns, k_returns);
+    keep(Attribute::flags, 15, cloud.flags, k_plain<PointFlags>);
+    keep(Attribute::classification, 16, cloud.classifications, k_plain<std::uint8_t>);
+    keep(Attribute::scan_angle, 18, cloud.scan_angles, k_scan_angle);
+  }
+  keep(Attribute::user_data, 17, cloud.user_data, k_plain<std::uint8_t>);
+  keep(Attribute::point_source_id, layout_.legacy ? 18 : 20, cloud.point_source_ids, k_plain<std::uint16_t>);
+  keep(Attribute::gps_time, layout_.gps_time, cloud.gps_times, k_plain<double>);
+  keep(Attribute::color, layout_.color, cloud.colors, k_plain<Color16>);
+  keep(Attribute::near_infrared, layout_.near_infrared, cloud.near_infrared, k_plain<std::uint16_t>);
+  keep(Attribute::normal, normal_place_.value_or(0), cloud.normals, k_plain<glm::vec3>);
+}
 
 std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage) {
   return std::make_unique<LasReader>(std::move(file), damage);

@@ -49,7 +49,6 @@ struct Source {
   }
 
   /// Where the points end, packed or not.
-
   std::uint64_t points_end() {
     if (!packing) return header.points_end();
     const std::uint64_t extended =

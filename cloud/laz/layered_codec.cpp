@@ -46,6 +46,11 @@ std::size_t count_layers(const LazItem& item) {
       static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
+constexpr const char* k_positions = "returns and positions";
+
+/// Somewhere in a block a stream has failed.
+struct FailedBlock {};
+
 }  // namespace
 
 std::size_t count_layers(const LazLayout& layout) {
@@ -89,15 +94,6 @@ void LayeredChunkHead::read(std::span<const std::byte> bytes) {
 /// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
 /// in registers, few enough that the records stay in the cache.
 inline constexpr std::size_t k_layered_block = 512;
-
-namespace {
-
-constexpr const char* k_positions = "returns and positions";
-
-/// Somewhere in a block a stream has failed.
-struct FailedBlock {};
-
-}  // namespace
 
 struct LayeredDecoder::State {
   State(const LazLayout& layout, const LazLayers& wanted)

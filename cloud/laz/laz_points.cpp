@@ -52,7 +52,6 @@ class ChunkUnpacker {
   }
 
   /// Unpacks chunks that lie one behind the other.
-
   std::vector<LostPoints> read_chunks(std::span<const LazChunk> chunks) {
     const std::uint64_t most_points =
         std::min(damage_ == Damage::refuse ? k_batch_points : k_batch_points_sorted_out,
@@ -86,7 +85,6 @@ class ChunkUnpacker {
   }
 
   /// Unpacks pointwise chunks whose ends nobody knows.
-
   std::vector<LostPoints> read_in_sequence() {
     const bool one_stream = layout_.compressor == LazCompressor::pointwise;
     std::uint64_t place = header_.points_place + (one_stream ? 0 : k_laz_table_place_bytes);

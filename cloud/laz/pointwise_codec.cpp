@@ -111,6 +111,8 @@ std::unique_ptr<PointwiseItem> make_pointwise_item(const LazItem& item) {
                   static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
+constexpr std::size_t k_shortest_stream = 4;  // that of no points
+
 }  // namespace
 
 std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {
@@ -122,12 +124,6 @@ std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {
   }
   return items;
 }
-
-namespace {
-
-constexpr std::size_t k_shortest_stream = 4;  // that of no points
-
-}  // namespace
 
 PointwiseDecoder::PointwiseDecoder(const LazLayout& layout)
     : record_size_(layout.record_size()), items_(make_pointwise_items(layout)) {}

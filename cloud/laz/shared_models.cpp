@@ -52,6 +52,23 @@ int predicted_blue(const Bytes& previous, const Bytes& color, std::size_t half) 
   return std::clamp(previous[4 + half] + change / 2, 0, 255);
 }
 
+// Where the fields stand in the record, in bytes.
+constexpr std::size_t k_place = 1;          // u64
+constexpr std::size_t k_packet_size = 9;    // u32
+constexpr std::size_t k_return_point = 13;  // f32
+constexpr std::size_t k_direction = 17;     // 3 f32
+
+enum Move : unsigned {
+  unchanged = 0,
+  by_packet_size = 1,
+  by_difference = 2,
+  anywhere = 3,
+};
+
+std::uint64_t widened(std::int32_t difference) {
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(difference));
+}
+
 }  // namespace
 
 ColorModels::ColorModels() : used_(128) {
@@ -103,27 +120,6 @@ bool ColorModels::encode(ArithmeticEncoder& encoder, const std::byte* previous, 
   Bytes next = bytes_of(color);
   return code(coder, bytes_of(previous), next) != 0;
 }
-
-namespace {
-
-// Where the fields stand in the record, in bytes.
-constexpr std::size_t k_place = 1;          // u64
-constexpr std::size_t k_packet_size = 9;    // u32
-constexpr std::size_t k_return_point = 13;  // f32
-constexpr std::size_t k_direction = 17;     // 3 f32
-
-enum Move : unsigned {
-  unchanged = 0,
-  by_packet_size = 1,
-  by_difference = 2,
-  anywhere = 3,
-};
-
-std::uint64_t widened(std::int32_t difference) {
-  return static_cast<std::uint64_t>(static_cast<std::int64_t>(difference));
-}
-
-}  // namespace
 
 WavePacketModels::WavePacketModels()
     : descriptor_index_(256), place_(32, 1), size_(32, 1), return_point_(32, 1), direction_(32, 3) {
