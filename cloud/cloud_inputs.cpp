@@ -5,8 +5,6 @@
 #include <fnmatch.h>
 #include <algorithm>
 #include <array>
-#include <string>
-#include <string_view>
 
 #include "base/error.h"
 #include "base/parallel.h"

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <algorithm>
-#include <set>
 #include <tuple>
 #include <utility>
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/point_table.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
-#include <string_view>
 
 namespace alidade {
 

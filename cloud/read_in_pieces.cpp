@@ -5,7 +5,6 @@
 #include <tbb/task_arena.h>
 #include <algorithm>
 #include <iterator>
-#include <memory>
 #include <optional>
 #include <utility>
 
@@ -13,7 +12,6 @@
 #include "base/parallel.h"
 #include "cloud/crs.h"
 #include "cloud/joined_files.h"
-#include "cloud/read_cloud.h"
 #include "cloud/rows.h"
 
 namespace alidade {

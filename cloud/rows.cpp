@@ -5,13 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cstdint>
 #include <cstring>
-#include <functional>
 #include <iterator>
-#include <vector>
-
-#include "cloud/point_cloud.h"
 
 namespace alidade {
 

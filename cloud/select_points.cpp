@@ -9,8 +9,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
-#include <vector>
 
 #include "base/error.h"
 #include "cloud/rows.h"

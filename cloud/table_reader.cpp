@@ -2,20 +2,14 @@
 #include "cloud/table_reader.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <unordered_set>
 #include <utility>
-#include <vector>
 
 #include "base/bytes.h"
 #include "base/error.h"
-#include "base/text_scanner.h"
-#include "cloud/cloud_reader.h"
 #include "cloud/point_cloud.h"
-#include "cloud/point_table.h"
 #include "cloud/rows.h"
 
 namespace alidade {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "geo/gdal_reference.h"
 
-#include <fmt/format.h>
 #include <gdal_frmts.h>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>

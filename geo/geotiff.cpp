@@ -4,8 +4,6 @@
 #include <gdal_frmts.h>
 
 #include <algorithm>
-#include <span>
-#include <vector>
 
 #include "geo/gdal_reference.h"
 

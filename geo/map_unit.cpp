@@ -4,10 +4,7 @@
 #include <cassert>
 #include <cctype>
 #include <optional>
-#include <string>
 #include <string_view>
-
-#include "cloud/crs.h"
 
 namespace alidade::geo {
 namespace {

@@ -9,7 +9,6 @@
 
 #include "base/error.h"
 #include "geo/gdal_reference.h"
-#include "geo/vector_file.h"
 
 namespace alidade::geo {
 namespace {

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <vector>

@@ -4,7 +4,6 @@
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 #include <ogrsf_frmts.h>
-#include <cmath>
 #include <limits>
 #include <memory>
 

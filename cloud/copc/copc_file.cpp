@@ -16,7 +16,6 @@
 #include "cloud/lattice.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/laz/chunk_table.h"
-#include "cloud/laz/laz_layout.h"
 #include "cloud/read_in_pieces.h"
 #include "cloud/rows.h"
 

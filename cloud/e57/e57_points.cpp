@@ -2,7 +2,6 @@
 #include "cloud/e57/e57_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <string_view>

@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string_view>
 #include <unordered_set>

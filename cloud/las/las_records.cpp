@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <numeric>
-#include <optional>
 
 #include "base/bytes.h"
 #include "base/error.h"
-#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 namespace {

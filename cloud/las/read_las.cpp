@@ -5,13 +5,10 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <optional>
 #include <utility>
 
 #include "base/bytes.h"
-#include "base/error.h"
 #include "cloud/cloud_reader.h"
-#include "cloud/las/las_header.h"
 #include "cloud/las/las_records.h"
 #include "cloud/lattice.h"
 #include "cloud/laz/laz_layout.h"

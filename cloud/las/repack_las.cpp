@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "base/bytes.h"
 #include "base/error.h"

@@ -7,7 +7,6 @@
 #include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/layered_codec.h"
 #include "cloud/laz/shared_models.h"
-#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cstddef>
 #include <cstring>
 #include <string_view>
 
 #include "base/bytes.h"
 #include "cloud/laz/layer.h"
-#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/position_layer.h"
 #include "cloud/laz/shared_models.h"
 

@@ -4,9 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
-#include <cstddef>
-#include <cstdint>
-#include <span>
 #include <utility>
 
 #include "base/bytes.h"

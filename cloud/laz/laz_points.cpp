@@ -5,17 +5,13 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cloud/laz/chunk_codec.h"
-#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 

@@ -7,8 +7,6 @@
 #include <cassert>
 #include <cstring>
 
-#include "cloud/laz/entropy_coder.h"
-#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/pointwise_rules.h"
 #include "cloud/laz/shared_models.h"
 

@@ -2,7 +2,6 @@
 #include "cloud/laz/shared_models.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/bytes.h"

@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
 #include "base/input_file.h"
 #include "base/text_scanner.h"
 #include "cloud/attributes.h"
