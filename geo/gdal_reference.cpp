@@ -14,6 +14,13 @@
 namespace alidade::geo {
 namespace {
 
+/// Leaves x and y of a system, x before y whatever its axes. Heights do not move a place, and their grids may
+/// not be installed.
+void make_plane(const GdalReference& reference) {
+  OSRStripVertical(reference.get());
+  OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+}
+
 /// Appends values of a TIFF file, little endian.
 class TiffBytes {
  public:
@@ -118,11 +125,6 @@ std::string wkt_of(const Crs& crs) {
   if (!dataset) return "";
   const char* const wkt = GDALGetProjectionRef(dataset.get());
   return wkt != nullptr ? wkt : "";
-}
-
-void make_plane(const GdalReference& reference) {
-  OSRStripVertical(reference.get());
-  OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
 }
 
 GdalReference plane_reference(const Crs& crs) {

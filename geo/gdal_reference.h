@@ -73,30 +73,21 @@ class GdalTexts {
 /// Throws the Error about a GeoTIFF, with what GDAL said last.
 [[noreturn]] void fail_geotiff(const std::filesystem::path& file, const char* what);
 
-struct CloseGdalDataset {
-  void operator()(void* dataset) const { GDALClose(dataset); }
+/// Something that GDAL made, given back by the function `release` when it is no longer used.
+template <auto release>
+struct GdalRelease {
+  void operator()(void* handle) const { release(handle); }
 };
-using GdalDataset = std::unique_ptr<void, CloseGdalDataset>;
+template <auto release>
+using GdalHandle = std::unique_ptr<void, GdalRelease<release>>;
 
-// Reference systems as GDAL has them, given back when they are no longer used.
-
-struct ReleaseGdalReference {
-  void operator()(void* reference) const { OSRRelease(reference); }
-};
-using GdalReference = std::unique_ptr<void, ReleaseGdalReference>;
-
-struct DestroyGdalTransformation {
-  void operator()(void* transformation) const { OCTDestroyCoordinateTransformation(transformation); }
-};
-using GdalTransformation = std::unique_ptr<void, DestroyGdalTransformation>;
+using GdalDataset = GdalHandle<GDALClose>;
+using GdalReference = GdalHandle<OSRRelease>;
+using GdalTransformation = GdalHandle<OCTDestroyCoordinateTransformation>;
 
 /// The reference system as WKT: what the file gave, or what its GeoTIFF keys mean, as GDAL reads them. Empty
 /// if there is none or nothing can be made of it.
 std::string wkt_of(const Crs& crs);
-
-/// Leaves x and y of a system, x before y whatever its axes. Heights do not move a place, and their grids may
-/// not be installed.
-void make_plane(const GdalReference& reference);
 
 /// The plane part of a cloud's system; null if GDAL does not know it or it lies nowhere on Earth.
 GdalReference plane_reference(const Crs& crs);
