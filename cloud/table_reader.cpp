@@ -69,13 +69,8 @@ class TableAppender : public RowsToFill {
       const auto attribute = attribute_of(column.role);
       if (!attribute || !wanted.contains(*attribute)) continue;
       Target target{i, column.role, column.type, 0};
-      if (column.role == ColumnRole::extra) {
-        ExtraDimension dimension;
-        dimension.name = column.name;
-        dimension.type = column.type;
-        dimension.byte_count = scalar_size(column.type);
-        target.dimension = find_extra_dimension(cloud, dimension);
-      }
+      if (column.role == ColumnRole::extra)
+        target.dimension = find_extra_dimension(cloud, plain_dimension(column.name, column.type));
       targets_.push_back(target);
     }
     make_rows();

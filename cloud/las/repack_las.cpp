@@ -116,28 +116,6 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   return head;
 }
 
-/// Takes records in their order, wherever they go.
-class RecordOutput {
- public:
-  RecordOutput(OutputFile& file, const std::optional<LazLayout>& packing) : file_(file) {
-    if (packing) packed_.emplace(file, *packing);
-  }
-  void write(std::span<const std::byte> records) {
-    if (packed_) {
-      packed_->write(records);
-    } else {
-      file_.write(records);
-    }
-  }
-  void finish() {
-    if (packed_) packed_->finish();
-  }
-
- private:
-  OutputFile& file_;
-  std::optional<LazPointWriter> packed_;
-};
-
 /// Brings unpacked records, which come in any order between two calls for room, into their order.
 class OrderedRecords final : public LazSink {
  public:
