@@ -123,19 +123,14 @@ class Joining {
     given_pieces_.take(cloud_);
   }
 
-  /// Takes over what the first file says about its points.
+  /// Takes over what the first file says about its points. How times are counted, the first file says that has
+  /// some and can say; tells which other one counts another way.
   void join_facts(const CloudSource& source) {
     if (cloud_.files.empty()) {
       cloud_.gps_time_is_standard = source.facts.gps_time_is_standard.value_or(false);
       cloud_.project_id = source.facts.project_id;
       cloud_.file_source_id = source.facts.file_source_id;
     }
-    join_time(source);
-  }
-
-  /// How times are counted, the first file says that has some and can say; tells which other one counts another
-  /// way.
-  void join_time(const CloudSource& source) {
     const std::optional<bool> is_standard = source.facts.gps_time_is_standard;
     const bool has_times =
         source.point_count() > 0 && source.reader->attributes().contains(Attribute::gps_time);

@@ -144,11 +144,6 @@ class LasReader final : public CloudReader {
   std::optional<Lattice> lattice() const override { return header_.lattice; }
   std::optional<std::uint64_t> point_count() const override { return header_.point_count; }
 
-  CoordinateSurvey survey(const Progress&) override {
-    // The lattice is in the header: there is nothing to find out.
-    return {};
-  }
-
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                       const Progress& progress) override {
     cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());

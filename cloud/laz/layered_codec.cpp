@@ -44,6 +44,10 @@ std::size_t count_layers(const LazItem& item) {
       static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
+/// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
+/// in registers, few enough that the records stay in the cache.
+constexpr std::size_t k_layered_block = 512;
+
 constexpr const char* k_positions = "returns and positions";
 
 /// Somewhere in a block a stream has failed.
@@ -88,10 +92,6 @@ void LayeredChunkHead::read(std::span<const std::byte> bytes) {
     chunk_size_ += layer_size;
   }
 }
-
-/// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
-/// in registers, few enough that the records stay in the cache.
-inline constexpr std::size_t k_layered_block = 512;
 
 struct LayeredDecoder::State {
   State(const LazLayout& layout, const LazLayers& wanted)

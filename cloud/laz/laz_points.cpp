@@ -261,12 +261,7 @@ void LazPoints::walk(Damage damage) {
 
 std::vector<LostPoints> LazPoints::read(const LazLayers& wanted, LazSink& sink, const Progress& progress) {
   ChunkUnpacker unpacker(file_, header_, layout_, wanted, damage_, sink, progress);
-  std::vector<LostPoints> lost;
-  if (in_sequence_) {
-    lost = unpacker.read_in_sequence();
-  } else {
-    lost = unpacker.read_chunks(chunks_);
-  }
+  std::vector<LostPoints> lost = in_sequence_ ? unpacker.read_in_sequence() : unpacker.read_chunks(chunks_);
   lost.insert(lost.end(), lost_.begin(), lost_.end());
   return lost;
 }

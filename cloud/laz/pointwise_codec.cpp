@@ -111,8 +111,7 @@ std::unique_ptr<PointwiseItem> make_pointwise_item(const LazItem& item) {
 
 constexpr std::size_t k_shortest_stream = 4;  // that of no points
 
-}  // namespace
-
+/// The items of a layout in their order. Errors: CorruptChunk, if pointwise streams have no such items.
 std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {
   std::vector<PlacedItem> items;
   std::size_t place = 0;
@@ -122,6 +121,8 @@ std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {
   }
   return items;
 }
+
+}  // namespace
 
 PointwiseDecoder::PointwiseDecoder(const LazLayout& layout)
     : record_size_(layout.record_size()), items_(make_pointwise_items(layout)) {}

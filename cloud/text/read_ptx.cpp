@@ -42,13 +42,12 @@ class PtxReader final : public TableReader {
     }
     std::vector<TableColumn> columns{{"x", ScalarType::float64, ColumnRole::x},
                                      {"y", ScalarType::float64, ColumnRole::y},
-                                     {"z", ScalarType::float64, ColumnRole::z}};
-    if (value_count_ >= 4) columns.push_back({"intensity", ScalarType::float64, ColumnRole::intensity});
-    if (value_count_ >= 7) {
-      columns.push_back({"red", ScalarType::float64, ColumnRole::red});
-      columns.push_back({"green", ScalarType::float64, ColumnRole::green});
-      columns.push_back({"blue", ScalarType::float64, ColumnRole::blue});
-    }
+                                     {"z", ScalarType::float64, ColumnRole::z},
+                                     {"intensity", ScalarType::float64, ColumnRole::intensity},
+                                     {"red", ScalarType::float64, ColumnRole::red},
+                                     {"green", ScalarType::float64, ColumnRole::green},
+                                     {"blue", ScalarType::float64, ColumnRole::blue}};
+    columns.resize(value_count_);
     set_columns(std::move(columns), "line 1");
   }
 
