@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace alidade {
@@ -109,5 +110,14 @@ struct ExtraDimension {
   std::optional<std::array<std::uint8_t, 8>> no_data{};
   std::vector<std::uint8_t> values;  ///< byte_count bytes per point, little endian, in point order
 };
+
+/// One of such numbers as they stand, without values. Requires: not ScalarType::bytes.
+inline ExtraDimension plain_dimension(std::string name, ScalarType type, std::string description = {}) {
+  return {.name = std::move(name),
+          .description = std::move(description),
+          .type = type,
+          .byte_count = scalar_size(type),
+          .values = {}};
+}
 
 }  // namespace alidade

@@ -5,8 +5,6 @@
 #include <fnmatch.h>
 #include <algorithm>
 #include <array>
-#include <string>
-#include <string_view>
 
 #include "base/error.h"
 #include "base/parallel.h"
@@ -101,58 +99,6 @@ bool begins_las(std::span<const std::byte> start) {
 bool begins_e57(std::span<const std::byte> start) {
   return text_of(start).starts_with("ASTM-E57");
 }
-
-}  // namespace
-
-const CloudFormat k_copc_format{.name = "COPC", .is_begun_by = is_copc, .open = open_las};
-const CloudFormat k_las_format{.name = "LAS", .is_begun_by = begins_las, .open = open_las};
-const CloudFormat k_e57_format{.name = "E57", .is_begun_by = begins_e57, .open = open_e57};
-const CloudFormat k_ply_format{.name = "PLY", .is_begun_by = begins<is_ply>, .open = open_ply};
-const CloudFormat k_pcd_format{.name = "PCD", .is_begun_by = begins<is_pcd>, .open = open_pcd};
-const CloudFormat k_ptx_format{.name = "PTX", .is_begun_by = begins<is_ptx>, .open = open_ptx};
-const CloudFormat k_text_format{.name = "text", .is_begun_by = begins<is_text>, .open = open_text};
-
-CloudFormats file_formats() {
-  static constexpr const CloudFormat* k_formats[] = {&k_copc_format, &k_las_format, &k_e57_format,
-                                                     &k_ply_format,  &k_pcd_format, &k_ptx_format,
-                                                     &k_text_format};
-  return k_formats;
-}
-
-std::vector<const CloudFormat*> with_file_formats(std::initializer_list<const CloudFormat*> first) {
-  std::vector<const CloudFormat*> formats(first);
-  std::ranges::copy(file_formats(), std::back_inserter(formats));
-  return formats;
-}
-
-InputFile CloudInput::file() const {
-  const bool is_file = format == nullptr || format->is_named == nullptr || !format->is_named(name.string());
-  if (memory || !is_file) return InputFile(memory.value_or(std::span<const std::byte>()), name.string());
-  return InputFile(name);
-}
-
-std::vector<fs::path> CloudInputs::names() const {
-  std::vector<fs::path> names;
-  for (const CloudInput& input : inputs) names.push_back(input.name);
-  return names;
-}
-
-std::string CloudInputs::title() const {
-  const std::string first = inputs.empty() ? "the cloud" : first_name().string();
-  return inputs.size() > 1 ? fmt::format("{} and {} more", first, inputs.size() - 1) : first;
-}
-
-const CloudInput* CloudInputs::only(const CloudFormat& format) const {
-  return inputs.size() == 1 && inputs.front().is(format) ? &inputs.front() : nullptr;
-}
-
-void CloudInputs::check_files() const {
-  for (const CloudInput& input : inputs) {
-    if (input.format == nullptr) input.file();
-  }
-}
-
-namespace {
 
 const CloudFormat* format_named(std::string_view name, CloudFormats formats) {
   const auto found = std::ranges::find_if(
@@ -285,6 +231,54 @@ std::vector<fs::path> files_of_name(const fs::path& name) {
 }
 
 }  // namespace
+
+const CloudFormat k_copc_format{.name = "COPC", .is_begun_by = is_copc, .open = open_las};
+const CloudFormat k_las_format{.name = "LAS", .is_begun_by = begins_las, .open = open_las};
+const CloudFormat k_e57_format{.name = "E57", .is_begun_by = begins_e57, .open = open_e57};
+const CloudFormat k_ply_format{.name = "PLY", .is_begun_by = begins<is_ply>, .open = open_ply};
+const CloudFormat k_pcd_format{.name = "PCD", .is_begun_by = begins<is_pcd>, .open = open_pcd};
+const CloudFormat k_ptx_format{.name = "PTX", .is_begun_by = begins<is_ptx>, .open = open_ptx};
+const CloudFormat k_text_format{.name = "text", .is_begun_by = begins<is_text>, .open = open_text};
+
+CloudFormats file_formats() {
+  static constexpr const CloudFormat* k_formats[] = {&k_copc_format, &k_las_format, &k_e57_format,
+                                                     &k_ply_format,  &k_pcd_format, &k_ptx_format,
+                                                     &k_text_format};
+  return k_formats;
+}
+
+std::vector<const CloudFormat*> with_file_formats(std::initializer_list<const CloudFormat*> first) {
+  std::vector<const CloudFormat*> formats(first);
+  std::ranges::copy(file_formats(), std::back_inserter(formats));
+  return formats;
+}
+
+InputFile CloudInput::file() const {
+  const bool is_file = format == nullptr || format->is_named == nullptr || !format->is_named(name.string());
+  if (memory || !is_file) return InputFile(memory.value_or(std::span<const std::byte>()), name.string());
+  return InputFile(name);
+}
+
+std::vector<fs::path> CloudInputs::names() const {
+  std::vector<fs::path> names;
+  for (const CloudInput& input : inputs) names.push_back(input.name);
+  return names;
+}
+
+std::string CloudInputs::title() const {
+  const std::string first = inputs.empty() ? "the cloud" : first_name().string();
+  return inputs.size() > 1 ? fmt::format("{} and {} more", first, inputs.size() - 1) : first;
+}
+
+const CloudInput* CloudInputs::only(const CloudFormat& format) const {
+  return inputs.size() == 1 && inputs.front().is(format) ? &inputs.front() : nullptr;
+}
+
+void CloudInputs::check_files() const {
+  for (const CloudInput& input : inputs) {
+    if (input.format == nullptr) input.file();
+  }
+}
 
 CloudInputs resolve_clouds(std::span<const fs::path> names, CloudFormats formats) {
   CloudInputs clouds;

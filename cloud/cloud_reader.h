@@ -100,20 +100,21 @@ class CloudReader {
   virtual AttributeSet attributes() const = 0;
 
   /// The file's own lattice (LAS); empty for formats of free coordinates.
-  virtual std::optional<Lattice> lattice() const = 0;
+  virtual std::optional<Lattice> lattice() const { return std::nullopt; }
 
   /// Known when the file is open, so that files can be compared before any is read.
   virtual FileFacts facts() const { return {}; }
 
   /// Number of points the file will deliver if known without a pass (LAS), already checked against the file's
   /// size. With Damage::read_over the most it can be: points that turn out to be lost are fewer rows.
-  virtual std::optional<std::uint64_t> point_count() const = 0;
+  virtual std::optional<std::uint64_t> point_count() const { return std::nullopt; }
 
   /// How much a pass takes, in bytes, where the points lie in no file that could be measured; 0 for files.
   virtual std::uint64_t work() const { return 0; }
 
-  /// First pass, only for readers without a lattice. `progress` is in bytes, or of what work() says.
-  virtual CoordinateSurvey survey(const Progress& progress) = 0;
+  /// First pass, only for readers without a lattice: others have nothing to find out. `progress` is in bytes,
+  /// or of what work() says.
+  virtual CoordinateSurvey survey(const Progress&) { return {}; }
 
   /// Appends the file's points to `cloud`, whose lattice is set and, where lattice() is given, differs from
   /// it by a whole number of steps. Keeps only `wanted` attributes; columns the file has and the cloud lacks

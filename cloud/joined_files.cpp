@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <algorithm>
-#include <set>
 #include <tuple>
 #include <utility>
 
@@ -70,6 +69,29 @@ void check_agreement(const std::vector<CloudSource>& sources, const CloudSource&
   refuse(*odd, first);
 }
 
+[[noreturn]] void refuse_crs(const CloudSource& odd, const CloudSource& other) {
+  throw Error({.file = odd.path().string(),
+               .problem = "states another coordinate reference system than " + other.path().string(),
+               .expected = crs_name(other.facts.crs) +
+                           " (transform the file to it, or leave it out and read it by itself)",
+               .found = crs_name(odd.facts.crs)});
+}
+
+/// The first of some files, and how many they are.
+struct SomeFiles {
+  std::string first;
+  std::size_t count = 0;
+
+  void add(const std::string& file) {
+    if (count++ == 0) first = file;
+  }
+  /// "a.las", "a.las and 1 more file", "a.las and 2 more files".
+  std::string text() const {
+    if (count < 2) return first;
+    return fmt::format("{} and {} more file{}", first, count - 1, count == 2 ? "" : "s");
+  }
+};
+
 }  // namespace
 
 Lattice common_lattice(const std::vector<CloudSource>& sources) {
@@ -96,18 +118,6 @@ Lattice common_lattice(const std::vector<CloudSource>& sources) {
   }
   return lattice;
 }
-
-namespace {
-
-[[noreturn]] void refuse_crs(const CloudSource& odd, const CloudSource& other) {
-  throw Error({.file = odd.path().string(),
-               .problem = "states another coordinate reference system than " + other.path().string(),
-               .expected = crs_name(other.facts.crs) +
-                           " (transform the file to it, or leave it out and read it by itself)",
-               .found = crs_name(odd.facts.crs)});
-}
-
-}  // namespace
 
 Crs common_crs(const std::vector<CloudSource>& sources) {
   const CloudSource* const first = first_that_binds(sources, has_crs);
@@ -140,27 +150,6 @@ void JoinedRecords::join(std::size_t first) {
   records_.resize(kept);
   for (std::size_t i = first; i < kept; ++i) earlier_.insert(i);
 }
-
-namespace {
-
-/// "a.las", "a.las and 1 more file", "a.las and 2 more files".
-std::string and_more(const std::string& first, std::size_t count) {
-  if (count < 2) return first;
-  return fmt::format("{} and {} more file{}", first, count - 1, count == 2 ? "" : "s");
-}
-
-/// The first of some files, and how many they are.
-struct SomeFiles {
-  std::string first;
-  std::size_t count = 0;
-
-  void add(const std::string& file) {
-    if (count++ == 0) first = file;
-  }
-  std::string text() const { return and_more(first, count); }
-};
-
-}  // namespace
 
 // It does not ask what floats of the size of the coordinates could tell apart: far from the origin that is
 // centimetres.

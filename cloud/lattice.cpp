@@ -2,9 +2,7 @@
 #include "cloud/lattice.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <utility>
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/point_cloud.h"
 
-#include <algorithm>
-
 #include "cloud/rows.h"
 
 namespace alidade {

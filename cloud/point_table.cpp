@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/point_table.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
-#include <string_view>
 
 namespace alidade {
 
@@ -57,6 +54,10 @@ std::string plain_name(std::string_view name) {
   constexpr std::string_view k_prefix = "scalar";
   if (plain.size() > k_prefix.size() && plain.starts_with(k_prefix)) plain.erase(0, k_prefix.size());
   return plain;
+}
+
+bool is_float(ScalarType type) {
+  return type == ScalarType::float32 || type == ScalarType::float64;
 }
 
 }  // namespace
@@ -112,14 +113,6 @@ AttributeSet attributes_of(std::span<const TableColumn> columns) {
 std::optional<Attribute> attribute_of(ColumnRole role) {
   return k_role_facts[static_cast<std::size_t>(role)].attribute;
 }
-
-namespace {
-
-bool is_float(ScalarType type) {
-  return type == ScalarType::float32 || type == ScalarType::float64;
-}
-
-}  // namespace
 
 ValueScaling color_scaling(ScalarType type, const ColumnRange& range) {
   if (range.max <= 0.0) return {};

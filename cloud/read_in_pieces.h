@@ -2,12 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "base/input_file.h"
 #include "cloud/cloud_reader.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"

@@ -5,13 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <cassert>
-#include <cstdint>
 #include <cstring>
-#include <functional>
 #include <iterator>
-#include <vector>
-
-#include "cloud/point_cloud.h"
 
 namespace alidade {
 
@@ -92,31 +87,6 @@ void move_behind(std::vector<Value>& values, std::vector<Value>& more) {
   std::ranges::move(more, std::back_inserter(values));
 }
 
-}  // namespace
-
-void append_cloud(PointCloud& cloud, PointCloud&& piece) {
-  assert(cloud.lattice == piece.lattice);
-  const std::size_t before = cloud.size(), after = before + piece.size();
-  const std::size_t room = cloud.positions.capacity();
-  for (std::size_t i = 0; i < piece.extra_dimensions.size(); ++i) {
-    const ExtraDimension& own = piece.extra_dimensions[i];
-    const std::size_t occurrence = occurrence_of(piece.extra_dimensions, i);
-    ExtraDimension& column = cloud.extra_dimensions[find_extra_dimension(cloud, own, occurrence)];
-    lengthen(column.values, own.values, before, after, room, static_cast<std::size_t>(own.byte_count));
-  }
-  for (ExtraDimension& dimension : cloud.extra_dimensions)
-    dimension.values.resize(after * static_cast<std::size_t>(dimension.byte_count));
-  for_each_column(cloud, piece, [&](Attribute, auto& column, const auto& own) {
-    lengthen(column, own, before, after, room);
-  });
-  cloud.positions.insert(cloud.positions.end(), piece.positions.begin(), piece.positions.end());
-  move_behind(cloud.records, piece.records);
-  move_behind(cloud.scanner_positions, piece.scanner_positions);
-  move_behind(cloud.warnings, piece.warnings);
-}
-
-namespace {
-
 /// Calls move(from, to) for every row that stays, in order; returns how many there are. `next(row)` is the
 /// first row behind `row` that stays.
 template <class Next, class Move>
@@ -163,26 +133,6 @@ void keep(PointCloud& cloud, std::size_t first, const Next& next) {
   cloud.resize(count);
 }
 
-}  // namespace
-
-void keep_rows(PointCloud& cloud, std::span<const std::uint8_t> marks) {
-  assert(marks.size() == cloud.size());
-  const auto at_or_behind = [&](std::size_t row) {
-    while (row < marks.size() && marks[row] == 0) ++row;
-    return row;
-  };
-  keep(cloud, at_or_behind(0), [&](std::size_t row) { return at_or_behind(row + 1); });
-}
-
-void keep_every(PointCloud& cloud, std::uint64_t step) {
-  assert(step >= 1);
-  const std::size_t size = cloud.size();
-  // A step beyond the end must not wrap around.
-  keep(cloud, 0, [&](std::size_t row) { return step < size - row ? row + step : size; });
-}
-
-namespace {
-
 template <class Value>
 void reorder(std::vector<Value>& column, std::span<const std::uint32_t> order) {
   if (column.empty()) return;
@@ -203,6 +153,43 @@ void reorder(ExtraDimension& dimension, std::span<const std::uint32_t> order) {
 }
 
 }  // namespace
+
+void append_cloud(PointCloud& cloud, PointCloud&& piece) {
+  assert(cloud.lattice == piece.lattice);
+  const std::size_t before = cloud.size(), after = before + piece.size();
+  const std::size_t room = cloud.positions.capacity();
+  for (std::size_t i = 0; i < piece.extra_dimensions.size(); ++i) {
+    const ExtraDimension& own = piece.extra_dimensions[i];
+    const std::size_t occurrence = occurrence_of(piece.extra_dimensions, i);
+    ExtraDimension& column = cloud.extra_dimensions[find_extra_dimension(cloud, own, occurrence)];
+    lengthen(column.values, own.values, before, after, room, static_cast<std::size_t>(own.byte_count));
+  }
+  for (ExtraDimension& dimension : cloud.extra_dimensions)
+    dimension.values.resize(after * static_cast<std::size_t>(dimension.byte_count));
+  for_each_column(cloud, piece, [&](Attribute, auto& column, const auto& own) {
+    lengthen(column, own, before, after, room);
+  });
+  cloud.positions.insert(cloud.positions.end(), piece.positions.begin(), piece.positions.end());
+  move_behind(cloud.records, piece.records);
+  move_behind(cloud.scanner_positions, piece.scanner_positions);
+  move_behind(cloud.warnings, piece.warnings);
+}
+
+void keep_rows(PointCloud& cloud, std::span<const std::uint8_t> marks) {
+  assert(marks.size() == cloud.size());
+  const auto at_or_behind = [&](std::size_t row) {
+    while (row < marks.size() && marks[row] == 0) ++row;
+    return row;
+  };
+  keep(cloud, at_or_behind(0), [&](std::size_t row) { return at_or_behind(row + 1); });
+}
+
+void keep_every(PointCloud& cloud, std::uint64_t step) {
+  assert(step >= 1);
+  const std::size_t size = cloud.size();
+  // A step beyond the end must not wrap around.
+  keep(cloud, 0, [&](std::size_t row) { return step < size - row ? row + step : size; });
+}
 
 void reorder_attributes(PointCloud& cloud, std::span<const std::uint32_t> order) {
   for_each_column(cloud, [&](Attribute, auto& column) { reorder(column, order); });

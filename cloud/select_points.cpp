@@ -9,8 +9,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
-#include <vector>
 
 #include "base/error.h"
 #include "cloud/rows.h"
@@ -23,125 +21,6 @@ constexpr std::size_t k_most_strips = 1 << 16;
 /// An edge stands in this many strips on average at most.
 constexpr std::size_t k_most_strips_per_edge = 4;
 
-}  // namespace
-
-/// The edges of polygons, sorted into strips from south to north, to ask about many places.
-class PolygonStrips {
- public:
-  /// Places up to `border` outside count as on the border. Corners are finite.
-
-  PolygonStrips(std::span<const PlanePolygon> polygons, double border)
-      : border_(border),
-        low_(std::numeric_limits<double>::infinity()),
-        high_(-std::numeric_limits<double>::infinity()) {
-    for (std::size_t polygon = 0; polygon < polygons.size(); ++polygon) {
-      for (const std::vector<glm::dvec2>& ring : polygons[polygon].rings) {
-        for (std::size_t i = 0; i < ring.size(); ++i) {
-          edges_.push_back({ring[i], ring[i + 1 < ring.size() ? i + 1 : 0], polygon});
-          for (int axis = 0; axis < 2; ++axis) {
-            low_[axis] = std::min(low_[axis], ring[i][axis] - border_);
-            high_[axis] = std::max(high_[axis], ring[i][axis] + border_);
-          }
-        }
-      }
-    }
-    strip_count_ = std::clamp<std::size_t>(edges_.size(), 1, k_most_strips);
-    places_ = strip_places();
-    // Edges that run from south to north stand in all strips: fewer of these then.
-    while (strip_count_ > 1 && places_.back() > k_most_strips_per_edge * edges_.size()) {
-      strip_count_ /= 2;
-      places_ = strip_places();
-    }
-    strip_edges_.resize(places_.back());
-    std::vector<std::size_t> next = places_;
-    for (std::size_t i = 0; i < edges_.size(); ++i) {
-      const auto [south, north] = std::minmax(edges_[i].a.y, edges_[i].b.y);
-      for (std::size_t strip = strip_of(south - border_); strip <= strip_of(north + border_); ++strip)
-        strip_edges_[next[strip]++] = i;
-    }
-  }
-
-  /// Whether a place lies in one of the polygons or on a border.
-
-  bool contains(const glm::dvec2& place) const {
-    if (!(place.x >= low_.x && place.x <= high_.x && place.y >= low_.y && place.y <= high_.y)) return false;
-    const std::size_t strip = strip_of(place.y);
-    bool inside = false;
-    std::size_t polygon = 0;
-    for (std::size_t i = places_[strip]; i < places_[strip + 1]; ++i) {
-      const Edge& edge = edges_[strip_edges_[i]];
-      if (edge.polygon != polygon) {
-        if (inside) return true;
-        polygon = edge.polygon;
-      }
-      if (on_border(edge, place)) return true;
-      // The southern end belongs to an edge and the northern does not, so that a corner is passed once.
-      if ((edge.a.y <= place.y) == (edge.b.y <= place.y)) continue;
-      const double crossing = edge.a.x + (place.y - edge.a.y) / (edge.b.y - edge.a.y) * (edge.b.x - edge.a.x);
-      if (crossing > place.x) inside = !inside;
-    }
-    return inside;
-  }
-
- private:
-  struct Edge {
-    glm::dvec2 a, b;
-    std::size_t polygon;
-  };
-
-  std::size_t strip_of(double y) const {
-    const double strip = (y - low_.y) / (high_.y - low_.y) * static_cast<double>(strip_count_);
-    // Also for polygons without height, whose quotient is no number.
-    if (!(strip > 0.0)) return 0;
-    return strip < static_cast<double>(strip_count_) ? static_cast<std::size_t>(strip) : strip_count_ - 1;
-  }
-
-  /// Where the edges of each strip begin in `strip_edges_`, and behind the last where they end.
-
-  std::vector<std::size_t> strip_places() const {
-    // Edges that begin in a strip and those that have ended before it: what lies between are the strip's.
-    std::vector<std::size_t> begun(strip_count_, 0), ended(strip_count_ + 1, 0);
-    for (const Edge& edge : edges_) {
-      const auto [south, north] = std::minmax(edge.a.y, edge.b.y);
-      ++begun[strip_of(south - border_)];
-      ++ended[strip_of(north + border_) + 1];
-    }
-    std::vector<std::size_t> places(strip_count_ + 1, 0);
-    std::size_t present = 0;
-    for (std::size_t strip = 0; strip < strip_count_; ++strip) {
-      present += begun[strip] - ended[strip];
-      places[strip + 1] = places[strip] + present;
-    }
-    return places;
-  }
-
-  bool on_border(const Edge& edge, const glm::dvec2& place) const {
-    for (int axis = 0; axis < 2; ++axis) {
-      if (place[axis] < std::min(edge.a[axis], edge.b[axis]) - border_ ||
-          place[axis] > std::max(edge.a[axis], edge.b[axis]) + border_)
-        return false;
-    }
-    const glm::dvec2 along = edge.b - edge.a, from = place - edge.a;
-    const double length = along.x * along.x + along.y * along.y;
-    const double share =
-        length > 0.0 ? std::clamp((from.x * along.x + from.y * along.y) / length, 0.0, 1.0) : 0.0;
-    const glm::dvec2 beside = from - share * along;
-    return beside.x * beside.x + beside.y * beside.y <= border_ * border_;
-  }
-
-  std::vector<Edge> edges_;  ///< those of one polygon stand together
-  double border_;
-  glm::dvec2 low_, high_;  ///< box of all edges with their border
-  std::size_t strip_count_ = 1;
-  std::vector<std::size_t> places_;       ///< see strip_places()
-  std::vector<std::size_t> strip_edges_;  ///< of each strip, in the order of `edges_`
-};
-
-namespace {
-
-constexpr std::size_t k_rows_at_once = 1 << 20;
-constexpr std::size_t k_grain = 4096;
-
 /// How far outside a point still counts as on the border, per axis.
 glm::dvec3 border_of(const Lattice& lattice) {
   glm::dvec3 border;
@@ -150,46 +29,28 @@ glm::dvec3 border_of(const Lattice& lattice) {
   return border;
 }
 
+/// Calls work(begin, end) for parts of [0, size), from many threads.
+template <class Work>
+void for_parts(std::size_t size, const Progress& progress, const Work& work) {
+  constexpr std::size_t k_at_once = 1 << 20, k_grain = 4096;
+  for (std::size_t first = 0; first < size; first += k_at_once) {
+    const std::size_t end = std::min(first + k_at_once, size);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, end, k_grain),
+                      [&](const auto& part) { work(part.begin(), part.end()); });
+    report(progress, end, size);
+  }
+}
+
 /// Keeps the points at places where `stays` says so; it is asked from many threads.
 template <class Stays>
 void keep_places(PointCloud& cloud, const Stays& stays, const Progress& progress) {
-  const std::size_t size = cloud.size();
-  std::vector<std::uint8_t> marks(size);
-  for (std::size_t first = 0; first < size; first += k_rows_at_once) {
-    const std::size_t end = std::min(first + k_rows_at_once, size);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(first, end, k_grain),
-                      [&](const tbb::blocked_range<std::size_t>& rows) {
-                        for (std::size_t row = rows.begin(); row < rows.end(); ++row)
-                          marks[row] = stays(cloud.world(row)) ? 1 : 0;
-                      });
-    report(progress, end, size);
-  }
+  std::vector<std::uint8_t> marks(cloud.size());
+  for_parts(cloud.size(), progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row) marks[row] = stays(cloud.world(row)) ? 1 : 0;
+  });
   keep_rows(cloud, marks);
 }
 
-}  // namespace
-
-void crop(PointCloud& cloud, const Bounds& box, const Progress& progress) {
-  const glm::dvec3 border = border_of(cloud.lattice);
-  const Bounds wider{box.min - border, box.max + border};
-  keep_places(
-      cloud, [&](const glm::dvec3& place) { return wider.contains(place); }, progress);
-}
-
-void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progress& progress) {
-  const glm::dvec3 border = border_of(cloud.lattice);
-  const PolygonStrips strips(polygons, std::max(border.x, border.y));
-  keep_places(
-      cloud,
-      [&](const glm::dvec3& place) {
-        return strips.contains({place.x, place.y});
-      },
-      progress);
-}
-
-namespace {
-
-constexpr std::size_t k_at_once = 1 << 20;
 constexpr std::uint64_t k_most = std::numeric_limits<std::uint32_t>::max();
 
 /// A point and its cube, counted from the lowest one of the cloud.
@@ -241,11 +102,10 @@ class Grid {
 std::vector<Entry> sorted_entries(const PointCloud& cloud, double edge, const Progress& progress) {
   const Grid grid(cloud, edge);
   std::vector<Entry> entries(cloud.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cloud.size(), k_grain),
-                    [&](const tbb::blocked_range<std::size_t>& rows) {
-                      for (std::size_t row = rows.begin(); row < rows.end(); ++row)
-                        entries[row] = {grid(cloud.positions[row]), static_cast<std::uint32_t>(row)};
-                    });
+  for_parts(cloud.size(), {}, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t row = begin; row < end; ++row)
+      entries[row] = {grid(cloud.positions[row]), static_cast<std::uint32_t>(row)};
+  });
   report(progress, 0, cloud.size());
   tbb::parallel_sort(entries.begin(), entries.end());
   return entries;
@@ -313,6 +173,133 @@ void choose_in(PointCloud& cloud, std::span<const Entry> entries, std::size_t be
 
 }  // namespace
 
+/// The edges of polygons, sorted into strips from south to north, to ask about many places.
+class PolygonStrips {
+ public:
+  /// Places up to `border` outside count as on the border. Corners are finite.
+  PolygonStrips(std::span<const PlanePolygon> polygons, double border)
+      : border_(border),
+        low_(std::numeric_limits<double>::infinity()),
+        high_(-std::numeric_limits<double>::infinity()) {
+    for (std::size_t polygon = 0; polygon < polygons.size(); ++polygon) {
+      for (const std::vector<glm::dvec2>& ring : polygons[polygon].rings) {
+        for (std::size_t i = 0; i < ring.size(); ++i) {
+          edges_.push_back({ring[i], ring[i + 1 < ring.size() ? i + 1 : 0], polygon});
+          for (int axis = 0; axis < 2; ++axis) {
+            low_[axis] = std::min(low_[axis], ring[i][axis] - border_);
+            high_[axis] = std::max(high_[axis], ring[i][axis] + border_);
+          }
+        }
+      }
+    }
+    strip_count_ = std::clamp<std::size_t>(edges_.size(), 1, k_most_strips);
+    places_ = strip_places();
+    // Edges that run from south to north stand in all strips: fewer of these then.
+    while (strip_count_ > 1 && places_.back() > k_most_strips_per_edge * edges_.size()) {
+      strip_count_ /= 2;
+      places_ = strip_places();
+    }
+    strip_edges_.resize(places_.back());
+    std::vector<std::size_t> next = places_;
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const auto [south, north] = std::minmax(edges_[i].a.y, edges_[i].b.y);
+      for (std::size_t strip = strip_of(south - border_); strip <= strip_of(north + border_); ++strip)
+        strip_edges_[next[strip]++] = i;
+    }
+  }
+
+  /// Whether a place lies in one of the polygons or on a border.
+  bool contains(const glm::dvec2& place) const {
+    if (!(place.x >= low_.x && place.x <= high_.x && place.y >= low_.y && place.y <= high_.y)) return false;
+    const std::size_t strip = strip_of(place.y);
+    bool inside = false;
+    std::size_t polygon = 0;
+    for (std::size_t i = places_[strip]; i < places_[strip + 1]; ++i) {
+      const Edge& edge = edges_[strip_edges_[i]];
+      if (edge.polygon != polygon) {
+        if (inside) return true;
+        polygon = edge.polygon;
+      }
+      if (on_border(edge, place)) return true;
+      // The southern end belongs to an edge and the northern does not, so that a corner is passed once.
+      if ((edge.a.y <= place.y) == (edge.b.y <= place.y)) continue;
+      const double crossing = edge.a.x + (place.y - edge.a.y) / (edge.b.y - edge.a.y) * (edge.b.x - edge.a.x);
+      if (crossing > place.x) inside = !inside;
+    }
+    return inside;
+  }
+
+ private:
+  struct Edge {
+    glm::dvec2 a, b;
+    std::size_t polygon;
+  };
+
+  std::size_t strip_of(double y) const {
+    const double strip = (y - low_.y) / (high_.y - low_.y) * static_cast<double>(strip_count_);
+    // Also for polygons without height, whose quotient is no number.
+    if (!(strip > 0.0)) return 0;
+    return strip < static_cast<double>(strip_count_) ? static_cast<std::size_t>(strip) : strip_count_ - 1;
+  }
+
+  /// Where the edges of each strip begin in `strip_edges_`, and behind the last where they end.
+  std::vector<std::size_t> strip_places() const {
+    // Edges that begin in a strip and those that have ended before it: what lies between are the strip's.
+    std::vector<std::size_t> begun(strip_count_, 0), ended(strip_count_ + 1, 0);
+    for (const Edge& edge : edges_) {
+      const auto [south, north] = std::minmax(edge.a.y, edge.b.y);
+      ++begun[strip_of(south - border_)];
+      ++ended[strip_of(north + border_) + 1];
+    }
+    std::vector<std::size_t> places(strip_count_ + 1, 0);
+    std::size_t present = 0;
+    for (std::size_t strip = 0; strip < strip_count_; ++strip) {
+      present += begun[strip] - ended[strip];
+      places[strip + 1] = places[strip] + present;
+    }
+    return places;
+  }
+
+  bool on_border(const Edge& edge, const glm::dvec2& place) const {
+    for (int axis = 0; axis < 2; ++axis) {
+      if (place[axis] < std::min(edge.a[axis], edge.b[axis]) - border_ ||
+          place[axis] > std::max(edge.a[axis], edge.b[axis]) + border_)
+        return false;
+    }
+    const glm::dvec2 along = edge.b - edge.a, from = place - edge.a;
+    const double length = along.x * along.x + along.y * along.y;
+    const double share =
+        length > 0.0 ? std::clamp((from.x * along.x + from.y * along.y) / length, 0.0, 1.0) : 0.0;
+    const glm::dvec2 beside = from - share * along;
+    return beside.x * beside.x + beside.y * beside.y <= border_ * border_;
+  }
+
+  std::vector<Edge> edges_;  ///< those of one polygon stand together
+  double border_;
+  glm::dvec2 low_, high_;  ///< box of all edges with their border
+  std::size_t strip_count_ = 1;
+  std::vector<std::size_t> places_;       ///< see strip_places()
+  std::vector<std::size_t> strip_edges_;  ///< of each strip, in the order of `edges_`
+};
+
+void crop(PointCloud& cloud, const Bounds& box, const Progress& progress) {
+  const glm::dvec3 border = border_of(cloud.lattice);
+  const Bounds wider{box.min - border, box.max + border};
+  keep_places(
+      cloud, [&](const glm::dvec3& place) { return wider.contains(place); }, progress);
+}
+
+void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progress& progress) {
+  const glm::dvec3 border = border_of(cloud.lattice);
+  const PolygonStrips strips(polygons, std::max(border.x, border.y));
+  keep_places(
+      cloud,
+      [&](const glm::dvec3& place) {
+        return strips.contains({place.x, place.y});
+      },
+      progress);
+}
+
 void thin(PointCloud& cloud, double edge, const Progress& progress) {
   if (!(edge > 0.0 && std::isfinite(edge))) {
     throw Error({.problem = "bad spacing", .expected = "a length above 0", .found = fmt::format("{}", edge)});
@@ -327,14 +314,8 @@ void thin(PointCloud& cloud, double edge, const Progress& progress) {
   std::vector<std::uint8_t> marks(size, 0);
   {
     const std::vector<Entry> entries = sorted_entries(cloud, edge, progress);
-    for (std::size_t first = 0; first < size; first += k_at_once) {
-      const std::size_t end = std::min(first + k_at_once, size);
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(first, end, k_grain),
-                        [&](const tbb::blocked_range<std::size_t>& part) {
-                          choose_in(cloud, entries, part.begin(), part.end(), marks);
-                        });
-      report(progress, end, size);
-    }
+    for_parts(size, progress,
+              [&](std::size_t begin, std::size_t end) { choose_in(cloud, entries, begin, end, marks); });
   }
   keep_rows(cloud, marks);
 }

@@ -2,20 +2,14 @@
 #include "cloud/table_reader.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <unordered_set>
 #include <utility>
-#include <vector>
 
 #include "base/bytes.h"
 #include "base/error.h"
-#include "base/text_scanner.h"
-#include "cloud/cloud_reader.h"
 #include "cloud/point_cloud.h"
-#include "cloud/point_table.h"
 #include "cloud/rows.h"
 
 namespace alidade {
@@ -55,38 +49,34 @@ void store_as(ScalarType type, const Cell& cell, std::byte* place) {
 
 }  // namespace
 
+/// How the values of a table become 0 .. 65535.
+struct TableScalings {
+  ValueScaling colors, near_infrared, intensities;
+};
+
 /// The second pass over the rows of a point table: puts them into the columns of a cloud.
 class TableAppender : public RowsToFill {
  public:
   /// Makes new rows of zeros in `cloud` for the `count` rows to come, as far as a piece has room, and the
   /// columns that they need: those of `columns` that are in `wanted`. `pieces` must outlive the object.
-
   TableAppender(PointCloud& cloud, std::span<const TableColumn> columns, AttributeSet wanted,
-                std::uint64_t count, const CloudPieces& pieces)
-      : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces), positions_(columns) {
+                TableScalings scalings, std::uint64_t count, const CloudPieces& pieces)
+      : RowsToFill(cloud, attributes_of(columns) & wanted, count, pieces),
+        positions_(columns),
+        scalings_(std::move(scalings)) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const TableColumn& column = columns[i];
       const auto attribute = attribute_of(column.role);
       if (!attribute || !wanted.contains(*attribute)) continue;
       Target target{i, column.role, column.type, 0};
-      if (column.role == ColumnRole::extra) {
-        ExtraDimension dimension;
-        dimension.name = column.name;
-        dimension.type = column.type;
-        dimension.byte_count = scalar_size(column.type);
-        target.dimension = find_extra_dimension(cloud, dimension);
-      }
+      if (column.role == ColumnRole::extra)
+        target.dimension = find_extra_dimension(cloud, plain_dimension(column.name, column.type));
       targets_.push_back(target);
     }
     make_rows();
   }
 
-  void scale_colors(const ValueScaling& scaling) { colors_ = scaling; }
-  void scale_near_infrared(const ValueScaling& scaling) { near_infrared_ = scaling; }
-  void scale_intensities(const ValueScaling& scaling) { intensities_ = scaling; }
-
   /// Takes the next row; a position that is not finite is left out. False as begin_row().
-
   bool add(std::span<const Cell> row) {
     const glm::dvec3 world = positions_.position(row);
     if (!(std::isfinite(world.x) && std::isfinite(world.y) && std::isfinite(world.z))) return true;
@@ -116,7 +106,7 @@ class TableAppender : public RowsToFill {
       case ColumnRole::red:
       case ColumnRole::green:
       case ColumnRole::blue:
-        cloud_.colors[row_][part_behind(ColumnRole::red)] = colors_.apply(number);
+        cloud_.colors[row_][part_behind(ColumnRole::red)] = scalings_.colors.apply(number);
         return;
       case ColumnRole::packed_color:
         cloud_.colors[row_] = {(cell.integer >> 16 & 255) * 257, (cell.integer >> 8 & 255) * 257,
@@ -128,10 +118,10 @@ class TableAppender : public RowsToFill {
         cloud_.normals[row_][part_behind(ColumnRole::normal_x)] = to_float(number);
         return;
       case ColumnRole::near_infrared:
-        cloud_.near_infrared[row_] = near_infrared_.apply(number);
+        cloud_.near_infrared[row_] = scalings_.near_infrared.apply(number);
         return;
       case ColumnRole::intensity:
-        cloud_.intensities[row_] = intensities_.apply(number);
+        cloud_.intensities[row_] = scalings_.intensities.apply(number);
         return;
       case ColumnRole::classification:
         return round(cloud_.classifications[row_]);
@@ -173,7 +163,7 @@ class TableAppender : public RowsToFill {
 
   PositionColumns positions_;
   std::vector<Target> targets_;
-  ValueScaling colors_, near_infrared_, intensities_;
+  TableScalings scalings_;
 };
 
 void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage) {
@@ -245,21 +235,20 @@ CoordinateSurvey TableReader::survey(const Progress& progress) {
 void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                                  const Progress& progress) {
   if (!survey_) survey({});
-  TableAppender appender(cloud, columns_, wanted, survey_->finite_count(), pieces);
   const auto assume = [&](Attribute attribute, const ValueScaling& scaling) {
     if (wanted.contains(attribute) && !scaling.assumption.empty() && survey_->finite_count() > 0)
       warn("it was assumed that " + scaling.assumption);
     return scaling;
   };
-  if (find_role(columns_, ColumnRole::red))
-    appender.scale_colors(
-        assume(Attribute::color, color_scaling(type_of(ColumnRole::red), survey_->colors())));
-  if (find_role(columns_, ColumnRole::near_infrared))
-    appender.scale_near_infrared(color_scaling(type_of(ColumnRole::near_infrared), survey_->near_infrared()));
-  if (find_role(columns_, ColumnRole::intensity))
-    appender.scale_intensities(
-        assume(Attribute::intensity,
-               intensity_scaling(type_of(ColumnRole::intensity), survey_->intensities(), intensity_scale())));
+  TableScalings scalings;
+  if (const auto type = type_of(ColumnRole::red))
+    scalings.colors = assume(Attribute::color, color_scaling(*type, survey_->colors()));
+  if (const auto type = type_of(ColumnRole::near_infrared))
+    scalings.near_infrared = color_scaling(*type, survey_->near_infrared());
+  if (const auto type = type_of(ColumnRole::intensity))
+    scalings.intensities =
+        assume(Attribute::intensity, intensity_scaling(*type, survey_->intensities(), intensity_scale()));
+  TableAppender appender(cloud, columns_, wanted, std::move(scalings), survey_->finite_count(), pieces);
   visit_whole_rows(
       [&](std::span<const Cell> row) {
         if (appender.add(row)) return;
@@ -281,15 +270,15 @@ glm::dvec3 TableReader::resolution(const Bounds& bounds) const {
   if (bounds.empty()) return result;
   constexpr ColumnRole k_roles[] = {ColumnRole::x, ColumnRole::y, ColumnRole::z};
   for (int axis = 0; axis < 3; ++axis) {
-    if (!find_role(columns_, k_roles[axis])) continue;
     const double largest = std::max(std::abs(bounds.min[axis]), std::abs(bounds.max[axis]));
-    result[axis] = type_resolution(type_of(k_roles[axis]), largest);
+    if (const auto type = type_of(k_roles[axis])) result[axis] = type_resolution(*type, largest);
   }
   return result;
 }
 
-ScalarType TableReader::type_of(ColumnRole role) const {
-  return columns_[find_role(columns_, role).value()].type;
+std::optional<ScalarType> TableReader::type_of(ColumnRole role) const {
+  const auto column = find_role(columns_, role);
+  return column ? std::optional(columns_[*column].type) : std::nullopt;
 }
 
 void TableReader::warn(const std::string& clause) {

@@ -67,8 +67,6 @@ class TableReader : public CloudReader {
  public:
   const CloudFile& file() const override { return description_; }
   AttributeSet attributes() const override { return attributes_of(columns_); }
-  std::optional<Lattice> lattice() const override { return std::nullopt; }
-  std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
   CoordinateSurvey survey(const Progress& progress) override;
   void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                       const Progress& progress) override;
@@ -129,7 +127,7 @@ class TableReader : public CloudReader {
   std::vector<std::string_view> words_;       ///< of the line that is read, of text
 
  private:
-  ScalarType type_of(ColumnRole role) const;
+  std::optional<ScalarType> type_of(ColumnRole role) const;
   void visit_whole_rows(const RowVisitor& visit, const Progress& progress);
 
   std::vector<TableColumn> columns_;

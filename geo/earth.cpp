@@ -16,6 +16,10 @@ std::optional<glm::dvec2> transformed(const GdalTransformation& transformation, 
   return place;
 }
 
+double rounded(double degrees) {
+  return std::round(degrees * 1e9) / 1e9;
+}
+
 }  // namespace
 
 std::optional<GroundPlace> ground_place(const Crs& crs, const glm::dvec2& place) {
@@ -37,14 +41,6 @@ std::optional<GroundPlace> ground_place(const Crs& crs, const glm::dvec2& place)
                      -std::atan2(northward.x, northward.y) * 180.0 / std::numbers::pi + 0.0};
 }
 
-namespace {
-
-double rounded(double degrees) {
-  return std::round(degrees * 1e9) / 1e9;
-}
-
-}  // namespace
-
 std::optional<std::vector<glm::dvec3>> lon_lat(const Crs& crs, std::span<const glm::dvec3> places) {
   const QuietGdal quiet;
   const GdalReference map = plane_reference(crs), globe = globe_reference();
@@ -53,10 +49,9 @@ std::optional<std::vector<glm::dvec3>> lon_lat(const Crs& crs, std::span<const g
   if (!transformation) return std::nullopt;
   std::vector<glm::dvec3> answers(places.begin(), places.end());
   for (glm::dvec3& place : answers) {
-    if (OCTTransform(transformation.get(), 1, &place.x, &place.y, nullptr) == 0) return std::nullopt;
-    if (!std::isfinite(place.x) || !(std::fabs(place.y) <= 90.0)) return std::nullopt;
-    place.x = rounded(place.x);
-    place.y = rounded(place.y);
+    const auto there = transformed(transformation, {place.x, place.y});
+    if (!there || std::fabs(there->y) > 90.0) return std::nullopt;
+    place = {rounded(there->x), rounded(there->y), place.z};
   }
   return answers;
 }

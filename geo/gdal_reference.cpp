@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "geo/gdal_reference.h"
 
-#include <fmt/format.h>
 #include <gdal_frmts.h>
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,6 +13,13 @@
 
 namespace alidade::geo {
 namespace {
+
+/// Leaves x and y of a system, x before y whatever its axes. Heights do not move a place, and their grids may
+/// not be installed.
+void make_plane(const GdalReference& reference) {
+  OSRStripVertical(reference.get());
+  OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
+}
 
 /// Appends values of a TIFF file, little endian.
 class TiffBytes {
@@ -72,51 +76,6 @@ std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   return std::move(tiff.bytes());
 }
 
-}  // namespace
-
-std::string wkt_of(const Crs& crs) {
-  constexpr std::size_t k_most_keys = 65535;
-  if (!crs.wkt.empty() || crs.geotiff_keys.empty()) return crs.wkt;
-  if (crs.geotiff_keys.size() > k_most_keys || crs.geotiff_doubles.size() > k_most_keys) return "";
-  const QuietGdal quiet;
-  GDALRegister_GTiff();
-  const GdalMemoryFile file;
-  std::vector<std::byte> bytes = tiff_with_keys(crs);
-  VSIFCloseL(VSIFileFromMemBuffer(file.name(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
-  const GdalDataset dataset(GDALOpen(file.name(), GA_ReadOnly));
-  if (!dataset) return "";
-  const char* const wkt = GDALGetProjectionRef(dataset.get());
-  return wkt != nullptr ? wkt : "";
-}
-
-void make_plane(const GdalReference& reference) {
-  OSRStripVertical(reference.get());
-  OSRSetAxisMappingStrategy(reference.get(), OAMS_TRADITIONAL_GIS_ORDER);
-}
-
-GdalReference plane_reference(const Crs& crs) {
-  const std::string wkt = wkt_of(crs);
-  GdalReference reference(OSRNewSpatialReference(nullptr));
-  char* text = const_cast<char*>(wkt.c_str());
-  if (wkt.empty() || OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE) return nullptr;
-  if (OSRIsGeocentric(reference.get()) != 0 || OSRIsLocal(reference.get()) != 0) return nullptr;
-  make_plane(reference);
-  return reference;
-}
-
-GdalReference globe_reference() {
-  GdalReference reference(OSRNewSpatialReference(nullptr));
-  if (OSRImportFromEPSG(reference.get(), 4326) != OGRERR_NONE) return nullptr;
-  make_plane(reference);
-  return reference;
-}
-
-GdalTransformation transformation_between(const GdalReference& from, const GdalReference& to) {
-  return GdalTransformation(OCTNewCoordinateTransformation(from.get(), to.get()));
-}
-
-namespace {
-
 /// What the user wrote, or the WKT of a file; null for text that says nothing. Errors: GDAL does not
 /// understand it.
 GdalReference read_reference(const std::string& text, bool is_wkt, const std::string& whose,
@@ -146,6 +105,48 @@ GdalReference plane_part(GdalReference reference) {
 }
 
 }  // namespace
+
+void fail_geotiff(const std::filesystem::path& file, const char* what) {
+  const std::string said = CPLGetLastErrorMsg();
+  throw Error(
+      {.file = file.string(), .problem = fmt::format("GeoTIFF cannot be written: {}", what), .found = said});
+}
+
+std::string wkt_of(const Crs& crs) {
+  constexpr std::size_t k_most_keys = 65535;
+  if (!crs.wkt.empty() || crs.geotiff_keys.empty()) return crs.wkt;
+  if (crs.geotiff_keys.size() > k_most_keys || crs.geotiff_doubles.size() > k_most_keys) return "";
+  const QuietGdal quiet;
+  GDALRegister_GTiff();
+  const GdalMemoryFile file;
+  std::vector<std::byte> bytes = tiff_with_keys(crs);
+  VSIFCloseL(VSIFileFromMemBuffer(file.name(), reinterpret_cast<GByte*>(bytes.data()), bytes.size(), FALSE));
+  const GdalDataset dataset(GDALOpen(file.name(), GA_ReadOnly));
+  if (!dataset) return "";
+  const char* const wkt = GDALGetProjectionRef(dataset.get());
+  return wkt != nullptr ? wkt : "";
+}
+
+GdalReference plane_reference(const Crs& crs) {
+  const std::string wkt = wkt_of(crs);
+  GdalReference reference(OSRNewSpatialReference(nullptr));
+  char* text = const_cast<char*>(wkt.c_str());
+  if (wkt.empty() || OSRImportFromWkt(reference.get(), &text) != OGRERR_NONE) return nullptr;
+  if (OSRIsGeocentric(reference.get()) != 0 || OSRIsLocal(reference.get()) != 0) return nullptr;
+  make_plane(reference);
+  return reference;
+}
+
+GdalReference globe_reference() {
+  GdalReference reference(OSRNewSpatialReference(nullptr));
+  if (OSRImportFromEPSG(reference.get(), 4326) != OGRERR_NONE) return nullptr;
+  make_plane(reference);
+  return reference;
+}
+
+GdalTransformation transformation_between(const GdalReference& from, const GdalReference& to) {
+  return GdalTransformation(OCTNewCoordinateTransformation(from.get(), to.get()));
+}
 
 GdalTransformation transformation_to_cloud(const std::string& own, const ObserverReference& reference,
                                            const std::string& source) {

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <cpl_error.h>
+#include <cpl_string.h>
 #include <cpl_vsi.h>
 #include <fmt/format.h>
 #include <gdal.h>
 #include <ogr_srs_api.h>
 #include <cstddef>
+#include <filesystem>
 #include <glm/vec2.hpp>
+#include <initializer_list>
 #include <memory>
 #include <span>
 #include <string>
@@ -51,30 +54,40 @@ class GdalMemoryFile {
   std::string name_;
 };
 
-struct CloseGdalDataset {
-  void operator()(void* dataset) const { GDALClose(dataset); }
-};
-using GdalDataset = std::unique_ptr<void, CloseGdalDataset>;
+/// A list of texts for GDAL that is given back when it is no longer used.
+class GdalTexts {
+ public:
+  GdalTexts(std::initializer_list<std::string> texts) {
+    for (const std::string& text : texts) list_ = CSLAddString(list_, text.c_str());
+  }
+  ~GdalTexts() { CSLDestroy(list_); }
+  GdalTexts(const GdalTexts&) = delete;
+  GdalTexts& operator=(const GdalTexts&) = delete;
 
-// Reference systems as GDAL has them, given back when they are no longer used.
+  char** list() const { return list_; }
 
-struct ReleaseGdalReference {
-  void operator()(void* reference) const { OSRRelease(reference); }
+ private:
+  char** list_ = nullptr;
 };
-using GdalReference = std::unique_ptr<void, ReleaseGdalReference>;
 
-struct DestroyGdalTransformation {
-  void operator()(void* transformation) const { OCTDestroyCoordinateTransformation(transformation); }
+/// Throws the Error about a GeoTIFF, with what GDAL said last.
+[[noreturn]] void fail_geotiff(const std::filesystem::path& file, const char* what);
+
+/// Something that GDAL made, given back by the function `release` when it is no longer used.
+template <auto release>
+struct GdalRelease {
+  void operator()(void* handle) const { release(handle); }
 };
-using GdalTransformation = std::unique_ptr<void, DestroyGdalTransformation>;
+template <auto release>
+using GdalHandle = std::unique_ptr<void, GdalRelease<release>>;
+
+using GdalDataset = GdalHandle<GDALClose>;
+using GdalReference = GdalHandle<OSRRelease>;
+using GdalTransformation = GdalHandle<OCTDestroyCoordinateTransformation>;
 
 /// The reference system as WKT: what the file gave, or what its GeoTIFF keys mean, as GDAL reads them. Empty
 /// if there is none or nothing can be made of it.
 std::string wkt_of(const Crs& crs);
-
-/// Leaves x and y of a system, x before y whatever its axes. Heights do not move a place, and their grids may
-/// not be installed.
-void make_plane(const GdalReference& reference);
 
 /// The plane part of a cloud's system; null if GDAL does not know it or it lies nowhere on Earth.
 GdalReference plane_reference(const Crs& crs);

@@ -1,30 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "geo/geotiff.h"
 
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <cpl_string.h>
-#include <cpl_vsi.h>
-#include <fmt/format.h>
-#include <gdal.h>
 #include <gdal_frmts.h>
-#include <ogr_srs_api.h>
 
 #include <algorithm>
-#include <span>
-#include <vector>
 
-#include "base/error.h"
 #include "geo/gdal_reference.h"
 
 namespace alidade::geo {
 namespace {
-
-[[noreturn]] void fail_geotiff(const std::filesystem::path& file, const char* what) {
-  const std::string said = CPLGetLastErrorMsg();
-  throw Error(
-      {.file = file.string(), .problem = fmt::format("GeoTIFF cannot be written: {}", what), .found = said});
-}
 
 /// Hands the picture over in rows of tiles, band by band, so that the copy of the image stays small.
 void write_rows(void* dataset, const GroundPicture& picture, const FillRows& fill,
@@ -52,12 +36,10 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
   const GdalMemoryFile memory;
   const GDALDriverH driver = GDALGetDriverByName("GTiff");
   if (driver == nullptr) fail_geotiff(name, "GDAL lacks its GTiff driver");
-  char** options = nullptr;
-  for (const char* const option : {"COMPRESS=DEFLATE", "PREDICTOR=2", "TILED=YES", "PHOTOMETRIC=RGB",
-                                   "ALPHA=UNASSOCIATED", "BIGTIFF=IF_SAFER", "NUM_THREADS=1"})
-    options = CSLAddString(options, option);
-  GdalDataset dataset(GDALCreate(driver, memory.name(), picture.width, picture.height, 4, GDT_Byte, options));
-  CSLDestroy(options);
+  const GdalTexts options{"COMPRESS=DEFLATE",   "PREDICTOR=2",      "TILED=YES",    "PHOTOMETRIC=RGB",
+                          "ALPHA=UNASSOCIATED", "BIGTIFF=IF_SAFER", "NUM_THREADS=1"};
+  GdalDataset dataset(
+      GDALCreate(driver, memory.name(), picture.width, picture.height, 4, GDT_Byte, options.list()));
   if (!dataset) fail_geotiff(name, "it cannot be created");
   if (GDALSetGeoTransform(dataset.get(), transform.data()) != CE_None)
     fail_geotiff(name, "its place was refused");

@@ -4,10 +4,7 @@
 #include <cassert>
 #include <cctype>
 #include <optional>
-#include <string>
 #include <string_view>
-
-#include "cloud/crs.h"
 
 namespace alidade::geo {
 namespace {
@@ -68,15 +65,6 @@ std::string unit_of_keys(const Crs& crs) {
   return unit == k_foot || unit == k_survey_foot ? "ft" : "";
 }
 
-}  // namespace
-
-std::string height_unit(const Crs& crs) {
-  if (!crs.wkt.empty()) return unit_of_wkt(crs.wkt);
-  return crs.geotiff_keys.empty() ? "m" : unit_of_keys(crs);
-}
-
-namespace {
-
 bool names_one_of(const std::string& wkt, std::initializer_list<const char*> keys) {
   for (const char* const key : keys) {
     if (wkt.find(key) != std::string::npos) return true;
@@ -110,6 +98,11 @@ Crs plane_part(const Crs& crs) {
 }
 
 }  // namespace
+
+std::string height_unit(const Crs& crs) {
+  if (!crs.wkt.empty()) return unit_of_wkt(crs.wkt);
+  return crs.geotiff_keys.empty() ? "m" : unit_of_keys(crs);
+}
 
 MapUnit map_unit(const Crs& crs) {
   if (crs.empty()) return MapUnit::unknown;

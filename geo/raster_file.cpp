@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "geo/raster_file.h"
 
-#include <cpl_string.h>
 #include <fmt/format.h>
 #include <gdal_frmts.h>
 
@@ -15,31 +14,10 @@
 namespace alidade::geo {
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& file, const char* what) {
-  const std::string said = CPLGetLastErrorMsg();
-  throw Error(
-      {.file = file.string(), .problem = fmt::format("GeoTIFF cannot be written: {}", what), .found = said});
-}
-
 GDALDataType type_of(const RasterBand& band) {
   constexpr std::array k_types = {GDT_Byte, GDT_UInt16, GDT_UInt32, GDT_Float32};
   return k_types[band.values.index()];
 }
-
-/// A list of texts for GDAL that is given back when it is no longer used.
-class Texts {
- public:
-  ~Texts() { CSLDestroy(list_); }
-  Texts() = default;
-  Texts(const Texts&) = delete;
-  Texts& operator=(const Texts&) = delete;
-
-  void add(const std::string& text) { list_ = CSLAddString(list_, text.c_str()); }
-  char** list() const { return list_; }
-
- private:
-  char** list_ = nullptr;
-};
 
 /// Shows the caller's values to GDAL without copying them.
 void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
@@ -51,9 +29,9 @@ void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
         return values.data();
       },
       band.values);
-  Texts options;
-  options.add(fmt::format("DATAPOINTER={}", data));
-  if (GDALAddBand(dataset, type_of(band), options.list()) != CE_None) fail(file, "a band was refused");
+  const GdalTexts options{fmt::format("DATAPOINTER={}", data)};
+  if (GDALAddBand(dataset, type_of(band), options.list()) != CE_None)
+    fail_geotiff(file, "a band was refused");
   void* const added = GDALGetRasterBand(dataset, GDALGetRasterCount(dataset));
   if (band.no_data) GDALSetRasterNoDataValue(added, *band.no_data);
   if (!band.description.empty()) GDALSetDescription(added, band.description.c_str());
@@ -76,32 +54,32 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   GDALRegister_GTiff();
   GDALRegister_COG();
   const GDALDriverH memory_driver = GDALGetDriverByName("MEM"), cog_driver = GDALGetDriverByName("COG");
-  if (memory_driver == nullptr || cog_driver == nullptr) fail(file, "GDAL lacks its COG driver");
+  if (memory_driver == nullptr || cog_driver == nullptr) fail_geotiff(file, "GDAL lacks its COG driver");
 
   const RasterGrid& grid = contents.grid;
   const GdalDataset values(GDALCreate(memory_driver, "", grid.columns, grid.rows, 0, GDT_Byte, nullptr));
-  if (!values) fail(file, "it cannot be created");
+  if (!values) fail_geotiff(file, "it cannot be created");
   for (const RasterBand& band : contents.bands) add_band(values.get(), band, grid, file);
   std::array<double, 6> transform = {grid.north_west.x, grid.cell_size, 0.0, grid.north_west.y, 0.0,
                                      -grid.cell_size};
-  if (GDALSetGeoTransform(values.get(), transform.data()) != CE_None) fail(file, "its place was refused");
+  if (GDALSetGeoTransform(values.get(), transform.data()) != CE_None)
+    fail_geotiff(file, "its place was refused");
   if (!wkt.empty()) GDALSetProjection(values.get(), wkt.c_str());
   GDALSetMetadataItem(values.get(), "TIFFTAG_SOFTWARE", "Alidade " ALIDADE_VERSION, nullptr);
   for (const auto& [key, text] : contents.metadata)
     GDALSetMetadataItem(values.get(), key.c_str(), text.c_str(), nullptr);
 
   const bool whole_numbers = type_of(contents.bands.front()) != GDT_Float32;
-  Texts options;
-  for (const char* const option : {"COMPRESS=DEFLATE", "PREDICTOR=YES", "BIGTIFF=IF_SAFER", "NUM_THREADS=1"})
-    options.add(option);
-  options.add(whole_numbers ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE");
+  const GdalTexts options{"COMPRESS=DEFLATE", "PREDICTOR=YES", "BIGTIFF=IF_SAFER", "NUM_THREADS=1",
+                          whole_numbers ? "OVERVIEW_RESAMPLING=NEAREST" : "OVERVIEW_RESAMPLING=AVERAGE"};
   const GdalMemoryFile encoded;
   CPLErrorReset();
   GdalDataset copy(
       GDALCreateCopy(cog_driver, encoded.name(), values.get(), FALSE, options.list(), nullptr, nullptr));
-  if (!copy) fail(file, "it cannot be encoded");
+  if (!copy) fail_geotiff(file, "it cannot be encoded");
   copy.reset();
-  if (CPLGetLastErrorType() >= CE_Failure || encoded.bytes().empty()) fail(file, "it cannot be completed");
+  if (CPLGetLastErrorType() >= CE_Failure || encoded.bytes().empty())
+    fail_geotiff(file, "it cannot be completed");
   output.write(encoded.bytes());
   output.commit();
 }

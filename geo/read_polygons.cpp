@@ -9,15 +9,9 @@
 
 #include "base/error.h"
 #include "geo/gdal_reference.h"
-#include "geo/vector_file.h"
 
 namespace alidade::geo {
 namespace {
-
-struct DestroyGeometry {
-  void operator()(void* geometry) const { OGR_G_DestroyGeometry(geometry); }
-};
-using Geometry = std::unique_ptr<void, DestroyGeometry>;
 
 void add_polygon(OGRGeometryH polygon, const std::string& source, std::vector<PlanePolygon>& polygons) {
   PlanePolygon& added = polygons.emplace_back();
@@ -56,7 +50,8 @@ std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
     const std::string source = fmt::format("{}:feature {}", path.string(), OGR_F_GetFID(feature));
     const OGRGeometryH given = OGR_F_GetGeometryRef(feature);
     // A copy without arcs.
-    const Geometry geometry(given != nullptr ? OGR_G_GetLinearGeometry(given, 0.0, nullptr) : nullptr);
+    const GdalHandle<OGR_G_DestroyGeometry> geometry(
+        given != nullptr ? OGR_G_GetLinearGeometry(given, 0.0, nullptr) : nullptr);
     add_polygons(geometry.get(), source, polygons);
   };
   const std::string wkt = read_vector_file(path,

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <numbers>
 #include <vector>
@@ -24,9 +23,10 @@ constexpr double k_arc_second = k_degree / 3600.0;
 constexpr double k_astronomical_unit = 149597870700.0;  // metres
 constexpr double k_epoch_2000 = 2451545.0, k_days_per_century = 36525.0;
 
-double turned(double radians) {
-  const double degrees = std::fmod(radians / k_degree, 360.0);
-  return degrees < 0.0 ? degrees + 360.0 : degrees;
+/// In [0, 360).
+double wrapped(double degrees) {
+  const double rest = std::fmod(degrees, 360.0);
+  return rest < 0.0 ? rest + 360.0 : rest;
 }
 
 /// A place on the ecliptic of date, radians, and its distance in astronomical units.
@@ -85,6 +85,23 @@ double value_of(const YearPolynomial& polynomial, double year) {
   return value;
 }
 
+constexpr double k_above_the_air = 4.0;
+constexpr double k_micrometres[3] = {0.610, 0.550, 0.465};
+
+/// Of the whole air straight up. Source: Hansen and Travis 1974, equation 2.30.
+double rayleigh_depth(double micrometres) {
+  const double square = micrometres * micrometres;
+  return 0.008569 / (square * square) * (1.0 + 0.0113 / square + 0.00013 / (square * square));
+}
+
+double haze_depth(double micrometres) {
+  return 0.05 * std::pow(micrometres, -1.3);
+}
+
+double rounded(double degrees) {
+  return std::round(degrees * 1e6) / 1e6 + 0.0;
+}
+
 }  // namespace
 
 SunPosition sun_position(const Moment& moment, const SunObserver& observer,
@@ -118,7 +135,7 @@ SunPosition sun_position(const Moment& moment, const SunObserver& observer,
   const double sine = std::sin(observer.latitude * k_degree), cosine = std::cos(observer.latitude * k_degree);
   const double to_north = cosine * seen.z - sine * seen.x, upward = cosine * seen.x + sine * seen.z;
   SunPosition position;
-  position.azimuth = turned(std::atan2(seen.y, to_north));
+  position.azimuth = wrapped(std::atan2(seen.y, to_north) / k_degree);
   position.geometric_elevation = std::atan2(upward, std::hypot(seen.y, to_north)) / k_degree;
   position.elevation = position.geometric_elevation + refraction(position.geometric_elevation, observer);
   return position;
@@ -149,23 +166,6 @@ double delta_t(double year) {
   return value_of(pieces.back(), year);
 }
 
-namespace {
-
-constexpr double k_above_the_air = 4.0;
-constexpr double k_micrometres[3] = {0.610, 0.550, 0.465};
-
-/// Of the whole air straight up. Source: Hansen and Travis 1974, equation 2.30.
-double rayleigh_depth(double micrometres) {
-  const double square = micrometres * micrometres;
-  return 0.008569 / (square * square) * (1.0 + 0.0113 / square + 0.00013 / (square * square));
-}
-
-double haze_depth(double micrometres) {
-  return 0.05 * std::pow(micrometres, -1.3);
-}
-
-}  // namespace
-
 double air_mass(double elevation) {
   const double height = std::max(elevation, 0.0);
   return 1.0 / (std::sin(height * std::numbers::pi / 180.0) + 0.50572 * std::pow(height + 6.07995, -1.6364));
@@ -182,20 +182,6 @@ Rgb clear_sky_irradiance(double elevation, double pressure) {
   }
   return irradiance;
 }
-
-namespace {
-
-double rounded(double degrees) {
-  return std::round(degrees * 1e6) / 1e6 + 0.0;
-}
-
-/// In [0, 360).
-double wrapped(double degrees) {
-  const double rest = std::fmod(degrees, 360.0);
-  return rest < 0.0 ? rest + 360.0 : rest;
-}
-
-}  // namespace
 
 PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map) {
   std::optional<GroundPlace> ground;

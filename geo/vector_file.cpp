@@ -4,7 +4,6 @@
 #include <ogr_api.h>
 #include <ogr_srs_api.h>
 #include <ogrsf_frmts.h>
-#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -13,11 +12,6 @@
 
 namespace alidade::geo {
 namespace {
-
-struct DestroyFeature {
-  void operator()(void* feature) const { OGR_F_Destroy(feature); }
-};
-using Feature = std::unique_ptr<void, DestroyFeature>;
 
 GdalDataset open_vector_file(const std::filesystem::path& path, const VectorContent& content) {
   // Asked here, because GDAL takes many a text that is no file's name for something to read.
@@ -114,7 +108,7 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   const OGRLayerH layer = only_layer(dataset, path, content);
   CPLErrorReset();
   OGR_L_ResetReading(layer);
-  while (const Feature feature{OGR_L_GetNextFeature(layer)}) take(feature.get());
+  while (const GdalHandle<OGR_F_Destroy> feature{OGR_L_GetNextFeature(layer)}) take(feature.get());
   if (CPLGetLastErrorType() >= CE_Failure)
     throw Error({.file = path.string(), .problem = "is damaged", .found = CPLGetLastErrorMsg()});
   return wkt_of_layer(layer);

@@ -16,7 +16,6 @@
 #include "cloud/lattice.h"
 #include "cloud/laz/chunk_codec.h"
 #include "cloud/laz/chunk_table.h"
-#include "cloud/laz/laz_layout.h"
 #include "cloud/read_in_pieces.h"
 #include "cloud/rows.h"
 
@@ -58,44 +57,6 @@ std::vector<LazChunk> find_chunks(InputFile& file, const LasHeader& header, cons
   if (walked.problem) throw Error(*walked.problem);
   return std::move(walked.chunks);
 }
-
-}  // namespace
-
-bool is_copc(std::span<const std::byte> start) {
-  return start.size() >= k_start_size && las_text(start.data(), 4) == "LASF" &&
-         las_text(start.data() + k_las_header_size + 2, 16) == "copc" &&
-         load<std::uint16_t>(start.data() + k_las_header_size + 18) == 1;
-}
-
-CopcFile::CopcFile(InputFile file)
-    : file_(std::move(file)),
-      header_(read_las_header(file_, warnings_)),
-      records_(read_las_records(file_, header_, warnings_)),
-      layout_(read_layout(file_.name(), header_, records_)),
-      info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->place)),
-      hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {}
-
-void CopcFile::read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const {
-  bytes.resize(static_cast<std::size_t>(node.chunk.byte_count));
-  const std::lock_guard lock(mutex_);
-  file_.read_at(node.chunk.place, bytes);
-}
-
-Bounds CopcFile::bounds(const CopcNode& node) const {
-  Bounds bounds = copc_cube(info_, node.key);
-  const int levels_below = k_deepest_copc_level + 1 - node.key.level;
-  for (int axis = 0; axis < 3; ++axis) {
-    // A cube's faces are sums of three numbers, each rounded: a few units in the last place of the largest.
-    const double largest = std::abs(info_.centre[axis]) + 2 * info_.half_size;
-    const double rounding = 8 * std::numeric_limits<double>::epsilon() * largest * levels_below;
-    const double margin = header_.lattice.scale[axis] + rounding;
-    bounds.min[axis] -= margin;
-    bounds.max[axis] += margin;
-  }
-  return bounds;
-}
-
-namespace {
 
 std::uint64_t point_count_of(const ChosenNodes& part) {
   std::uint64_t count = 0;
@@ -141,6 +102,40 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
 }
 
 }  // namespace
+
+bool is_copc(std::span<const std::byte> start) {
+  return start.size() >= k_start_size && las_text(start.data(), 4) == "LASF" &&
+         las_text(start.data() + k_las_header_size + 2, 16) == "copc" &&
+         load<std::uint16_t>(start.data() + k_las_header_size + 18) == 1;
+}
+
+CopcFile::CopcFile(InputFile file)
+    : file_(std::move(file)),
+      header_(read_las_header(file_, warnings_)),
+      records_(read_las_records(file_, header_, warnings_)),
+      layout_(read_layout(file_.name(), header_, records_)),
+      info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->place)),
+      hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {}
+
+void CopcFile::read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const {
+  bytes.resize(static_cast<std::size_t>(node.chunk.byte_count));
+  const std::lock_guard lock(mutex_);
+  file_.read_at(node.chunk.place, bytes);
+}
+
+Bounds CopcFile::bounds(const CopcNode& node) const {
+  Bounds bounds = copc_cube(info_, node.key);
+  const int levels_below = k_deepest_copc_level + 1 - node.key.level;
+  for (int axis = 0; axis < 3; ++axis) {
+    // A cube's faces are sums of three numbers, each rounded: a few units in the last place of the largest.
+    const double largest = std::abs(info_.centre[axis]) + 2 * info_.half_size;
+    const double rounding = 8 * std::numeric_limits<double>::epsilon() * largest * levels_below;
+    const double margin = header_.lattice.scale[axis] + rounding;
+    bounds.min[axis] -= margin;
+    bounds.max[axis] += margin;
+  }
+  return bounds;
+}
 
 PointCloud read_copc_nodes(std::span<const ChosenNodes> parts, const ReadOptions& options) {
   PointCloud cloud;

@@ -6,7 +6,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string>
 
 #include "base/bytes.h"
@@ -158,25 +157,6 @@ class Scalings {
   ColumnRange colors_, intensities_;  ///< of the scans in those lists
 };
 
-}  // namespace
-
-std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
-                                     const std::vector<E57Values>& values, AttributeSet wanted,
-                                     E57Oddities& oddities) {
-  return Scalings(scans, roles, values, wanted, oddities).take();
-}
-
-namespace {
-
-std::size_t index_dimension(PointCloud& cloud, const char* name, const char* description) {
-  ExtraDimension dimension;
-  dimension.name = name;
-  dimension.description = description;
-  dimension.type = ScalarType::uint32;
-  dimension.byte_count = scalar_size(ScalarType::uint32);
-  return find_extra_dimension(cloud, dimension);
-}
-
 /// Nearest whole number, held at the ends of the type; NaN becomes 0.
 template <class Integer>
 Integer nearest(double value) {
@@ -191,6 +171,12 @@ float to_float(double value) {
 }
 
 }  // namespace
+
+std::vector<E57Scaling> e57_scalings(const std::vector<E57Scan>& scans, const std::vector<E57Roles>& roles,
+                                     const std::vector<E57Values>& values, AttributeSet wanted,
+                                     E57Oddities& oddities) {
+  return Scalings(scans, roles, values, wanted, oddities).take();
+}
 
 void E57Appender::begin_scan(const E57Scan& scan, const E57Scaling& scaling, double time_origin) {
   scan_ = &scan;
@@ -215,7 +201,8 @@ bool E57Appender::is_invalid(const E57Points& points, E57Role flag, std::size_t 
 
 void E57Appender::put_index(std::optional<std::size_t>& dimension, const char* name, const char* description,
                             double value) {
-  if (!dimension) dimension = index_dimension(cloud_, name, description);
+  if (!dimension)
+    dimension = find_extra_dimension(cloud_, plain_dimension(name, ScalarType::uint32, description));
   auto* const bytes = reinterpret_cast<std::byte*>(cloud_.extra_dimensions[*dimension].values.data());
   store(bytes + row_ * sizeof(std::uint32_t), nearest<std::uint32_t>(value));
 }

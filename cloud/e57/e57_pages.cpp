@@ -36,6 +36,9 @@ constexpr Tables make_tables() {
 
 constexpr Tables k_tables = make_tables();
 
+constexpr std::size_t k_header_bytes = 48;
+constexpr std::uint64_t k_window_pages = 32;
+
 }  // namespace
 
 std::uint32_t crc32c(std::span<const std::byte> bytes) {
@@ -50,13 +53,6 @@ std::uint32_t crc32c(std::span<const std::byte> bytes) {
     sum = (sum >> 8) ^ k_tables[0][(sum ^ std::to_integer<std::uint32_t>(byte)) & 255];
   return ~sum;
 }
-
-namespace {
-
-constexpr std::size_t k_header_bytes = 48;
-constexpr std::uint64_t k_window_pages = 32;
-
-}  // namespace
 
 E57Pages::E57Pages(InputFile file) : file_(std::move(file)) {
   std::array<std::byte, k_header_bytes> bytes;

@@ -2,12 +2,12 @@
 #include "cloud/e57/e57_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numbers>
 #include <string_view>
 
 #include "base/exact_math.h"
+#include "cloud/point_table.h"
 
 namespace alidade {
 namespace {
@@ -75,47 +75,6 @@ constexpr std::array<std::array<E57Role, 2>, 5> k_flags = {{{E57Role::cartesian_
                                                             {E57Role::color_invalid, E57Role::red},
                                                             {E57Role::time_invalid, E57Role::time}}};
 
-}  // namespace
-
-E57Roles::E57Roles(const E57Scan& scan) {
-  for (std::size_t i = 0; i < scan.fields.size(); ++i) {
-    const std::size_t role = role_of(scan.fields[i]);
-    if (role < k_e57_role_count && !fields_[role]) fields_[role] = i;
-  }
-  for (const auto& triple : k_triples) {
-    const bool complete = std::ranges::all_of(triple, [&](E57Role role) { return has(role); });
-    for (const E57Role role : triple) {
-      if (!complete) fields_[place_of(role)].reset();
-    }
-  }
-  for (const auto& [flag, subject] : k_flags) {
-    if (!has(subject)) fields_[place_of(flag)].reset();
-  }
-  for (std::size_t i = 0; i < scan.fields.size(); ++i) {
-    if (std::ranges::find(fields_, std::optional(i)) == fields_.end()) unread_.push_back(scan.fields[i].name);
-  }
-}
-
-AttributeSet E57Roles::attributes() const {
-  AttributeSet set;
-  for (std::size_t role = 0; role < k_roles.size(); ++role) {
-    if (fields_[role] && k_roles[role].attribute) set = set | *k_roles[role].attribute;
-  }
-  return set;
-}
-
-std::vector<std::size_t> E57Roles::fields_for(AttributeSet attributes) const {
-  std::vector<std::size_t> fields;
-  for (std::size_t role = 0; role < k_roles.size(); ++role) {
-    const auto& attribute = k_roles[role].attribute;
-    if (fields_[role] && (!attribute || attributes.contains(*attribute))) fields.push_back(*fields_[role]);
-  }
-  std::ranges::sort(fields);
-  return fields;
-}
-
-namespace {
-
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_largest_angle = 1 << 30;
 
@@ -157,6 +116,43 @@ bool is_decimal(double scale, double offset) {
 }
 
 }  // namespace
+
+E57Roles::E57Roles(const E57Scan& scan) {
+  for (std::size_t i = 0; i < scan.fields.size(); ++i) {
+    const std::size_t role = role_of(scan.fields[i]);
+    if (role < k_e57_role_count && !fields_[role]) fields_[role] = i;
+  }
+  for (const auto& triple : k_triples) {
+    const bool complete = std::ranges::all_of(triple, [&](E57Role role) { return has(role); });
+    for (const E57Role role : triple) {
+      if (!complete) fields_[place_of(role)].reset();
+    }
+  }
+  for (const auto& [flag, subject] : k_flags) {
+    if (!has(subject)) fields_[place_of(flag)].reset();
+  }
+  for (std::size_t i = 0; i < scan.fields.size(); ++i) {
+    if (std::ranges::find(fields_, std::optional(i)) == fields_.end()) unread_.push_back(scan.fields[i].name);
+  }
+}
+
+AttributeSet E57Roles::attributes() const {
+  AttributeSet set;
+  for (std::size_t role = 0; role < k_roles.size(); ++role) {
+    if (fields_[role] && k_roles[role].attribute) set = set | *k_roles[role].attribute;
+  }
+  return set;
+}
+
+std::vector<std::size_t> E57Roles::fields_for(AttributeSet attributes) const {
+  std::vector<std::size_t> fields;
+  for (std::size_t role = 0; role < k_roles.size(); ++role) {
+    const auto& attribute = k_roles[role].attribute;
+    if (fields_[role] && (!attribute || attributes.contains(*attribute))) fields.push_back(*fields_[role]);
+  }
+  std::ranges::sort(fields);
+  return fields;
+}
 
 void E57PointReader::visit(E57Pages& pages, const std::string& where, AttributeSet attributes,
                            const std::function<void(const E57Points&)>& visitor) {
@@ -211,12 +207,9 @@ double E57PointReader::resolution_of(E57Role role, double largest, bool may_be_e
                                      double translation) const {
   const E57Field& field = scan_.fields[*roles_.field(role)];
   switch (field.kind) {
-    case E57FieldKind::float32: {
+    case E57FieldKind::float32:
       // Of nothing but zeros nothing can be told.
-      if (largest == 0.0) return 0.0;
-      const float next = std::nextafter(static_cast<float>(largest), std::numeric_limits<float>::infinity());
-      return std::isfinite(next) ? 0.5 * (static_cast<double>(next) - largest) : 0.0;
-    }
+      return largest == 0.0 ? 0.0 : type_resolution(ScalarType::float32, largest);
     case E57FieldKind::integer:
     case E57FieldKind::scaled_integer: {
       const double step = std::abs(field.scale);

@@ -19,6 +19,10 @@ std::uint64_t bits_at(const std::byte* at, unsigned shift, unsigned width) {
   return width == 64 ? value : value & ((std::uint64_t{1} << width) - 1);
 }
 
+constexpr std::size_t k_block = 4096;
+constexpr unsigned k_data_packet = 1, k_empty_packet = 2;  // 0: index
+constexpr std::size_t k_data_header = 6;
+
 }  // namespace
 
 void BitQueue::add(std::span<const std::byte> piece) {
@@ -67,14 +71,6 @@ void BitQueue::take(std::span<std::uint64_t> numbers) {
     next_bit_ += width;
   }
 }
-
-namespace {
-
-constexpr std::size_t k_block = 4096;
-constexpr unsigned k_data_packet = 1, k_empty_packet = 2;  // 0: index
-constexpr std::size_t k_data_header = 6;
-
-}  // namespace
 
 E57Records::E57Records(E57Pages& pages, const E57Scan& scan, std::string where,
                        std::span<const std::size_t> wanted)

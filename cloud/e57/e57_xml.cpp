@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string_view>
 #include <unordered_set>
@@ -28,105 +26,12 @@ std::string_view without_blanks(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(k_blanks) - begin + 1);
 }
 
-}  // namespace
-
-std::string E57Node::text() const {
-  std::string text;
-  for (const pugi::xml_node& part : element_.children()) {
-    if (part.type() == pugi::node_pcdata || part.type() == pugi::node_cdata) text += part.value();
-  }
-  return std::string(without_blanks(text));
-}
-
-std::optional<double> E57Node::number() const {
-  const std::string word = text();
-  if (word.empty()) return std::nullopt;
-  auto value = parse_number(word);
-  if (value && std::string_view(element_.attribute("type").value()) == "ScaledInteger")
-    value = *value * number_attribute("scale").value_or(1.0) + number_attribute("offset").value_or(0.0);
-  if (!value || !std::isfinite(*value)) fail("has no finite number", "a number", quote(word));
-  return value;
-}
-
-std::uint64_t E57Node::count() const {
-  const std::string word = text();
-  if (word.empty()) return 0;
-  const auto value = parse_integer<std::uint64_t>(word);
-  if (!value) fail("has no whole number", "a whole number from 0 on", quote(word));
-  return *value;
-}
-
-std::optional<std::int64_t> E57Node::integer_attribute(const char* name) const {
-  const pugi::xml_attribute attribute = element_.attribute(name);
-  if (!attribute) return std::nullopt;
-  const auto value = parse_integer<std::int64_t>(without_blanks(attribute.value()));
-  if (!value)
-    fail(fmt::format("has no whole number as {}", name), "a whole number", quote(attribute.value()));
-  return value;
-}
-
-std::optional<double> E57Node::number_attribute(const char* name) const {
-  const pugi::xml_attribute attribute = element_.attribute(name);
-  if (!attribute) return std::nullopt;
-  const auto value = parse_number(without_blanks(attribute.value()));
-  if (!value || !std::isfinite(*value))
-    fail(fmt::format("has no finite number as {}", name), "a number", quote(attribute.value()));
-  return value;
-}
-
-std::uint64_t E57Node::require_count_attribute(const char* name) const {
-  const pugi::xml_attribute attribute = element_.attribute(name);
-  const auto value = parse_integer<std::uint64_t>(without_blanks(attribute.value()));
-  if (!value) {
-    fail(fmt::format("has no whole number as {}", name), "a whole number from 0 on",
-         attribute ? quote(attribute.value()) : "none");
-  }
-  return *value;
-}
-
-void E57Node::fail(std::string problem, std::string expected, std::string found) const {
-  pages_->fail(where_, (element_ ? quote(element_.name()) + " " : "") + std::move(problem),
-               std::move(expected), std::move(found));
-}
-
-namespace {
-
 /// Rotation by a unit quaternion of Hamilton's convention.
 glm::dmat3 rotation_of(double w, double x, double y, double z) {
   return {{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
           {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
           {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)}};
 }
-
-}  // namespace
-
-std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities) {
-  const E57Node node = parent.child("pose");
-  if (!node) return std::nullopt;
-  E57Pose pose;
-  if (const E57Node rotation = node.child("rotation")) {
-    const double w = rotation.child("w").number_or(0.0), x = rotation.child("x").number_or(0.0),
-                 y = rotation.child("y").number_or(0.0), z = rotation.child("z").number_or(0.0);
-    const double length = std::hypot(std::hypot(w, x), std::hypot(y, z));
-    if (!(length > 1e-100 && length < 1e100)) {
-      rotation.fail("is no rotation", "a quaternion of length 1", fmt::format("length {}", length));
-    }
-    if (std::abs(length - 1.0) > 1e-3) {
-      oddities.add("quaternion",
-                   fmt::format("{}: the quaternion of the pose has length {}; it was brought to 1",
-                               parent.where(), length));
-    }
-    pose.is_rotated = x != 0.0 || y != 0.0 || z != 0.0;
-    if (pose.is_rotated) pose.rotation = rotation_of(w / length, x / length, y / length, z / length);
-  }
-  if (const E57Node translation = node.child("translation")) {
-    pose.translation = {translation.child("x").number_or(0.0), translation.child("y").number_or(0.0),
-                        translation.child("z").number_or(0.0)};
-  }
-  return pose;
-}
-
-namespace {
 
 constexpr std::uint64_t k_section_header_bytes = 32;
 constexpr int k_deepest_prototype = 8;
@@ -237,43 +142,6 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
   }
 }
 
-}  // namespace
-
-E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
-  E57Scan scan;
-  scan.name = parent.child("name").text();
-  scan.guid = parent.child("guid").text();
-  const E57Node points = parent.child("points");
-  if (!points) parent.fail("has no points", "points in every scan");
-  if (std::string_view(points.element().attribute("type").value()) != "CompressedVector")
-    points.fail("is of the wrong type", "CompressedVector",
-                quote(points.element().attribute("type").value()));
-  scan.record_count = points.require_count_attribute("recordCount");
-  scan.pose = read_e57_pose(parent, oddities);
-  scan.intensity_limits = read_limits(parent.child("intensityLimits"), "intensity");
-  const E57Node colors = parent.child("colorLimits");
-  scan.color_limits = {read_limits(colors, "colorRed"), read_limits(colors, "colorGreen"),
-                       read_limits(colors, "colorBlue")};
-  if (const auto start = parent.child("acquisitionStart").child("dateTimeValue").number();
-      start && *start > 0)
-    scan.start = start;
-  for (const pugi::xml_node& codec : points.child("codecs").element().children()) {
-    if (codec.type() == pugi::node_element)
-      points.child("codecs").fail("names a compression nobody knows", "none");
-  }
-  read_fields(points.child("prototype"), "", 1, scan.fields);
-  std::unordered_set<std::string_view> names;
-  for (const E57Field& field : scan.fields) {
-    if (!names.insert(field.name).second)
-      points.fail("has two fields of one name", "names that differ", quote(field.name));
-  }
-  // Writers leave anything in the place of a section without records.
-  if (scan.record_count > 0) locate_section(points, pages, scan);
-  return scan;
-}
-
-namespace {
-
 constexpr std::uint64_t k_blob_header_bytes = 16;
 
 E57Blob read_blob_place(const E57Node& node, E57Pages& pages) {
@@ -333,6 +201,124 @@ std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projec
 }
 
 }  // namespace
+
+std::string E57Node::text() const {
+  std::string text;
+  for (const pugi::xml_node& part : element_.children()) {
+    if (part.type() == pugi::node_pcdata || part.type() == pugi::node_cdata) text += part.value();
+  }
+  return std::string(without_blanks(text));
+}
+
+std::optional<double> E57Node::number() const {
+  const std::string word = text();
+  if (word.empty()) return std::nullopt;
+  auto value = parse_number(word);
+  if (value && std::string_view(element_.attribute("type").value()) == "ScaledInteger")
+    value = *value * number_attribute("scale").value_or(1.0) + number_attribute("offset").value_or(0.0);
+  if (!value || !std::isfinite(*value)) fail("has no finite number", "a number", quote(word));
+  return value;
+}
+
+std::uint64_t E57Node::count() const {
+  const std::string word = text();
+  if (word.empty()) return 0;
+  const auto value = parse_integer<std::uint64_t>(word);
+  if (!value) fail("has no whole number", "a whole number from 0 on", quote(word));
+  return *value;
+}
+
+std::optional<std::int64_t> E57Node::integer_attribute(const char* name) const {
+  const pugi::xml_attribute attribute = element_.attribute(name);
+  if (!attribute) return std::nullopt;
+  const auto value = parse_integer<std::int64_t>(without_blanks(attribute.value()));
+  if (!value)
+    fail(fmt::format("has no whole number as {}", name), "a whole number", quote(attribute.value()));
+  return value;
+}
+
+std::optional<double> E57Node::number_attribute(const char* name) const {
+  const pugi::xml_attribute attribute = element_.attribute(name);
+  if (!attribute) return std::nullopt;
+  const auto value = parse_number(without_blanks(attribute.value()));
+  if (!value || !std::isfinite(*value))
+    fail(fmt::format("has no finite number as {}", name), "a number", quote(attribute.value()));
+  return value;
+}
+
+std::uint64_t E57Node::require_count_attribute(const char* name) const {
+  const pugi::xml_attribute attribute = element_.attribute(name);
+  const auto value = parse_integer<std::uint64_t>(without_blanks(attribute.value()));
+  if (!value) {
+    fail(fmt::format("has no whole number as {}", name), "a whole number from 0 on",
+         attribute ? quote(attribute.value()) : "none");
+  }
+  return *value;
+}
+
+void E57Node::fail(std::string problem, std::string expected, std::string found) const {
+  pages_->fail(where_, (element_ ? quote(element_.name()) + " " : "") + std::move(problem),
+               std::move(expected), std::move(found));
+}
+
+std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& oddities) {
+  const E57Node node = parent.child("pose");
+  if (!node) return std::nullopt;
+  E57Pose pose;
+  if (const E57Node rotation = node.child("rotation")) {
+    const double w = rotation.child("w").number_or(0.0), x = rotation.child("x").number_or(0.0),
+                 y = rotation.child("y").number_or(0.0), z = rotation.child("z").number_or(0.0);
+    const double length = std::hypot(std::hypot(w, x), std::hypot(y, z));
+    if (!(length > 1e-100 && length < 1e100)) {
+      rotation.fail("is no rotation", "a quaternion of length 1", fmt::format("length {}", length));
+    }
+    if (std::abs(length - 1.0) > 1e-3) {
+      oddities.add("quaternion",
+                   fmt::format("{}: the quaternion of the pose has length {}; it was brought to 1",
+                               parent.where(), length));
+    }
+    pose.is_rotated = x != 0.0 || y != 0.0 || z != 0.0;
+    if (pose.is_rotated) pose.rotation = rotation_of(w / length, x / length, y / length, z / length);
+  }
+  if (const E57Node translation = node.child("translation")) {
+    pose.translation = {translation.child("x").number_or(0.0), translation.child("y").number_or(0.0),
+                        translation.child("z").number_or(0.0)};
+  }
+  return pose;
+}
+
+E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
+  E57Scan scan;
+  scan.name = parent.child("name").text();
+  scan.guid = parent.child("guid").text();
+  const E57Node points = parent.child("points");
+  if (!points) parent.fail("has no points", "points in every scan");
+  if (std::string_view(points.element().attribute("type").value()) != "CompressedVector")
+    points.fail("is of the wrong type", "CompressedVector",
+                quote(points.element().attribute("type").value()));
+  scan.record_count = points.require_count_attribute("recordCount");
+  scan.pose = read_e57_pose(parent, oddities);
+  scan.intensity_limits = read_limits(parent.child("intensityLimits"), "intensity");
+  const E57Node colors = parent.child("colorLimits");
+  scan.color_limits = {read_limits(colors, "colorRed"), read_limits(colors, "colorGreen"),
+                       read_limits(colors, "colorBlue")};
+  if (const auto start = parent.child("acquisitionStart").child("dateTimeValue").number();
+      start && *start > 0)
+    scan.start = start;
+  for (const pugi::xml_node& codec : points.child("codecs").element().children()) {
+    if (codec.type() == pugi::node_element)
+      points.child("codecs").fail("names a compression nobody knows", "none");
+  }
+  read_fields(points.child("prototype"), "", 1, scan.fields);
+  std::unordered_set<std::string_view> names;
+  for (const E57Field& field : scan.fields) {
+    if (!names.insert(field.name).second)
+      points.fail("has two fields of one name", "names that differ", quote(field.name));
+  }
+  // Writers leave anything in the place of a section without records.
+  if (scan.record_count > 0) locate_section(points, pages, scan);
+  return scan;
+}
 
 E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& oddities) {
   E57Image image;

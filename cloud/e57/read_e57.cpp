@@ -71,8 +71,6 @@ class E57Reader final : public CloudReader {
   const CloudFile& file() const override { return about_; }
   AttributeSet attributes() const override { return attributes_; }
   FileFacts facts() const override { return facts_; }
-  std::optional<Lattice> lattice() const override { return std::nullopt; }
-  std::optional<std::uint64_t> point_count() const override { return std::nullopt; }
 
   CoordinateSurvey survey(const Progress& progress) override {
     CoordinateSurvey survey;

@@ -8,7 +8,6 @@
 #include <cmath>
 
 #include "base/bytes.h"
-#include "base/error.h"
 #include "base/words.h"
 #include "cloud/laz/chunk_table.h"
 

@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <numeric>
-#include <optional>
 
 #include "base/bytes.h"
 #include "base/error.h"
-#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 namespace {
@@ -51,12 +48,6 @@ RecordPlace read_record_header(InputFile& file, std::uint64_t place, std::uint64
   return record;
 }
 
-StorageRecord read_storage_record(InputFile& file, const RecordPlace& record) {
-  StorageRecord storage{record.place, std::vector<std::byte>(static_cast<std::size_t>(record.size))};
-  file.read_at(record.place, storage.data);
-  return storage;
-}
-
 void take_laszip(StorageRecord record, const InputFile& file, std::optional<StorageRecord>& known) {
   if (known && known->data != record.data) {
     fail_at_byte(file.name(), record.place,
@@ -65,13 +56,7 @@ void take_laszip(StorageRecord record, const InputFile& file, std::optional<Stor
   if (!known) known = std::move(record);
 }
 
-std::vector<std::uint8_t> read_data(InputFile& file, const RecordPlace& record) {
-  std::vector<std::uint8_t> data(static_cast<std::size_t>(record.size));
-  file.read_at(record.place, std::as_writable_bytes(std::span(data)));
-  return data;
-}
-
-template <class T>
+template <class T = std::uint8_t>
 std::vector<T> read_values(InputFile& file, const RecordPlace& record) {
   std::vector<T> values(static_cast<std::size_t>(record.size / sizeof(T)));
   file.read_at(record.place, std::as_writable_bytes(std::span(values)));
@@ -80,7 +65,7 @@ std::vector<T> read_values(InputFile& file, const RecordPlace& record) {
 
 /// The text of a WKT record; empty, with `problem` set, if it is none.
 std::string read_wkt(InputFile& file, const RecordPlace& record, bool& problem) {
-  const std::vector<std::uint8_t> data = read_data(file, record);
+  const std::vector<std::uint8_t> data = read_values(file, record);
   std::string wkt(data.begin(), std::find(data.begin(), data.end(), 0));
   problem = !wkt.empty() && wkt.find('[') == std::string::npos;
   return problem ? std::string() : wkt;
@@ -175,6 +160,42 @@ std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
   return dimensions;
 }
 
+template <class T>
+std::vector<std::uint8_t> bytes_of(const std::vector<T>& values) {
+  std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
+  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
+  return bytes;
+}
+
+VariableLengthRecord projection_record(std::uint16_t id, std::string description,
+                                       std::vector<std::uint8_t> data) {
+  return {.user_id = "LASF_Projection",
+          .record_id = id,
+          .description = std::move(description),
+          .data = std::move(data),
+          .extended = false};
+}
+
+/// One entry of the extra-bytes record: LAS Specification 1.4 R15, table 24.
+std::array<std::byte, k_extra_bytes_entry> extra_bytes_entry(const ExtraDimension& dimension,
+                                                             int byte_count) {
+  std::array<std::byte, k_extra_bytes_entry> entry{};
+  std::byte* const at = entry.data();
+  unsigned options = static_cast<unsigned>(byte_count);  // what the field means for undocumented bytes
+  if (dimension.type != ScalarType::bytes) {
+    options =
+        (dimension.no_data ? 1u : 0u) | (dimension.has_scale ? 8u : 0u) | (dimension.has_offset ? 16u : 0u);
+    if (dimension.no_data) store(at + 40, *dimension.no_data);
+    if (dimension.has_scale) store(at + 112, dimension.scale);
+    if (dimension.has_offset) store(at + 136, dimension.offset);
+  }
+  store(at + 2, static_cast<std::uint8_t>(dimension.type));
+  store(at + 3, static_cast<std::uint8_t>(options));
+  store_las_text(at + 4, 32, dimension.name);
+  store_las_text(at + 160, 32, dimension.description);
+  return entry;
+}
+
 }  // namespace
 
 LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vector<std::string>& warnings,
@@ -194,17 +215,18 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     } else if (record.is("LASF_Projection", 34736)) {
       result.crs.geotiff_doubles = read_values<double>(file, record);
     } else if (record.is("LASF_Projection", 34737)) {
-      const std::vector<std::uint8_t> data = read_data(file, record);
+      const std::vector<std::uint8_t> data = read_values(file, record);
       result.crs.geotiff_ascii.assign(data.begin(), data.end());
     } else if (record.is("LASF_Spec", 4)) {
-      extra_bytes_data = read_data(file, record);
+      extra_bytes_data = read_values(file, record);
     } else if (record.is("LASF_Spec", 65535)) {
       warnings.push_back(fmt::format("{}: wave packets are left out", file.name()));
     } else if (record.is(k_laszip_user_id, k_laszip_record_id)) {
-      take_laszip(read_storage_record(file, record), file, result.laszip);
+      take_laszip({record.place, read_values<std::byte>(file, record)}, file, result.laszip);
     } else if (record.user_id == k_copc_user_id) {
       const bool first = record.place == k_las_header_size + k_las_record_head;
-      if (first && record.record_id == k_copc_info_id) result.copc_info = read_storage_record(file, record);
+      if (first && record.record_id == k_copc_info_id)
+        result.copc_info = {record.place, read_values<std::byte>(file, record)};
     } else {
       // libLAS wrote WKT before the standard had a place for it. The record is handed on too.
       bool problem = false;
@@ -212,7 +234,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
       result.others.push_back({.user_id = record.user_id,
                                .record_id = record.record_id,
                                .description = record.description,
-                               .data = read_data(file, record),
+                               .data = read_values(file, record),
                                .extended = record.extended});
     }
   };
@@ -265,46 +287,6 @@ std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, 
   keep_points_inside(file, header, damage);
   return std::nullopt;
 }
-
-namespace {
-
-template <class T>
-std::vector<std::uint8_t> bytes_of(const std::vector<T>& values) {
-  std::vector<std::uint8_t> bytes(values.size() * sizeof(T));
-  if (!bytes.empty()) std::memcpy(bytes.data(), values.data(), bytes.size());
-  return bytes;
-}
-
-VariableLengthRecord projection_record(std::uint16_t id, std::string description,
-                                       std::vector<std::uint8_t> data) {
-  return {.user_id = "LASF_Projection",
-          .record_id = id,
-          .description = std::move(description),
-          .data = std::move(data),
-          .extended = false};
-}
-
-/// One entry of the extra-bytes record: LAS Specification 1.4 R15, table 24.
-std::array<std::byte, k_extra_bytes_entry> extra_bytes_entry(const ExtraDimension& dimension,
-                                                             int byte_count) {
-  std::array<std::byte, k_extra_bytes_entry> entry{};
-  std::byte* const at = entry.data();
-  unsigned options = static_cast<unsigned>(byte_count);  // what the field means for undocumented bytes
-  if (dimension.type != ScalarType::bytes) {
-    options =
-        (dimension.no_data ? 1u : 0u) | (dimension.has_scale ? 8u : 0u) | (dimension.has_offset ? 16u : 0u);
-    if (dimension.no_data) store(at + 40, *dimension.no_data);
-    if (dimension.has_scale) store(at + 112, dimension.scale);
-    if (dimension.has_offset) store(at + 136, dimension.offset);
-  }
-  store(at + 2, static_cast<std::uint8_t>(dimension.type));
-  store(at + 3, static_cast<std::uint8_t>(options));
-  store_las_text(at + 4, 32, dimension.name);
-  store_las_text(at + 160, 32, dimension.description);
-  return entry;
-}
-
-}  // namespace
 
 std::vector<VariableLengthRecord> las_crs_records(const Crs& crs) {
   std::vector<VariableLengthRecord> records;

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "base/bytes.h"
 #include "base/error.h"
@@ -49,7 +47,6 @@ struct Source {
   }
 
   /// Where the points end, packed or not.
-
   std::uint64_t points_end() {
     if (!packing) return header.points_end();
     const std::uint64_t extended =
@@ -118,28 +115,6 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   store(head.data() + k_points_place, static_cast<std::uint32_t>(head.size()));
   return head;
 }
-
-/// Takes records in their order, wherever they go.
-class RecordOutput {
- public:
-  RecordOutput(OutputFile& file, const std::optional<LazLayout>& packing) : file_(file) {
-    if (packing) packed_.emplace(file, *packing);
-  }
-  void write(std::span<const std::byte> records) {
-    if (packed_) {
-      packed_->write(records);
-    } else {
-      file_.write(records);
-    }
-  }
-  void finish() {
-    if (packed_) packed_->finish();
-  }
-
- private:
-  OutputFile& file_;
-  std::optional<LazPointWriter> packed_;
-};
 
 /// Brings unpacked records, which come in any order between two calls for room, into their order.
 class OrderedRecords final : public LazSink {

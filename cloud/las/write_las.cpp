@@ -38,15 +38,6 @@ std::uint8_t return_byte(ReturnNumbers returns) {
   return static_cast<std::uint8_t>(std::min<int>(returns.number, 15) | std::min<int>(returns.count, 15) << 4);
 }
 
-ExtraDimension normal_dimension(char axis) {
-  ExtraDimension dimension;
-  dimension.name = fmt::format("Normal{}", axis);
-  dimension.description = "surface normal";
-  dimension.type = ScalarType::float32;
-  dimension.byte_count = 4;
-  return dimension;
-}
-
 /// Puts value(i) for every i of a column's rows [first, first + count) into the records at `at`.
 template <class Column, class Value>
 void put(const Column& column, std::size_t first, std::size_t count, std::byte* at, std::size_t record_size,
@@ -68,7 +59,7 @@ struct LasWriter::State {
   std::vector<ExtraDimension> extra_dimensions;  ///< as described in the file; the normals stand last
   LatticeExtent extent;
   std::vector<std::byte> block;
-  std::optional<LazPointWriter> packed_points;  ///< of LAZ
+  std::optional<RecordOutput> points;  ///< once the head is written
 
   State(const std::filesystem::path& path, const LasWriteOptions& write_options)
       : file(path, write_options.overwrite), options(write_options) {}
@@ -148,7 +139,8 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
     state_->extra_dimensions.push_back(description_of(dimension));
   }
   if (state_->has_normals) {
-    for (const char axis : {'X', 'Y', 'Z'}) state_->extra_dimensions.push_back(normal_dimension(axis));
+    for (const char* const name : {"NormalX", "NormalY", "NormalZ"})
+      state_->extra_dimensions.push_back(plain_dimension(name, ScalarType::float32, "surface normal"));
   }
   std::size_t point_size = static_cast<std::size_t>(header.layout().size);
   for (const ExtraDimension& dimension : state_->extra_dimensions) {
@@ -191,7 +183,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
                  .found = fmt::format("{} bytes", file.size())});
   }
   header.points_place = static_cast<std::uint32_t>(file.size());
-  if (packing) state_->packed_points.emplace(file, *packing);
+  state_->points.emplace(file, packing);
 }
 
 LasWriter::~LasWriter() = default;
@@ -205,11 +197,7 @@ void LasWriter::write(const PointCloud& batch) {
     const std::size_t count = std::min(step, batch.size() - first);
     state.encode(batch, first, count);
     state.count_points(batch, first, count);
-    if (state.packed_points) {
-      state.packed_points->write(state.block);
-    } else {
-      state.file.write(state.block);
-    }
+    state.points->write(state.block);
     report(state.options.progress, state.header.point_count, total);
   }
 }
@@ -217,7 +205,7 @@ void LasWriter::write(const PointCloud& batch) {
 void LasWriter::finish() {
   State& state = *state_;
   LasHeader& header = state.header;
-  if (state.packed_points) state.packed_points->finish();
+  state.points->finish();
   if (header.point_count > 0) {
     header.bounds.grow(to_world(header.lattice, state.extent.low));
     header.bounds.grow(to_world(header.lattice, state.extent.high));

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <new>
 
-#include "cloud/laz/laz_layout.h"
-
 namespace alidade {
 namespace {
 

@@ -4,14 +4,10 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
-#include <cstdint>
-#include <utility>
 
 #include "base/bytes.h"
-#include "base/error.h"
 #include "cloud/laz/entropy_coder.h"
 #include "cloud/laz/layered_codec.h"
-#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/value_coders.h"
 
 // Source: the chunk table as laszip 2 and 3 write it. At the place of the points stands the place of the

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 
-#include <algorithm>
-#include <bit>
 #include <utility>
 
 #include "cloud/laz/entropy_coder.h"

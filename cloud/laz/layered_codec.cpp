@@ -5,13 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <cstddef>
 #include <cstring>
 #include <string_view>
 
 #include "base/bytes.h"
 #include "cloud/laz/layer.h"
-#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/position_layer.h"
 #include "cloud/laz/shared_models.h"
 
@@ -45,6 +43,15 @@ std::size_t count_layers(const LazItem& item) {
       "{} bytes in version {}",
       static_cast<unsigned>(item.kind), item.size, item.version));
 }
+
+/// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
+/// in registers, few enough that the records stay in the cache.
+constexpr std::size_t k_layered_block = 512;
+
+constexpr const char* k_positions = "returns and positions";
+
+/// Somewhere in a block a stream has failed.
+struct FailedBlock {};
 
 }  // namespace
 
@@ -85,19 +92,6 @@ void LayeredChunkHead::read(std::span<const std::byte> bytes) {
     chunk_size_ += layer_size;
   }
 }
-
-/// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
-/// in registers, few enough that the records stay in the cache.
-inline constexpr std::size_t k_layered_block = 512;
-
-namespace {
-
-constexpr const char* k_positions = "returns and positions";
-
-/// Somewhere in a block a stream has failed.
-struct FailedBlock {};
-
-}  // namespace
 
 struct LayeredDecoder::State {
   State(const LazLayout& layout, const LazLayers& wanted)

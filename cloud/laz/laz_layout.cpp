@@ -4,9 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cassert>
-#include <cstddef>
-#include <cstdint>
-#include <span>
 #include <utility>
 
 #include "base/bytes.h"
@@ -146,12 +143,12 @@ LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string
 }
 
 VariableLengthRecord laszip_record(const LazLayout& layout) {
-  constexpr std::size_t k_head = 34, k_item = 6;
-  VariableLengthRecord record{.user_id = k_laszip_user_id,
-                              .record_id = k_laszip_record_id,
-                              .description = "how the points are packed",
-                              .data = std::vector<std::uint8_t>(k_head + k_item * layout.items.size()),
-                              .extended = false};
+  VariableLengthRecord record{
+      .user_id = k_laszip_user_id,
+      .record_id = k_laszip_record_id,
+      .description = "how the points are packed",
+      .data = std::vector<std::uint8_t>(k_items_place + k_item_bytes * layout.items.size()),
+      .extended = false};
   const std::span<std::byte> data = std::as_writable_bytes(std::span(record.data));
   std::byte* const at = data.data();
   store(at, layout.compressor);
@@ -163,7 +160,7 @@ VariableLengthRecord laszip_record(const LazLayout& layout) {
   store<std::int64_t>(at + 24, -1);
   store(at + 32, static_cast<std::uint16_t>(layout.items.size()));
   for (std::size_t i = 0; i < layout.items.size(); ++i) {
-    std::byte* const item = at + k_head + k_item * i;
+    std::byte* const item = at + k_items_place + k_item_bytes * i;
     store(item, layout.items[i].kind);
     store(item + 2, layout.items[i].size);
     store(item + 4, layout.items[i].version);

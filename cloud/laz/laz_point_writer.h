@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "base/output_file.h"
@@ -33,6 +34,29 @@ class LazPointWriter {
  private:
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// Takes the points of a file as LazPointWriter does: packed if there is a layout to pack them by, else as they
+/// are.
+class RecordOutput {
+ public:
+  RecordOutput(OutputFile& file, const std::optional<LazLayout>& packing) : file_(file) {
+    if (packing) packed_.emplace(file, *packing);
+  }
+  void write(std::span<const std::byte> records) {
+    if (packed_) {
+      packed_->write(records);
+    } else {
+      file_.write(records);
+    }
+  }
+  void finish() {
+    if (packed_) packed_->finish();
+  }
+
+ private:
+  OutputFile& file_;
+  std::optional<LazPointWriter> packed_;
 };
 
 }  // namespace alidade

@@ -5,17 +5,13 @@
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "base/parallel.h"
 #include "cloud/laz/chunk_codec.h"
-#include "cloud/laz/laz_layout.h"
 
 namespace alidade {
 
@@ -52,7 +48,6 @@ class ChunkUnpacker {
   }
 
   /// Unpacks chunks that lie one behind the other.
-
   std::vector<LostPoints> read_chunks(std::span<const LazChunk> chunks) {
     const std::uint64_t most_points =
         std::min(damage_ == Damage::refuse ? k_batch_points : k_batch_points_sorted_out,
@@ -86,7 +81,6 @@ class ChunkUnpacker {
   }
 
   /// Unpacks pointwise chunks whose ends nobody knows.
-
   std::vector<LostPoints> read_in_sequence() {
     const bool one_stream = layout_.compressor == LazCompressor::pointwise;
     std::uint64_t place = header_.points_place + (one_stream ? 0 : k_laz_table_place_bytes);
@@ -267,12 +261,7 @@ void LazPoints::walk(Damage damage) {
 
 std::vector<LostPoints> LazPoints::read(const LazLayers& wanted, LazSink& sink, const Progress& progress) {
   ChunkUnpacker unpacker(file_, header_, layout_, wanted, damage_, sink, progress);
-  std::vector<LostPoints> lost;
-  if (in_sequence_) {
-    lost = unpacker.read_in_sequence();
-  } else {
-    lost = unpacker.read_chunks(chunks_);
-  }
+  std::vector<LostPoints> lost = in_sequence_ ? unpacker.read_in_sequence() : unpacker.read_chunks(chunks_);
   lost.insert(lost.end(), lost_.begin(), lost_.end());
   return lost;
 }

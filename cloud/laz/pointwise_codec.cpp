@@ -7,8 +7,6 @@
 #include <cassert>
 #include <cstring>
 
-#include "cloud/laz/entropy_coder.h"
-#include "cloud/laz/laz_layout.h"
 #include "cloud/laz/pointwise_rules.h"
 #include "cloud/laz/shared_models.h"
 
@@ -111,8 +109,9 @@ std::unique_ptr<PointwiseItem> make_pointwise_item(const LazItem& item) {
                   static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
-}  // namespace
+constexpr std::size_t k_shortest_stream = 4;  // that of no points
 
+/// The items of a layout in their order. Errors: CorruptChunk, if pointwise streams have no such items.
 std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {
   std::vector<PlacedItem> items;
   std::size_t place = 0;
@@ -122,10 +121,6 @@ std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {
   }
   return items;
 }
-
-namespace {
-
-constexpr std::size_t k_shortest_stream = 4;  // that of no points
 
 }  // namespace
 

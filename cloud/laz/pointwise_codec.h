@@ -31,9 +31,6 @@ struct PlacedItem {
   std::unique_ptr<PointwiseItem> rules;
 };
 
-/// The items of a layout in their order. Errors: CorruptChunk, if pointwise streams have no such items.
-std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout);
-
 // Point data records of formats 0 to 5 in LAZ files (compressors 1 and 2): a chunk is its first record as it
 // is, then one stream of the arithmetic coder in which every further record is coded item by item. Records
 // are those of LAS.

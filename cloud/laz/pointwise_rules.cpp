@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/laz/pointwise_rules.h"
 
-#include <algorithm>
 #include <cassert>
 #include <cstring>
 

@@ -2,12 +2,8 @@
 #include "cloud/laz/position_layer.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 
 #include "base/bytes.h"
-#include "cloud/laz/layer.h"
-#include "cloud/laz/value_coders.h"
 
 namespace alidade {
 

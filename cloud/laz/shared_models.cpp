@@ -2,7 +2,6 @@
 #include "cloud/laz/shared_models.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/bytes.h"
@@ -50,6 +49,23 @@ int predicted_green(const Bytes& previous, const Bytes& color, std::size_t half)
 int predicted_blue(const Bytes& previous, const Bytes& color, std::size_t half) {
   const int change = color[half] - previous[half] + color[2 + half] - previous[2 + half];
   return std::clamp(previous[4 + half] + change / 2, 0, 255);
+}
+
+// Where the fields stand in the record, in bytes.
+constexpr std::size_t k_place = 1;          // u64
+constexpr std::size_t k_packet_size = 9;    // u32
+constexpr std::size_t k_return_point = 13;  // f32
+constexpr std::size_t k_direction = 17;     // 3 f32
+
+enum Move : unsigned {
+  unchanged = 0,
+  by_packet_size = 1,
+  by_difference = 2,
+  anywhere = 3,
+};
+
+std::uint64_t widened(std::int32_t difference) {
+  return static_cast<std::uint64_t>(static_cast<std::int64_t>(difference));
 }
 
 }  // namespace
@@ -103,27 +119,6 @@ bool ColorModels::encode(ArithmeticEncoder& encoder, const std::byte* previous, 
   Bytes next = bytes_of(color);
   return code(coder, bytes_of(previous), next) != 0;
 }
-
-namespace {
-
-// Where the fields stand in the record, in bytes.
-constexpr std::size_t k_place = 1;          // u64
-constexpr std::size_t k_packet_size = 9;    // u32
-constexpr std::size_t k_return_point = 13;  // f32
-constexpr std::size_t k_direction = 17;     // 3 f32
-
-enum Move : unsigned {
-  unchanged = 0,
-  by_packet_size = 1,
-  by_difference = 2,
-  anywhere = 3,
-};
-
-std::uint64_t widened(std::int32_t difference) {
-  return static_cast<std::uint64_t>(static_cast<std::int64_t>(difference));
-}
-
-}  // namespace
 
 WavePacketModels::WavePacketModels()
     : descriptor_index_(256), place_(32, 1), size_(32, 1), return_point_(32, 1), direction_(32, 3) {

@@ -6,7 +6,6 @@
 #include <optional>
 #include <string_view>
 
-#include "base/error.h"
 #include "base/text_scanner.h"
 #include "cloud/table_reader.h"
 

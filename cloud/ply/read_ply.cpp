@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/error.h"
 #include "base/input_file.h"
 #include "base/text_scanner.h"
 #include "cloud/attributes.h"
@@ -123,20 +122,12 @@ PlyProperty require_property(const TextScanner& scanner, const Words& words) {
   return property;
 }
 
-void find_vertex(const InputFile& input, PlyHeader& header) {
+void find_vertex(const TextScanner& scanner, PlyHeader& header) {
   const auto is_vertex = [](const PlyElement& element) { return element.name == "vertex"; };
   const auto found = std::ranges::find_if(header.elements, is_vertex);
-  const std::string place = "line " + std::to_string(header.line_count);
-  if (found == header.elements.end())
-    throw Error({.file = input.name(),
-                 .place = place,
-                 .problem = "the header has no points",
-                 .expected = "an element called vertex"});
+  if (found == header.elements.end()) scanner.fail("the header has no points", "an element called vertex");
   if (std::ranges::count_if(header.elements, is_vertex) > 1)
-    throw Error({.file = input.name(),
-                 .place = place,
-                 .problem = "the header has several elements called vertex",
-                 .expected = "one"});
+    scanner.fail("the header has several elements called vertex", "one");
   header.vertex = static_cast<std::size_t>(found - header.elements.begin());
 }
 
@@ -161,11 +152,7 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
   Words words;
   split_words(first, words);
   if (words.size() != 1 || words[0] != "ply")
-    throw Error({.file = input.name(),
-                 .place = "byte 0",
-                 .problem = "not a PLY file",
-                 .expected = "a first line \"ply\"",
-                 .found = quote(first)});
+    fail_at_byte(input.name(), 0, "not a PLY file", "a first line \"ply\"", quote(first));
   PlyHeader header;
   bool has_format = false;
   while (true) {
@@ -193,7 +180,7 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
   if (!has_format) scanner.fail("the header has no format line", "format ascii 1.0 or another");
   header.data_place = scanner.place();
   header.line_count = scanner.line_number();
-  find_vertex(input, header);
+  find_vertex(scanner, header);
   check_count(input, header, damage);
   return header;
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "cloud/ply/write_ply.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
 #include <charconv>
-#include <functional>
 #include <string>
 #include <unordered_map>
 #include <unordered_set>

@@ -13,12 +13,10 @@ namespace alidade {
 
 namespace {
 
-constexpr std::uint64_t k_points_per_ptx_report = 1 << 15;
-
-/// Rows of the matrix that takes a point of the scan, as a row vector (x, y, z, 1), to the world.
 /// More than any file holds; keeps products within 64 bits.
 constexpr std::uint64_t k_most_points = std::uint64_t{1} << 62;
 
+/// Rows of the matrix that takes a point of the scan, as a row vector (x, y, z, 1), to the world.
 using Transform = std::array<std::array<double, 4>, 4>;
 
 struct ScanHeader {
@@ -44,13 +42,12 @@ class PtxReader final : public TableReader {
     }
     std::vector<TableColumn> columns{{"x", ScalarType::float64, ColumnRole::x},
                                      {"y", ScalarType::float64, ColumnRole::y},
-                                     {"z", ScalarType::float64, ColumnRole::z}};
-    if (value_count_ >= 4) columns.push_back({"intensity", ScalarType::float64, ColumnRole::intensity});
-    if (value_count_ >= 7) {
-      columns.push_back({"red", ScalarType::float64, ColumnRole::red});
-      columns.push_back({"green", ScalarType::float64, ColumnRole::green});
-      columns.push_back({"blue", ScalarType::float64, ColumnRole::blue});
-    }
+                                     {"z", ScalarType::float64, ColumnRole::z},
+                                     {"intensity", ScalarType::float64, ColumnRole::intensity},
+                                     {"red", ScalarType::float64, ColumnRole::red},
+                                     {"green", ScalarType::float64, ColumnRole::green},
+                                     {"blue", ScalarType::float64, ColumnRole::blue}};
+    columns.resize(value_count_);
     set_columns(std::move(columns), "line 1");
   }
 
@@ -58,7 +55,6 @@ class PtxReader final : public TableReader {
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
     TextScanner scanner(input_);
     written_.emplace(columns());
-    row_.assign(columns().size(), {});
     scale_ = std::numeric_limits<double>::infinity();
     while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
@@ -68,12 +64,10 @@ class PtxReader final : public TableReader {
       }
       const auto& axis = header.transform[0];
       scale_ = std::min(scale_, std::sqrt(axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2]));
-      for (std::uint64_t point = 0; point < header.point_count; ++point) {
-        if (point % k_points_per_ptx_report == 0) report(progress, scanner.place(), input_.size());
+      visit_points(header.point_count, scanner, visit, progress, [&](std::vector<Cell>& row) {
         if (!scanner.next_words(words_)) fail_early(scanner);
-        parse_row(scanner, header.transform);
-        visit(row_);
-      }
+        parse_row(scanner, header.transform, row);
+      });
     }
   }
 
@@ -159,15 +153,15 @@ class PtxReader final : public TableReader {
 
   /// Scans of one file may differ in whether they have colours: missing values are 0, others than the first
   /// scan's are left out.
-  void parse_row(const TextScanner& scanner, const Transform& m) {
-    const std::size_t count = std::min(require_value_count(scanner), row_.size());
-    std::fill(row_.begin(), row_.end(), Cell{});
-    for (std::size_t i = 0; i < count; ++i) row_[i] = require_cell(scanner, words_[i], ScalarType::float64);
-    const double x = row_[0].number, y = row_[1].number, z = row_[2].number;
+  void parse_row(const TextScanner& scanner, const Transform& m, std::vector<Cell>& row) {
+    const std::size_t count = std::min(require_value_count(scanner), row.size());
+    std::ranges::fill(row, Cell{});
+    for (std::size_t i = 0; i < count; ++i) row[i] = require_cell(scanner, words_[i], ScalarType::float64);
+    const double x = row[0].number, y = row[1].number, z = row[2].number;
     const bool has_return = x != 0.0 || y != 0.0 || z != 0.0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      row_[axis].number = has_return ? x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis]
-                                     : std::numeric_limits<double>::quiet_NaN();
+      row[axis].number = has_return ? x * m[0][axis] + y * m[1][axis] + z * m[2][axis] + m[3][axis]
+                                    : std::numeric_limits<double>::quiet_NaN();
       if (has_return) written_->add(axis, words_[axis]);
     }
   }
@@ -175,7 +169,6 @@ class PtxReader final : public TableReader {
   std::size_t value_count_ = 3;
   double scale_ = 1.0;  ///< smallest length that a transform gives to a unit of its scan
   bool warned_ = false;
-  std::vector<Cell> row_;
 };
 
 }  // namespace
