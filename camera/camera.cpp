@@ -73,7 +73,7 @@ double place_to_center(const std::array<double, 8>& across, const std::array<dou
 
 Ray camera_ray(const Camera& camera, const glm::dvec2& film_position) {
   if (const std::optional<Ray> ray = Projection(camera).ray(film_position)) return *ray;
-  throw Error({.problem = "the camera's lens has no view through this place of the film"});
+  throw Error({.problem = "the lens has no view at this film position"});
 }
 
 std::optional<glm::dvec2> project_to_film(const Camera& camera, const glm::dvec3& world) {
@@ -82,14 +82,15 @@ std::optional<glm::dvec2> project_to_film(const Camera& camera, const glm::dvec3
 
 CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::dvec3& up) {
   if (!finite(eye) || !finite(target) || !finite(up))
-    throw Error({.problem = "look_at has a number that is not finite"});
+    throw Error({.problem = "look_at has a non-finite number"});
   const glm::dvec3 view = target - eye;
-  if (view == glm::dvec3(0.0)) throw Error({.problem = "look_at: eye and target are the same place"});
+  if (view == glm::dvec3(0.0)) throw Error({.problem = "look_at: eye and target are equal"});
   if (up == glm::dvec3(0.0)) throw Error({.problem = "look_at: up is zero"});
   const glm::dvec3 forward = unit(view);
   const glm::dvec3 right = glm::cross(forward, unit(up));
   // Less than this, and rounding decides where right is.
-  if (glm::dot(right, right) < 1e-20) throw Error({.problem = "look_at: up is parallel to the view"});
+  if (glm::dot(right, right) < 1e-20)
+    throw Error({.problem = "look_at: up is parallel to the viewing direction"});
   CameraPose pose{.position = eye, .right = unit(right), .forward = forward};
   pose.down = unit(glm::cross(pose.forward, pose.right));
   return pose;
@@ -98,7 +99,7 @@ CameraPose look_at(const glm::dvec3& eye, const glm::dvec3& target, const glm::d
 Camera pinhole_from_fov(int width, int height, double vertical_fov, const CameraPose& pose) {
   if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
   if (!(vertical_fov > 0.0 && vertical_fov < 180.0)) {
-    throw Error({.problem = "vertical field of view is out of range",
+    throw Error({.problem = "vertical field of view out of range",
                  .expected = "degrees between 0 and 180",
                  .found = std::to_string(vertical_fov)});
   }
@@ -165,19 +166,19 @@ Camera panorama_camera(const glm::dvec3& place, int width, int height) {
 
 Camera orthophoto_camera(const Bounds& bounds, double resolution) {
   if (!(resolution > 0.0) || !std::isfinite(resolution)) {
-    throw Error({.problem = "resolution is out of range",
-                 .expected = "metres above 0",
+    throw Error({.problem = "resolution out of range",
+                 .expected = "a positive number of metres",
                  .found = std::to_string(resolution)});
   }
-  if (bounds.empty()) throw Error({.problem = "there is nothing to look at from above"});
+  if (bounds.empty()) throw Error({.problem = "nothing to render from above"});
   const double left = std::floor(bounds.min.x / resolution), right = std::ceil(bounds.max.x / resolution);
   const double bottom = std::floor(bounds.min.y / resolution), top = std::ceil(bounds.max.y / resolution);
   const double width = std::max(right - left, 1.0), height = std::max(top - bottom, 1.0);
   if (!(width <= k_max_image_side && height <= k_max_image_side && width * height <= k_max_pixels)) {
-    throw Error({.problem = "the picture is too large",
-                 .expected =
-                     "at most 65536 pixels each way and 2^28 in all: a coarser resolution or a smaller "
-                     "extent",
+    throw Error({.problem = "image too large",
+                 .expected = "at most 65536 pixels in each direction and 2^28 in total: use a coarser "
+                             "resolution or a smaller "
+                             "extent",
                  .found = fmt::format("{:.0f} x {:.0f}", width, height)});
   }
   Camera camera{.width = static_cast<int>(width),
@@ -249,7 +250,7 @@ CameraPose pose_from_world_to_camera(const glm::dmat3& rotation, const glm::dvec
 std::array<double, 6> ground_transform(const Camera& camera) {
   const CameraPose& pose = camera.pose;
   if (!std::holds_alternative<OrthographicLens>(camera.lens) || !(pose.forward.z < -1.0 + 1e-12)) {
-    throw Error({.problem = "only a picture of parallel rays from straight above can be a GeoTIFF",
+    throw Error({.problem = "a GeoTIFF requires an orthographic camera that looks down",
                  .expected = "--orthographic top, or an orthographic camera that looks along -z"});
   }
   const glm::dvec3 across = pose.right / camera.fx, down = pose.down / camera.fy;

@@ -30,7 +30,7 @@ CameraSet finished(CameraSet set, const std::string& file, bool sort) {
   if (set.cameras.empty()) {
     std::string remarks;
     for (const std::string& warning : set.warnings) remarks += (remarks.empty() ? "" : ", ") + warning;
-    throw Error({.file = file, .problem = "holds no camera with a pose", .found = remarks});
+    throw Error({.file = file, .problem = "contains no camera with a pose", .found = remarks});
   }
   for (NamedCamera& each : set.cameras) each.camera.lens = simplest(each.camera.lens);
   if (sort) std::ranges::stable_sort(set.cameras, {}, &NamedCamera::name);
@@ -38,8 +38,8 @@ CameraSet finished(CameraSet set, const std::string& file, bool sort) {
   for (const NamedCamera& each : set.cameras) {
     if (!names.insert(each.name).second)
       throw Error({.file = file,
-                   .problem = fmt::format("camera '{}' stands twice", each.name),
-                   .expected = "every name once"});
+                   .problem = fmt::format("duplicate camera '{}'", each.name),
+                   .expected = "unique names"});
   }
   return set;
 }
@@ -55,7 +55,7 @@ CameraSet parse_json_cameras(std::string text, const fs::path& name, const Camer
     set.cameras.push_back({name.filename().string(), parse_camera(document.text, name)});
     return set;
   }
-  top.fail("unknown kind of camera file",
+  top.fail("unknown camera file format",
            "a camera (\"model\"), transforms.json (\"frames\"), OpenSfM's reconstruction.json (an array) or "
            "openMVG's sfm_data.json (\"sfm_data_version\")",
            "an object without these keys");
@@ -76,7 +76,7 @@ CameraSet read_colmap_folder(const fs::path& folder) {
                             read_text_file(images_text, k_largest_camera_file), images_text.string());
   }
   throw Error({.file = folder.string(),
-               .problem = "no camera model of COLMAP in this folder",
+               .problem = "no COLMAP model in this folder",
                .expected = "cameras.bin and images.bin, or cameras.txt and images.txt (often in sparse/0)"});
 }
 
@@ -119,11 +119,10 @@ const NamedCamera& camera_called(const CameraSet& set, const std::string& name, 
   std::vector<std::string_view> names;
   for (const NamedCamera& each : set.cameras) names.push_back(each.name);
   const std::string_view nearest = nearest_word(name, names);
-  throw Error(
-      {.file = source,
-       .problem = fmt::format("{} called '{}'", found.empty() ? "no camera" : "several cameras", name),
-       .expected = fmt::format("one of {} names such as '{}'", names.size(),
-                               nearest.empty() ? names.front() : nearest)});
+  throw Error({.file = source,
+               .problem = fmt::format("{} named '{}'", found.empty() ? "no camera" : "several cameras", name),
+               .expected = fmt::format("one of {} names such as '{}'", names.size(),
+                                       nearest.empty() ? names.front() : nearest)});
 }
 
 }  // namespace alidade::camera

@@ -44,7 +44,7 @@ void require_finite(std::initializer_list<double> numbers, const char* what) {
 }
 
 void check_distortion(const Distortion& distortion) {
-  constexpr const char* what = "distortion parameter is not finite";
+  constexpr const char* what = "a distortion parameter is not finite";
   require_finite({distortion.p1, distortion.p2}, what);
   for (const double each : distortion.radial) require_finite({each}, what);
   for (const double each : distortion.denominator) require_finite({each}, what);
@@ -56,21 +56,20 @@ struct CheckLens {
   void operator()(const BrownLens& lens) const { check_distortion(lens.distortion); }
   void operator()(const FisheyeLens& lens) const { check_distortion(lens.distortion); }
   void operator()(const FieldOfViewLens& lens) const {
-    require(std::fabs(lens.omega) < std::numbers::pi, "omega of the lens is out of range",
+    require(std::fabs(lens.omega) < std::numbers::pi, "omega of the lens out of range",
             "radians between -pi and pi", lens.omega);
   }
   void operator()(const DivisionLens& lens) const {
-    require_finite({lens.k}, "distortion parameter is not finite");
+    require_finite({lens.k}, "a distortion parameter is not finite");
   }
   void operator()(const UnifiedLens& lens) const {
-    require(lens.alpha >= 0.0 && lens.alpha <= 1.0, "alpha of the lens is out of range", "0 to 1",
-            lens.alpha);
-    require(lens.beta > 0.0 && std::isfinite(lens.beta), "beta of the lens is out of range",
-            "a number above 0", lens.beta);
+    require(lens.alpha >= 0.0 && lens.alpha <= 1.0, "alpha of the lens out of range", "0 to 1", lens.alpha);
+    require(lens.beta > 0.0 && std::isfinite(lens.beta), "beta of the lens out of range", "a positive number",
+            lens.beta);
   }
   void operator()(const DualLens& lens) const {
-    require(lens.transition >= 0.0 && lens.transition <= 1.0, "transition of the lens is out of range",
-            "0 to 1", lens.transition);
+    require(lens.transition >= 0.0 && lens.transition <= 1.0, "transition of the lens out of range", "0 to 1",
+            lens.transition);
     check_distortion(lens.distortion);
   }
   void operator()(const OrthographicLens&) const {}
@@ -111,28 +110,28 @@ void check_fold_towards(const Projection& projection, const glm::dvec2& place) {
   // A fisheye that has come to the end of the sphere shows nothing beyond its circle.
   if (std::holds_alternative<FisheyeLens>(camera.lens) && angle > 179.99) return;
   throw Error(
-      {.problem = fmt::format("the distortion folds over {:.6g} pixels from the principal point, {:.4g} "
-                              "degrees off the axis, and cannot be inverted beyond",
+      {.problem = fmt::format("the distortion folds over at {:.6g} pixels from the principal point, {:.4g} "
+                              "degrees off the axis",
                               share * distance, angle),
-       .expected = "a lens that reaches the whole image",
+       .expected = "a lens that covers the whole image",
        .found = fmt::format("pixel ({:g}, {:g}), {:.6g} pixels away", place.x, place.y, distance)});
 }
 
 }  // namespace
 
 void check_camera_numbers(const Camera& camera) {
-  require(camera.width >= 1 && camera.width <= k_max_image_side, "image width is out of range",
+  require(camera.width >= 1 && camera.width <= k_max_image_side, "image width out of range",
           "1 to 65536 pixels", camera.width);
-  require(camera.height >= 1 && camera.height <= k_max_image_side, "image height is out of range",
+  require(camera.height >= 1 && camera.height <= k_max_image_side, "image height out of range",
           "1 to 65536 pixels", camera.height);
-  require(camera.fx > 0.0 && std::isfinite(camera.fx), "focal length is out of range", "a number above 0",
+  require(camera.fx > 0.0 && std::isfinite(camera.fx), "focal length out of range", "a positive number",
           camera.fx);
-  require(camera.fy > 0.0 && std::isfinite(camera.fy), "focal length is out of range", "a number above 0",
+  require(camera.fy > 0.0 && std::isfinite(camera.fy), "focal length out of range", "a positive number",
           camera.fy);
-  require_finite({camera.cx, camera.cy}, "principal point is not finite");
+  require_finite({camera.cx, camera.cy}, "the principal point is not finite");
   for (const glm::dvec3& axis :
        {camera.pose.position, camera.pose.right, camera.pose.down, camera.pose.forward})
-    require_finite({axis.x, axis.y, axis.z}, "pose of the camera is not finite");
+    require_finite({axis.x, axis.y, axis.z}, "the camera pose is not finite");
   std::visit(CheckLens{}, camera.lens);
 }
 

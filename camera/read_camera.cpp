@@ -22,7 +22,7 @@ namespace alidade::camera {
 
 JsonNode required(const JsonNode& node, std::string_view key) {
   if (const auto value = node.find(key)) return *value;
-  node.fail(fmt::format("missing key \"{}\"", key), "the key", "an object without it");
+  node.fail(fmt::format("missing key \"{}\"", key), "", "");
 }
 namespace {
 
@@ -74,7 +74,7 @@ void read_perspective(const JsonNode& node, Camera& camera) {
   } else if (has_focal_length(fields)) {
     read_focal_lengths(fields, camera);
   } else {
-    node.fail("no focal length", R"("vertical_fov", "horizontal_fov" or "fx", "fy", "cx", "cy")",
+    node.fail("missing focal length", R"("vertical_fov", "horizontal_fov" or "fx", "fy", "cx", "cy")",
               "none of them");
   }
 }
@@ -192,11 +192,11 @@ constexpr double k_exact_rotation = 1e-12;
 glm::dmat3 checked_rotation(const JsonNode& node, const glm::dmat3& rotation) {
   const double error = error_of_rotation(rotation);
   if (!(error <= k_rotation_tolerance)) {
-    node.fail("rotation is not orthonormal", "columns of length 1 at right angles, to 1e-6",
+    node.fail("the rotation is not orthonormal", "orthonormal columns, to 1e-6",
               "an error of " + std::to_string(error));
   }
   if (glm::determinant(rotation) < 0.0)
-    node.fail("rotation is a mirror image", "determinant +1", "determinant -1");
+    node.fail("the rotation is a reflection", "determinant +1", "determinant -1");
   if (error <= k_exact_rotation) return rotation;
   return orthonormal(rotation);
 }
@@ -207,8 +207,8 @@ glm::dmat3 read_quaternion(const JsonNode& node) {
   for (std::size_t i = 0; i < 4; ++i) q[i] = numbers[i].number({-2, 2});
   const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
   if (std::fabs(length - 1.0) > k_rotation_tolerance) {
-    node.fail("quaternion is not of length 1", "w, x, y, z with a length of 1, to 1e-6",
-              "a length of " + std::to_string(length));
+    node.fail("the quaternion is not normalized", "w, x, y, z of length 1, to 1e-6",
+              "length " + std::to_string(length));
   }
   return *rotation_from_quaternion(q);
 }
@@ -228,8 +228,8 @@ Transform transform_from_matrix(const JsonNode& node) {
       if (row < 3 && column < 3) transform.rotation[column][row] = value;
       if (row < 3 && column == 3) transform.translation[row] = value;
       if (row == 3 && value != (column == 3 ? 1.0 : 0.0)) {
-        rows[3].fail("not a rigid transform", "0, 0, 0, 1 as last row (a list of columns must be transposed)",
-                     "other numbers");
+        rows[3].fail("the transform is not rigid",
+                     "the last row 0, 0, 0, 1 (transpose a column-major matrix)", "other numbers");
       }
     }
   }
@@ -321,7 +321,7 @@ Camera parse_camera(std::string_view text, const std::filesystem::path& name) {
   const JsonDocument document = parse_json(std::string(text), name.string());
   const JsonNode node(document);
   const Camera camera = read_camera_node(node);
-  if (!node.find("version")) node.fail("missing key \"version\"", "the key", "an object without it");
+  if (!node.find("version")) node.fail("missing key \"version\"", "", "");
   return camera;
 }
 

@@ -146,7 +146,7 @@ std::vector<fs::path> entries_of(const fs::path& folder) {
   fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error);
   for (; !error && entry != fs::directory_iterator(); entry.increment(error))
     entries.push_back(folder / entry->path().filename());
-  if (error) throw Error({.file = folder.string(), .problem = "cannot be looked into: " + error.message()});
+  if (error) throw Error({.file = folder.string(), .problem = "cannot list the folder: " + error.message()});
   std::ranges::sort(entries, {}, &fs::path::native);
   return entries;
 }
@@ -161,9 +161,9 @@ std::vector<fs::path> files_of_folder(const fs::path& folder) {
   }
   if (files.empty()) {
     throw Error({.file = folder.string(),
-                 .problem = "the folder holds no cloud files",
-                 .expected = fmt::format("names that end in .{}", fmt::join(k_endings, ", .")),
-                 .found = entries.empty() ? "nothing" : fmt::format("{} other names", entries.size())});
+                 .problem = "the folder contains no cloud files",
+                 .expected = fmt::format("the extension .{}", fmt::join(k_endings, ", .")),
+                 .found = entries.empty() ? "nothing" : fmt::format("{} other files", entries.size())});
   }
   return files;
 }
@@ -215,8 +215,8 @@ std::vector<fs::path> files_of_pattern(const fs::path& pattern) {
   }
   if (files.empty()) {
     throw Error({.file = pattern.string(),
-                 .problem = "no cloud file matches",
-                 .expected = "a file, a folder, or a pattern that matches files in it"});
+                 .problem = "no matching cloud file",
+                 .expected = "a file, a folder, or a pattern"});
   }
   std::ranges::sort(files, {}, &fs::path::native);
   return files;
@@ -303,11 +303,9 @@ CloudInput cloud_in_memory(std::span<const std::byte> bytes, std::string name, C
 
 std::unique_ptr<CloudReader> open_cloud(const CloudInput& input, InputFile file, Damage damage) {
   if (input.format != nullptr) return input.format->open(std::move(file), damage);
-  if (file.size() == 0) throw Error({.file = file.name(), .problem = "is empty", .expected = k_supported});
-  throw Error({.file = file.name(),
-               .problem = "is of no known format",
-               .expected = k_supported,
-               .found = "binary data"});
+  if (file.size() == 0) throw Error({.file = file.name(), .problem = "empty file", .expected = k_supported});
+  throw Error(
+      {.file = file.name(), .problem = "unknown format", .expected = k_supported, .found = "binary data"});
 }
 
 }  // namespace alidade

@@ -187,8 +187,8 @@ std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds)
     const double radius = glm::length(bounds.center());
     if (radius >= k_least_radius && radius <= k_largest_radius) return std::nullopt;
     return fmt::format(
-        "the coordinate reference system is geocentric, but the points lie {:.0f} from its origin, which is "
-        "not where the ground is: they lie in another system, probably a projected one",
+        "the coordinate reference system is geocentric, but the points are {:.0f} from its origin, which is "
+        "not at the surface of the Earth: they are probably in a projected system",
         radius);
   }
   if (!is_geographic(crs)) return std::nullopt;
@@ -196,8 +196,8 @@ std::optional<std::string> implausible_crs(const Crs& crs, const Bounds& bounds)
     for (const double coordinate : {bounds.min[axis], bounds.max[axis]}) {
       if (std::fabs(coordinate) <= k_widest_angle) continue;
       return fmt::format(
-          "the coordinate reference system says longitude and latitude, but {} {} is no angle: the points "
-          "lie in another system, probably a projected one",
+          "the coordinate reference system is geographic, but {} {} is not an angle: the points "
+          "are probably in a projected system",
           axis == 0 ? "x" : "y", coordinate);
     }
   }

@@ -40,7 +40,7 @@ class DamagedFile : public Error {
     std::string& last = !parts.found.empty()      ? parts.found
                         : !parts.expected.empty() ? parts.expected
                                                   : parts.problem;
-    last += "; --partial reads what is whole";
+    last += "; --partial reads the intact part";
     return parts;
   }
 };

@@ -20,13 +20,12 @@ std::string text_of(const glm::dvec3& value) {
 
 [[noreturn]] void refuse_lattice(const CloudSource& odd, const CloudSource& other) {
   const Lattice own = *odd.reader->lattice(), lattice = *other.reader->lattice();
-  throw Error(
-      {.file = odd.path().string(),
-       .problem = "does not share the lattice of " + other.path().string(),
-       .expected = fmt::format("scale {} and an offset that differs by whole steps (as PLY, by alidade "
-                               "convert, it would be rounded to that)",
-                               text_of(lattice.scale)),
-       .found = fmt::format("scale {} and offset {}", text_of(own.scale), text_of(own.offset))});
+  throw Error({.file = odd.path().string(),
+               .problem = "the lattice differs from that of " + other.path().string(),
+               .expected = fmt::format("scale {} and an offset that differs by whole steps (alidade "
+                                       "convert to PLY makes it rounded to that)",
+                                       text_of(lattice.scale)),
+               .found = fmt::format("scale {} and offset {}", text_of(own.scale), text_of(own.offset))});
 }
 
 bool has_lattice(const CloudSource& source) {
@@ -71,9 +70,8 @@ void check_agreement(const std::vector<CloudSource>& sources, const CloudSource&
 
 [[noreturn]] void refuse_crs(const CloudSource& odd, const CloudSource& other) {
   throw Error({.file = odd.path().string(),
-               .problem = "states another coordinate reference system than " + other.path().string(),
-               .expected = crs_name(other.facts.crs) +
-                           " (transform the file to it, or leave it out and read it by itself)",
+               .problem = "the coordinate reference system differs from that of " + other.path().string(),
+               .expected = crs_name(other.facts.crs) + " (reproject the file, or read it separately)",
                .found = crs_name(odd.facts.crs)});
 }
 
@@ -113,7 +111,7 @@ Lattice common_lattice(const std::vector<CloudSource>& sources) {
     const Bounds& bounds = source.survey.bounds;
     if (to_lattice(lattice, bounds.min) && to_lattice(lattice, bounds.max)) continue;
     throw Error({.file = source.path().string(),
-                 .problem = "lies too far away for the lattice of " + first->path().string(),
+                 .problem = "too far away for the lattice of " + first->path().string(),
                  .found = fmt::format("a box from {} to {}", text_of(bounds.min), text_of(bounds.max))});
   }
   return lattice;
@@ -181,8 +179,8 @@ void warn_of_gaps(std::span<const GivenRows> given, AttributeSet present,
     files.add(rows.file_name);
   }
   for (const auto& [missing, files] : gaps) {
-    warnings.push_back(fmt::format("{}: no {}, which is filled with zeros", files.text(),
-                                   fmt::join(attribute_names(missing), ", ")));
+    warnings.push_back(
+        fmt::format("{}: no {}; using 0", files.text(), fmt::join(attribute_names(missing), ", ")));
   }
 }
 
@@ -193,9 +191,9 @@ void warn_of_missing_crs(std::span<const CloudSource> sources, PointCloud& cloud
     if (source.facts.crs.empty() && source.point_count() > 0) files.add(source.path().string());
   }
   if (files.count == 0) return;
-  cloud.warnings.push_back(fmt::format(
-      "{}: no coordinate reference system is stated; it is taken to be that of the other files, {}",
-      files.text(), crs_name(cloud.crs)));
+  cloud.warnings.push_back(
+      fmt::format("{}: no coordinate reference system; assuming that of the other files, {}", files.text(),
+                  crs_name(cloud.crs)));
 }
 
 void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud) {
@@ -211,8 +209,8 @@ void warn_of_other_crs(std::span<const CloudSource> sources, PointCloud& cloud) 
   }
   for (const auto& [name, files] : ways) {
     cloud.warnings.push_back(fmt::format(
-        "{}: another way of stating the coordinate reference system ({}) than that of the other files ({}), "
-        "which is kept",
+        "{}: the coordinate reference system is described differently ({}) from the other files ({}), "
+        "whose description is kept",
         files.text(), name, crs_name(cloud.crs)));
   }
 }
@@ -227,13 +225,13 @@ void warn_of_losses(const CloudReader& reader, std::vector<CloudFile>& files, Po
     if (i >= k_most_places) continue;
     const std::string place = lost[i].place.empty() ? "" : ":" + lost[i].place;
     cloud.warnings.push_back(fmt::format("{}{}: {}; {} lost", file, place, lost[i].problem,
-                                         lost[i].count == 0 ? std::string("nobody knows how many points are")
+                                         lost[i].count == 0   ? std::string("an unknown number of points is")
                                          : lost[i].count == 1 ? std::string("1 point is")
                                                               : fmt::format("{} points are", lost[i].count)));
   }
   if (lost.size() > k_most_places) {
-    cloud.warnings.push_back(fmt::format("{}: is damaged in {} more places; {} points are lost in all", file,
-                                         lost.size() - k_most_places, count));
+    cloud.warnings.push_back(fmt::format("{}: corrupt in {} more locations; {} points are lost in total",
+                                         file, lost.size() - k_most_places, count));
   }
   if (!files.empty()) files.front().lost_count = count;
 }
@@ -247,8 +245,7 @@ void warn_of_twins(const CloudInputs& inputs, PointCloud& cloud) {
     if (!known.emplace(status.st_dev, status.st_ino).second) twins.add(input.name.string());
   }
   if (twins.count == 0) return;
-  cloud.warnings.push_back(twins.text() +
-                           ": given more than once, and so the points are in the cloud as often");
+  cloud.warnings.push_back(twins.text() + ": given more than once; its points are repeated");
 }
 
 }  // namespace alidade

@@ -47,7 +47,7 @@ Lattice fit_lattice(std::span<const CoordinateSurvey> surveys) {
     const double offset = lattice.offset[axis];
     const double reach = std::max(bounds.max[axis] - offset, offset - bounds.min[axis]);
     if (!(reach <= 1e300 && std::abs(offset) <= 1e300)) {
-      throw Error({.problem = "coordinates are too large",
+      throw Error({.problem = "coordinates too large",
                    .expected = "at most 1e300",
                    .found = fmt::format("{}", reach)});
     }
@@ -89,13 +89,13 @@ std::optional<glm::i64vec3> steps_between(const Lattice& from, const Lattice& to
 LatticeShift::LatticeShift(const Lattice& from, const Lattice& to, std::string file)
     : file_(std::move(file)) {
   const std::optional<glm::i64vec3> steps = steps_between(from, to);
-  if (!steps) throw Error({.file = file_, .problem = "does not share the lattice of the files before it"});
+  if (!steps) throw Error({.file = file_, .problem = "the lattice differs from that of the previous files"});
   steps_ = *steps;
 }
 
 void LatticeShift::refuse(const glm::i64vec3& steps) const {
   throw Error({.file = file_,
-               .problem = "lies too far from the first file to share its lattice of 32-bit steps",
+               .problem = "too far from the first file for its lattice of 32-bit steps",
                .found = fmt::format("step {}, {}, {}", steps.x, steps.y, steps.z)});
 }
 

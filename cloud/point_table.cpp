@@ -118,10 +118,10 @@ ValueScaling color_scaling(ScalarType type, const ColumnRange& range) {
   if (range.max <= 0.0) return {};
   if (type == ScalarType::uint8 || type == ScalarType::int8) return {.factor = 257.0, .assumption = {}};
   if (is_float(type) && range.max <= 1.0)
-    return {.factor = 65535.0, .assumption = "colours go from 0 to 1 since none is larger"};
+    return {.factor = 65535.0, .assumption = "colours range from 0 to 1 because none is larger"};
   if (range.max <= 255.0) {
     const bool usual = type != ScalarType::uint16 && type != ScalarType::int16;
-    return {.factor = 257.0, .assumption = usual ? "" : "colours are 8-bit values since none exceeds 255"};
+    return {.factor = 257.0, .assumption = usual ? "" : "colours are 8-bit values because none exceeds 255"};
   }
   return {};
 }
@@ -133,21 +133,22 @@ ValueScaling intensity_scaling(ScalarType type, const ColumnRange& range, Intens
     if (range.max == 0.0) return {};
     if (is_float(type) && range.max <= 1.0)
       return {.factor = 65535.0,
-              .assumption =
-                  scale == IntensityScale::unit ? "" : "intensities go from 0 to 1 since none is larger"};
+              .assumption = scale == IntensityScale::unit
+                                ? ""
+                                : "intensities range from 0 to 1 because none is larger"};
     if (range.max <= 255.0)
-      return {.factor = 257.0, .assumption = "intensities go from 0 to 255 since none is larger"};
+      return {.factor = 257.0, .assumption = "intensities range from 0 to 255 because none is larger"};
     if (range.max <= 65535.0) return {};
   }
   if (scale == IntensityScale::signed_12_bit && range.min >= -2048.0 && range.max <= 2047.0)
     return {.origin = -2048.0,
             .factor = 65535.0 / 4095.0,
-            .assumption = "intensities go from -2048 to 2047 since some are negative"};
+            .assumption = "intensities range from -2048 to 2047 because some are negative"};
   const double spread = range.max - range.min;
   const bool usable = std::isfinite(spread) && spread > 0.0;
   return {.origin = usable ? range.min : 0.0,
           .factor = usable ? 65535.0 / spread : 0.0,
-          .assumption = "intensities were stretched from their own smallest and largest value to 0 .. 65535"};
+          .assumption = "intensities were scaled from their minimum and maximum to 0 .. 65535"};
 }
 
 double type_resolution(ScalarType type, double largest) {
@@ -194,7 +195,7 @@ Cell require_cell(const TextScanner& scanner, std::string_view word, ScalarType 
       return {static_cast<double>(*whole), static_cast<std::uint64_t>(*whole)};
   }
   if (type == ScalarType::uint64 || type == ScalarType::int64)
-    scanner.fail("not a whole number of 64 bits", "a whole number", quote(word));
+    scanner.fail("not a 64-bit integer", "an integer", quote(word));
   const auto number = parse_number(word);
   if (!number) scanner.fail("not a number", "a number", quote(word));
   return {*number, 0};

@@ -22,11 +22,11 @@ constexpr int k_largest_8_bit = 255;
 /// What to say of a file whose largest colour is not 0; null if nothing.
 const char* remark_on(bool is_deep, bool spreads, ColorDepth depth) {
   if (depth == ColorDepth::bits_8)
-    return is_deep ? "{}: colours above 255 (largest value {}) are cut, because --color-depth is 8" : nullptr;
+    return is_deep ? "{}: colours above 255 (maximum {}) are clamped, because --color-depth is 8" : nullptr;
   if (is_deep) return nullptr;
-  return spreads ? "{}: colours use 8 of 16 bits (largest value {}); pass --color-depth 16 if that is wrong"
-                 : "{}: colours are taken as 16 bits like those of other files, though none exceeds 255 "
-                   "(largest value {})";
+  return spreads ? "{}: assuming 8-bit colours (maximum {}); --color-depth 16 reads them as 16 bits"
+                 : "{}: reading colours as 16 bits like those of other files, although none exceeds 255 "
+                   "(maximum {})";
 }
 
 /// Points of such pieces at once, if that is more than an eighth of all.
@@ -140,9 +140,9 @@ class Joining {
       cloud_.gps_time_is_standard = *is_standard;
     } else if (cloud_.gps_time_is_standard != *is_standard &&
                options_.attributes.contains(Attribute::gps_time)) {
-      cloud_.warnings.push_back(
-          fmt::format("{}: counts GPS time another way (week or standard) than {}; the times do not compare",
-                      source.path().string(), timed_file_));
+      cloud_.warnings.push_back(fmt::format(
+          "{}: the GPS time system (week or standard) differs from that of {}; times are not comparable",
+          source.path().string(), timed_file_));
     }
   }
 

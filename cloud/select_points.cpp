@@ -73,7 +73,7 @@ class Grid {
     const glm::dvec3 count = cube_of(extent.high) - first_;
     for (int axis = 0; axis < 3; ++axis) {
       if (count[axis] < static_cast<double>(k_most)) continue;
-      throw Error({.problem = "spacing is too fine for a cloud of this size",
+      throw Error({.problem = "spacing too small for the extent of the cloud",
                    .expected = fmt::format("at most {} cubes along an axis", k_most),
                    .found = fmt::format("a spacing of {}", edge)});
     }
@@ -302,12 +302,13 @@ void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progr
 
 void thin(PointCloud& cloud, double edge, const Progress& progress) {
   if (!(edge > 0.0 && std::isfinite(edge))) {
-    throw Error({.problem = "bad spacing", .expected = "a length above 0", .found = fmt::format("{}", edge)});
+    throw Error(
+        {.problem = "invalid spacing", .expected = "a positive length", .found = fmt::format("{}", edge)});
   }
   const std::size_t size = cloud.size();
   if (size == 0) return;
   if (size > k_most) {
-    throw Error({.problem = "too many points to be thinned",
+    throw Error({.problem = "too many points to thin",
                  .expected = fmt::format("at most {}", k_most),
                  .found = std::to_string(size)});
   }

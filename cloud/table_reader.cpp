@@ -174,9 +174,9 @@ void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage
   const std::string name = rows.name;
   throw DamagedFile({.file = input.name(),
                      .place = "byte " + std::to_string(rows.place),
-                     .problem = "the file is too short for its " + name,
+                     .problem = "truncated file: too short for its " + name,
                      .expected = std::to_string(rows.count) + " " + name,
-                     .found = rows.smallest_row > 0 ? "room for " + std::to_string(room / rows.smallest_row)
+                     .found = rows.smallest_row > 0 ? std::to_string(room / rows.smallest_row)
                                                     : name + " without " + rows.value_name});
 }
 
@@ -191,11 +191,11 @@ void TableReader::set_columns(std::vector<TableColumn> columns, const std::strin
   for (const TableColumn& column : columns) {
     if (column.role == ColumnRole::ignored) continue;
     if (!names.insert(column.name).second)
-      fail(place, "two columns have the same name", "names that differ", quote(column.name));
+      fail(place, "duplicate column name", "unique names", quote(column.name));
   }
-  if (!find_role(columns, ColumnRole::x)) fail(place, "no x coordinate among the columns", "x, y and z");
-  if (!find_role(columns, ColumnRole::y)) fail(place, "no y coordinate among the columns", "x, y and z");
-  if (!find_role(columns, ColumnRole::z)) warn("has no z coordinate; it was taken as 0");
+  if (!find_role(columns, ColumnRole::x)) fail(place, "missing x column", "x, y and z");
+  if (!find_role(columns, ColumnRole::y)) fail(place, "missing y column", "x, y and z");
+  if (!find_role(columns, ColumnRole::z)) warn("no z column; using 0");
   columns_ = std::move(columns);
 }
 
@@ -237,7 +237,7 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
   if (!survey_) survey({});
   const auto assume = [&](Attribute attribute, const ValueScaling& scaling) {
     if (wanted.contains(attribute) && !scaling.assumption.empty() && survey_->finite_count() > 0)
-      warn("it was assumed that " + scaling.assumption);
+      warn("assuming that " + scaling.assumption);
     return scaling;
   };
   TableScalings scalings;
@@ -252,7 +252,7 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
   visit_whole_rows(
       [&](std::span<const Cell> row) {
         if (appender.add(row)) return;
-        fail({}, "a point does not fit on the lattice, or the file changed while it was read");
+        fail({}, "a point exceeds the lattice, or the file changed while it was read");
       },
       progress);
   if (!appender.complete()) fail({}, "the file changed while it was read");
@@ -260,7 +260,7 @@ void TableReader::read_in_pieces(PointCloud& cloud, AttributeSet wanted, const C
   description_.point_count = survey_->finite_count();
   description_.dropped_count = survey_->dropped_count();
   if (description_.dropped_count > 0)
-    warn(std::to_string(description_.dropped_count) + " points " + reason_to_drop() + " were left out");
+    warn(std::to_string(description_.dropped_count) + " points " + reason_to_drop() + " were skipped");
   cloud.warnings.insert(cloud.warnings.end(), warnings_.begin(), warnings_.end());
 }
 

@@ -47,7 +47,7 @@ void make_room(const std::vector<std::filesystem::path>& reports, const std::vec
   std::filesystem::create_directories(options.reports, error);
   if (error)
     throw Error(
-        {.file = options.reports.string(), .problem = "cannot be made a folder", .found = error.message()});
+        {.file = options.reports.string(), .problem = "cannot create the folder", .found = error.message()});
   const auto one_name = [](const std::filesystem::path& file) {
     std::error_code ignored;
     return std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);
@@ -61,8 +61,8 @@ void make_room(const std::vector<std::filesystem::path>& reports, const std::vec
   for (const std::filesystem::path& report : reports) {
     if (taken.contains(one_name(report)))
       throw Error({.file = report.string(),
-                   .problem = "would be the report of a pair, and is something else already",
-                   .expected = "another folder for reports"});
+                   .problem = "exists and is not the report of a pair",
+                   .expected = "another report folder"});
     check_output(report, options.overwrite);
   }
 }
@@ -97,8 +97,8 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
                   const Progress& progress) {
   const ImagePair& pair = outcome.pair;
   if (pair.reference.empty() || pair.test.empty()) {
-    outcome.error = pair.test.empty() ? "the test has no picture of that name"
-                                      : "the reference has no picture of that name";
+    outcome.error = pair.test.empty() ? "the test folder has no image with this name"
+                                      : "the reference folder has no image with this name";
     return;
   }
   ComparisonOptions what = options.comparison;

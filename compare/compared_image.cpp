@@ -70,7 +70,7 @@ void require_same_size(const ComparedImage& reference, const ComparedImage& test
       reference.origin_x == test.origin_x && reference.origin_y == test.origin_y)
     return;
   throw SizeMismatch({.file = test.file.string(),
-                      .problem = "not the size of the reference " + reference.file.string(),
+                      .problem = "the size differs from the reference " + reference.file.string(),
                       .expected = text_of(reference),
                       .found = text_of(test)});
 }
@@ -80,8 +80,8 @@ ComparedImage cropped(const ComparedImage& image, const PixelRectangle& rectangl
                          rectangle.bottom <= image.height;
   if (!is_inside || rectangle.left >= rectangle.right || rectangle.top >= rectangle.bottom) {
     throw Error({.file = image.file.string(),
-                 .problem = "the rectangle to be cut out has no pixels or reaches beyond the image",
-                 .expected = "one inside " + text_of(image),
+                 .problem = "the crop is empty or exceeds the image",
+                 .expected = "a rectangle inside " + text_of(image),
                  .found = "columns " + std::to_string(rectangle.left) + " to " +
                           std::to_string(rectangle.right) + ", rows " + std::to_string(rectangle.top) +
                           " to " + std::to_string(rectangle.bottom)});
@@ -115,7 +115,7 @@ std::vector<float> filtered(const ComparedImage& image, const std::vector<float>
                         const_cast<float*>(values.data()));
   OIIO::ImageBuf target(OIIO::ImageSpec(width, height, channels, OIIO::TypeFloat), result.data());
   if (!OIIO::ImageBufAlgo::resize(target, source))
-    throw Error({.file = image.file.string(), .problem = "cannot be resized: " + target.geterror()});
+    throw Error({.file = image.file.string(), .problem = "cannot resize the image: " + target.geterror()});
   return result;
 }
 
@@ -154,7 +154,7 @@ ComparedImage resized(const ComparedImage& image, int width, int height) {
       static_cast<std::uint64_t>(std::max(width, 0)) * static_cast<std::uint64_t>(std::max(height, 0));
   if (width < 1 || height < 1 || pixels > k_most_compared_pixels) {
     throw Error({.file = image.file.string(),
-                 .problem = "cannot be resized",
+                 .problem = "cannot resize the image",
                  .expected = "a size of 1 to " + std::to_string(k_most_compared_pixels) + " pixels",
                  .found = std::to_string(width) + " x " + std::to_string(height)});
   }

@@ -41,27 +41,25 @@ void remark_unused(const FlipOptions& flip, const ComparedImage& reference,
   const bool is_asked =
       flip.start_exposure || flip.stop_exposure || flip.exposures || flip.tone_mapper != ToneMapper::aces;
   if (is_asked && reference.encoding == ColorEncoding::display)
-    remarks.push_back("exposures and tone mapper are for linear light, and the reference holds sRGB codes");
+    remarks.push_back("exposures and tone mapper require linear light, but the reference has sRGB values");
 }
 
 void remark_differences(const ComparedImage& reference, const ComparedImage& test,
                         std::vector<std::string>& remarks) {
   const auto tell = [&](const char* what, bool first, bool second) {
     if (first != second)
-      remarks.push_back(
-          fmt::format("only the {} has {}, which is not compared", first ? "reference" : "test", what));
+      remarks.push_back(fmt::format("ignoring {1}: only the {0} has it", first ? "reference" : "test", what));
   };
   tell("colours", !reference.color.empty(), !test.color.empty());
-  tell("the layer of depth", !reference.depth.empty(), !test.depth.empty());
-  tell("the layer of normals", !reference.normals.empty(), !test.normals.empty());
-  tell("the layer of ids", !reference.ids.empty(), !test.ids.empty());
+  tell("the depth layer", !reference.depth.empty(), !test.depth.empty());
+  tell("the normal layer", !reference.normals.empty(), !test.normals.empty());
+  tell("the id layer", !reference.ids.empty(), !test.ids.empty());
   tell("alpha", !reference.alpha.empty(), !test.alpha.empty());
   if (reference.color.empty() || test.color.empty()) return;
   if (reference.encoding != test.encoding)
-    remarks.push_back(
-        "one picture holds sRGB codes, the other linear light: both are compared as shown on a screen");
+    remarks.push_back("one image has sRGB values, the other linear light: comparing display values");
   if (reference.color_channels != test.color_channels)
-    remarks.push_back(fmt::format("the {} is grey, the other picture is not",
+    remarks.push_back(fmt::format("the {} is grey, the other image is not",
                                   reference.color_channels == 1 ? "reference" : "test"));
 }
 

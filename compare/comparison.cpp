@@ -77,28 +77,27 @@ class ComparisonRun {
   void count() {
     comparison_.pixels = pair_.reference.pixels();
     comparison_.counted = counted_pixels(pair_.mask, pair_.reference.pixels());
-    require(comparison_.counted > 0, pair_.reference, "no pixel counts", "masks that leave some");
+    require(comparison_.counted > 0, pair_.reference, "no pixels to compare", "masks that keep some pixels");
     if (!pair_.have_colors()) return;
     ImageMask finite = pair_.mask;
     comparison_.excluded = keep_finite(finite, pair_.reference, pair_.test);
     require(comparison_.excluded < comparison_.counted, pair_.test,
-            "no pixel has finite colours in both pictures", "some that have");
+            "no pixel has finite colours in both images", "at least one");
     if (comparison_.excluded > 0)
-      remark(fmt::format("{} pixels with NaN or infinite colours are left out", comparison_.excluded));
+      remark(fmt::format("ignoring {} pixels with NaN or infinite colours", comparison_.excluded));
   }
 
   void compare_layers() {
     const LayerMetrics layers = comparison_.layers = layer_metrics(pair_.reference, pair_.test, pair_.mask);
     require(pair_.have_colors() || layers.depth || layers.normals || layers.ids, pair_.test,
-            "nothing to compare with the reference", "the same colours or layers in both");
+            "nothing to compare with the reference", "a common layer");
     const auto tell = [&](std::uint64_t pixels, const char* what) {
       if (pixels > 0) remark(fmt::format("{} pixels {}", pixels, what));
     };
-    if (layers.depth)
-      tell(layers.depth->invalid, "with NaN or less than 0 as depth are taken for pixels without depth");
+    if (layers.depth) tell(layers.depth->invalid, "with NaN or negative depth are treated as background");
     if (layers.normals)
-      tell(layers.normals->invalid, "with NaN or infinite normals are taken for pixels without normal");
-    if (layers.alpha) tell(layers.alpha->invalid, "with NaN or infinite alpha are left out of its figures");
+      tell(layers.normals->invalid, "with NaN or infinite normals are treated as background");
+    if (layers.alpha) tell(layers.alpha->invalid, "with NaN or infinite alpha are ignored");
     for (ComparedImage* const image : {&pair_.reference, &pair_.test}) forget_layers(*image);
   }
 
@@ -129,26 +128,26 @@ class ComparisonRun {
   }
 
   void align_edges() {
-    require(pair_.have_colors(), pair_.test, "edges are looked for in colours", "colours in both pictures");
+    require(pair_.have_colors(), pair_.test, "alignment requires colours", "colours in both images");
     const Alignment found =
         align(pair_.reference, pair_.test, pair_.mask, {.largest_shift = options_.largest_shift});
     comparison_.alignment = found;
     constexpr double k_same_place = 0.5;
     if (!found.is_certain) {
-      remark("no shift between the pictures can be told: too few common edges");
+      remark("cannot determine the shift between the images: too few common edges");
     } else if (std::hypot(found.shift_x, found.shift_y) > k_same_place) {
       remark(fmt::format(
-          "the test is shifted by {:.2f}, {:.2f} pixels against the reference: its camera may be off",
+          "the test is shifted by {:.2f}, {:.2f} pixels relative to the reference; check its camera",
           found.shift_x, found.shift_y));
     }
   }
 
   /// From here on the test has matched colours.
   void match_colors() {
-    require(pair_.have_colors(), pair_.test, "colours are matched", "colours in both pictures");
+    require(pair_.have_colors(), pair_.test, "matching requires colours", "colours in both images");
     comparison_.match = match_color(pair_.reference, pair_.test, pair_.mask, *options_.match);
     if (!comparison_.match) {
-      remark("colours cannot be matched: too few pixels, or too little variation");
+      remark("cannot match colours: too few pixels, or too little variation");
       done(k_steps_of_colors);
       return;
     }
@@ -162,13 +161,13 @@ class ComparisonRun {
       comparison_.changes = change_regions(map, pair_.reference.width, pair_.mask, options_.changes);
     };
     if (options_.find_changes == ChangeMap::depth) {
-      require(pair_.have_depth(), pair_.test, "changes of depth need depth in both pictures",
+      require(pair_.have_depth(), pair_.test, "depth changes require depth in both images",
               "EXR files with the layer Z");
       maps_.depth = depth_difference(pair_.reference, pair_.test, pair_.mask);
       find(maps_.depth->values);
     } else {
-      require(pair_.have_colors(), pair_.test, "changes of colour need colours in both pictures",
-              "another map of changes");
+      require(pair_.have_colors(), pair_.test, "colour changes require colours in both images",
+              "another kind of changes");
       if (options_.find_changes == ChangeMap::color) {
         maps_.color = color_difference(pair_.reference, pair_.test, pair_.mask);
         find(maps_.color->values);

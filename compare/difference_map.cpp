@@ -56,7 +56,7 @@ double percentile_of(const DifferenceMap& map, double percent, std::uint64_t cou
 
 void add_notes(DifferenceMap& map, const DifferenceSums<double>& sums, const std::string& unit) {
   if (sums.values == 0) {
-    map.notes.push_back("no pixel can be compared");
+    map.notes.push_back("no pixels to compare");
     return;
   }
   const auto width = static_cast<std::size_t>(map.width);
@@ -98,7 +98,7 @@ DifferenceMap color_difference(const ComparedImage& reference, const ComparedIma
     }
     return largest;
   });
-  map.title = "Difference of colours";
+  map.title = "Colour difference";
   map.label = "largest channel (white = 1)";
   constexpr double k_percentile = 99.5;
   const DifferenceSums<double> sums = sums_of(map);
@@ -110,7 +110,7 @@ DifferenceMap color_difference(const ComparedImage& reference, const ComparedIma
 DifferenceMap flip_difference(std::vector<float> flip, int width, const ImageMask& mask) {
   DifferenceMap map;
   map.title = "FLIP";
-  map.label = "FLIP (0 = alike, 1 = most)";
+  map.label = "FLIP (0 = equal, 1 = maximum)";
   map.width = width;
   map.height = static_cast<int>(flip.size() / static_cast<std::size_t>(width));
   map.values = std::move(flip);
@@ -130,7 +130,7 @@ DifferenceMap depth_difference(const ComparedImage& reference, const ComparedIma
     if (in_reference && in_test) return test.depth[pixel] - reference.depth[pixel];
     return in_reference ? k_infinite : in_test ? -k_infinite : k_none;
   });
-  map.title = "Difference of depth";
+  map.title = "Depth difference";
   map.label = "test - reference (m)";
   map.colors = DifferenceColors::balance;
   constexpr double k_percentile = 98.0, k_least_range = 0.001;
@@ -156,7 +156,7 @@ struct AbsenceStyle {
   const char* label;
 };
 
-constexpr std::array<AbsenceStyle, 4> k_absences = {{{{150, 150, 158}, "does not count"},
+constexpr std::array<AbsenceStyle, 4> k_absences = {{{{150, 150, 158}, "excluded"},
                                                      {{96, 96, 104}, "nothing to compare"},
                                                      {{150, 60, 190}, "only in the reference"},
                                                      {{40, 150, 70}, "only in the test"}}};

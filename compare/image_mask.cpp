@@ -22,7 +22,7 @@ void keep(ImageMask& mask, std::size_t pixels, const Stays& stays) {
 
 [[noreturn]] void fail_layer(const std::string& wish, const std::string& layer,
                              const ComparedImage& reference, const ComparedImage& test) {
-  throw Error({.problem = wish + ", but neither picture has the layer",
+  throw Error({.problem = wish + ", but neither image has the layer",
                .expected = layer + " in " + reference.file.string() + " or " + test.file.string()});
 }
 
@@ -72,14 +72,14 @@ void keep_light(ImageMask& mask, const ComparedImage& mask_image, const Compared
   };
   if (mask_image.width != image.width || mask_image.height != image.height) {
     throw SizeMismatch({.file = mask_image.file.string(),
-                        .problem = "a mask of another size than " + image.file.string(),
+                        .problem = "the mask size differs from " + image.file.string(),
                         .expected = size_of(image),
                         .found = size_of(mask_image)});
   }
   if (!has_color(mask_image)) {
     throw Error({.file = mask_image.file.string(),
-                 .problem = "a mask without colour",
-                 .expected = "light pixels where the comparison counts, dark ones elsewhere"});
+                 .problem = "the mask has no colour",
+                 .expected = "light pixels to compare, dark pixels to ignore"});
   }
   const std::vector<float> color = display_color(mask_image);
   keep(mask, image.pixels(), [&](std::size_t pixel) {
@@ -89,7 +89,7 @@ void keep_light(ImageMask& mask, const ComparedImage& mask_image, const Compared
 
 void keep_alpha(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test, float least) {
   if (reference.alpha.empty() && test.alpha.empty())
-    fail_layer("alpha shall say which pixels count", "alpha", reference, test);
+    fail_layer("--opaque requires alpha", "alpha", reference, test);
   for (const ComparedImage* const image : {&reference, &test}) {
     if (image->alpha.empty()) continue;
     keep(mask, image->pixels(), [&](std::size_t pixel) { return image->alpha[pixel] >= least; });
@@ -98,7 +98,7 @@ void keep_alpha(ImageMask& mask, const ComparedImage& reference, const ComparedI
 
 void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
   if (reference.depth.empty() && test.depth.empty())
-    fail_layer("only pixels with a depth shall count", "depth (channel Z)", reference, test);
+    fail_layer("--valid-depth requires depth", "depth (channel Z)", reference, test);
   for (const ComparedImage* const image : {&reference, &test}) {
     if (image->depth.empty()) continue;
     keep(mask, image->pixels(), [&](std::size_t pixel) { return is_depth(image->depth[pixel]); });
@@ -108,7 +108,8 @@ void keep_valid_depth(ImageMask& mask, const ComparedImage& reference, const Com
 void ignore_sky(ImageMask& mask, const ComparedImage& reference, const ComparedImage& test) {
   const bool reference_tells = tells_sky(reference), test_tells = tells_sky(test);
   if (!reference_tells && !test_tells)
-    fail_layer("the sky shall not count", "ids (channel id) or depth (channel Z)", reference, test);
+    fail_layer("--ignore-sky requires ids or depth", "ids (channel id) or depth (channel Z)", reference,
+               test);
   keep(mask, reference.pixels(), [&](std::size_t pixel) {
     return (reference_tells && !is_sky(reference, pixel)) || (test_tells && !is_sky(test, pixel));
   });

@@ -30,14 +30,15 @@ std::map<std::string, fs::path> pictures_in(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     throw Error(
-        {.file = folder.string(), .problem = "is no folder", .expected = "two folders or two pictures"});
+        {.file = folder.string(), .problem = "not a folder", .expected = "two folders or two images"});
   std::map<std::string, fs::path> pictures;
   try {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
       if (entry.is_regular_file() && is_picture(entry.path()))
         pictures.emplace(entry.path().lexically_relative(folder).generic_string(), entry.path());
   } catch (const fs::filesystem_error& problem) {
-    throw Error({.file = folder.string(), .problem = "cannot be listed", .found = problem.code().message()});
+    throw Error(
+        {.file = folder.string(), .problem = "cannot list the folder", .found = problem.code().message()});
   }
   return pictures;
 }
@@ -79,7 +80,7 @@ std::vector<std::string> fields_of(const std::string& line, const fs::path& file
   if (quoted)
     throw Error({.file = file.string(),
                  .place = fmt::format("line {}", number),
-                 .problem = "a quotation without end"});
+                 .problem = "unterminated quotation"});
   return fields;
 }
 
@@ -108,15 +109,15 @@ std::vector<ImagePair> pairs_of_folders(const fs::path& reference, const fs::pat
   for (const auto& [name, file] : tests) pairs.push_back({name, {}, file});
   if (pairs.empty())
     throw Error({.file = reference.string(),
-                 .problem = "has no pictures",
-                 .expected = "pictures in one of the two folders"});
+                 .problem = "contains no images",
+                 .expected = "images in at least one of the folders"});
   std::ranges::stable_sort(pairs, {}, &ImagePair::name);
   return pairs;
 }
 
 std::vector<ImagePair> read_pairs(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error({.file = file.string(), .problem = "cannot be read"});
+  if (!stream) throw Error({.file = file.string(), .problem = "cannot read the file"});
   return read_pairs(stream, file);
 }
 
@@ -135,7 +136,7 @@ std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
       if (!is_header)
         throw Error({.file = file.string(),
                      .place = fmt::format("line {}", number),
-                     .problem = "no header of pairs",
+                     .problem = "missing header",
                      .expected = "reference,test or reference,test,name",
                      .found = "'" + line.substr(0, 80) + "'"});
       columns = fields.size();
@@ -144,15 +145,15 @@ std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
     if (fields.size() != columns || fields[0].empty() || fields[1].empty())
       throw Error({.file = file.string(),
                    .place = fmt::format("line {}", number),
-                   .problem = "no pair of pictures",
-                   .expected = fmt::format("{} fields, the paths not empty", columns),
+                   .problem = "invalid pair of images",
+                   .expected = fmt::format("{} fields with nonempty paths", columns),
                    .found = "'" + line.substr(0, 80) + "'"});
     const bool has_name = columns == 3 && !fields[2].empty();
     pairs.push_back(
         {has_name ? fields[2] : fields[1], file.parent_path() / fields[0], file.parent_path() / fields[1]});
   }
-  if (stream.bad()) throw Error({.file = file.string(), .problem = "cannot be read to its end"});
-  if (pairs.empty()) throw Error({.file = file.string(), .problem = "names no pairs of pictures"});
+  if (stream.bad()) throw Error({.file = file.string(), .problem = "cannot read the file to its end"});
+  if (pairs.empty()) throw Error({.file = file.string(), .problem = "contains no pairs of images"});
   return pairs;
 }
 

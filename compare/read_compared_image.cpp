@@ -127,13 +127,12 @@ Places places_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
 }
 
 void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
-  if (spec.deep || spec.depth > 1)
-    fail(file, "not a flat picture", "one with a single value per channel and pixel");
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "a picture without pixels");
+  if (spec.deep || spec.depth > 1) fail(file, "not a flat image", "one value per channel and pixel");
+  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "the image has no pixels");
   const std::string found = std::to_string(spec.width) + " x " + std::to_string(spec.height);
   const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
   if (count > k_most_compared_pixels)
-    fail(file, "too large to be compared", "at most " + std::to_string(k_most_compared_pixels) + " pixels",
+    fail(file, "too large to compare", "at most " + std::to_string(k_most_compared_pixels) + " pixels",
          found);
 }
 
@@ -194,8 +193,8 @@ std::vector<ChannelRun> runs_of(const std::vector<Target>& targets, int longest)
 std::uint32_t whole_id(float value, OIIO::TypeDesc stored) {
   const float limit = stored == OIIO::TypeHalf ? 2048.0f : 16777216.0f;
   if (value >= 0.0f && value < limit && value == std::floor(value)) return static_cast<std::uint32_t>(value);
-  throw Error({.problem = "the layer id holds what is no exact whole number",
-               .expected = "ids of 32 bits, or below " + std::to_string(static_cast<int>(limit)) +
+  throw Error({.problem = "the id layer contains a value that is not an integer",
+               .expected = "32-bit ids, or ids below " + std::to_string(static_cast<int>(limit)) +
                            " as floating point",
                .found = std::to_string(value)});
 }
@@ -286,7 +285,7 @@ class BandReader {
                                                      run.end, type, values);
     // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
     if (!is_read || input_.has_error()) {
-      throw Error({.problem = "a picture with pixels missing: " + image::image_trouble(input_.geterror())});
+      throw Error({.problem = "the image has missing pixels: " + image::image_trouble(input_.geterror())});
     }
   }
 
@@ -314,7 +313,7 @@ ComparedImage read_compared_image(const std::filesystem::path& file) {
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) fail(file, "not a picture that can be read: " + image::image_trouble(OIIO::geterror()));
+  if (!input) fail(file, "cannot read the image: " + image::image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
   check(spec, file);
   const Places places = places_of(spec, std::string_view(input->format_name()) == "openexr");

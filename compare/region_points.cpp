@@ -32,7 +32,7 @@ ExtraDimension region_dimension() {
 std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const ChangeRegions& changes,
                                        std::uint64_t point_count) {
   if (ids.size() != changes.labels.size()) {
-    throw Error({.problem = "the id layer has not the size of the map of changes",
+    throw Error({.problem = "the id layer and the change map differ in size",
                  .expected = std::to_string(changes.labels.size()) + " pixels",
                  .found = std::to_string(ids.size())});
   }
@@ -42,8 +42,8 @@ std::vector<RegionPoint> region_points(std::span<const std::uint32_t> ids, const
     if (ids[pixel] > point_count) {
       if (ids[pixel] >= k_first_object_id) continue;
       throw Error(
-          {.problem = "the picture shows a point that the cloud does not have; it was made of another",
-           .expected = "ids of points up to " + std::to_string(point_count),
+          {.problem = "the image shows a point that the cloud lacks; it was rendered from another cloud",
+           .expected = "point ids up to " + std::to_string(point_count),
            .found = std::to_string(ids[pixel])});
     }
     points.push_back({ids[pixel] - 1, changes.labels[pixel]});

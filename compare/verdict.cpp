@@ -129,39 +129,39 @@ Value regions(const Comparison& comparison) {
 
 using Colors = ColorFigures;
 constexpr std::string_view k_colors = "Colours", k_linear = "Colours in linear light",
-                           k_display = "Colours as shown on a screen", k_matched = "Matched colours",
-                           k_pose = "Alignment", k_changes = "Change";
+                           k_display = "Display colours", k_matched = "Matched colours", k_pose = "Alignment",
+                           k_changes = "Change";
 constexpr auto k_kinds = std::to_array<MetricKind>({
     {"flip", k_colors, "FLIP, mean", "", lower,
-     "what people see who switch between both: 0 nothing, 1 all there is", of_flip<&FlipResult::mean>},
+     "perceived difference when flipping between both: 0 none, 1 maximum", of_flip<&FlipResult::mean>},
     {"flip_median", k_colors, "FLIP, weighted median", "", lower,
-     "half of all that is seen is seen at pixels up to this", of_flip<&FlipResult::weighted_median>},
+     "half of the perceived difference is in pixels up to this value", of_flip<&FlipResult::weighted_median>},
     {"flip_q1", k_colors, "FLIP, weighted first quartile", "", lower, "the same for a quarter",
      of_flip<&FlipResult::weighted_first_quartile>},
     {"flip_q3", k_colors, "FLIP, weighted third quartile", "", lower, "the same for three quarters",
      of_flip<&FlipResult::weighted_third_quartile>},
-    {"flip_max", k_colors, "FLIP, largest", "", lower, "of any pixel", of_flip<&FlipResult::max>},
-    {"ssim", k_colors, "SSIM", "", higher, "likeness of structure: 1 equal, 0 nothing in common",
+    {"flip_max", k_colors, "FLIP, maximum", "", lower, "of any pixel", of_flip<&FlipResult::max>},
+    {"ssim", k_colors, "SSIM", "", higher, "structural similarity: 1 equal, 0 unrelated",
      of_colors<&Colors::ssim>},
-    {"ms_ssim", k_colors, "MS-SSIM", "", higher, "the same over five scales; not a number below 161 pixels",
+    {"ms_ssim", k_colors, "MS-SSIM", "", higher, "the same over five scales; NaN below 161 pixels",
      of_colors<&Colors::ms_ssim>},
-    {"psnr", k_colors, "PSNR", "dB", higher, "peak signal to noise ratio; infinite for equal pictures",
+    {"psnr", k_colors, "PSNR", "dB", higher, "peak signal to noise ratio; infinite for equal images",
      of_errors<&Colors::stored, &ErrorMetrics::psnr>},
-    {"rmse", k_colors, "RMSE", "", lower, "root of the mean squared difference, of 1",
+    {"rmse", k_colors, "RMSE", "", lower, "root of the mean squared difference; the peak is 1",
      of_errors<&Colors::stored, &ErrorMetrics::rmse>},
-    {"mean_abs", k_colors, "Mean absolute difference", "", lower, "of 1, over all channels",
+    {"mean_abs", k_colors, "Mean absolute difference", "", lower, "over all channels; the peak is 1",
      of_errors<&Colors::stored, &ErrorMetrics::mean_abs>},
-    {"mean", k_colors, "Mean difference, with sign", "", lower, "above 0 the test is lighter",
+    {"mean", k_colors, "Mean signed difference", "", lower, "positive if the test is lighter",
      of_errors<&Colors::stored, &ErrorMetrics::mean>},
-    {"p95", k_colors, "95th percentile", "", lower, "95 % of all absolute differences are at most this",
+    {"p95", k_colors, "95th percentile", "", lower, "95 % of all absolute differences are at most this value",
      of_errors<&Colors::stored, &ErrorMetrics::percentile_95>},
-    {"max", k_colors, "Largest difference", "", lower, "of any channel of any pixel",
+    {"max", k_colors, "Maximum difference", "", lower, "of any channel of any pixel",
      of_errors<&Colors::stored, &ErrorMetrics::max_abs>, place_of_colors},
     {"psnr_linear", k_linear, "PSNR", "dB", higher, "with the sRGB curve undone",
      of_errors<&Colors::linear, &ErrorMetrics::psnr>},
     {"rmse_linear", k_linear, "RMSE", "", lower, "with the sRGB curve undone",
      of_errors<&Colors::linear, &ErrorMetrics::rmse>},
-    {"psnr_display", k_display, "PSNR", "dB", higher, "of sRGB values; linear light is cut off at 0 and 1",
+    {"psnr_display", k_display, "PSNR", "dB", higher, "of sRGB values; linear light is clamped to 0 and 1",
      of_errors<&Colors::display, &ErrorMetrics::psnr>},
     {"rmse_display", k_display, "RMSE", "", lower, "of sRGB values",
      of_errors<&Colors::display, &ErrorMetrics::rmse>},
@@ -171,42 +171,42 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
      of_matched_errors<&Colors::stored, &ErrorMetrics::psnr>},
     {"rmse_matched", k_matched, "RMSE", "", lower, "after --match",
      of_matched_errors<&Colors::stored, &ErrorMetrics::rmse>},
-    {"shift", k_pose, "Shift", "px", lower, "of the test, where the edges of both fit best; needs --align",
-     shift},
+    {"shift", k_pose, "Shift", "px", lower, "of the test, where the edges fit best; requires --align", shift},
     {"edges", k_pose, "Common edges", "", higher,
-     "correlation of gradients without a shift: 1 the same edges; needs --align", edges},
+     "correlation of gradients without a shift: 1 for equal edges; requires --align", edges},
     {"depth_mean", k_depth_group, "Mean absolute difference", "m", lower,
-     "of the layers Z, where both see something", of_depth<&DepthMetrics::mean_abs>},
-    {"depth_offset", k_depth_group, "Mean difference, with sign", "m", lower,
-     "above 0 the test is farther away", of_depth<&DepthMetrics::mean>},
+     "of the layers Z, where both have depth", of_depth<&DepthMetrics::mean_abs>},
+    {"depth_offset", k_depth_group, "Mean signed difference", "m", lower,
+     "positive if the test is farther away", of_depth<&DepthMetrics::mean>},
     {"depth_rmse", k_depth_group, "RMSE", "m", lower, "of the layers Z", of_depth<&DepthMetrics::rmse>},
     {"depth_p95", k_depth_group, "95th percentile", "m", lower,
-     "95 % of the absolute differences are at most this", of_depth<&DepthMetrics::percentile_95>},
-    {"depth_max", k_depth_group, "Largest difference", "m", lower, "of the layers Z",
+     "95 % of the absolute differences are at most this value", of_depth<&DepthMetrics::percentile_95>},
+    {"depth_max", k_depth_group, "Maximum difference", "m", lower, "of the layers Z",
      of_depth<&DepthMetrics::max_abs>, place_of_layer<&LayerMetrics::depth>},
     {"depth_relative", k_depth_group, "Mean relative difference", "", lower,
-     "absolute difference by depth of the reference", of_depth<&DepthMetrics::mean_relative>},
+     "absolute difference divided by the depth of the reference", of_depth<&DepthMetrics::mean_relative>},
     {"depth_1cm", k_depth_group, "Within 1 cm", "%", higher, "pixels whose depths differ by at most 0.01 m",
      of_depth<&DepthMetrics::percent_within_1_cm>},
     {"depth_5cm", k_depth_group, "Within 5 cm", "%", higher, "by at most 0.05 m",
      of_depth<&DepthMetrics::percent_within_5_cm>},
     {"depth_1percent", k_depth_group, "Within 1 %", "%", higher, "by at most 1 % of the depth",
      of_depth<&DepthMetrics::percent_within_1_percent>},
-    {"depth_one_sided", k_depth_group, "In one picture only", "%", lower,
-     "pixels where only one picture sees something", one_sided_depth},
+    {"depth_one_sided", k_depth_group, "In one image only", "%", lower,
+     "pixels where only one image has depth", one_sided_depth},
     {"normal_mean", k_normal_group, "Mean angle", "deg", lower, "between the normals, in degrees",
      of_normals<&NormalMetrics::mean>},
-    {"normal_p95", k_normal_group, "95th percentile", "deg", lower, "95 % of the angles are at most this",
-     of_normals<&NormalMetrics::percentile_95>},
-    {"normal_max", k_normal_group, "Largest angle", "deg", lower, "between the normals",
+    {"normal_p95", k_normal_group, "95th percentile", "deg", lower,
+     "95 % of the angles are at most this value", of_normals<&NormalMetrics::percentile_95>},
+    {"normal_max", k_normal_group, "Maximum angle", "deg", lower, "between the normals",
      of_normals<&NormalMetrics::max>, place_of_layer<&LayerMetrics::normals>},
     {"ids", k_id_group, "Equal ids", "%", higher, "pixels that show the same point in both", equal_ids},
-    {"alpha_mean", k_alpha_group, "Mean absolute difference", "", lower, "of 1; of the channels A",
+    {"alpha_mean", k_alpha_group, "Mean absolute difference", "", lower, "of the channels A; the peak is 1",
      of_alpha<&AlphaMetrics::mean_abs>},
-    {"alpha_max", k_alpha_group, "Largest difference", "", lower, "of 1", of_alpha<&AlphaMetrics::max_abs>,
-     place_of_layer<&LayerMetrics::alpha>},
-    {"changed", k_changes, "Changed pixels", "%", lower, "of those that count; needs --changes", changed},
-    {"regions", k_changes, "Regions", "", lower, "of changed pixels; needs --changes", regions},
+    {"alpha_max", k_alpha_group, "Maximum difference", "", lower, "the peak is 1",
+     of_alpha<&AlphaMetrics::max_abs>, place_of_layer<&LayerMetrics::alpha>},
+    {"changed", k_changes, "Changed pixels", "%", lower, "of the compared pixels; requires --changes",
+     changed},
+    {"regions", k_changes, "Regions", "", lower, "of changed pixels; requires --changes", regions},
 });
 
 }  // namespace
@@ -237,7 +237,7 @@ namespace {
 
 [[noreturn]] void reject(const std::string& problem, const std::string& found) {
   throw Error({.problem = problem,
-               .expected = "NAME=LIMIT, NAME<LIMIT or NAME>LIMIT, as psnr<30",
+               .expected = "NAME=LIMIT, NAME<LIMIT or NAME>LIMIT, such as psnr<30",
                .found = "'" + found + "'"});
 }
 
@@ -256,25 +256,25 @@ const MetricKind& known_metric(std::string_view name) {
     all += (all.empty() ? "" : ", ") + std::string(kind.name);
   }
   const std::string_view nearest = nearest_word(name, names);
-  throw Error({.problem = fmt::format("unknown figure '{}' in a threshold", name),
+  throw Error({.problem = fmt::format("unknown metric '{}' in a threshold", name),
                .expected = nearest.empty() ? "one of " + all
-                                           : fmt::format("'{}' perhaps, or one of {}", nearest, all)});
+                                           : fmt::format("one of {1} (did you mean '{0}'?)", nearest, all)});
 }
 
 double limit_of(std::string_view text, const std::string& whole) {
   double limit = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), limit);
   if (error != std::errc{} || end != text.data() + text.size() || std::isnan(limit))
-    reject("a threshold without a number", whole);
+    reject("missing limit of a threshold", whole);
   return limit;
 }
 
 Threshold parse_threshold(const std::string& text) {
   const std::size_t sign = text.find_first_of("=<>");
-  if (sign == std::string::npos) reject("not a threshold", text);
+  if (sign == std::string::npos) reject("invalid threshold", text);
   const std::string_view view = text;
   const std::string_view name = trimmed(view.substr(0, sign));
-  if (name.empty()) reject("a threshold without a name", text);
+  if (name.empty()) reject("missing name of a threshold", text);
   Threshold threshold{.metric = std::string(known_metric(name).name),
                       .limit = limit_of(trimmed(view.substr(sign + 1)), text)};
   if (text[sign] != '=') threshold.kind = text[sign] == '<' ? LimitKind::below : LimitKind::above;
@@ -317,7 +317,7 @@ Verdict judge(const Comparison& comparison, const std::vector<Threshold>& thresh
     const std::optional<double> value = kind.value(comparison);
     if (!value) {
       throw Error({.file = comparison.test.file.string(),
-                   .problem = fmt::format("a threshold on '{}', which these pictures do not have", kind.name),
+                   .problem = fmt::format("the images have no '{}' for a threshold", kind.name),
                    .expected = std::string(kind.note)});
     }
     verdict.judged.push_back(judged(threshold, *value, kind.better));

@@ -130,7 +130,7 @@ void ScratchFile::fail(const char* problem) const {
 void ScratchFile::open() {
   std::string name = (folder_ / ".alidade-XXXXXX").string();
   descriptor_ = ::mkstemp(name.data());
-  if (descriptor_ < 0) fail("no room can be made in this folder for what memory does not hold");
+  if (descriptor_ < 0) fail("cannot create a temporary file in this folder");
   ::unlink(name.c_str());
 }
 
@@ -139,7 +139,7 @@ void ScratchFile::append(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ::ssize_t count = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<::off_t>(size_));
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) fail("writing what memory does not hold into this folder failed");
+    if (count < 0) fail("cannot write a temporary file in this folder");
     bytes = bytes.subspan(static_cast<std::size_t>(count));
     size_ += static_cast<std::uint64_t>(count);
   }
@@ -149,7 +149,7 @@ void ScratchFile::read(std::uint64_t place, std::span<std::byte> into) const {
   while (!into.empty()) {
     const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(place));
     if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) fail("reading back what memory does not hold failed");
+    if (count <= 0) fail("cannot read a temporary file in this folder");
     into = into.subspan(static_cast<std::size_t>(count));
     place += static_cast<std::uint64_t>(count);
   }

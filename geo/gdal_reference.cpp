@@ -86,9 +86,8 @@ GdalReference read_reference(const std::string& text, bool is_wkt, const std::st
   const OGRErr error =
       is_wkt ? OSRImportFromWkt(reference.get(), &wkt) : OSRSetFromUserInput(reference.get(), text.c_str());
   if (error != OGRERR_NONE) {
-    throw Error({.problem = "the reference system of " + whose + " is not understood",
-                 .expected = way_out,
-                 .found = text});
+    throw Error(
+        {.problem = "the reference system of " + whose + " is invalid", .expected = way_out, .found = text});
   }
   return reference;
 }
@@ -109,7 +108,7 @@ GdalReference plane_part(GdalReference reference) {
 void fail_geotiff(const std::filesystem::path& file, const char* what) {
   const std::string said = CPLGetLastErrorMsg();
   throw Error(
-      {.file = file.string(), .problem = fmt::format("GeoTIFF cannot be written: {}", what), .found = said});
+      {.file = file.string(), .problem = fmt::format("cannot write the GeoTIFF: {}", what), .found = said});
 }
 
 std::string wkt_of(const Crs& crs) {
@@ -155,7 +154,7 @@ GdalTransformation transformation_to_cloud(const std::string& own, const Observe
   const bool is_wkt = reference.given.empty();
   const std::string& option = reference.option;
   const std::string& whose = reference.whose;
-  const std::string way_out = fmt::format("{0} SYSTEM, or {0} cloud if they are in the cloud's own", option);
+  const std::string way_out = fmt::format("{0} SYSTEM, or {0} cloud if they are in the cloud's", option);
   const GdalReference from =
       plane_part(read_reference(is_wkt ? own : reference.given, is_wkt, "the " + whose, way_out));
   const GdalReference to = plane_part(read_reference(wkt_of(reference.cloud), true, "the cloud", way_out));
@@ -163,16 +162,16 @@ GdalTransformation transformation_to_cloud(const std::string& own, const Observe
   if (!from || !to) {
     const std::string cloud = "cloud";
     throw Error({.file = source,
-                 .problem = fmt::format("the reference system of the {} is not known, but that of the {} is",
+                 .problem = fmt::format("unknown reference system of the {}, but not of the {}",
                                         to ? whose : cloud, to ? cloud : whose),
                  .expected = to ? way_out : option + " cloud if they are in the cloud's own"});
   }
   if (OSRIsSame(from.get(), to.get()) != 0) return nullptr;
   GdalTransformation transformation = transformation_between(from, to);
   if (!transformation) {
-    throw Error(
-        {.problem = fmt::format("there is no way from the {}' reference system to the cloud's", whose),
-         .found = CPLGetLastErrorMsg()});
+    throw Error({.problem = fmt::format(
+                     "no transformation from the reference system of the {} to the cloud's", whose),
+                 .found = CPLGetLastErrorMsg()});
   }
   return transformation;
 }
@@ -184,7 +183,7 @@ glm::dvec2 transformed(const glm::dvec2& place, const GdalTransformation& transf
   if (OCTTransform(transformation.get(), 1, &image.x, &image.y, nullptr) == 0 || !std::isfinite(image.x) ||
       !std::isfinite(image.y)) {
     throw Error({.file = source,
-                 .problem = "has no place in the cloud's reference system",
+                 .problem = "cannot transform a position to the cloud's reference system",
                  .found = fmt::format("{}, {}", place.x, place.y)});
   }
   return image;

@@ -21,7 +21,7 @@ void write_rows(void* dataset, const GroundPicture& picture, const FillRows& fil
     fill(begin, rows, std::span(pixels).first(row_size * rows));
     if (GDALDatasetRasterIO(dataset, GF_Write, 0, begin, picture.width, rows, pixels.data(), picture.width,
                             rows, GDT_Byte, 4, nullptr, 4, 4 * picture.width, 1) != CE_None)
-      fail_geotiff(file, "rows were refused");
+      fail_geotiff(file, "cannot write rows");
   }
 }
 
@@ -35,14 +35,14 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
   GDALRegister_GTiff();
   const GdalMemoryFile memory;
   const GDALDriverH driver = GDALGetDriverByName("GTiff");
-  if (driver == nullptr) fail_geotiff(name, "GDAL lacks its GTiff driver");
+  if (driver == nullptr) fail_geotiff(name, "GDAL lacks the GTiff driver");
   const GdalTexts options{"COMPRESS=DEFLATE",   "PREDICTOR=2",      "TILED=YES",    "PHOTOMETRIC=RGB",
                           "ALPHA=UNASSOCIATED", "BIGTIFF=IF_SAFER", "NUM_THREADS=1"};
   GdalDataset dataset(
       GDALCreate(driver, memory.name(), picture.width, picture.height, 4, GDT_Byte, options.list()));
-  if (!dataset) fail_geotiff(name, "it cannot be created");
+  if (!dataset) fail_geotiff(name, "cannot create the file");
   if (GDALSetGeoTransform(dataset.get(), transform.data()) != CE_None)
-    fail_geotiff(name, "its place was refused");
+    fail_geotiff(name, "cannot set the georeference");
   GDALSetRasterColorInterpretation(GDALGetRasterBand(dataset.get(), 4), GCI_AlphaBand);
   // A reference system that GDAL does not understand is left out; the picture is right without it.
   if (!wkt.empty()) GDALSetProjection(dataset.get(), wkt.c_str());
@@ -56,7 +56,7 @@ void write_geotiff(const std::filesystem::path& name, const GroundPicture& pictu
   CPLErrorReset();
   dataset.reset();
   if (CPLGetLastErrorType() >= CE_Failure || memory.bytes().empty())
-    fail_geotiff(name, "it cannot be completed");
+    fail_geotiff(name, "cannot complete the file");
   file.write(memory.bytes());
 }
 

@@ -29,8 +29,8 @@ CellRange cells_over(double low, double high, double cell_size) {
 
 RasterGrid grid_over(const Bounds& area, double cell_size) {
   if (!(cell_size > 0.0) || !std::isfinite(cell_size)) {
-    throw Error({.problem = "the cells of a map need a size",
-                 .expected = "a length above 0",
+    throw Error({.problem = "invalid cell size",
+                 .expected = "a positive length",
                  .found = fmt::format("{}", cell_size)});
   }
   for (int axis = 0; axis < 2; ++axis) {
@@ -40,17 +40,19 @@ RasterGrid grid_over(const Bounds& area, double cell_size) {
     // Corners must differ from each other by far more than a rounding.
     constexpr double k_finest = 1e-12;
     if (cell_size < k_finest * std::max(std::fabs(area.min[axis]), std::fabs(area.max[axis])))
-      throw Error({.problem = fmt::format("cells of {} are too fine for such large coordinates", cell_size)});
+      throw Error(
+          {.problem = fmt::format("cells of {} are too small for coordinates of this magnitude", cell_size)});
   }
   const CellRange x = cells_over(area.min.x, area.max.x, cell_size),
                   y = cells_over(area.min.y, area.max.y, cell_size);
   const double most = static_cast<double>(k_most_cells);
   // A side must fit an int as well.
   if (x.count() * y.count() > most || std::max(x.count(), y.count()) >= most) {
-    throw Error({.problem = "the map is too large",
-                 .expected = fmt::format("at most {} cells; larger cells or a smaller area", k_most_cells),
-                 .found = fmt::format("{:.0f} x {:.0f} = {:.4g} cells of {}", x.count(), y.count(),
-                                      x.count() * y.count(), cell_size)});
+    throw Error(
+        {.problem = "map too large",
+         .expected = fmt::format("at most {} cells: use larger cells or a smaller area", k_most_cells),
+         .found = fmt::format("{:.0f} x {:.0f} = {:.4g} cells of {}", x.count(), y.count(),
+                              x.count() * y.count(), cell_size)});
   }
   return {{x.begin * cell_size, y.end * cell_size},
           cell_size,
@@ -87,8 +89,8 @@ void check_raster_name(const std::filesystem::path& file) {
   const std::string extension = file_ending(file);
   if (extension == ".tif" || extension == ".tiff") return;
   throw Error({.file = file.string(),
-               .problem = "maps are written as GeoTIFF",
-               .expected = "a name ending in .tif",
+               .problem = "unsupported map format",
+               .expected = "the extension .tif",
                .found = extension.empty() ? "no extension" : extension});
 }
 

@@ -25,13 +25,13 @@ void add_band(void* dataset, const RasterBand& band, const RasterGrid& grid,
   const void* const data = std::visit(
       [&](const auto& values) -> const void* {
         if (values.size() != grid.size())
-          throw Error({.file = file.string(), .problem = "a band has as many values as the map has cells"});
+          throw Error({.file = file.string(), .problem = "the size of a band does not match the map"});
         return values.data();
       },
       band.values);
   const GdalTexts options{fmt::format("DATAPOINTER={}", data)};
   if (GDALAddBand(dataset, type_of(band), options.list()) != CE_None)
-    fail_geotiff(file, "a band was refused");
+    fail_geotiff(file, "cannot write a band");
   void* const added = GDALGetRasterBand(dataset, GDALGetRasterCount(dataset));
   if (band.no_data) GDALSetRasterNoDataValue(added, *band.no_data);
   if (!band.description.empty()) GDALSetDescription(added, band.description.c_str());
@@ -45,7 +45,7 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   assert(!contents.bands.empty() && contents.grid.size() > 0);
   for (const RasterBand& band : contents.bands) {
     if (band.values.index() != contents.bands.front().values.index())
-      throw Error({.file = file.string(), .problem = "the bands of a map have one type"});
+      throw Error({.file = file.string(), .problem = "the bands of a map must have one type"});
   }
   OutputFile output(file, overwrite);
   const std::string wkt = wkt_of(contents.crs);
@@ -54,16 +54,16 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   GDALRegister_GTiff();
   GDALRegister_COG();
   const GDALDriverH memory_driver = GDALGetDriverByName("MEM"), cog_driver = GDALGetDriverByName("COG");
-  if (memory_driver == nullptr || cog_driver == nullptr) fail_geotiff(file, "GDAL lacks its COG driver");
+  if (memory_driver == nullptr || cog_driver == nullptr) fail_geotiff(file, "GDAL lacks the COG driver");
 
   const RasterGrid& grid = contents.grid;
   const GdalDataset values(GDALCreate(memory_driver, "", grid.columns, grid.rows, 0, GDT_Byte, nullptr));
-  if (!values) fail_geotiff(file, "it cannot be created");
+  if (!values) fail_geotiff(file, "cannot create the file");
   for (const RasterBand& band : contents.bands) add_band(values.get(), band, grid, file);
   std::array<double, 6> transform = {grid.north_west.x, grid.cell_size, 0.0, grid.north_west.y, 0.0,
                                      -grid.cell_size};
   if (GDALSetGeoTransform(values.get(), transform.data()) != CE_None)
-    fail_geotiff(file, "its place was refused");
+    fail_geotiff(file, "cannot set the georeference");
   if (!wkt.empty()) GDALSetProjection(values.get(), wkt.c_str());
   GDALSetMetadataItem(values.get(), "TIFFTAG_SOFTWARE", "Alidade " ALIDADE_VERSION, nullptr);
   for (const auto& [key, text] : contents.metadata)
@@ -76,10 +76,10 @@ void write_raster(const std::filesystem::path& file, const RasterContents& conte
   CPLErrorReset();
   GdalDataset copy(
       GDALCreateCopy(cog_driver, encoded.name(), values.get(), FALSE, options.list(), nullptr, nullptr));
-  if (!copy) fail_geotiff(file, "it cannot be encoded");
+  if (!copy) fail_geotiff(file, "cannot encode the file");
   copy.reset();
   if (CPLGetLastErrorType() >= CE_Failure || encoded.bytes().empty())
-    fail_geotiff(file, "it cannot be completed");
+    fail_geotiff(file, "cannot complete the file");
   output.write(encoded.bytes());
   output.commit();
 }

@@ -21,7 +21,7 @@ void add_polygon(OGRGeometryH polygon, const std::string& source, std::vector<Pl
     for (int corner = 0; corner < OGR_G_GetPointCount(ring); ++corner) {
       const glm::dvec2 place{OGR_G_GetX(ring, corner), OGR_G_GetY(ring, corner)};
       if (!std::isfinite(place.x) || !std::isfinite(place.y)) {
-        throw Error({.file = source, .problem = "has a corner that is no place", .expected = "numbers"});
+        throw Error({.file = source, .problem = "a vertex is not finite", .expected = "numbers"});
       }
       corners.push_back(place);
     }
@@ -33,7 +33,7 @@ void add_polygons(OGRGeometryH geometry, const std::string& source, std::vector<
   if (type == wkbPolygon) return add_polygon(geometry, source, polygons);
   if (type != wkbMultiPolygon && type != wkbGeometryCollection) {
     throw Error({.file = source,
-                 .problem = "is no polygon",
+                 .problem = "not a polygon",
                  .expected = "polygons",
                  .found = geometry != nullptr ? OGRGeometryTypeToName(type) : "no geometry"});
   }
@@ -61,7 +61,7 @@ std::vector<PlanePolygon> read_polygons(const std::filesystem::path& path,
                                            take);
   std::erase_if(polygons, [](const PlanePolygon& polygon) { return polygon.rings.empty(); });
   if (polygons.empty())
-    throw Error({.file = path.string(), .problem = "holds no polygons", .expected = "one at least"});
+    throw Error({.file = path.string(), .problem = "contains no polygons", .expected = "at least one"});
   const GdalTransformation transformation = transformation_to_cloud(wkt, reference, path.string());
   if (!transformation) return polygons;
   for (PlanePolygon& polygon : polygons) {

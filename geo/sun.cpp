@@ -187,13 +187,13 @@ PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map
   std::optional<GroundPlace> ground;
   if (map && !map->crs.empty()) ground = ground_place(map->crs, map->center);
   if (!ground && !(by_time.latitude && by_time.longitude)) {
-    throw Error({.problem = "the place of the sun needs a latitude and a longitude",
+    throw Error({.problem = "the sun position requires latitude and longitude",
                  .expected =
                      "\"latitude\" and \"longitude\" in the scene's sun, --sun-place LAT,LON, or a cloud "
                      "with a reference system",
                  .found = !map               ? "no cloud"
                           : map->crs.empty() ? "a cloud without a reference system"
-                                             : "a reference system that tells no place on Earth"});
+                                             : "a reference system without a location on Earth"});
   }
   PlacedSun placed;
   placed.latitude = by_time.latitude ? *by_time.latitude : ground->latitude;
@@ -217,7 +217,7 @@ PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map
 
 std::string describe(const SunByTime& by_time, const PlacedSun& placed) {
   const std::string north =
-      !placed.is_map_known ? " (+y taken for true north)"
+      !placed.is_map_known ? " (+y assumed to be true north)"
       : placed.grid_north == 0.0
           ? ""
           : fmt::format(" ({:.6f} from +y: grid north is {:.6f} off)", placed.sun.azimuth, placed.grid_north);

@@ -17,7 +17,7 @@ GdalDataset open_vector_file(const std::filesystem::path& path, const VectorCont
   // Asked here, because GDAL takes many a text that is no file's name for something to read.
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
-    throw Error({.file = path.string(), .problem = "is no file", .expected = content.expected});
+    throw Error({.file = path.string(), .problem = "not a file", .expected = content.expected});
   RegisterOGRGeoJSON();
   RegisterOGRGeoPackage();
   RegisterOGRShape();
@@ -26,7 +26,7 @@ GdalDataset open_vector_file(const std::filesystem::path& path, const VectorCont
                                  drivers, nullptr, nullptr));
   if (!dataset) {
     throw Error({.file = path.string(),
-                 .problem = "cannot be read as " + content.content,
+                 .problem = "cannot read it as " + content.content,
                  .expected = content.expected,
                  .found = CPLGetLastErrorMsg()});
   }
@@ -44,7 +44,7 @@ OGRLayerH only_layer(const GdalDataset& dataset, const std::filesystem::path& pa
     names += OGR_L_GetName(GDALDatasetGetLayer(dataset.get(), i));
   }
   throw Error({.file = path.string(),
-               .problem = count == 0 ? "holds no layer" : "holds several layers",
+               .problem = count == 0 ? "contains no layer" : "contains several layers",
                .expected = "one layer of " + content.features,
                .found = count == 0 ? "nothing" : names});
 }
@@ -110,7 +110,7 @@ std::string read_vector_file(const std::filesystem::path& path, const VectorCont
   OGR_L_ResetReading(layer);
   while (const GdalHandle<OGR_F_Destroy> feature{OGR_L_GetNextFeature(layer)}) take(feature.get());
   if (CPLGetLastErrorType() >= CE_Failure)
-    throw Error({.file = path.string(), .problem = "is damaged", .found = CPLGetLastErrorMsg()});
+    throw Error({.file = path.string(), .problem = "corrupt file", .found = CPLGetLastErrorMsg()});
   return wkt_of_layer(layer);
 }
 

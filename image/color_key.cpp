@@ -51,12 +51,12 @@ std::vector<std::pair<std::string, std::string>> color_metadata(const ColorKey& 
 
 void check_legend(const ColorKey& key) {
   if (key.by == PointColor::rgb) {
-    throw Error({.problem = "a legend has nothing to explain: the colours are the points' own",
-                 .expected = "points coloured by height, intensity, classification or another attribute",
+    throw Error({.problem = "rgb colours have no legend",
+                 .expected = "colours by height, intensity, classification or another attribute",
                  .found = "rgb"});
   }
   if (key.by != PointColor::normal && key.point_count == key.missing_count)
-    throw Error({.problem = "a legend has nothing to explain: no point has a value of " + key.word});
+    throw Error({.problem = "empty legend: no point has a value of " + key.word});
 }
 
 }  // namespace alidade::image

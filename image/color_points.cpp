@@ -100,7 +100,7 @@ bool has_column(const AttributeColumns& columns, const std::string& word) {
   }
   const std::string_view nearest = nearest_word(word, words);
   throw Error({.file = name,
-               .problem = fmt::format("points have no \"{}\" to be coloured by{}", word,
+               .problem = fmt::format("the cloud has no attribute \"{}\"{}", word,
                                       nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest)),
                .expected = fmt::format("one of {}", fmt::join(words, ", "))});
 }
@@ -119,8 +119,8 @@ PointColor automatic_color(const AttributeColumns& columns, const std::string& n
                            std::vector<std::string>& warnings) {
   if (has_color(columns)) return PointColor::rgb;
   const bool varied = has_varied_intensity(columns);
-  warnings.push_back(name + (columns.colors.empty() ? " has no colour" : " has only black as colour") +
-                     (varied ? ": coloured by intensity" : " and no varied intensity: coloured by height"));
+  warnings.push_back(name + (columns.colors.empty() ? " has no colours" : " has only black colours") +
+                     (varied ? ": coloured by intensity" : " and no varying intensity: coloured by height"));
   return varied ? PointColor::intensity : PointColor::height;
 }
 
@@ -130,13 +130,13 @@ void check_use(const PointColoring& coloring, const std::string& name) {
                           coloring.by == PointColor::classification;
   if (no_numbers && (coloring.map || coloring.range)) {
     throw Error({.file = name,
-                 .problem = "a colour map or range is for points coloured by numbers",
+                 .problem = "a colour map or range requires a numeric attribute",
                  .expected = "height, intensity, gps_time or another attribute",
                  .found = color_word(coloring)});
   }
   if (coloring.by != PointColor::classification && !coloring.classes.empty()) {
     throw Error({.file = name,
-                 .problem = "colours of classes are for points coloured by class",
+                 .problem = "class colours require classification",
                  .expected = "classification",
                  .found = color_word(coloring)});
   }

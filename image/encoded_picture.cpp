@@ -13,7 +13,7 @@ namespace alidade::image {
 namespace {
 
 [[noreturn]] void fail(const std::string& reason) {
-  throw Error({.problem = "a picture of the report cannot be encoded: " + reason});
+  throw Error({.problem = "cannot encode an image of the report: " + reason});
 }
 
 }  // namespace
@@ -40,7 +40,7 @@ std::string data_url(const BytePicture& picture, PicturePacking packing) {
   OIIO::Filesystem::IOVecOutput encoded;
   const auto image = OIIO::ImageOutput::create(format);
   if (!image) fail(OIIO::geterror());
-  if (!image->set_ioproxy(&encoded)) fail(format + " cannot be encoded in memory");
+  if (!image->set_ioproxy(&encoded)) fail(format + " encoding failed");
   if (!image->open("report." + format, spec) || !image->write_image(OIIO::TypeUInt8, picture.bytes.data()) ||
       !image->close())
     fail(image->geterror());

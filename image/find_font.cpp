@@ -22,7 +22,7 @@ std::filesystem::path find_font(std::span<const std::filesystem::path> places) {
     if (std::filesystem::is_regular_file(place, error)) return place;
   }
   throw Error({.file = places.empty() ? "" : places.front().string(),
-               .problem = "no font to write a legend with",
+               .problem = "missing font for the legend",
                .expected = "DejaVu Sans (Debian: fonts-dejavu-core)"});
 }
 

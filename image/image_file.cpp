@@ -26,7 +26,7 @@
 namespace alidade::image {
 
 [[noreturn]] inline void fail_image(const std::filesystem::path& file, const std::string& message) {
-  throw Error({.file = file.string(), .problem = "image cannot be written: " + message});
+  throw Error({.file = file.string(), .problem = "cannot write the image: " + message});
 }
 
 /// Encodes the rows that `pack(y, bytes of row y)` fills in memory and then writes them: libpng and libjpeg,
@@ -39,7 +39,7 @@ void write_rows(const std::string& format, const std::filesystem::path& final_na
   constexpr int k_rows_at_once = 64;
   const auto image = OIIO::ImageOutput::create(format);
   if (!image) fail_image(final_name, OIIO::geterror());
-  if (!image->set_ioproxy(&encoded)) fail_image(final_name, format + " cannot be encoded in memory");
+  if (!image->set_ioproxy(&encoded)) fail_image(final_name, format + " encoding failed");
   if (!image->open(final_name.string(), spec)) fail_image(final_name, image->geterror());
   const std::size_t row_bytes = spec.scanline_bytes(true);
   std::vector<std::byte> bytes(row_bytes * static_cast<std::size_t>(std::min(k_rows_at_once, spec.height)));
@@ -171,10 +171,10 @@ constexpr int k_longest_jpeg_side = 65500;
 
 void write_exr(const Film& film, const OutputSettings& output, const ImageFacts& facts, OutputFile& file) {
   const std::vector<Channel> channels = exr_channels(output);
-  if (channels.empty()) fail_image(output.file, "no layer is asked for");
+  if (channels.empty()) fail_image(output.file, "no layers requested");
   for (const NamedLayer& known : k_layers) {
     if (std::ranges::find(output.layers, known.layer) != output.layers.end() && !film.holds(known.layer))
-      fail_image(output.file, "its layer " + std::string(known.name) + " was not rendered");
+      fail_image(output.file, "the layer " + std::string(known.name) + " was not rendered");
   }
   OIIO::ImageSpec spec(film.width, film.height, static_cast<int>(channels.size()), OIIO::TypeFloat);
   for (std::size_t i = 0; i < channels.size(); ++i) {
@@ -202,7 +202,7 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
   if (format == ImageFormat::jpeg) {
     // Checked here because libjpeg says it on stderr.
     if (std::max(film.width, film.height) > k_longest_jpeg_side)
-      fail_image(output.file, "JPEG ends at 65500 pixels");
+      fail_image(output.file, "JPEG is limited to 65500 pixels");
     spec.attribute("Compression", "jpeg:95");
     spec.attribute("jpeg:subsampling", "4:4:4");
   }
@@ -260,9 +260,8 @@ void write_image(const Film& film, const OutputSettings& output, const ImageFact
 
 void write_png(const Canvas& canvas, const std::filesystem::path& file, bool overwrite) {
   if (image_format(file) != ImageFormat::png) {
-    throw Error({.file = file.string(),
-                 .problem = "this picture is written as PNG",
-                 .expected = "a name ending in .png"});
+    throw Error(
+        {.file = file.string(), .problem = "unsupported image format", .expected = "the extension .png"});
   }
   OutputFile output(file, overwrite);
   OIIO::ImageSpec spec(canvas.width(), canvas.height(), 3, OIIO::TypeUInt8);

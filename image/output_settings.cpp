@@ -25,8 +25,8 @@ void check_image_name(const std::filesystem::path& file) {
   if (image_format(file)) return;
   const std::string extension = file.extension().string();
   throw Error({.file = file.string(),
-               .problem = "unknown kind of image",
-               .expected = "a name that ends in .exr, .png, .jpg, .jpeg or .tif",
+               .problem = "unknown image format",
+               .expected = "the extension .exr, .png, .jpg, .jpeg or .tif",
                .found = extension.empty() ? "no extension" : extension});
 }
 

@@ -28,7 +28,7 @@ std::string image_trouble(const std::string& said) {
   }
   std::string text;
   for (const std::string& line : lines) text += (text.empty() ? "" : "; ") + line;
-  return text.empty() ? "no reason told" : text;
+  return text.empty() ? "unknown reason" : text;
 }
 
 std::uint64_t picture_file_size(const std::filesystem::path& file) {
@@ -38,7 +38,7 @@ std::uint64_t picture_file_size(const std::filesystem::path& file) {
   if (!std::filesystem::exists(status)) fail("no such file");
   if (!std::filesystem::is_regular_file(status)) fail("not a regular file");
   const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) fail("cannot be read");
+  if (error) fail("cannot read the image");
   return size;
 }
 
@@ -57,9 +57,8 @@ std::string size_text(int width, int height) {
 }
 
 void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::filesystem::path& file) {
-  if (spec.deep || spec.depth > 1)
-    fail(file, "not a flat picture", "one with a single value per channel and pixel");
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "a picture without pixels");
+  if (spec.deep || spec.depth > 1) fail(file, "not a flat image", "one value per channel and pixel");
+  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1) fail(file, "the image has no pixels");
   const std::string found = size_text(spec.width, spec.height);
   const auto count = static_cast<std::uint64_t>(spec.width) * static_cast<std::uint64_t>(spec.height);
   if (count > k_most_sky_pixels) {
@@ -67,14 +66,14 @@ void check(const OIIO::ImageSpec& spec, std::uint64_t file_size, const std::file
          "at most " + std::to_string(k_most_sky_pixels) + " pixels, as in 16384 x 8192", found);
   }
   if (count / k_most_pixels_per_byte > file_size) {
-    fail(file, "a picture that cannot hold its pixels",
-         "more than " + std::to_string(file_size) + " bytes for them", found);
+    fail(file, "the file is too short for its pixels", "more than " + std::to_string(file_size) + " bytes",
+         found);
   }
   const bool is_whole = spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
                         spec.height == spec.full_height;
   if (!is_whole) {
-    fail(file, "a cut-out of a picture",
-         "all of its " + size_text(spec.full_width, spec.full_height) + " pixels", found);
+    fail(file, "the image is a crop", "all " + size_text(spec.full_width, spec.full_height) + " pixels",
+         found);
   }
 }
 
@@ -117,7 +116,7 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   OIIO::ImageSpec hints;
   hints.attribute("oiio:UnassociatedAlpha", 1);
   const auto input = OIIO::ImageInput::open(file.string(), &hints);
-  if (!input) fail(file, "not a picture that can be read: " + image_trouble(OIIO::geterror()));
+  if (!input) fail(file, "cannot read the image: " + image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
   check(spec, file_size, file);
 
@@ -128,7 +127,7 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
                                          OIIO::TypeFloat, pixels.values.data(), sizeof(Rgb));
   // Of TIFF files OpenImageIO tells what is missing, but says that all is well.
   if (!is_read || input->has_error())
-    fail(file, "a picture with pixels missing: " + image_trouble(input->geterror()));
+    fail(file, "the image has missing pixels: " + image_trouble(input->geterror()));
   if (channels.count == 1)
     for (Rgb& value : pixels.values) value = Rgb(value.r);
 
@@ -143,9 +142,10 @@ SkyPixels read_sky_image(const std::filesystem::path& file) {
   for (Rgb& value : pixels.values)
     for (int i = 0; i < 3; ++i) value[i] = light_of(value[i], mended);
   if (mended > 0) {
-    pixels.warning = file.string() + ": " + std::to_string(channels.count == 1 ? mended / 3 : mended) +
-                     " values are no light (negative, not finite or above 1e9): negative and NaN taken as 0, "
-                     "infinite as 65504";
+    pixels.warning =
+        file.string() + ": " + std::to_string(channels.count == 1 ? mended / 3 : mended) +
+        " invalid radiances (negative, not finite or above 1e9): using 0 for negative values and NaN, "
+        "65504 for infinity";
   }
   return pixels;
 }

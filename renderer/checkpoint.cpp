@@ -34,7 +34,7 @@ struct CheckpointHead {
 namespace {
 
 constexpr CheckpointForm k_pictures = {.magic = {'A', 'L', 'I', 'D', 'P', 'A', 'R', 'T'},
-                                       .name = "a checkpoint of Alidade",
+                                       .name = "an Alidade checkpoint",
                                        .fixed_bytes = 80,
                                        .identity_bytes = 72};
 
@@ -60,8 +60,8 @@ CheckpointHead read_head(InputFile& file) {
   const std::vector<std::byte> bytes =
       read_checkpoint_head(file, k_pictures, [&file](const HeaderFields& fixed) {
         const auto size = fixed.get<std::uint64_t>(16);
-        fixed.require(size == file.size(), 16, "is cut short or too long", fmt::format("{} bytes", size),
-                      file.size());
+        fixed.require(size == file.size(), 16, "corrupt checkpoint: wrong file size",
+                      fmt::format("{} bytes", size), file.size());
       });
   const HeaderFields reader(bytes, file.name());
   CheckpointHead head;
@@ -70,12 +70,13 @@ CheckpointHead read_head(InputFile& file) {
   head.width = reader.get<std::uint32_t>(40);
   head.height = reader.get<std::uint32_t>(44);
   const auto with_noise = reader.get<std::uint32_t>(48);
-  reader.require(with_noise <= 1, 48, "is damaged", "0 or 1", with_noise);
+  reader.require(with_noise <= 1, 48, "corrupt checkpoint", "0 or 1", with_noise);
   head.with_noise = with_noise == 1;
   head.pass_end = reader.get<std::uint32_t>(52);
   head.samples_taken = reader.get<std::uint64_t>(56);
   head.seconds = reader.get<double>(64);
-  reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "is damaged", "seconds", head.seconds);
+  reader.require(head.seconds >= 0.0 && head.seconds < 1e12, 64, "corrupt checkpoint", "seconds",
+                 head.seconds);
   head.samples = reader.get<std::uint32_t>(76);
   head.identity = identity_of(k_pictures, bytes, file.name());
   head.head_bytes = bytes.size();
@@ -198,7 +199,7 @@ void read_tiles(BlockReader& reader, const InputFile& file, int samples, Picture
     const std::byte* const at = bytes.data() + k_tile_bytes * tile;
     const auto reached = load<std::uint32_t>(at), stopped = load<std::uint32_t>(at + 4);
     if (reached > static_cast<std::uint32_t>(samples) || stopped > 1) {
-      fail(file, fmt::format("is damaged: tile {}", tile), fmt::format("at most {} samples", samples),
+      fail(file, fmt::format("corrupt checkpoint: tile {}", tile), fmt::format("at most {} samples", samples),
            fmt::format("{} samples, stopped {}", reached, stopped));
     }
     state.tiles[tile] = {reached, stopped == 1, load<std::uint64_t>(at + 8)};
@@ -212,17 +213,17 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
   if (head.width != static_cast<std::uint32_t>(state.grid.width()) ||
       head.height != static_cast<std::uint32_t>(state.grid.height()) || head.with_noise != state.with_noise ||
       head.samples != static_cast<std::uint32_t>(samples)) {
-    fail(file, "is damaged: its numbers are not those of its description",
+    fail(file, "corrupt checkpoint: its sizes contradict its fingerprint",
          fmt::format("{} x {} pixels, {} samples", state.grid.width(), state.grid.height(), samples),
          fmt::format("{} x {} pixels, {} samples", head.width, head.height, head.samples));
   }
   if (head.pass_end < 1 || head.pass_end > head.samples) {
-    fail(file, "is damaged: samples under way", fmt::format("1 to {}", head.samples),
+    fail(file, "corrupt checkpoint: samples in progress", fmt::format("1 to {}", head.samples),
          std::to_string(head.pass_end));
   }
   const std::uint64_t expected = head.head_bytes + rest_bytes(state);
   if (head.file_bytes != expected)
-    fail(file, "is damaged", fmt::format("{} bytes", expected), std::to_string(head.file_bytes));
+    fail(file, "corrupt checkpoint", fmt::format("{} bytes", expected), std::to_string(head.file_bytes));
 }
 
 }  // namespace
@@ -263,8 +264,8 @@ void read_checkpoint(InputFile file, const PictureIdentity& identity, int sample
   for_each_array(state, [&](const auto& values) { reader.take(std::as_writable_bytes(values)); });
   const std::uint64_t sum = reader.sum();
   if (sum != head.rest_checksum) {
-    fail(file, "is damaged: the samples have another checksum", fmt::format("{:016x}", head.rest_checksum),
-         fmt::format("{:016x}", sum));
+    fail(file, "corrupt checkpoint: wrong checksum of the samples",
+         fmt::format("{:016x}", head.rest_checksum), fmt::format("{:016x}", sum));
   }
   state.pass_end = static_cast<int>(head.pass_end);
   state.seconds = head.seconds;

@@ -39,13 +39,12 @@ double positive(double value, const char* what) {
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress) {
   const std::optional<AdaptedRadius>& adapted = settings.adapted_radius;
   const std::optional<double> given = adapted ? adapted->max : settings.radius;
-  if (given) positive(*given, adapted ? "greatest radius of points" : "radius of points");
+  if (given) positive(*given, adapted ? "largest radius of points" : "radius of points");
   cloud.radius = given ? *given : automatic_radius(cloud.octree, settings.max_level);
   if (!adapted) return;
   if (settings.max_level < k_max_level) {
-    throw Error(
-        {.problem = "adapted radii of some levels of a cloud",
-         .expected = "one radius for all points, or all levels: spacings are those of the whole cloud"});
+    throw Error({.problem = "adapted radii with max_level",
+                 .expected = "one radius, or all levels: spacings are those of the whole cloud"});
   }
   cloud.spacing_factor = positive(adapted->factor, "factor between spacings and radii");
   if (!given) cloud.radius *= k_widest_over_automatic;
@@ -118,7 +117,7 @@ void take(image::ColoredPoints&& points, LoadedCloud& loaded, const std::string&
   loaded.colors = std::move(points.colors);
   loaded.color = std::move(points.key);
   if (loaded.color.missing_count == 0) return;
-  loaded.warnings.push_back(fmt::format("{}: {} of {} points have no {}: they are grey", name,
+  loaded.warnings.push_back(fmt::format("{}: {} of {} points have no {} and are grey", name,
                                         loaded.color.missing_count, loaded.color.point_count,
                                         loaded.color.word));
 }
@@ -186,7 +185,7 @@ LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs,
   if (settings.max_level < k_max_level && loaded.octree.size() > 0 &&
       loaded.octree.view().organisation != Organisation::layered) {
     throw Error({.file = inputs.title(),
-                 .problem = "max_level needs points in levels",
+                 .problem = "max_level requires a layered index",
                  .expected = "an index file made with --organisation layered"});
   }
   report(afterwards, done, total);

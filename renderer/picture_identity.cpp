@@ -203,8 +203,8 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
   if (cloud != nullptr) {
     add("number of points", std::to_string(cloud->octree.size()));
     add("radius", fmt::format("{:.17g}", cloud->radius));
-    add("radius over spacing", fmt::format("{:.17g}", cloud->spacing_factor));
-    add("neighbour of spacings", std::to_string(cloud->octree.view().spacing_neighbours));
+    add("radius factor", fmt::format("{:.17g}", cloud->spacing_factor));
+    add("neighbours for radii", std::to_string(cloud->octree.view().spacing_neighbours));
   }
   add("cloud settings", scene.cloud ? text_of(*scene.cloud) : "none");
   if (cloud != nullptr) {
@@ -212,8 +212,8 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
     add("points and colours", cloud_checksum(*cloud));
   }
   const PictureIdentity rest{
-      {"distance of ambient occlusion", fmt::format("{:.17g} {:.17g}", ao_distance.value_or(0.0),
-                                                    ambient_occlusion_distance(scene.render, cloud))},
+      {"range of ambient occlusion", fmt::format("{:.17g} {:.17g}", ao_distance.value_or(0.0),
+                                                 ambient_occlusion_distance(scene.render, cloud))},
       {"target noise", noise_text(options, scene)},
       {"noise sums", keeps_noise(options) ? "kept" : "not kept"},
       {"camera", scene.camera ? camera::camera_json(*scene.camera) : "none"},

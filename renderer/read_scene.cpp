@@ -37,14 +37,14 @@ Rgb read_rgb(const JsonNode& node, const NumberRange& range) {
 image::ValueRange read_range(const JsonNode& node, const NumberRange& allowed) {
   const std::vector<JsonNode> ends = node.elements(2, 2);
   const image::ValueRange range{ends[0].number(allowed), ends[1].number(allowed)};
-  if (!(range.low < range.high)) node.fail("range is empty", "the smaller number first");
+  if (!(range.low < range.high)) node.fail("empty range", "the smaller number first");
   return range;
 }
 
 Color16 read_hex_color(const JsonNode& node) {
   const std::string text = node.text();
   const std::optional<Color16> color = image::parse_hex_color(text);
-  if (!color) node.fail("not a colour", "\"#rrggbb\" in hexadecimal");
+  if (!color) node.fail("invalid colour", "\"#rrggbb\" in hexadecimal");
   return *color;
 }
 
@@ -62,7 +62,7 @@ std::vector<image::ClassColor> read_classes(const JsonNode& node) {
   for (const JsonNode& each : node.elements(0, 256)) {
     const image::ClassColor read = read_class(each);
     if (std::ranges::find(classes, read.number, &image::ClassColor::number) != classes.end())
-      each.fail("class stands twice", "every class once");
+      each.fail("duplicate class", "unique classes");
     classes.push_back(read);
   }
   return classes;
@@ -153,7 +153,7 @@ constexpr std::array<std::string_view, 5> k_by_place{"latitude", "longitude", "h
 geo::Sun read_sun_by_angles(const JsonFields& fields) {
   for (const std::string_view key : k_by_place) {
     if (const auto found = fields.find(key))
-      found->fail("a sun by place but without a time", "\"date_time\" beside it", "none");
+      found->fail("a sun with a location but without a time", "\"date_time\" beside it", "none");
   }
   geo::Sun sun;
   if (const auto azimuth = fields.find("azimuth")) sun.azimuth = azimuth->number(k_angle);
@@ -167,13 +167,13 @@ geo::Sun read_sun_by_angles(const JsonFields& fields) {
 geo::SunByTime read_sun_by_time(const JsonNode& date_time, const JsonFields& fields) {
   for (const std::string_view key : k_by_angles) {
     if (const auto found = fields.find(key))
-      found->fail("a sun both by angles and by time",
-                  "\"date_time\" alone, or \"azimuth\" and \"elevation\"");
+      found->fail("a sun with both angles and time", "\"date_time\" alone, or \"azimuth\" and \"elevation\"");
   }
   geo::SunByTime sun{.moment = read_date_time(date_time)};
   const auto latitude = fields.find("latitude"), longitude = fields.find("longitude");
   if (latitude.has_value() != longitude.has_value())
-    (latitude ? *latitude : *longitude).fail("half a place", "\"latitude\" and \"longitude\"", "one of them");
+    (latitude ? *latitude : *longitude)
+        .fail("incomplete location", "\"latitude\" and \"longitude\"", "one of them");
   if (latitude) sun.latitude = latitude->number({-90, 90});
   if (longitude) sun.longitude = longitude->number({-180, 180});
   if (const auto height = fields.find("height")) sun.height = height->number({-1000, 100000});
@@ -257,7 +257,7 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
                                  "normals", "max_level", "material"});
   CloudSettings cloud;
   const auto files = fields.find("files"), file = fields.find("file");
-  if (files && file) file->fail("both \"file\" and \"files\"", "one of them", "the second");
+  if (files && file) file->fail("\"file\" and \"files\" exclude each other", "one of them", "both");
   if (!files && !file) node.fail("missing key \"files\"", "\"files\" or \"file\"", "neither");
   if (file) cloud.files.push_back(path_beside(scene_file, *file));
   if (files) {
@@ -284,7 +284,7 @@ CloudSettings read_cloud_settings(const JsonNode& node, const std::filesystem::p
       depth->choice(words);
     } else {
       const double bits = depth->number({8, 16});
-      if (bits != 8 && bits != 16) depth->fail("unknown color depth", "8, 16 or \"automatic\"");
+      if (bits != 8 && bits != 16) depth->fail("invalid colour depth", "8, 16 or \"automatic\"");
       cloud.color_depth = bits == 8 ? ColorDepth::bits_8 : ColorDepth::bits_16;
     }
   }
@@ -340,7 +340,7 @@ std::vector<image::Layer> read_layers(const JsonNode& node) {
   for (const JsonNode& each : node.elements(1, words.size())) {
     const image::Layer layer = image::k_layers[each.choice(words)].layer;
     for (const image::Layer earlier : layers) {
-      if (earlier == layer) each.fail("layer stands twice", "every layer once");
+      if (earlier == layer) each.fail("duplicate layer", "unique layers");
     }
     layers.push_back(layer);
   }
@@ -353,7 +353,7 @@ image::OutputSettings read_output_settings(const JsonNode& node, const std::file
   if (const auto file = fields.find("file")) {
     output.file = path_beside(scene_file, *file);
     if (!image::image_format(output.file))
-      file->fail("unknown kind of image", "a name that ends in .exr, .png, .jpg, .jpeg or .tif");
+      file->fail("unknown image format", "the extension .exr, .png, .jpg, .jpeg or .tif");
   }
   if (const auto layers = fields.find("layers")) output.layers = read_layers(*layers);
   if (const auto exposure = fields.find("exposure")) output.exposure = exposure->number({-64, 64});

@@ -21,15 +21,16 @@ void check_options(const Scene& scene, const RenderOptions& options) {
   if (!scene.camera) throw Error({.problem = "the scene has no camera"});
   const int samples = scene.render.samples;
   if (samples < 1 || samples > k_max_samples)
-    refuse("bad number of samples", "1 to 16777216", std::to_string(samples));
+    refuse("invalid number of samples", "1 to 16777216", std::to_string(samples));
   if (options.time_limit && !(*options.time_limit >= 0.0))
-    refuse("bad time limit", "seconds, at least 0", std::to_string(*options.time_limit));
+    refuse("invalid time limit", "seconds, at least 0", std::to_string(*options.time_limit));
   if (options.target_noise && !(*options.target_noise > 0.0))
-    refuse("bad target of noise", "a number above 0", std::to_string(*options.target_noise));
+    refuse("invalid noise target", "a positive number", std::to_string(*options.target_noise));
   if (options.checkpoint && !(options.checkpoint->interval > 0.0))
-    refuse("bad time between checkpoints", "seconds above 0", std::to_string(options.checkpoint->interval));
+    refuse("invalid checkpoint interval", "a positive number of seconds",
+           std::to_string(options.checkpoint->interval));
   if (options.preview && !(options.preview->interval >= 0.0 && options.preview->longest_side >= 1))
-    refuse("bad preview", "seconds, at least 0, and at least one pixel",
+    refuse("invalid preview options", "seconds, at least 0, and at least one pixel",
            std::to_string(options.preview->interval));
 }
 
@@ -74,9 +75,9 @@ void check_camera_place(const camera::Camera& camera, const Scene& scene, const 
   const int max_level = all_levels ? k_all_levels : scene.cloud->max_level;
   const std::optional<SphereAround> sphere = sphere_around(cloud, camera.pose.position, max_level);
   if (!sphere) return;
-  throw Error({.problem = fmt::format("the camera stands inside the sphere of point {}", sphere->point_id),
-               .expected = fmt::format("a place more than {:.6g} from it", sphere->radius),
-               .found = fmt::format("{:.6g} away", sphere->distance)});
+  throw Error({.problem = fmt::format("the camera is inside the sphere of point {}", sphere->point_id),
+               .expected = fmt::format("a distance above {:.6g}", sphere->radius),
+               .found = fmt::format("{:.6g}", sphere->distance)});
 }
 
 bool keeps_noise(const RenderOptions& options) {

@@ -57,7 +57,7 @@ double azimuth_width(double azimuth_min, double azimuth_max) {
 
 void require_range(const std::string& source, const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  refuse(source, fmt::format("{} is out of range", what), fmt::format("a number from {} to {}", least, most),
+  refuse(source, fmt::format("{} out of range", what), fmt::format("a number from {} to {}", least, most),
          fmt::format("{}", value));
 }
 
@@ -71,11 +71,11 @@ void check_view(const std::string& source, const Observer& observer) {
   require_range(source, "elevation_min", observer.elevation_min, -90.0, 90.0);
   require_range(source, "elevation_max", observer.elevation_max, -90.0, 90.0);
   if (!(azimuth_width(observer.azimuth_min, observer.azimuth_max) > 0.0)) {
-    refuse(source, "the azimuths leave no field of view", "two that differ, clockwise from north",
+    refuse(source, "empty field of view", "two different azimuths, clockwise from north",
            fmt::format("{} to {}", observer.azimuth_min, observer.azimuth_max));
   }
   if (observer.elevation_min > observer.elevation_max) {
-    refuse(source, "the elevations stand upside down", "the lower one first",
+    refuse(source, "elevations out of order", "the lower elevation first",
            fmt::format("{} to {}", observer.elevation_min, observer.elevation_max));
   }
 }
@@ -115,8 +115,8 @@ GivenObserver parse_observer(const std::string& text) {
   split_cells(text, ',', cells);
   const auto fail = [&] {
     throw Error({.file = given.source,
-                 .problem = "is no place",
-                 .expected = "X,Y,Z, or X,Y for a place on the ground"});
+                 .problem = "invalid position",
+                 .expected = "X,Y,Z, or X,Y for a position on the ground"});
   };
   if (cells.size() != 2 && cells.size() != 3) fail();
   double numbers[3] = {};
@@ -147,7 +147,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     check_view(one.source, observer);
     const std::optional<double> foot = one.z ? one.z : ground(one.place);
     if (!foot) {
-      refuse(one.source, "has no points of the cloud below to stand on", "a place inside the cloud, or a z",
+      refuse(one.source, "no points of the cloud below the observer", "a position inside the cloud, or a z",
              fmt::format("{}, {}", one.place.x, one.place.y));
     }
     observer.stands_on_ground = !one.z;
@@ -155,7 +155,7 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     const glm::dvec3& eye = observer.position;
     for (const double coordinate : {eye.x, eye.y, eye.z}) {
       if (std::fabs(coordinate) <= k_largest_coordinate) continue;
-      refuse(one.source, "is at no place that a cloud can have",
+      refuse(one.source, "position out of range",
              fmt::format("coordinates from {} to {}", -k_largest_coordinate, k_largest_coordinate),
              fmt::format("{}, {}, {}", eye.x, eye.y, eye.z));
     }
@@ -167,12 +167,12 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
 std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, const GroundHeight& ground,
                                          const Progress& progress) {
   if (!(width > 0.0 && std::isfinite(width)))
-    throw Error({.problem = "the observer grid has no cells", .expected = "a width above 0"});
+    throw Error({.problem = "invalid observer grid", .expected = "a positive width"});
   // A line of points has an extent of no width, and still a cell.
   const double columns = std::fmax(1.0, std::ceil((extent.max.x - extent.min.x) / width));
   const double rows = std::fmax(1.0, std::ceil((extent.max.y - extent.min.y) / width));
   if (!(columns * rows <= k_most_grid_observers)) {
-    throw Error({.problem = fmt::format("the observer grid of {} has too many places", width),
+    throw Error({.problem = fmt::format("too many positions in an observer grid of {}", width),
                  .expected = fmt::format("at most {:.0f}", k_most_grid_observers),
                  .found = fmt::format("{:.0f} by {:.0f}", columns, rows)});
   }
@@ -190,7 +190,7 @@ std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, con
     report(progress, (row + 1) * static_cast<std::uint64_t>(columns), total);
   }
   if (observers.empty())
-    throw Error({.problem = "the observer grid has no place with points of the cloud near it"});
+    throw Error({.problem = "the observer grid has no position near points of the cloud"});
   return observers;
 }
 
@@ -241,17 +241,16 @@ std::string remark_on(const Occluders& occluders, const Observer& observer) {
   const Bounds& box = occluders.octree().bounds();
   const double outside = distance_to(box, observer.position);
   if (outside > observer.max_distance) {
-    return fmt::format("{} sees nothing: the cloud begins {:.6g} away, and it sees {:.6g} far", observer.name,
-                       outside, observer.max_distance);
+    return fmt::format("{} sees nothing: the cloud is {:.6g} away, beyond the maximum distance {:.6g}",
+                       observer.name, outside, observer.max_distance);
   }
   if (outside > std::max(glm::length(box.size()), k_never_far))
-    return fmt::format("{} is {:.6g} outside of the cloud; is it in the cloud's coordinates?", observer.name,
-                       outside);
+    return fmt::format("{} is {:.6g} outside the cloud; check its reference system", observer.name, outside);
   if (!observer.stands_on_ground && is_below_all(occluders.octree(), observer.position))
-    return fmt::format("{} is below all points near it, in the ground", observer.name);
+    return fmt::format("{} is below all points near it", observer.name);
   const auto nearest = find(occluders.octree(), observer.position, {.k = 1});
   if (!nearest.empty() && nearest[0].distance < sphere_radius_of(occluders, nearest[0])) {
-    return fmt::format("{} is inside point {}, {:.3g} from its middle; that point does not block its view",
+    return fmt::format("{} is inside point {}, {:.3g} from its centre; that point does not block its view",
                        observer.name, nearest[0].point_id, nearest[0].distance);
   }
   return "";

@@ -67,7 +67,7 @@ std::vector<GivenObserver> read_observer_table(InputFile& file) {
   CsvTable table(file, meaning_of, std::string(k_form));
   for (const auto& [column, name] : {std::pair(k_x, "x"), std::pair(k_y, "y")}) {
     if (!table.columns().empty() && !table.has(column))
-      table.fail(fmt::format("column {} is missing", name), std::string(k_form));
+      table.fail(fmt::format("missing column {}", name), std::string(k_form));
   }
   std::vector<GivenObserver> observers;
   while (table.next()) observers.push_back(read_row(table));
@@ -113,16 +113,15 @@ void add_feature(const geo::VectorFeature& feature, const std::filesystem::path&
   const std::optional<std::vector<geo::VectorPoint>> points = feature.points();
   if (!points) {
     throw Error({.file = observer.source,
-                 .problem = "is no point",
+                 .problem = "not a point",
                  .expected = "a point for each observer",
                  .found = feature.geometry_type()});
   }
   read_attributes(feature, observer);
   for (const geo::VectorPoint& point : *points) {
     if (!std::isfinite(point.position.x) || !std::isfinite(point.position.y)) {
-      throw Error({.file = observer.source,
-                   .problem = "is a point without coordinates",
-                   .expected = "finite numbers"});
+      throw Error(
+          {.file = observer.source, .problem = "point without coordinates", .expected = "finite numbers"});
     }
     GivenObserver& added = observers.emplace_back(observer);
     added.place = point.position;
@@ -137,7 +136,7 @@ std::vector<GivenObserver> read_vector_observers(const std::filesystem::path& pa
       path, {.content = "observers", .expected = k_expected, .features = "points"},
       [&](void* feature) { add_feature(geo::VectorFeature(feature), path, observers); });
   if (observers.empty())
-    throw Error({.file = path.string(), .problem = "holds no observers", .expected = "a point for each"});
+    throw Error({.file = path.string(), .problem = "contains no observers", .expected = "a point for each"});
   to_cloud_reference(observers, wkt, reference);
   return observers;
 }

@@ -88,7 +88,7 @@ Row geojson_head(const RowFileHead& head, bool on_earth) {
   Row members = {{"type", "FeatureCollection"}};
   members.update(members_of(head));
   members["coordinate_system"] =
-      on_earth ? "longitude, latitude (WGS 84), z of the cloud" : "those of the cloud";
+      on_earth ? "longitude, latitude (WGS 84), z of the cloud" : "the coordinates of the cloud";
   return members;
 }
 

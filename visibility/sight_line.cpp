@@ -24,13 +24,13 @@ Occluders::Occluders(const Octree& octree, const OccluderOptions& options, const
     : octree_(octree), options_(options) {
   constexpr double k_widest_disc = 16.0;
   if (options.radius && !(std::isfinite(*options.radius) && *options.radius > 0.0)) {
-    throw Error({.problem = "bad radius of occluders",
-                 .expected = "a length above 0",
+    throw Error({.problem = "invalid occluder radius",
+                 .expected = "a positive length",
                  .found = std::to_string(*options.radius)});
   }
   if (options.transparency < 1) {
-    throw Error({.problem = "bad transparency",
-                 .expected = "1 or more crossings that block",
+    throw Error({.problem = "invalid transparency",
+                 .expected = "at least 1",
                  .found = std::to_string(options.transparency)});
   }
   if (has_surfaces() || !options.radius) {
@@ -66,7 +66,8 @@ double own_thickness(const Occluders& occluders, const PointSurface& surface) {
 
 void check_end(const SightEnd& end) {
   for (int axis = 0; axis < 3; ++axis) {
-    if (!std::isfinite(end.position[axis])) throw Error({.problem = "end of a sight line is not finite"});
+    if (!std::isfinite(end.position[axis]))
+      throw Error({.problem = "an end of a line of sight is not finite"});
   }
 }
 
@@ -178,7 +179,7 @@ void count_crossings(const Occluders& occluders, const ChordLines& lines, std::s
 
 void check_room(std::size_t lines, std::size_t answers) {
   if (lines == answers) return;
-  throw Error({.problem = "room for answers is not as long as the sight lines",
+  throw Error({.problem = "the span of answers does not match the lines of sight",
                .expected = std::to_string(lines),
                .found = std::to_string(answers)});
 }
@@ -196,8 +197,8 @@ SightLine sight_line(const SightEnd& from, const SightEnd& to) {
 
 SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction, double length) {
   if (!(length >= 0.0)) {
-    throw Error({.problem = "bad length of a sight line",
-                 .expected = "0 or more metres",
+    throw Error({.problem = "invalid length of a line of sight",
+                 .expected = "at least 0 metres",
                  .found = std::to_string(length)});
   }
   const Ray ray = make_ray(from.position, direction);

@@ -56,7 +56,7 @@ bool FieldWalk::at_end() {
 }
 
 std::string_view FieldWalk::word(const char* what) {
-  if (at_end()) fail(what, "a further value on this line", "");
+  if (at_end()) fail(what, "another value on this line", "");
   const std::size_t end = std::min(rest_.find_first_of(k_blanks), rest_.size());
   const std::string_view word = rest_.substr(0, end);
   rest_.remove_prefix(end);
@@ -72,7 +72,7 @@ std::uint64_t FieldWalk::whole_number(const char* what, std::uint64_t most) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || value > most)
-    fail(what, "a whole number from 0 to " + std::to_string(most), text);
+    fail(what, "an integer from 0 to " + std::to_string(most), text);
   return value;
 }
 
@@ -134,7 +134,7 @@ std::filesystem::path existing(const std::filesystem::path& file) {
     name += extension;
     if (std::filesystem::is_regular_file(name, error)) return name;
   }
-  throw Error({.problem = "size of the image is not told and its file is missing",
+  throw Error({.problem = "unknown image size, and the image file is missing",
                .expected = "width and height, or the file " + file.string()});
 }
 
@@ -144,7 +144,7 @@ ImageFileSize image_file_size(InputFile& file) {
   if (const auto size = png_size(file)) return *size;
   if (const auto size = jpeg_size(file)) return *size;
   throw Error(
-      {.file = file.name(), .problem = "size of the image cannot be read", .expected = "a PNG or JPEG file"});
+      {.file = file.name(), .problem = "cannot read the image size", .expected = "a PNG or JPEG file"});
 }
 
 ImageFileSize image_file_size(const std::filesystem::path& path) {

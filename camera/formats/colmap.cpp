@@ -98,8 +98,8 @@ std::span<const ColmapModel> colmap_models() {
 void set_size(Camera& camera, std::uint64_t width, std::uint64_t height) {
   constexpr std::uint64_t k_side = k_max_image_side;
   if (width < 1 || height < 1 || width > k_side || height > k_side || width * height > k_max_pixels) {
-    throw Error({.problem = "image size is out of range",
-                 .expected = "1 to 65536 pixels each way, at most 2^28 in all",
+    throw Error({.problem = "image size out of range",
+                 .expected = "1 to 65536 pixels in each direction, at most 2^28 in total",
                  .found = fmt::format("{} x {}", width, height)});
   }
   camera.width = static_cast<int>(width);
@@ -154,26 +154,26 @@ class ColmapImages {
 
 void ColmapImages::add_camera(std::uint32_t id, const Camera& camera) {
   if (!cameras_.emplace(id, camera).second)
-    throw Error({.problem = fmt::format("camera {} stands twice", id), .expected = "every id once"});
+    throw Error({.problem = fmt::format("duplicate camera id {}", id), .expected = "unique ids"});
 }
 
 void ColmapImages::add_image(const ColmapImage& image) {
   const auto camera = cameras_.find(image.camera_id);
   if (camera == cameras_.end()) {
-    throw Error({.problem = fmt::format("image {} was taken by camera {}, which is not there", image.id,
-                                        image.camera_id)});
+    throw Error(
+        {.problem = fmt::format("image {} refers to the missing camera {}", image.id, image.camera_id)});
   }
   if (!image_ids_.insert(image.id).second)
-    throw Error({.problem = fmt::format("image {} stands twice", image.id), .expected = "every id once"});
+    throw Error({.problem = fmt::format("duplicate image id {}", image.id), .expected = "unique ids"});
   if (image.name.empty()) throw Error({.problem = fmt::format("image {} has no name", image.id)});
   const auto rotation = rotation_from_quaternion(image.quaternion);
   if (!rotation) {
-    throw Error({.problem = fmt::format("rotation of image {} is none", image.id),
-                 .expected = "a finite quaternion that is not zero"});
+    throw Error({.problem = fmt::format("rotation of image {} is zero or not finite", image.id),
+                 .expected = "a finite nonzero quaternion"});
   }
   const auto& [x, y, z] = image.translation;
   if (!(std::fabs(x) <= 1e12 && std::fabs(y) <= 1e12 && std::fabs(z) <= 1e12)) {
-    throw Error({.problem = fmt::format("translation of image {} is out of range", image.id),
+    throw Error({.problem = fmt::format("translation of image {} out of range", image.id),
                  .expected = "numbers within +-1e12"});
   }
   NamedCamera& named = set_.cameras.emplace_back(NamedCamera{image.name, camera->second});
@@ -201,7 +201,7 @@ class Reader {
     if (count > left / smallest_record) {
       throw Error({.file = file_.name(),
                    .place = fmt::format("byte {}", place),
-                   .problem = fmt::format("more {} than the file has room for", what),
+                   .problem = fmt::format("the number of {} exceeds the file", what),
                    .expected = fmt::format("at most {}", left / smallest_record),
                    .found = fmt::format("{}", count)});
     }
@@ -216,7 +216,7 @@ class Reader {
       if (name.size() > k_longest_name) {
         throw Error({.file = file_.name(),
                      .place = fmt::format("byte {}", place),
-                     .problem = "name without an end",
+                     .problem = "unterminated name",
                      .expected = fmt::format("at most {} bytes and a byte 0", k_longest_name)});
       }
     }
@@ -244,7 +244,7 @@ class Reader {
     if (cursor_.place() == file_.size()) return;
     throw Error({.file = file_.name(),
                  .place = fmt::format("byte {}", cursor_.place()),
-                 .problem = "bytes behind the last record",
+                 .problem = "extra bytes after the last record",
                  .expected = "the end of the file",
                  .found = fmt::format("{} bytes", file_.size() - cursor_.place())});
   }
@@ -261,7 +261,7 @@ void read_camera(Reader& reader, ColmapImages& model) {
   const std::span<const ColmapModel> models = colmap_models();
   const auto known = std::ranges::find(models, model_id, &ColmapModel::id);
   if (known == models.end()) {
-    throw Error({.problem = fmt::format("camera {} has an unknown model", id),
+    throw Error({.problem = fmt::format("unknown model of camera {}", id),
                  .expected = fmt::format("0 to {}", models.size() - 1),
                  .found = fmt::format("{}", model_id)});
   }
@@ -325,8 +325,8 @@ void read_camera(std::string_view line, ColmapImages& model) {
   const std::span<const ColmapModel> models = colmap_models();
   const auto known = std::ranges::find(models, name, &ColmapModel::name);
   if (known == models.end()) {
-    throw Error({.problem = fmt::format("camera {} has an unknown model", id),
-                 .expected = "a model of COLMAP such as PINHOLE or OPENCV",
+    throw Error({.problem = fmt::format("unknown model of camera {}", id),
+                 .expected = "a COLMAP model such as PINHOLE or OPENCV",
                  .found = std::string(name.substr(0, 40))});
   }
   const std::uint64_t width = fields.whole_number("image width", UINT64_MAX);
@@ -357,8 +357,8 @@ void check_observations(std::string_view line) {
   std::size_t count = 0;
   for (FieldWalk fields(line); !fields.at_end(); ++count) fields.word("observation");
   if (count % 3 != 0) {
-    throw Error({.problem = "not a line of observations",
-                 .expected = "x, y and point id by turns, or an empty line below every image",
+    throw Error({.problem = "invalid line of observations",
+                 .expected = "x, y and point id repeated, or an empty line, after every image",
                  .found = fmt::format("{} values", count)});
   }
 }

@@ -40,7 +40,7 @@ class Pointers {
       return *data;
     }
     const auto known = objects_.find(id & ~k_new);
-    if (known == objects_.end()) pointer.fail("no such object", "\"data\", or an id that stands above");
+    if (known == objects_.end()) pointer.fail("unknown object", "\"data\", or an id defined above");
     return known->second;
   }
 
@@ -52,7 +52,7 @@ class Pointers {
       return name->text();
     }
     const auto known = names_.find(id & ~k_new);
-    if (known == names_.end()) node.fail("no such type", "\"polymorphic_name\", or an id that stands above");
+    if (known == names_.end()) node.fail("unknown type", "\"polymorphic_name\", or an id defined above");
     return known->second;
   }
 
@@ -98,7 +98,7 @@ Lens lens_of(std::string_view type, const JsonNode& data) {
 
 Camera read_intrinsics(const std::string& type, const JsonNode& value, const JsonNode& data) {
   if (std::ranges::find(k_types, type) == k_types.end())
-    value.fail("unknown kind of camera",
+    value.fail("unsupported camera type",
                "pinhole, pinhole_radial_k1, pinhole_radial_k3, pinhole_brown_t2, fisheye or spherical",
                type.substr(0, 40));
   Camera camera;
@@ -131,7 +131,7 @@ CameraPose pose_of(const JsonNode& value) {
     for (int column = 0; column < 3; ++column) rotation[column][row] = numbers[column];
   }
   if (!(error_of_rotation(rotation) <= k_file_rotation_tolerance) || glm::determinant(rotation) < 0.0)
-    node.fail("not a rotation", "three rows of length 1 at right angles, right-handed", "other numbers");
+    node.fail("invalid rotation", "three orthonormal rows, right-handed", "other numbers");
   const glm::dmat3 axes = glm::transpose(orthonormal(rotation));
   return {.position = required(value, "center").vector(k_coordinate),
           .right = axes[0],
@@ -183,13 +183,12 @@ CameraSet read_openmvg(const JsonNode& top) {
     }
     const auto camera = cameras.find(view.camera);
     if (camera == cameras.end())
-      view.node.fail("no such intrinsic", "a key of \"intrinsics\" as \"id_intrinsic\"",
+      view.node.fail("unknown intrinsic", "a key of \"intrinsics\" as \"id_intrinsic\"",
                      std::to_string(view.camera));
     NamedCamera& named = set.cameras.emplace_back(NamedCamera{view.name, camera->second});
     named.camera.pose = pose->second;
   }
-  if (without_pose > 0)
-    set.warnings.push_back(fmt::format("{} views without a pose are left out", without_pose));
+  if (without_pose > 0) set.warnings.push_back(fmt::format("skipped {} views without a pose", without_pose));
   return set;
 }
 

@@ -93,8 +93,8 @@ CameraSet read_opensfm(const JsonNode& top) {
   const std::vector<JsonNode> reconstructions = top.elements(1, std::size_t(-1));
   const JsonNode& first = reconstructions.front();
   if (reconstructions.size() > 1) {
-    set.warnings.push_back(fmt::format(
-        "only the first of {} reconstructions is used: each has a world of its own", reconstructions.size()));
+    set.warnings.push_back(fmt::format("using only the first of {} reconstructions: each has its own world",
+                                       reconstructions.size()));
   }
   std::map<std::string, Camera> cameras;
   for (const auto& [name, node] : required(first, "cameras").members()) {
@@ -104,7 +104,7 @@ CameraSet read_opensfm(const JsonNode& top) {
   for (const auto& [name, shot] : required(first, "shots").members()) {
     const JsonNode id = required(shot, "camera");
     const auto camera = cameras.find(id.text());
-    if (camera == cameras.end()) id.fail("no such camera", "a key of \"cameras\"");
+    if (camera == cameras.end()) id.fail("unknown camera", "a key of \"cameras\"");
     NamedCamera& named = set.cameras.emplace_back(NamedCamera{name, camera->second});
     named.camera.pose =
         pose_from_world_to_camera(rotation_from_axis_angle(required(shot, "rotation").vector(k_rotation)),

@@ -51,14 +51,13 @@ Columns read_header(std::string_view line) {
     if (known == k_columns.end()) continue;  // further columns are the user's
     std::size_t& column = columns[static_cast<std::size_t>(known - k_columns.begin())];
     if (column != k_not_there)
-      throw Error(
-          {.problem = fmt::format("column '{}' stands twice", word), .expected = "every column once"});
+      throw Error({.problem = fmt::format("duplicate column '{}'", word), .expected = "unique columns"});
     column = place;
   }
   for (std::size_t i = 0; i < k_name; ++i) {
     if (columns[i] == k_not_there) {
-      throw Error({.problem = fmt::format("no column '{}'", k_columns[i]),
-                   .expected = "a header with time,x,y,z,qw,qx,qy,qz (and name, if wanted) in any order"});
+      throw Error({.problem = fmt::format("missing column '{}'", k_columns[i]),
+                   .expected = "a header with time,x,y,z,qw,qx,qy,qz and optionally name, in any order"});
     }
   }
   return columns;
@@ -75,18 +74,18 @@ NamedCamera read_row(std::string_view line, const Columns& columns, const Conven
   const std::vector<std::string_view> row = cells(line);
   const auto cell = [&](std::size_t column) {
     if (columns[column] < row.size()) return row[columns[column]];
-    throw Error({.problem = fmt::format("row without '{}'", k_columns[column]),
-                 .expected = "as many values as the header has columns",
+    throw Error({.problem = fmt::format("missing value of '{}'", k_columns[column]),
+                 .expected = "as many values as columns",
                  .found = fmt::format("{}", row.size())});
   };
   std::array<double, 8> numbers{};
   for (std::size_t i = 0; i < numbers.size(); ++i)
     numbers[i] = number_of(cell(i), std::string(k_columns[i]).c_str());
   const auto rotation = rotation_from_quaternion({numbers[4], numbers[5], numbers[6], numbers[7]});
-  if (!rotation) throw Error({.problem = "quaternion is none", .expected = "one that is not zero"});
+  if (!rotation) throw Error({.problem = "quaternion is zero", .expected = "a nonzero quaternion"});
   const glm::dvec3 place(numbers[1], numbers[2], numbers[3]);
   if (!(std::fabs(place.x) <= 1e12 && std::fabs(place.y) <= 1e12 && std::fabs(place.z) <= 1e12))
-    throw Error({.problem = "place is out of range", .expected = "coordinates within +-1e12"});
+    throw Error({.problem = "position out of range", .expected = "coordinates within +-1e12"});
 
   NamedCamera named{std::string(columns[k_name] == k_not_there ? cell(0) : cell(k_name)), lens};
   CameraPose& pose = named.camera.pose;
@@ -119,12 +118,12 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
       } else if (!columns) {
         columns = read_header(line);
         if (!conventions.axes || !conventions.camera_to_world) {
-          throw Error({.problem = "nothing says how the quaternions are meant",
+          throw Error({.problem = "missing convention of the quaternions",
                        .expected = "a line above the header such as '# opencv camera_to_world' (or opengl, "
                                    "world_to_camera)"});
         }
         if (!lens) {
-          throw Error({.problem = "a trajectory has no lens",
+          throw Error({.problem = "missing lens for the trajectory",
                        .expected = "--lens CAMERA.json, or a scene with a camera"});
         }
       } else {

@@ -105,8 +105,7 @@ Lens lens_of(const FrameFields& fields, std::vector<std::string>& warnings) {
   if (!model && (k.k3 != 0.0 || k.k4 != 0.0)) {
     // Without nerfstudio's "camera_model" these are instant-ngp's slots for fisheyes.
     distortion.radial[2] = distortion.radial[3] = 0.0;
-    warnings.emplace_back(
-        "k3 and k4 are left out: without \"camera_model\" or \"is_fisheye\" they mean nothing");
+    warnings.emplace_back("ignoring k3 and k4: they require \"camera_model\" or \"is_fisheye\"");
   }
   return BrownLens{distortion};
 }
@@ -133,7 +132,7 @@ void set_intrinsics(const FrameFields& fields, const JsonNode& frame, const std:
   }
   const auto across = focal_length(fields, 'x', w);
   if (!across) {
-    frame.fail("no focal length", R"("fl_x", "camera_angle_x" or "x_fov", here or at the top)",
+    frame.fail("missing focal length", R"("fl_x", "camera_angle_x" or "x_fov", here or at the top)",
                "none of them");
   }
   camera.fx = *across;
@@ -163,7 +162,7 @@ double take_scale(const JsonNode& node, glm::dmat3& linear) {
   const double scale = length_of(linear[0]);
   if (scale > 0.0) linear /= scale;
   if (!(error_of_rotation(linear) <= k_file_rotation_tolerance) || glm::determinant(linear) < 0.0) {
-    node.fail("not a rotation", "three columns of one length at right angles, right-handed",
+    node.fail("invalid rotation", "three orthogonal columns of equal length, right-handed",
               "other numbers in the first three columns");
   }
   linear = orthonormal(linear);
@@ -195,7 +194,7 @@ std::optional<WorldChange> world_change(const JsonNode& top) {
     change.shift = affine.shift;
     const double length = take_scale(*transform, change.rotation);
     if (std::fabs(length - 1.0) > k_file_rotation_tolerance)
-      transform->fail("applied_transform is not rigid", "a rotation and a shift", "a scale");
+      transform->fail("applied_transform is not rigid", "a rotation and a translation", "a scale");
   }
   if (scale) change.scale = scale->number({1e-9, 1e9});
   return change;
@@ -212,8 +211,8 @@ CameraSet read_transforms(const JsonNode& top, const std::filesystem::path& file
   for (auto& [key, value] : top.members()) common.emplace(key, value);
   for (const JsonNode& frame : top.find("frames")->elements(0, std::size_t(-1))) {
     const auto path = frame.find("file_path"), matrix = frame.find("transform_matrix");
-    if (!path) frame.fail("missing key \"file_path\"", "the key", "a frame without it");
-    if (!matrix) frame.fail("missing key \"transform_matrix\"", "the key", "a frame without it");
+    if (!path) frame.fail("missing key \"file_path\"", "", "");
+    if (!matrix) frame.fail("missing key \"transform_matrix\"", "", "");
     NamedCamera named{path->text(), {}};
     std::ranges::replace(named.name, '\\', '/');
     const FrameFields fields(frame, common, conflicts);
@@ -235,11 +234,11 @@ CameraSet read_transforms(const JsonNode& top, const std::filesystem::path& file
   }
   for (const std::string& key : conflicts)
     set.warnings.push_back(
-        fmt::format("\"{}\" stands at the top and in frames, and differs: the frame's is used", key));
-  if (scaled > 0) set.warnings.push_back(fmt::format("{} poses have a scale, which is left out", scaled));
+        fmt::format("\"{}\" differs between the file and its frames; using the value of the frame", key));
+  if (scaled > 0) set.warnings.push_back(fmt::format("removed the scale of {} poses", scaled));
   if (change && !original_world)
     set.warnings.emplace_back(
-        "cameras stand in a world that was turned and scaled by applied_transform and applied_scale");
+        "the cameras are in a world that applied_transform and applied_scale have transformed");
   return set;
 }
 

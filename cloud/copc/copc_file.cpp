@@ -25,21 +25,21 @@ namespace {
 constexpr std::size_t k_start_size = 589;  // header, record header and the record of COPC
 
 [[noreturn]] void not_copc(const std::string& file_name, std::string expected, std::string found) {
-  throw Error(file_name, {}, "is no COPC 1.0", std::move(expected), std::move(found));
+  throw Error(file_name, {}, "not a COPC 1.0 file", std::move(expected), std::move(found));
 }
 
 LazLayout read_layout(const std::string& file_name, const LasHeader& header, const LasRecords& records) {
   if (!records.copc_info || !header.compressed || !records.laszip) {
-    not_copc(file_name, "compressed points and a record of COPC as the first", "");
+    not_copc(file_name, "compressed points and a COPC record first", "");
   }
   if (header.version_minor != 4 || header.point_format < 6 || header.point_format > 8) {
-    not_copc(file_name, "LAS 1.4 with points of format 6, 7 or 8",
-             fmt::format("LAS 1.{} with format {}", header.version_minor, header.point_format));
+    not_copc(file_name, "LAS 1.4 with point format 6, 7 or 8",
+             fmt::format("LAS 1.{} with point format {}", header.version_minor, header.point_format));
   }
   const LazLayout layout = parse_laszip_record(records.laszip->data, file_name, records.laszip->place,
                                                header.point_format, header.point_size);
   if (layout.compressor != LazCompressor::layered || layout.chunk_size != 0) {
-    not_copc(file_name, "layered chunks of different sizes",
+    not_copc(file_name, "layered chunks of variable size",
              fmt::format("compressor {} and chunks of {} points", static_cast<int>(layout.compressor),
                          layout.chunk_size));
   }
@@ -52,7 +52,7 @@ std::vector<LazChunk> find_chunks(InputFile& file, const LasHeader& header, cons
   if (std::optional<std::vector<LazChunk>> chunks = read_chunk_table(file, header, layout, missing)) {
     return std::move(*chunks);
   }
-  warnings.push_back(fmt::format("{}: {}; the chunks are found one after another", file.name(), missing));
+  warnings.push_back(fmt::format("{}: {}; locating the chunks one by one", file.name(), missing));
   WalkedChunks walked = walk_layered_chunks(file, header, layout);
   if (walked.problem) throw Error(*walked.problem);
   return std::move(walked.chunks);
@@ -95,7 +95,7 @@ void unpack(const ChosenNodes& part, const LasColumns& columns, const LasColumns
           });
     } catch (const CorruptChunk& problem) {
       throw Error(file.name(), fmt::format("COPC node {}", node.key.name()),
-                  fmt::format("the compressed points are damaged: {}", problem.what()));
+                  fmt::format("corrupt compressed points: {}", problem.what()));
     }
     progress.add(node.chunk.point_count);
   });

@@ -16,21 +16,21 @@ namespace alidade {
 CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name, std::uint64_t place) {
   const HeaderFields fields(data, file_name, place);
   constexpr std::size_t k_size = 160;
-  fields.require(data.size() == k_size, 0, "bad size of the COPC record", fmt::format("{} bytes", k_size),
+  fields.require(data.size() == k_size, 0, "wrong size of the COPC record", fmt::format("{} bytes", k_size),
                  data.size());
   CopcInfo info;
   info.half_size = fields.get<double>(24);
   // The cube's side is twice as long and must be a number, too.
-  fields.require(std::isfinite(2 * info.half_size) && info.half_size > 0, 24, "bad size of the COPC octree",
-                 "a positive number", info.half_size);
+  fields.require(std::isfinite(2 * info.half_size) && info.half_size > 0, 24,
+                 "invalid size of the COPC octree", "a positive number", info.half_size);
   for (int axis = 0; axis < 3; ++axis) {
     const std::size_t byte = 8 * static_cast<std::size_t>(axis);
     info.centre[axis] = fields.get<double>(byte);
     fields.require(std::isfinite(std::abs(info.centre[axis]) + 2 * info.half_size), byte,
-                   "bad centre of the COPC octree", "a finite number", info.centre[axis]);
+                   "invalid centre of the COPC octree", "a finite number", info.centre[axis]);
   }
   info.spacing = fields.get<double>(32);
-  fields.require(std::isfinite(info.spacing) && info.spacing > 0, 32, "bad spacing of the COPC octree",
+  fields.require(std::isfinite(info.spacing) && info.spacing > 0, 32, "invalid spacing of the COPC octree",
                  "a positive number", info.spacing);
   info.root_page = fields.get<std::uint64_t>(40);
   info.root_page_size = fields.get<std::uint64_t>(48);
@@ -68,19 +68,18 @@ class Entries {
     const bool inside = page.place <= file_.size() && page.size <= file_.size() - page.place;
     if (!inside || page.size == 0 || page.size % k_entry_size != 0) {
       fail_at_byte(
-          file_.name(), page.place, fmt::format("bad page of the COPC hierarchy, which {} points to", said),
+          file_.name(), page.place, fmt::format("invalid page of the COPC hierarchy, referenced by {}", said),
           fmt::format("a multiple of {} bytes inside the file", k_entry_size), std::to_string(page.size));
     }
     if (!places_.insert(page.place).second) {
       fail_at_byte(file_.name(), page.place,
-                   fmt::format("a page of the COPC hierarchy is met twice, from {} again", said),
-                   "one entry that points to it", "another");
+                   fmt::format("duplicate page of the COPC hierarchy, referenced again by {}", said),
+                   "one reference", "another");
     }
     // Pages that overlap could be many more than the file has room for.
     bytes_ += page.size;
     if (bytes_ > file_.size()) {
-      fail_at_byte(file_.name(), page.place,
-                   "the pages of the COPC hierarchy take more bytes than the file has",
+      fail_at_byte(file_.name(), page.place, "the pages of the COPC hierarchy exceed the file",
                    fmt::format("at most {}", file_.size()), std::to_string(bytes_));
     }
     pages_.push_back(page);
@@ -105,12 +104,13 @@ class Entries {
     const std::int64_t end = level_exists ? std::int64_t{1} << key.level : 0;
     const auto on_level = [end](std::int32_t number) { return number >= 0 && number < end; };
     if (!level_exists || !on_level(key.x) || !on_level(key.y) || !on_level(key.z)) {
-      fail_at_byte(file_.name(), place, "bad key in the COPC hierarchy",
-                   fmt::format("a level from 0 to {} and places on it", k_deepest_copc_level), key.name());
+      fail_at_byte(file_.name(), place, "invalid key in the COPC hierarchy",
+                   fmt::format("a level from 0 to {} and indices on it", k_deepest_copc_level), key.name());
     }
     if (count < k_page_entry) {
-      fail_at_byte(file_.name(), place + 28, fmt::format("bad number of points of COPC node {}", key.name()),
-                   "-1 or more", std::to_string(count));
+      fail_at_byte(file_.name(), place + 28,
+                   fmt::format("invalid number of points of COPC node {}", key.name()), "-1 or more",
+                   std::to_string(count));
     }
     if (count == k_page_entry) {
       announce({target, static_cast<std::uint64_t>(std::max(size, 0))}, place);
@@ -119,7 +119,7 @@ class Entries {
     LazChunk& chunk = nodes_[key];
     if (count == 0) return;
     if (chunk.point_count != 0) {
-      fail_at_byte(file_.name(), place, fmt::format("the COPC hierarchy has two nodes {}", key.name()),
+      fail_at_byte(file_.name(), place, fmt::format("duplicate node {} in the COPC hierarchy", key.name()),
                    "one with points", fmt::format("{} and {} points", chunk.point_count, count));
     }
     chunk = {target, static_cast<std::uint64_t>(std::max(size, 0)), static_cast<std::uint64_t>(count)};
@@ -172,18 +172,18 @@ void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, s
     if (i >= chunks.size() || in_file[i]->chunk != chunks[i]) {
       const LazChunk& chunk = in_file[i]->chunk;
       fail_at_byte(file_name, chunk.place,
-                   fmt::format("the COPC node {} is no chunk of the file", in_file[i]->key.name()),
-                   i < chunks.size()
-                       ? fmt::format("{} points in {} bytes from byte {} on", chunks[i].point_count,
-                                     chunks[i].byte_count, chunks[i].place)
-                       : "no more chunks",
+                   fmt::format("COPC node {} does not match a chunk of the file", in_file[i]->key.name()),
+                   i < chunks.size() ? fmt::format("{} points in {} bytes at byte {}", chunks[i].point_count,
+                                                   chunks[i].byte_count, chunks[i].place)
+                                     : "no further chunk",
                    fmt::format("{} points in {} bytes", chunk.point_count, chunk.byte_count));
     }
     in_file[i]->first_row = row;
     row += chunks[i].point_count;
   }
   if (in_file.size() < chunks.size()) {
-    fail_at_byte(file_name, chunks[in_file.size()].place, "the COPC hierarchy leaves out a chunk of the file",
+    fail_at_byte(file_name, chunks[in_file.size()].place,
+                 "the COPC hierarchy does not reference a chunk of the file",
                  fmt::format("{} nodes with points", chunks.size()), std::to_string(in_file.size()));
   }
 }

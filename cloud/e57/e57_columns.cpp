@@ -40,7 +40,7 @@ double full_scale(double largest) {
 }
 
 std::string widened_to(const Range& range) {
-  return fmt::format("it was widened to {} to {}", range[0], range[1]);
+  return fmt::format("using {} to {}", range[0], range[1]);
 }
 
 std::optional<Range> color_range(const E57Limits& limits, const E57Field& field) {
@@ -81,9 +81,8 @@ class Scalings {
 
   void warn_of_values_beyond(const char* kind, std::size_t scan, const char* what, const Range& range,
                              const ColumnRange& values, const std::string& consequence) {
-    oddities_.add(kind,
-                  fmt::format("scan {}: {} go from {} to {}, beyond the range of {} to {} that is stated: {}",
-                              scan + 1, what, values.min, values.max, range[0], range[1], consequence));
+    oddities_.add(kind, fmt::format("scan {}: {} from {} to {} exceed the stated range of {} to {}: {}",
+                                    scan + 1, what, values.min, values.max, range[0], range[1], consequence));
   }
 
   void scale_colors(std::size_t scan) {
@@ -105,12 +104,12 @@ class Scalings {
       const Range wider = {std::min(values.min, 0.0), full_scale(values.max)};
       if (!is_little) ranges.fill(wider);
       warn_of_values_beyond(is_little ? "colours held" : "colours widened", scan, "colours", stated, values,
-                            is_little ? "they were held at its ends" : widened_to(wider));
+                            is_little ? "clamped" : widened_to(wider));
     } else if ((*ranges[0])[1] > 255.0 && values.max <= 255.0 && values.max > 0.0) {
       oddities_.add(
           "colours of 8 bits",
           fmt::format(
-              "scan {}: colours are stated to go up to {}, but none exceeds 255: they may be 8-bit values",
+              "scan {}: the stated maximum of colours is {}, but none exceeds 255: they may be 8-bit values",
               scan + 1, (*ranges[0])[1]));
     }
     for (std::size_t channel = 0; channel < 3; ++channel)
@@ -142,9 +141,9 @@ class Scalings {
     for (const std::size_t scan : free_colors_) scalings_[scan].colors.fill(colors);
     for (const std::size_t scan : free_intensities_) scalings_[scan].intensities = intensities;
     if (!free_colors_.empty() && !colors.assumption.empty())
-      oddities_.add("colours assumed", "it was assumed that " + colors.assumption);
+      oddities_.add("colours assumed", "assuming that " + colors.assumption);
     if (!free_intensities_.empty() && !intensities.assumption.empty())
-      oddities_.add("intensities assumed", "it was assumed that " + intensities.assumption);
+      oddities_.add("intensities assumed", "assuming that " + intensities.assumption);
   }
 
   const std::vector<E57Scan>& scans_;

@@ -42,7 +42,7 @@ void parse(const E57Pages& pages, std::string& text, pugi::xml_document& xml) {
       pugi::parse_cdata | pugi::parse_escapes | pugi::parse_eol | pugi::parse_doctype, pugi::encoding_utf8);
   if (!result) {
     pages.fail(fmt::format("XML, byte {}", result.offset),
-               std::string("cannot be read: ") + result.description());
+               std::string("invalid XML: ") + result.description());
   }
   for (const pugi::xml_node& node : xml.children()) {
     if (node.type() == pugi::node_doctype) pages.fail("XML", "has a document type", "none");
@@ -70,8 +70,7 @@ void check_pictures(const E57Pages& pages, const std::vector<E57Image>& images) 
   for (std::size_t i = 0; i < images.size(); ++i) {
     for (const E57Picture& picture : images[i].pictures) {
       const std::uint64_t length = picture.blob.length + (picture.mask ? picture.mask->length : 0);
-      if (length > left)
-        pages.fail(fmt::format("image {}", i + 1), "all pictures together are larger than the file");
+      if (length > left) pages.fail(fmt::format("image {}", i + 1), "the images exceed the file");
       left -= length;
     }
   }
@@ -82,7 +81,7 @@ E57Document read_document(E57Pages& pages) {
   pugi::xml_document xml;
   parse(pages, text, xml);
   const E57Node root(pages, xml.child("e57Root"), "XML");
-  if (!root) root.fail("has no element e57Root");
+  if (!root) root.fail("missing element e57Root");
   E57Document document;
   document.guid = root.child("guid").text();
   document.coordinate_metadata = root.child("coordinateMetadata").text();

@@ -57,51 +57,50 @@ std::uint32_t crc32c(std::span<const std::byte> bytes) {
 E57Pages::E57Pages(InputFile file) : file_(std::move(file)) {
   std::array<std::byte, k_header_bytes> bytes;
   if (file_.size() < k_header_bytes)
-    fail("header", "the file ends early", "48 bytes", std::to_string(file_.size()));
+    fail("header", "truncated file", "48 bytes", std::to_string(file_.size()));
   file_.read_at(0, bytes);
   if (std::memcmp(bytes.data(), "ASTM-E57", 8) != 0)
-    fail("header", "is no E57 file", "ASTM-E57 at the start");
+    fail("header", "not an E57 file", "ASTM-E57 at the start");
   header_.version_major = load<std::uint32_t>(bytes.data() + 8);
   header_.version_minor = load<std::uint32_t>(bytes.data() + 12);
   if (header_.version_major != 1) {
-    fail("header", "unknown version of E57", "1.x",
+    fail("header", "unsupported E57 version", "1.x",
          fmt::format("{}.{}", header_.version_major, header_.version_minor));
   }
   if (const auto page = load<std::uint64_t>(bytes.data() + 40); page != k_e57_page)
-    fail("header", "unusable size of pages", std::to_string(k_e57_page), std::to_string(page));
+    fail("header", "unsupported page size", std::to_string(k_e57_page), std::to_string(page));
   if (file_.size() % k_e57_page != 0) {
-    fail("header", "the file is no whole number of pages; its end is missing or something stands behind it",
-         "a multiple of 1024 bytes", std::to_string(file_.size()));
+    fail("header", "the file size is not a multiple of the page size", "a multiple of 1024 bytes",
+         std::to_string(file_.size()));
   }
   if (const auto length = load<std::uint64_t>(bytes.data() + 16); length != file_.size()) {
-    fail("header", "the file has another length than it says", fmt::format("{} bytes", length),
-         std::to_string(file_.size()));
+    fail("header", "wrong file length", fmt::format("{} bytes", length), std::to_string(file_.size()));
   }
   header_.xml_length = load<std::uint64_t>(bytes.data() + 32);
   const auto xml_offset = load<std::uint64_t>(bytes.data() + 24);
   view(0, k_header_bytes);
   header_.xml_place = place_of(xml_offset, "header", "the XML");
   if (header_.xml_length == 0 || header_.xml_length > size() - header_.xml_place) {
-    fail("header", "the XML does not fit into the file",
-         fmt::format("1 to {} bytes", size() - header_.xml_place), std::to_string(header_.xml_length));
+    fail("header", "the XML exceeds the file", fmt::format("1 to {} bytes", size() - header_.xml_place),
+         std::to_string(header_.xml_length));
   }
 }
 
 std::uint64_t E57Pages::place_of(std::uint64_t physical, const std::string& where,
                                  const std::string& what) const {
   if (physical >= file_.size()) {
-    fail(where, what + " begins behind the end of the file", fmt::format("less than {}", file_.size()),
+    fail(where, what + " begins after the end of the file", fmt::format("less than {}", file_.size()),
          std::to_string(physical));
   }
   if (physical % k_e57_page >= k_e57_payload)
-    fail(where, what + " begins inside a checksum", "another byte", std::to_string(physical));
+    fail(where, what + " begins inside a checksum", "an offset outside checksums", std::to_string(physical));
   return physical / k_e57_page * k_e57_payload + physical % k_e57_page;
 }
 
 std::span<const std::byte> E57Pages::view(std::uint64_t place, std::size_t count) {
   if (place > size() || count > size() - place) {
-    fail(fmt::format("page {}", place / k_e57_payload), "the file ends early",
-         fmt::format("{} bytes from here", count), std::to_string(size() - std::min(place, size())));
+    fail(fmt::format("page {}", place / k_e57_payload), "truncated file", fmt::format("{} more bytes", count),
+         std::to_string(size() - std::min(place, size())));
   }
   if (count == 0) return {};
   const std::uint64_t window_place = window_page_ * k_e57_payload;
@@ -140,7 +139,7 @@ void E57Pages::fill(std::uint64_t first_page, std::uint64_t page_count) {
     const auto payload = whole.first(k_e57_payload);
     const auto stored = load<std::uint32_t>(whole.data() + k_e57_payload, std::endian::big);
     if (const std::uint32_t sum = crc32c(payload); sum != stored) {
-      fail(fmt::format("page {}", first_page + page), "the checksum is wrong: the page is damaged",
+      fail(fmt::format("page {}", first_page + page), "corrupt page: wrong checksum",
            fmt::format("{:08x}", stored), fmt::format("{:08x}", sum));
     }
     window_.insert(window_.end(), payload.begin(), payload.end());

@@ -86,7 +86,7 @@ void E57Records::visit(const Visitor& visitor) {
     for (const Stream& stream : streams_) count = stream.queue.available(count);
     if (count == 0) {
       if (next_packet()) continue;
-      fail("the section ends early", fmt::format("{} records", scan_.record_count), std::to_string(done));
+      fail("truncated section", fmt::format("{} records", scan_.record_count), std::to_string(done));
     }
     for (std::size_t i = 0; i < streams_.size(); ++i) {
       const std::span<std::uint64_t> taken = std::span(numbers).first(count);
@@ -108,10 +108,10 @@ bool E57Records::next_packet() {
   const std::span<const std::byte> head = pages_.view(place_, k_smallest);
   const unsigned kind = load<std::uint8_t>(head.data());
   const std::size_t length = load<std::uint16_t>(head.data() + 2) + std::size_t{1};
-  if (kind > k_empty_packet) fail("is of an unknown kind", "0, 1 or 2", std::to_string(kind));
-  if (length % 4 != 0) fail("has a length that cannot be", "a multiple of 4", std::to_string(length));
+  if (kind > k_empty_packet) fail("unknown packet type", "0, 1 or 2", std::to_string(kind));
+  if (length % 4 != 0) fail("invalid packet length", "a multiple of 4", std::to_string(length));
   if (length > left)
-    fail("leaves the section", fmt::format("at most {} bytes", left), std::to_string(length));
+    fail("the packet exceeds its section", fmt::format("at most {} bytes", left), std::to_string(length));
   if (kind == k_data_packet) take_pieces(pages_.view(place_, length));
   place_ += length;
   return true;
@@ -119,28 +119,28 @@ bool E57Records::next_packet() {
 
 void E57Records::take_pieces(std::span<const std::byte> packet) {
   if (packet.size() < k_data_header)
-    fail("is too short", fmt::format("{} bytes at least", k_data_header), std::to_string(packet.size()));
+    fail("the packet is too short", fmt::format("{} bytes at least", k_data_header),
+         std::to_string(packet.size()));
   const bool restarts = (load<std::uint8_t>(packet.data() + 1) & 1) != 0;
   const std::size_t count = load<std::uint16_t>(packet.data() + 4);
   if (count != scan_.fields.size()) {
-    fail("has another number of streams than the scan has fields", std::to_string(scan_.fields.size()),
-         std::to_string(count));
+    fail("wrong number of streams", std::to_string(scan_.fields.size()), std::to_string(count));
   }
   if (packet.size() < k_data_header + 2 * count) {
-    fail("is too short for its streams", fmt::format("{} bytes at least", k_data_header + 2 * count),
-         std::to_string(packet.size()));
+    fail("the packet is too short for its streams",
+         fmt::format("{} bytes at least", k_data_header + 2 * count), std::to_string(packet.size()));
   }
   std::size_t begin = k_data_header + 2 * count;
   auto stream = streams_.begin();
   for (std::size_t field = 0; field < count; ++field) {
     const std::size_t length = load<std::uint16_t>(packet.data() + k_data_header + 2 * field);
     if (length > packet.size() - begin) {
-      fail("is too short for its stream of " + scan_.fields[field].name,
+      fail("the packet is too short for its stream of " + scan_.fields[field].name,
            fmt::format("at most {} bytes", packet.size() - begin), std::to_string(length));
     }
     if (stream != streams_.end() && stream->field == field) {
       if (restarts && !stream->queue.restart())
-        fail("begins anew inside the records of " + scan_.fields[field].name);
+        fail("the packet restarts inside the records of " + scan_.fields[field].name);
       stream->queue.add(packet.subspan(begin, length));
       ++stream;
     }

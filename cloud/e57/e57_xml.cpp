@@ -49,7 +49,7 @@ E57Field read_field(const E57Node& node, std::string name) {
     field.minimum = minimum.value_or(Limits::min());
     field.maximum = maximum.value_or(Limits::max());
     if (field.minimum > field.maximum) {
-      node.fail("has a minimum above its maximum", fmt::format("at most {}", field.maximum),
+      node.fail("minimum above maximum", fmt::format("at most {}", field.maximum),
                 std::to_string(field.minimum));
     }
     if (type == "ScaledInteger") {
@@ -66,7 +66,7 @@ E57Field read_field(const E57Node& node, std::string name) {
   } else if (type == "Float") {
     const std::string_view precision = node.element().attribute("precision").value();
     if (!precision.empty() && precision != "single" && precision != "double")
-      node.fail("has an unknown precision", "single or double", quote(precision));
+      node.fail("unknown precision", "single or double", quote(precision));
     field.kind = precision == "single" ? E57FieldKind::float32 : E57FieldKind::float64;
     // Likewise.
     constexpr double k_unlimited = 1e30;
@@ -77,20 +77,20 @@ E57Field read_field(const E57Node& node, std::string name) {
   } else if (type == "String") {
     field.kind = E57FieldKind::text;
   } else {
-    node.fail("has a type that records cannot have", "Integer, ScaledInteger, Float or String", quote(type));
+    node.fail("unsupported type of a field", "Integer, ScaledInteger, Float or String", quote(type));
   }
   return field;
 }
 
 /// The leaves of a prototype in document order, each of which has a stream of bytes.
 void read_fields(const E57Node& parent, const std::string& prefix, int depth, std::vector<E57Field>& fields) {
-  if (depth > k_deepest_prototype) parent.fail("is nested too deeply", "8 levels at most");
+  if (depth > k_deepest_prototype) parent.fail("too many nested levels", "at most 8 levels");
   for (const pugi::xml_node& element : parent.element().children()) {
     if (element.type() != pugi::node_element) continue;
     const E57Node node = parent.descend(element);
     const std::string name = prefix + element.name();
     if (name.size() > k_longest_name) {
-      parent.fail("has a field with too long a name", fmt::format("at most {} bytes", k_longest_name),
+      parent.fail("field name too long", fmt::format("at most {} bytes", k_longest_name),
                   std::to_string(name.size()));
     }
     if (std::string_view(element.attribute("type").value()) == "Structure") {
@@ -98,7 +98,7 @@ void read_fields(const E57Node& parent, const std::string& prefix, int depth, st
       continue;
     }
     if (fields.size() == k_most_columns)
-      parent.fail("has too many fields", fmt::format("{} at most", k_most_columns));
+      parent.fail("too many fields", fmt::format("at most {}", k_most_columns));
     fields.push_back(read_field(node, name));
   }
 }
@@ -116,19 +116,19 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
   const std::string& where = points.where();
   scan.begin = pages.place_of(points.require_count_attribute("fileOffset"), where, "the section of points");
   if (k_section_header_bytes > pages.size() - scan.begin)
-    pages.fail(where, "the file ends early", "the header of the section of points");
+    pages.fail(where, "truncated file", "the header of the section of points");
   const std::span<const std::byte> header = pages.view(scan.begin, k_section_header_bytes);
   const auto id = load<std::uint8_t>(header.data());
   const auto length = load<std::uint64_t>(header.data() + 8), data = load<std::uint64_t>(header.data() + 16);
-  if (id != 1) pages.fail(where, "no section of points where one should begin", "1", std::to_string(id));
+  if (id != 1) pages.fail(where, "missing section of points", "1", std::to_string(id));
   if (length < k_section_header_bytes || length > pages.size() - scan.begin) {
-    pages.fail(where, "the section of points does not fit into the file",
+    pages.fail(where, "the section of points exceeds the file",
                fmt::format("32 to {} bytes", pages.size() - scan.begin), std::to_string(length));
   }
   scan.end = scan.begin + length;
   scan.first_packet = pages.place_of(data, where, "the first packet");
   if (scan.first_packet < scan.begin + k_section_header_bytes || scan.first_packet > scan.end)
-    pages.fail(where, "the first packet lies outside the section of points",
+    pages.fail(where, "the first packet is outside the section of points",
                fmt::format("{} to {}", scan.begin + k_section_header_bytes, scan.end),
                std::to_string(scan.first_packet));
 
@@ -150,14 +150,13 @@ E57Blob read_blob_place(const E57Node& node, E57Pages& pages) {
       pages.place_of(node.require_count_attribute("fileOffset"), node.where(), "the " + node.name());
   const std::uint64_t room = pages.size() - begin;
   if (room < k_blob_header_bytes || length > room - k_blob_header_bytes)
-    node.fail("does not fit into the file", fmt::format("at most {} bytes", room), std::to_string(length));
+    node.fail("exceeds the file", fmt::format("at most {} bytes", room), std::to_string(length));
   const std::span<const std::byte> header = pages.view(begin, k_blob_header_bytes);
   const auto id = load<std::uint8_t>(header.data());
   const auto section = load<std::uint64_t>(header.data() + 8);
-  if (id != 0) node.fail("has no section where one should begin", "0", std::to_string(id));
+  if (id != 0) node.fail("missing section", "0", std::to_string(id));
   // Writers differ in whether the section's length counts its header.
-  if (length > section)
-    node.fail("is longer than its section", std::to_string(section), std::to_string(length));
+  if (length > section) node.fail("exceeds its section", std::to_string(section), std::to_string(length));
   return {.place = begin + k_blob_header_bytes, .length = length};
 }
 
@@ -216,7 +215,7 @@ std::optional<double> E57Node::number() const {
   auto value = parse_number(word);
   if (value && std::string_view(element_.attribute("type").value()) == "ScaledInteger")
     value = *value * number_attribute("scale").value_or(1.0) + number_attribute("offset").value_or(0.0);
-  if (!value || !std::isfinite(*value)) fail("has no finite number", "a number", quote(word));
+  if (!value || !std::isfinite(*value)) fail("not a finite number", "a number", quote(word));
   return value;
 }
 
@@ -224,7 +223,7 @@ std::uint64_t E57Node::count() const {
   const std::string word = text();
   if (word.empty()) return 0;
   const auto value = parse_integer<std::uint64_t>(word);
-  if (!value) fail("has no whole number", "a whole number from 0 on", quote(word));
+  if (!value) fail("not an integer", "an integer, at least 0", quote(word));
   return *value;
 }
 
@@ -232,8 +231,7 @@ std::optional<std::int64_t> E57Node::integer_attribute(const char* name) const {
   const pugi::xml_attribute attribute = element_.attribute(name);
   if (!attribute) return std::nullopt;
   const auto value = parse_integer<std::int64_t>(without_blanks(attribute.value()));
-  if (!value)
-    fail(fmt::format("has no whole number as {}", name), "a whole number", quote(attribute.value()));
+  if (!value) fail(fmt::format("{} is not an integer", name), "an integer", quote(attribute.value()));
   return value;
 }
 
@@ -242,7 +240,7 @@ std::optional<double> E57Node::number_attribute(const char* name) const {
   if (!attribute) return std::nullopt;
   const auto value = parse_number(without_blanks(attribute.value()));
   if (!value || !std::isfinite(*value))
-    fail(fmt::format("has no finite number as {}", name), "a number", quote(attribute.value()));
+    fail(fmt::format("{} is not a finite number", name), "a number", quote(attribute.value()));
   return value;
 }
 
@@ -250,7 +248,7 @@ std::uint64_t E57Node::require_count_attribute(const char* name) const {
   const pugi::xml_attribute attribute = element_.attribute(name);
   const auto value = parse_integer<std::uint64_t>(without_blanks(attribute.value()));
   if (!value) {
-    fail(fmt::format("has no whole number as {}", name), "a whole number from 0 on",
+    fail(fmt::format("{} is not an integer", name), "an integer, at least 0",
          attribute ? quote(attribute.value()) : "none");
   }
   return *value;
@@ -270,12 +268,11 @@ std::optional<E57Pose> read_e57_pose(const E57Node& parent, E57Oddities& odditie
                  y = rotation.child("y").number_or(0.0), z = rotation.child("z").number_or(0.0);
     const double length = std::hypot(std::hypot(w, x), std::hypot(y, z));
     if (!(length > 1e-100 && length < 1e100)) {
-      rotation.fail("is no rotation", "a quaternion of length 1", fmt::format("length {}", length));
+      rotation.fail("invalid rotation", "a unit quaternion", fmt::format("length {}", length));
     }
     if (std::abs(length - 1.0) > 1e-3) {
-      oddities.add("quaternion",
-                   fmt::format("{}: the quaternion of the pose has length {}; it was brought to 1",
-                               parent.where(), length));
+      oddities.add("quaternion", fmt::format("{}: the quaternion of the pose has length {}; normalized",
+                                             parent.where(), length));
     }
     pose.is_rotated = x != 0.0 || y != 0.0 || z != 0.0;
     if (pose.is_rotated) pose.rotation = rotation_of(w / length, x / length, y / length, z / length);
@@ -292,10 +289,9 @@ E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddit
   scan.name = parent.child("name").text();
   scan.guid = parent.child("guid").text();
   const E57Node points = parent.child("points");
-  if (!points) parent.fail("has no points", "points in every scan");
+  if (!points) parent.fail("missing points", "points in every scan");
   if (std::string_view(points.element().attribute("type").value()) != "CompressedVector")
-    points.fail("is of the wrong type", "CompressedVector",
-                quote(points.element().attribute("type").value()));
+    points.fail("wrong type", "CompressedVector", quote(points.element().attribute("type").value()));
   scan.record_count = points.require_count_attribute("recordCount");
   scan.pose = read_e57_pose(parent, oddities);
   scan.intensity_limits = read_limits(parent.child("intensityLimits"), "intensity");
@@ -306,14 +302,13 @@ E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddit
       start && *start > 0)
     scan.start = start;
   for (const pugi::xml_node& codec : points.child("codecs").element().children()) {
-    if (codec.type() == pugi::node_element)
-      points.child("codecs").fail("names a compression nobody knows", "none");
+    if (codec.type() == pugi::node_element) points.child("codecs").fail("unsupported compression", "none");
   }
   read_fields(points.child("prototype"), "", 1, scan.fields);
   std::unordered_set<std::string_view> names;
   for (const E57Field& field : scan.fields) {
     if (!names.insert(field.name).second)
-      points.fail("has two fields of one name", "names that differ", quote(field.name));
+      points.fail("duplicate field name", "unique names", quote(field.name));
   }
   // Writers leave anything in the place of a section without records.
   if (scan.record_count > 0) locate_section(points, pages, scan);
@@ -332,7 +327,7 @@ E57Image read_e57_image(const E57Node& parent, E57Pages& pages, E57Oddities& odd
     const auto picture = read_picture(node, static_cast<E57Projection>(i), pages);
     if (picture) image.pictures.push_back(*picture);
   }
-  if (image.pictures.empty()) oddities.add("no picture", parent.where() + " holds no picture");
+  if (image.pictures.empty()) oddities.add("no image", parent.where() + " contains no image");
   return image;
 }
 

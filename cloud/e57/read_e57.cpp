@@ -52,7 +52,7 @@ class E57Reader final : public CloudReader {
       if (scans()[i].record_count == 0) continue;
       filled_scans_.push_back(i);
       if (!roles.has_cartesian() && !roles.has_spherical()) {
-        file_.pages().fail(where(i), "has no coordinates",
+        file_.pages().fail(where(i), "missing coordinates",
                            "cartesianX, Y and Z or sphericalRange, Azimuth and Elevation");
       }
       attributes_ = attributes_ | roles.attributes();
@@ -63,9 +63,9 @@ class E57Reader final : public CloudReader {
     if (const std::string& text = file_.document().coordinate_metadata; is_wkt(text)) {
       facts_.crs.wkt = text;
     } else if (!text.empty()) {
-      warn("the coordinate metadata are no WKT and were left out: " + quote(text));
+      warn("the coordinate metadata is not WKT and was ignored: " + quote(text));
     }
-    if (!unread.empty()) warn("was read without the fields " + listed(unread));
+    if (!unread.empty()) warn("skipped the fields " + listed(unread));
   }
 
   const CloudFile& file() const override { return about_; }
@@ -128,7 +128,7 @@ class E57Reader final : public CloudReader {
           [&](const E57Points& points) {
             if (appender.add(points)) return;
             file_.pages().fail(where(scan),
-                               "a point does not fit on the lattice, or the file changed while it was read");
+                               "a point exceeds the lattice, or the file changed while it was read");
           },
           nullptr);
     }
@@ -183,7 +183,7 @@ class E57Reader final : public CloudReader {
       time_origins_[scan] = scans()[scan].start.value_or(0.0) + k_adjusted_gps_time;
     if (dated < timed)
       warn(
-          "time stamps are seconds since the start of each scan, which the file does not tell of every scan");
+          "time stamps are relative to the start of each scan, which the file does not state for every scan");
   }
 
   /// Says which attributes are zeros in some scans, because these have none.
@@ -195,17 +195,17 @@ class E57Reader final : public CloudReader {
       for (const std::string& name : attribute_names(missing)) ++lacking[name];
     }
     for (const auto& [name, count] : lacking) {
-      warn(fmt::format("{} of {} scans {} no {}, which is filled with zeros", count, filled_scans_.size(),
+      warn(fmt::format("{} of {} scans {} no {}; using 0", count, filled_scans_.size(),
                        count == 1 ? "has" : "have", name));
     }
   }
 
   void warn_of_left_out() {
     const auto warn_of = [&](std::uint64_t count, const char* why) {
-      if (count > 0) warn(fmt::format("{} points {} were left out", count, why));
+      if (count > 0) warn(fmt::format("skipped {} points {}", count, why));
     };
-    warn_of(left_out_.directions, "of which only the direction is known");
-    warn_of(left_out_.unknown, "that the file calls invalid");
+    warn_of(left_out_.directions, "with a direction only");
+    warn_of(left_out_.unknown, "that are flagged as invalid");
     warn_of(left_out_.not_finite, "without finite coordinates");
   }
 
@@ -213,8 +213,7 @@ class E57Reader final : public CloudReader {
     constexpr const char* k_kinds[] = {"a colour", "an intensity", "a time"};
     for (std::size_t kind = 0; kind < invalid.size(); ++kind) {
       if (invalid[kind] == 0) continue;
-      warn(fmt::format("{} points have {} that the file calls invalid; it became 0", invalid[kind],
-                       k_kinds[kind]));
+      warn(fmt::format("{} points have {} flagged as invalid; using 0", invalid[kind], k_kinds[kind]));
     }
   }
 

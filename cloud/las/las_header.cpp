@@ -27,9 +27,11 @@ Lattice read_lattice(const HeaderFields& fields) {
                       offset_place = 155 + step;
     const double scale = fields.get<double>(scale_place), offset = fields.get<double>(offset_place);
     fields.require(std::isfinite(scale) && scale > 0, scale_place,
-                   fmt::format("bad scale of the {} coordinates", "xyz"[axis]), "a positive number", scale);
+                   fmt::format("invalid scale of the {} coordinates", "xyz"[axis]), "a positive number",
+                   scale);
     fields.require(std::isfinite(std::abs(offset) + scale * 2147483648.0), offset_place,
-                   fmt::format("bad offset of the {} coordinates", "xyz"[axis]), "a finite number", offset);
+                   fmt::format("invalid offset of the {} coordinates", "xyz"[axis]), "a finite number",
+                   offset);
     lattice.scale[axis] = scale;
     lattice.offset[axis] = offset;
   }
@@ -60,15 +62,14 @@ void read_point_count(LasHeader& header, const InputFile& file, const HeaderFiel
     const auto count = fields.get<std::uint64_t>(247);
     if (count != 0) header.point_count = count;
     if (legacy_count != 0 && legacy_count != count) {
-      warnings.push_back(
-          fmt::format("{}: the header counts {} points in one place and {} in another; {} are read",
-                      file.name(), legacy_count, count, header.point_count));
+      warnings.push_back(fmt::format("{}: the header has two numbers of points, {} and {}; reading {}",
+                                     file.name(), legacy_count, count, header.point_count));
     }
   }
   if (header.compressed) {
     const std::uint64_t stream_bytes = file.size() - header.points_place;
     fields.require(header.point_count <= most_laz_points(stream_bytes), place_of_count(header),
-                   "the file is too small for the points it counts",
+                   "the number of points exceeds the file",
                    fmt::format("at most {} in {} bytes", most_laz_points(stream_bytes), stream_bytes),
                    header.point_count);
     return;
@@ -84,20 +85,21 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   const std::span<const std::byte> start = file.view_up_to(0, copy.size());
   std::copy(start.begin(), start.end(), copy.begin());
   const HeaderFields fields(copy, file.name());
-  fields.require(las_text(bytes, 4) == "LASF", 0, "is not a LAS file", "the letters LASF", "something else");
-  fields.require(start.size() >= k_shortest_header, 0, "the file ends inside its header",
+  fields.require(las_text(bytes, 4) == "LASF", 0, "not a LAS file", "the signature LASF",
+                 "another signature");
+  fields.require(start.size() >= k_shortest_header, 0, "truncated header",
                  fmt::format("at least {} bytes", k_shortest_header), start.size());
 
   LasHeader header;
   const int major = fields.get<std::uint8_t>(24);
   header.version_minor = fields.get<std::uint8_t>(25);
-  fields.require(major == 1 && header.version_minor <= 4, 24, "unknown LAS version", "1.0 to 1.4",
+  fields.require(major == 1 && header.version_minor <= 4, 24, "unsupported LAS version", "1.0 to 1.4",
                  fmt::format("{}.{}", major, header.version_minor));
 
   header.header_size = fields.get<std::uint16_t>(94);
   const std::size_t smallest = header.version_minor >= 4 ? k_las_header_size : k_shortest_header;
   fields.require(header.header_size >= smallest && header.header_size <= file.size(), 94,
-                 "bad size of the header", fmt::format("{} or more, inside the file", smallest),
+                 "invalid header size", fmt::format("at least {}, inside the file", smallest),
                  header.header_size);
   // The fields before version 1.1 and 1.2 are reserved space with any content.
   if (header.version_minor >= 1) header.file_source_id = fields.get<std::uint16_t>(4);
@@ -110,18 +112,19 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
 
   header.points_place = fields.get<std::uint32_t>(96);
   fields.require(header.points_place >= header.header_size && header.points_place <= file.size(), 96,
-                 "bad place of the points",
-                 fmt::format("a byte from {} to {}", header.header_size, file.size()), header.points_place);
+                 "invalid offset of the points",
+                 fmt::format("an offset from {} to {}", header.header_size, file.size()),
+                 header.points_place);
   header.record_count = fields.get<std::uint32_t>(100);
   const auto point_format = fields.get<std::uint8_t>(104);
   header.compressed = (point_format & k_compressed_bits) != 0;
   header.point_format = point_format & ~k_compressed_bits;
-  fields.require(header.point_format < k_las_point_formats, 104, "unknown point format", "0 to 10",
+  fields.require(header.point_format < k_las_point_formats, 104, "unsupported point format", "0 to 10",
                  header.point_format);
   header.point_size = fields.get<std::uint16_t>(105);
   fields.require(header.point_size >= header.layout().size, 105,
-                 fmt::format("points of format {} are too short", header.point_format),
-                 fmt::format("{} bytes or more", header.layout().size), header.point_size);
+                 fmt::format("record length too short for point format {}", header.point_format),
+                 fmt::format("at least {} bytes", header.layout().size), header.point_size);
   header.lattice = read_lattice(fields);
   header.bounds = read_bounds(fields);
   read_point_count(header, file, fields, warnings, damage);
@@ -131,12 +134,13 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
     header.extended_record_count = fields.get<std::uint32_t>(243);
     // They stood behind the points that are gone.
     if (header.lost_count > 0 && header.extended_record_count > 0) {
-      warnings.push_back(fmt::format("{}: the extended records behind the points are lost", file.name()));
+      warnings.push_back(fmt::format("{}: the extended records after the points are lost", file.name()));
       header.extended_record_count = 0;
     }
     fields.require(header.extended_record_count == 0 || header.extended_records_place >= header.points_end(),
-                   235, "bad place of the extended records",
-                   fmt::format("a byte from {} on", header.points_end()), header.extended_records_place);
+                   235, "invalid offset of the extended records",
+                   fmt::format("an offset of at least {}", header.points_end()),
+                   header.extended_records_place);
   }
   return header;
 }
@@ -147,10 +151,10 @@ void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage)
   if (damage == Damage::refuse) {
     throw DamagedFile({.file = file.name(),
                        .place = fmt::format("byte {}", place_of_count(header)),
-                       .problem = "the file ends before its last point",
-                       .expected = fmt::format("{} points of {} bytes from byte {} on", header.point_count,
+                       .problem = "truncated file: it ends before its last point",
+                       .expected = fmt::format("{} points of {} bytes at byte {}", header.point_count,
                                                header.point_size, header.points_place),
-                       .found = fmt::format("room for {}", room)});
+                       .found = fmt::format("{}", room)});
   }
   header.lost_count = header.point_count - room;
   header.point_count = room;

@@ -32,7 +32,7 @@ struct RecordPlace {
 RecordPlace read_record_header(InputFile& file, std::uint64_t place, std::uint64_t end, bool extended) {
   const std::size_t header_size = extended ? 60 : k_las_record_head;
   const auto fail = [&](std::uint64_t wanted) {
-    fail_at_byte(file.name(), place, "a variable length record does not end in its place",
+    fail_at_byte(file.name(), place, "a variable length record exceeds its section",
                  fmt::format("at most {} bytes up to byte {}", end - std::min(place, end), end),
                  std::to_string(wanted));
   };
@@ -76,15 +76,15 @@ std::string read_wkt(InputFile& file, const RecordPlace& record, bool& problem) 
 /// the value itself).
 std::string geotiff_problem(const Crs& crs) {
   const std::vector<std::uint16_t>& keys = crs.geotiff_keys;
-  if (keys.size() < 4 || keys[0] != 1) return "the directory has no head";
+  if (keys.size() < 4 || keys[0] != 1) return "missing directory header";
   if (keys.size() / 4 - 1 < keys[3])
-    return fmt::format("{} keys are announced, {} are there", keys[3], keys.size() / 4 - 1);
+    return fmt::format("{} keys expected, {} found", keys[3], keys.size() / 4 - 1);
   for (std::size_t i = 1; i <= keys[3]; ++i) {
     const std::uint16_t* const key = keys.data() + 4 * i;
     const std::size_t end = static_cast<std::size_t>(key[2]) + key[3];
-    if (key[0] == 0) return fmt::format("key number {} has no name", i);
+    if (key[0] == 0) return fmt::format("key {} is missing", i);
     if (key[1] == 34736 && end > crs.geotiff_doubles.size())
-      return fmt::format("key {} lacks its numbers", key[0]);
+      return fmt::format("key {} lacks its values", key[0]);
     if (key[1] == 34737 && end > crs.geotiff_ascii.size())
       return fmt::format("key {} lacks its text", key[0]);
   }
@@ -138,17 +138,17 @@ std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
   int described = 0;
   for (std::size_t place = 0; place + k_extra_bytes_entry <= data.size(); place += k_extra_bytes_entry) {
     if (dimensions.size() == k_most_extra_dimensions) {
-      warnings.push_back(fmt::format(
-          "{}: the extra-bytes record describes more than {} dimensions; the bytes of the others are kept as "
-          "undocumented bytes",
-          file_name, k_most_extra_dimensions));
+      warnings.push_back(
+          fmt::format("{}: the extra-bytes record describes more than {} dimensions; the others are kept as "
+                      "undocumented bytes",
+                      file_name, k_most_extra_dimensions));
       break;
     }
     const ExtraDimension& dimension = dimensions.emplace_back(read_extra_bytes_entry(bytes + place));
     described += dimension.byte_count;
     if (dimension.byte_count == 0 || described > extra_bytes) {
       warnings.push_back(fmt::format(
-          "{}: the extra-bytes record does not fit the {} extra bytes of a point ('{}'); they are kept as "
+          "{}: the extra-bytes record does not match the {} extra bytes of a point ('{}'); they are kept as "
           "undocumented bytes",
           file_name, extra_bytes, dimension.name));
       dimensions.clear();
@@ -208,7 +208,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
       bool problem = false;
       std::string wkt = read_wkt(file, record, problem);
       if (problem)
-        warnings.push_back(fmt::format("{}: the WKT record holds no WKT and is left out", file.name()));
+        warnings.push_back(fmt::format("{}: the WKT record contains no WKT and is ignored", file.name()));
       if (result.crs.wkt.empty()) result.crs.wkt = std::move(wkt);
     } else if (record.is("LASF_Projection", 34735)) {
       result.crs.geotiff_keys = read_values<std::uint16_t>(file, record);
@@ -220,7 +220,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     } else if (record.is("LASF_Spec", 4)) {
       extra_bytes_data = read_values(file, record);
     } else if (record.is("LASF_Spec", 65535)) {
-      warnings.push_back(fmt::format("{}: wave packets are left out", file.name()));
+      warnings.push_back(fmt::format("{}: wave packets are skipped", file.name()));
     } else if (record.is(k_laszip_user_id, k_laszip_record_id)) {
       take_laszip({record.place, read_values<std::byte>(file, record)}, file, result.laszip);
     } else if (record.user_id == k_copc_user_id) {
@@ -252,7 +252,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
       record = read_record_header(file, place, file.size(), true);
     } catch (const Error& error) {
       if (damage == Damage::refuse) throw DamagedFile(error.parts());
-      warnings.push_back(fmt::format("{}; this and the records behind it are left out", error.what()));
+      warnings.push_back(fmt::format("{}; this record and those after it are skipped", error.what()));
       break;
     }
     take(*record);
@@ -262,8 +262,8 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
   if (result.crs.wkt.empty()) result.crs.wkt = std::move(liblas_wkt);
   if (!result.crs.geotiff_keys.empty()) {
     if (const std::string problem = geotiff_problem(result.crs); !problem.empty()) {
-      warnings.push_back(fmt::format(
-          "{}: the GeoTIFF keys are damaged ({}); they are carried along as they are", file.name(), problem));
+      warnings.push_back(
+          fmt::format("{}: corrupt GeoTIFF keys ({}); they are kept unchanged", file.name(), problem));
     }
   }
   const int extra_bytes = header.point_size - header.layout().size;
@@ -277,7 +277,7 @@ std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, 
   if (!records.laszip) {
     throw Error({.file = file.name(),
                  .place = "byte 104",
-                 .problem = "the points are compressed, but no record says how",
+                 .problem = "compressed points without a laszip record",
                  .expected = fmt::format("a record '{}' {}", k_laszip_user_id, k_laszip_record_id)});
   }
   LazLayout layout = parse_laszip_record(records.laszip->data, file.name(), records.laszip->place,
@@ -329,7 +329,7 @@ VariableLengthRecord las_extra_bytes_record(std::span<const ExtraDimension> dime
   if (record.data.size() > k_longest_las_record) {
     throw Error({.file = file_name,
                  .problem = "too many extra dimensions for LAS",
-                 .expected = fmt::format("{} or fewer", k_most_extra_dimensions),
+                 .expected = fmt::format("at most {}", k_most_extra_dimensions),
                  .found = std::to_string(record.data.size() / k_extra_bytes_entry)});
   }
   return record;

@@ -165,7 +165,7 @@ class LasReader final : public CloudReader {
     if (header_.lost_count == 0) return lost_;
     return {{.count = header_.lost_count,
              .place = fmt::format("byte {}", file_.size()),
-             .problem = "the file ends before its last point"}};
+             .problem = "truncated file: it ends before its last point"}};
   }
 
   void rest() override { file_.rest(); }

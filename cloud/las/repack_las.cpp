@@ -42,7 +42,7 @@ struct Source {
         records(read_las_records(file, header, warnings)) {
     packing = read_packing(file, header, records);
     if (records.copc_info) {
-      throw Error({.file = file.name(), .problem = "is COPC, whose points cannot be packed as they stand"});
+      throw Error({.file = file.name(), .problem = "COPC cannot be repacked record by record"});
     }
   }
 
@@ -108,7 +108,7 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
   }
   if (head.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error({.file = source.file.name(),
-                 .problem = "the variable length records leave no room for one more",
+                 .problem = "no space for another variable length record",
                  .expected = "less than 4 GiB",
                  .found = fmt::format("{} bytes", head.size())});
   }

@@ -148,7 +148,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
   }
   if (point_size > std::numeric_limits<std::uint16_t>::max()) {
     throw Error({.file = path.string(),
-                 .problem = "the extra dimensions are too long for LAS",
+                 .problem = "the extra dimensions exceed the limit of LAS",
                  .expected = "at most 65535 bytes per point",
                  .found = std::to_string(point_size)});
   }
@@ -178,7 +178,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
   }
   if (file.size() > std::numeric_limits<std::uint32_t>::max()) {
     throw Error({.file = path.string(),
-                 .problem = "the variable length records are too long for LAS",
+                 .problem = "the variable length records exceed the limit of LAS",
                  .expected = "less than 4 GiB",
                  .found = fmt::format("{} bytes", file.size())});
   }

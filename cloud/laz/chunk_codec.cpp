@@ -30,7 +30,7 @@ std::byte* ChunkDecoder::records(std::uint64_t count) {
     const bool fits = count <= PTRDIFF_MAX / record_size_;
     // Not filled: a chunk that claims more points than it has then takes room for those it has.
     if (fits) records_.reset(new (std::nothrow) std::byte[static_cast<std::size_t>(count * record_size_)]);
-    if (!records_) throw CorruptChunk(fmt::format("{} points do not fit into memory", count));
+    if (!records_) throw CorruptChunk(fmt::format("not enough memory for {} points", count));
     record_room_ = count;
   }
   return records_.get();

@@ -59,13 +59,13 @@ class TableCheck {
         next_, byte_count,
         layout_.chunk_size != 0 ? std::min<std::uint64_t>(layout_.chunk_size, points_left_) : point_count};
     if (chunk.byte_count < smallest_ || chunk.byte_count > table_ - next_) {
-      fail_at_byte(file_.name(), table_, fmt::format("bad size of chunk {} in the chunk table", number),
+      fail_at_byte(file_.name(), table_, fmt::format("invalid size of chunk {} in the chunk table", number),
                    fmt::format("{} to {} bytes", smallest_, table_ - next_), std::to_string(byte_count));
     }
     const std::uint64_t most = std::min(points_left_, most_laz_points(chunk.byte_count));
     if (chunk.point_count == 0 || chunk.point_count > most) {
       fail_at_byte(file_.name(), table_,
-                   fmt::format("bad number of points of chunk {} in the chunk table", number),
+                   fmt::format("invalid number of points of chunk {} in the chunk table", number),
                    fmt::format("1 to {}", most), std::to_string(chunk.point_count));
     }
     next_ += chunk.byte_count;
@@ -75,11 +75,11 @@ class TableCheck {
 
   void finish() const {
     if (points_left_ != 0) {
-      fail_at_byte(file_.name(), table_, "the chunk table lists fewer points than the header counts",
-                   "all of them", fmt::format("{} missing", points_left_));
+      fail_at_byte(file_.name(), table_, "the chunk table lists fewer points than the header", "all points",
+                   fmt::format("{} missing", points_left_));
     }
     if (next_ != table_) {
-      fail_at_byte(file_.name(), table_, "the chunks do not end where their table begins",
+      fail_at_byte(file_.name(), table_, "the chunks do not end at the chunk table",
                    fmt::format("byte {}", table_), fmt::format("byte {}", next_));
     }
   }
@@ -105,24 +105,24 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
   const std::uint64_t table = find_table(file, header);
   if (table == 0) {
     if (header.point_count == 0) return std::vector<LazChunk>{};
-    missing = "the file does not say where its chunk table stands";
+    missing = "missing offset of the chunk table";
     return std::nullopt;
   }
   if (table < first_chunk(header)) {
-    fail_at_byte(file.name(), header.points_place, "bad place of the chunk table",
+    fail_at_byte(file.name(), header.points_place, "invalid offset of the chunk table",
                  fmt::format("byte {} or later", first_chunk(header)), std::to_string(table));
   }
   if (table > file.size() || file.size() - table < k_table_head_bytes) {
-    missing = fmt::format("the file ends before its chunk table at byte {}", table);
+    missing = fmt::format("truncated file: the chunk table at byte {} is missing", table);
     return std::nullopt;
   }
   const std::byte* const head = file.view(table, k_table_head_bytes).data();
   const std::uint32_t version = load<std::uint32_t>(head), count = load<std::uint32_t>(head + 4);
   if (version != 0)
-    fail_at_byte(file.name(), table, "unknown version of the chunk table", "0", std::to_string(version));
+    fail_at_byte(file.name(), table, "unsupported version of the chunk table", "0", std::to_string(version));
   const std::uint64_t room = (table - first_chunk(header)) / smallest_chunk(layout);
   if (count > std::min(room, header.point_count)) {
-    fail_at_byte(file.name(), table + 4, "bad number of chunks",
+    fail_at_byte(file.name(), table + 4, "invalid number of chunks",
                  fmt::format("at most {}", std::min(room, header.point_count)), std::to_string(count));
   }
   if (layout.chunk_size != 0) {
@@ -130,7 +130,7 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
         header.point_count / layout.chunk_size + (header.point_count % layout.chunk_size != 0 ? 1 : 0);
     if (count != needed) {
       fail_at_byte(
-          file.name(), table + 4, "bad number of chunks",
+          file.name(), table + 4, "invalid number of chunks",
           fmt::format("{} for {} points in chunks of {}", needed, header.point_count, layout.chunk_size),
           std::to_string(count));
     }
@@ -144,7 +144,7 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
     const std::uint64_t place = table + k_table_head_bytes;
     const auto bytes = file.view_up_to(place, count * k_most_bytes + 16);
     if (bytes.size() < k_stream_start_bytes) {
-      missing = "the file ends inside its chunk table";
+      missing = "truncated chunk table";
       return std::nullopt;
     }
     ArithmeticDecoder decoder(bytes);
@@ -154,7 +154,7 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
       if (layout.chunk_size == 0) points = numbers.decode(decoder, points, 0);
       byte_count = numbers.decode(decoder, byte_count, 1);
       if (decoder.failed()) {
-        missing = "the chunk table is cut off or damaged";
+        missing = "truncated or corrupt chunk table";
         return std::nullopt;
       }
       chunks.push_back(
@@ -179,14 +179,14 @@ WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const
       }
       const LazChunk chunk{place, head.chunk_size(), head.point_count()};
       if (chunk.byte_count > file.size() - place) {
-        fail_at_byte(file.name(), place, fmt::format("chunk {} does not end before the file", number),
+        fail_at_byte(file.name(), place, fmt::format("chunk {} exceeds the file", number),
                      fmt::format("at most {} bytes", file.size() - place), std::to_string(chunk.byte_count));
       }
       const std::uint64_t most = std::min(points_left, most_laz_points(chunk.byte_count));
       if (chunk.point_count > most) {
         fail_at_byte(file.name(), place + layout.record_size(),
-                     fmt::format("bad number of points of chunk {}", number), fmt::format("1 to {}", most),
-                     std::to_string(chunk.point_count));
+                     fmt::format("invalid number of points of chunk {}", number),
+                     fmt::format("1 to {}", most), std::to_string(chunk.point_count));
       }
       points_left -= chunk.point_count;
       place += chunk.byte_count;

@@ -38,10 +38,10 @@ std::size_t count_layers(const LazItem& item) {
         break;
     }
   }
-  throw CorruptChunk(fmt::format(
-      "unknown part of point records; expected kinds 10 to 14 in versions 2 to 4, found kind {} of "
-      "{} bytes in version {}",
-      static_cast<unsigned>(item.kind), item.size, item.version));
+  throw CorruptChunk(
+      fmt::format("unsupported item; expected kinds 10 to 14 in versions 2 to 4, found kind {} of "
+                  "{} bytes in version {}",
+                  static_cast<unsigned>(item.kind), item.size, item.version));
 }
 
 /// Points that a layered codec takes through one layer before it turns to the next: enough that a layer stays
@@ -62,11 +62,11 @@ std::size_t count_layers(const LazLayout& layout) {
     const bool is_point = layout.items[i].kind == LazItemKind::point14;
     if (is_point != (i == 0))
       throw CorruptChunk(
-          fmt::format("the parts of point records are in no order; expected one of kind 10, the "
+          fmt::format("items out of order; expected kind 10 "
                       "first, found kind {} as number {}",
                       static_cast<unsigned>(layout.items[i].kind), i));
   }
-  if (layers == 0) throw CorruptChunk("point records have no parts; expected one of kind 10, found none");
+  if (layers == 0) throw CorruptChunk("missing items; expected one of kind 10, found none");
   return layers;
 }
 
@@ -76,8 +76,9 @@ LayeredChunkHead::LayeredChunkHead(const LazLayout& layout)
 void LayeredChunkHead::read(std::span<const std::byte> bytes) {
   constexpr std::uint32_t k_smallest_layer = 4;  // what an arithmetic coder writes of nothing
   if (bytes.size() < size())
-    throw CorruptChunk(fmt::format("the chunk ends before its layers; expected {} bytes or more, found {}",
-                                   size(), bytes.size()));
+    throw CorruptChunk(
+        fmt::format("truncated chunk: it ends before its layers; expected at least {} bytes, found {}",
+                    size(), bytes.size()));
   const std::byte* at = bytes.data() + record_size_;
   point_count_ = load<std::uint32_t>(at);
   if (point_count_ == 0) throw CorruptChunk("the chunk has no points; expected 1 or more, found 0");
@@ -87,7 +88,7 @@ void LayeredChunkHead::read(std::span<const std::byte> bytes) {
     const std::uint32_t layer_size = layer_sizes_[layer] = load<std::uint32_t>(at);
     const bool may_be_empty = layer > 0 || point_count_ == 1;
     if (layer_size < k_smallest_layer && !(layer_size == 0 && may_be_empty))
-      throw CorruptChunk(fmt::format("layer {} is too small; expected {}{} bytes or more, found {}", layer,
+      throw CorruptChunk(fmt::format("layer {} is too small; expected {}at least {} bytes, found {}", layer,
                                      may_be_empty ? "0, or " : "", k_smallest_layer, layer_size));
     chunk_size_ += layer_size;
   }
@@ -104,10 +105,10 @@ struct LayeredDecoder::State {
   void start(std::span<const std::byte> chunk, std::size_t point_count) {
     head.read(chunk);
     if (head.point_count() != point_count)
-      throw CorruptChunk(fmt::format("the chunk has another number of points; expected {}, found {}",
+      throw CorruptChunk(fmt::format("wrong number of points in the chunk; expected {}, found {}",
                                      point_count, head.point_count()));
     if (head.chunk_size() != chunk.size())
-      throw CorruptChunk(fmt::format("the layers do not fill the chunk; expected {} bytes in all, found {}",
+      throw CorruptChunk(fmt::format("the layers do not fill the chunk; expected {} bytes, found {}",
                                      chunk.size(), head.chunk_size()));
     const unsigned channel = point14::channel(chunk.data());
     std::span<const std::byte> bytes = chunk.subspan(head.size());
@@ -163,13 +164,12 @@ struct LayeredDecoder::State {
     if (count > 1) throw FailedBlock();
     const std::size_t size = head.layer_sizes()[layer];
     if (stream.consumed() == size)
-      throw CorruptChunk(
-          fmt::format("the layer of {} ends before the last point; expected all within {} bytes, found more",
-                      name(layer), size),
-          first_point);
+      throw CorruptChunk(fmt::format("truncated layer of {}: it ends before the last point; expected all "
+                                     "within {} bytes, found more",
+                                     name(layer), size),
+                         first_point);
     throw CorruptChunk(
-        fmt::format("the layer of {} is damaged; expected values that encoders write, found others",
-                    name(layer)),
+        fmt::format("corrupt layer of {}; expected values that encoders write, found others", name(layer)),
         first_point);
   }
 
@@ -192,7 +192,7 @@ struct LayeredDecoder::State {
           block.begin(), block.end(), [&](const LayeredPoint& point) { return point.has(attribute.change); });
       if (changed != block.end())
         throw CorruptChunk(
-            fmt::format("the {} changes, but its layer is empty; expected 4 bytes or more, found 0",
+            fmt::format("the {} changes, but its layer is empty; expected at least 4 bytes, found 0",
                         attribute.name),
             first_point + static_cast<std::size_t>(changed - block.begin()));
     }
@@ -206,7 +206,7 @@ struct LayeredDecoder::State {
       const std::size_t size = head.layer_sizes()[layer];
       if (stream.consumed() != size)
         throw CorruptChunk(
-            fmt::format("the layer of {} goes on behind the last point; expected {} bytes, found {}",
+            fmt::format("extra bytes after the last point in the layer of {}; expected {} bytes, found {}",
                         name(layer), stream.consumed(), size));
     };
     if (head.layer_sizes()[0] != 0) check(position_stream, 0);

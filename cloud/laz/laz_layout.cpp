@@ -24,7 +24,7 @@ void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name
     if (!is_extra || item.size <= k_most_laz_extra_bytes) continue;
     throw Error({.file = file_name,
                  .place = std::move(place),
-                 .problem = "too many extra bytes of a point for LAZ",
+                 .problem = "too many extra bytes per point for LAZ",
                  .expected = "at most " + std::to_string(k_most_laz_extra_bytes),
                  .found = std::to_string(item.size)});
   }
@@ -95,22 +95,22 @@ std::string written(const std::vector<LazItem>& items) {
 LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string& file_name,
                               std::uint64_t place, int point_format, std::size_t point_size) {
   const HeaderFields fields(data, file_name, place);
-  fields.require(data.size() >= k_items_place, 0, "the laszip record is too short",
-                 fmt::format("{} bytes or more", k_items_place), data.size());
+  fields.require(data.size() >= k_items_place, 0, "truncated laszip record",
+                 fmt::format("at least {} bytes", k_items_place), data.size());
   LazLayout layout;
   const int compressor = fields.get<std::uint16_t>(0);
-  fields.require(compressor <= 3, 0, "unknown compressor of points", "0 to 3", compressor);
+  fields.require(compressor <= 3, 0, "unsupported compressor", "0 to 3", compressor);
   layout.compressor = static_cast<LazCompressor>(compressor);
   if (layout.compressor == LazCompressor::none) return layout;
 
   const int coder = fields.get<std::uint16_t>(2);
-  fields.require(coder == 0, 2, "unknown entropy coder", "0", coder);
+  fields.require(coder == 0, 2, "unsupported entropy coder", "0", coder);
   const std::uint32_t chunk_size = fields.get<std::uint32_t>(12);
   layout.chunk_size = chunk_size == k_variable_chunks ? 0 : chunk_size;
   const std::size_t count = fields.get<std::uint16_t>(32);
-  fields.require(count >= 1 && count <= k_most_items, 32, "bad number of items of a point",
+  fields.require(count >= 1 && count <= k_most_items, 32, "invalid number of items",
                  fmt::format("1 to {}", k_most_items), count);
-  fields.require(data.size() == k_items_place + count * k_item_bytes, 32, "bad size of the laszip record",
+  fields.require(data.size() == k_items_place + count * k_item_bytes, 32, "wrong size of the laszip record",
                  fmt::format("{} bytes for {} items", k_items_place + count * k_item_bytes, count),
                  data.size());
 
@@ -124,19 +124,19 @@ LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string
       layout.items, standard.items,
       [](const LazItem& a, const LazItem& b) { return a.kind == b.kind && a.size == b.size; });
   fields.require(as_format, k_items_place,
-                 fmt::format("the items of the laszip record do not make a point of format {} and {} bytes",
+                 fmt::format("the items of the laszip record do not match point format {} with {} bytes",
                              point_format, point_size),
                  written(standard.items), written(layout.items));
   for (std::size_t i = 0; i < count; ++i) {
     const auto [oldest, newest] = versions_of(layout.items[i].kind);
     const int version = layout.items[i].version;
     fields.require(version >= oldest && version <= newest, k_items_place + i * k_item_bytes + 4,
-                   fmt::format("unknown version of item {}", static_cast<int>(layout.items[i].kind)),
+                   fmt::format("unsupported version of item {}", static_cast<int>(layout.items[i].kind)),
                    fmt::format("{} to {}", oldest, newest), version);
   }
   const bool layered = layout.compressor == LazCompressor::layered;
   fields.require(layered == (standard.compressor == LazCompressor::layered), 0,
-                 fmt::format("the compressor cannot hold points of format {}", point_format),
+                 fmt::format("the compressor does not support point format {}", point_format),
                  layered ? "1 or 2" : "3", compressor);
   check_laz_extra_bytes(layout, file_name, fmt::format("byte {}", place + k_items_place));
   return layout;
@@ -146,7 +146,7 @@ VariableLengthRecord laszip_record(const LazLayout& layout) {
   VariableLengthRecord record{
       .user_id = k_laszip_user_id,
       .record_id = k_laszip_record_id,
-      .description = "how the points are packed",
+      .description = "how the points are compressed",
       .data = std::vector<std::uint8_t>(k_items_place + k_item_bytes * layout.items.size()),
       .extended = false};
   const std::span<std::byte> data = std::as_writable_bytes(std::span(record.data));

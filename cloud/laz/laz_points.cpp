@@ -22,7 +22,7 @@ constexpr std::uint64_t k_batch_bytes = 8 << 20;
 constexpr std::uint64_t k_batch_points = 4 << 20;
 constexpr std::uint64_t k_batch_points_sorted_out = 1 << 20;  // these are held unpacked
 constexpr std::uint64_t k_batch_record_bytes = 64 << 20;      // unpacked, which who takes them may hold
-constexpr const char* k_other_end = "the chunk does not end with its last point";
+constexpr const char* k_other_end = "extra bytes after the last point of the chunk";
 
 /// Most bytes a pointwise chunk can take: no field takes four times its size, however unlikely its values.
 std::uint64_t longest_chunk(const LazLayout& layout, std::uint64_t point_count) {
@@ -194,7 +194,7 @@ class ChunkUnpacker {
   void meet(const CorruptChunk& problem, std::size_t chunk, std::uint64_t first_point, std::uint64_t lost) {
     std::string place = fmt::format("chunk {}", chunk);
     if (problem.point) place += fmt::format(", point {}", first_point + *problem.point);
-    std::string text = fmt::format("the compressed points are damaged: {}", problem.what());
+    std::string text = fmt::format("corrupt compressed points: {}", problem.what());
     if (damage_ == Damage::refuse) {
       throw DamagedFile({.file = file_.name(), .place = std::move(place), .problem = std::move(text)});
     }
@@ -231,7 +231,7 @@ LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& 
     if (damage == Damage::refuse) throw DamagedFile(error.parts());
     missing = error.parts().problem;
   }
-  warnings_.push_back(fmt::format("{}: {}; the chunks are read one after another", file_.name(), missing));
+  warnings_.push_back(fmt::format("{}: {}; reading the chunks one by one", file_.name(), missing));
   if (layout_.compressor == LazCompressor::layered) {
     walk(damage);
   } else if (layout_.chunk_size != 0) {
@@ -243,7 +243,7 @@ LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& 
       throw DamagedFile({.file = file_.name(),
                          .place = place,
                          .problem = missing,
-                         .expected = "a chunk table, because the chunks have different sizes"});
+                         .expected = "a chunk table, because the chunks have variable size"});
     }
     lost_.push_back({header_.point_count, place, missing});
   }

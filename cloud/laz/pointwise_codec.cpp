@@ -104,7 +104,7 @@ std::unique_ptr<PointwiseItem> make_pointwise_item(const LazItem& item) {
     }
   }
   throw CorruptChunk(
-      fmt::format("unknown part of point records; expected kinds 0 and 6 to 9 in versions 1 and 2, found "
+      fmt::format("unsupported item; expected kinds 0 and 6 to 9 in versions 1 and 2, found "
                   "kind {} of {} bytes in version {}",
                   static_cast<unsigned>(item.kind), item.size, item.version));
 }
@@ -160,11 +160,10 @@ void PointwiseDecoder::throw_corrupt() const {
   const std::size_t size = chunk_.size();
   if (record_size_ + stream_.consumed() == size) {
     throw CorruptChunk(
-        fmt::format("the points do not end where the chunk does; expected all within {} bytes, found more",
-                    size),
+        fmt::format("the points do not end with the chunk; expected all within {} bytes, found more", size),
         point_);
   }
-  throw CorruptChunk("a point is damaged; expected values that encoders write, found others", point_);
+  throw CorruptChunk("invalid point; expected values that encoders write, found others", point_);
 }
 
 PointwiseEncoder::PointwiseEncoder(const LazLayout& layout)

@@ -70,14 +70,14 @@ struct Lines {
 
 std::uint64_t require_count(const TextScanner& scanner, std::string_view word) {
   if (const auto count = parse_count(word)) return *count;
-  scanner.fail("not a whole number", "a whole number", quote(word));
+  scanner.fail("not an integer", "an integer", quote(word));
 }
 
 /// The values after the keyword, of which there are as many as fields.
 std::vector<std::uint64_t> require_counts(const TextScanner& scanner, const Words& words,
                                           const Lines& lines) {
   if (words.size() - 1 != lines.fields.size())
-    scanner.fail("a value for each field is needed", std::to_string(lines.fields.size()) + " values",
+    scanner.fail("missing value of a field", std::to_string(lines.fields.size()) + " values",
                  std::to_string(words.size() - 1));
   std::vector<std::uint64_t> counts;
   for (std::size_t i = 1; i < words.size(); ++i) counts.push_back(require_count(scanner, words[i]));
@@ -88,14 +88,14 @@ PcdFormat require_pcd_format(const TextScanner& scanner, const Words& words) {
   if (words.size() == 2 && words[1] == "ascii") return PcdFormat::ascii;
   if (words.size() == 2 && words[1] == "binary") return PcdFormat::binary;
   if (words.size() == 2 && words[1] == "binary_compressed") return PcdFormat::binary_compressed;
-  scanner.fail("unknown kind of data", "ascii, binary or binary_compressed",
+  scanner.fail("unsupported data type", "ascii, binary or binary_compressed",
                words.size() > 1 ? quote(words[1]) : "nothing");
 }
 
 void take_line(const TextScanner& scanner, const Words& words, Lines& lines, PcdHeader& header) {
   const std::string_view keyword = words[0];
   const auto single = [&] {
-    if (words.size() != 2) scanner.fail("the line cannot be read", "one value after " + std::string(keyword));
+    if (words.size() != 2) scanner.fail("invalid line", "one value after " + std::string(keyword));
     return require_count(scanner, words[1]);
   };
   if (keyword == "VERSION") {
@@ -109,7 +109,7 @@ void take_line(const TextScanner& scanner, const Words& words, Lines& lines, Pcd
     lines.counts = require_counts(scanner, words, lines);
   } else if (keyword == "TYPE") {
     if (words.size() - 1 != lines.fields.size())
-      scanner.fail("a type for each field is needed", std::to_string(lines.fields.size()) + " types",
+      scanner.fail("missing type of a field", std::to_string(lines.fields.size()) + " types",
                    std::to_string(words.size() - 1));
     lines.types.clear();
     for (std::size_t i = 1; i < words.size(); ++i)
@@ -125,40 +125,37 @@ void take_line(const TextScanner& scanner, const Words& words, Lines& lines, Pcd
       if (!parse_number(words[i])) scanner.fail("not a number", "a number", quote(words[i]));
     }
   } else {
-    scanner.fail("unknown line in the header",
+    scanner.fail("unknown header line",
                  "VERSION, FIELDS, SIZE, TYPE, COUNT, WIDTH, HEIGHT, VIEWPOINT, POINTS or DATA",
                  quote(keyword));
   }
 }
 
 void take_fields(const TextScanner& scanner, const Lines& lines, PcdHeader& header) {
-  if (lines.fields.empty()) scanner.fail("the header has no fields", "a line FIELDS before DATA");
-  if (lines.sizes.size() != lines.fields.size())
-    scanner.fail("the header has no sizes", "a line SIZE after FIELDS");
-  if (lines.types.size() != lines.fields.size())
-    scanner.fail("the header has no types", "a line TYPE after FIELDS");
+  if (lines.fields.empty()) scanner.fail("missing FIELDS", "FIELDS before DATA");
+  if (lines.sizes.size() != lines.fields.size()) scanner.fail("missing SIZE", "SIZE after FIELDS");
+  if (lines.types.size() != lines.fields.size()) scanner.fail("missing TYPE", "TYPE after FIELDS");
   std::uint64_t point_size = 0;
   for (std::size_t i = 0; i < lines.fields.size(); ++i) {
     const auto type = scalar_type(lines.types[i], lines.sizes[i]);
     if (!type)
-      scanner.fail("unknown type of the field " + quote(lines.fields[i]),
+      scanner.fail("unsupported type of the field " + quote(lines.fields[i]),
                    "I or U of 1, 2, 4, 8 bytes, F of 4 or 8",
                    quote(std::string_view(&lines.types[i], 1)) + " of " + std::to_string(lines.sizes[i]));
     const std::uint64_t count = i < lines.counts.size() ? lines.counts[i] : 1;
-    if (count > k_largest_point)
-      scanner.fail("a field is too wide", "at most a mebibyte", std::to_string(count));
+    if (count > k_largest_point) scanner.fail("field too long", "at most 1 MiB", std::to_string(count));
     header.fields.push_back({lines.fields[i], *type, count});
     point_size += header.fields.back().size();
-    if (point_size > k_largest_point) scanner.fail("the points are too wide", "at most a mebibyte each");
+    if (point_size > k_largest_point) scanner.fail("points too long", "at most 1 MiB each");
   }
 }
 
 void take_point_count(const TextScanner& scanner, const Lines& lines, PcdHeader& header) {
-  if (!lines.width && !lines.points) scanner.fail("the header has no number of points", "WIDTH or POINTS");
+  if (!lines.width && !lines.points) scanner.fail("missing number of points", "WIDTH or POINTS");
   const std::uint64_t width = lines.width ? *lines.width : *lines.points;
   const std::uint64_t height = lines.width && lines.height ? *lines.height : 1;
   if (height != 0 && width > std::numeric_limits<std::uint64_t>::max() / height)
-    scanner.fail("WIDTH times HEIGHT is beyond 64 bits");
+    scanner.fail("WIDTH times HEIGHT exceeds 64 bits");
   header.point_count = width * height;
   if (lines.points && *lines.points != header.point_count)
     scanner.fail("POINTS is not WIDTH times HEIGHT", std::to_string(header.point_count),
@@ -186,7 +183,7 @@ PcdHeader read_pcd_header(InputFile& input, Damage damage) {
   Words words;
   while (true) {
     const auto line = scanner.next_line();
-    if (!line) scanner.fail("the header does not end", "a line DATA", "the end of the file");
+    if (!line) scanner.fail("truncated header", "DATA", "the end of the file");
     split_words(*line, words);
     if (words.empty() || words[0].starts_with('#')) continue;
     if (words[0] == "DATA") break;

@@ -55,7 +55,7 @@ class PcdReader final : public TableReader {
     }
     assign_roles(columns, NameRules::point_format);
     set_columns(std::move(columns), "line " + std::to_string(header_.line_count));
-    if (!skipped.empty()) warn("fields with several values per point were left out: " + skipped);
+    if (!skipped.empty()) warn("skipped fields with several values per point: " + skipped);
   }
 
  protected:
@@ -121,19 +121,19 @@ class PcdReader final : public TableReader {
     const std::uint32_t unpacked = load<std::uint32_t>(sizes + 4, std::endian::little);
     const std::string place = "byte " + std::to_string(header_.data_place);
     if (packed > input_.size() - cursor.place())
-      fail(place, "the file is too short for its compressed points", std::to_string(packed) + " bytes",
+      fail(place, "truncated compressed points", std::to_string(packed) + " bytes",
            std::to_string(input_.size() - cursor.place()));
     const std::uint64_t point_size = header_.point_size();
     if (point_size == 0 || unpacked % point_size != 0 || unpacked / point_size != header_.point_count)
-      fail(place, "the size of the uncompressed points is not that of the header's points",
+      fail(place, "wrong size of the uncompressed points",
            std::to_string(header_.point_count) + " points of " + std::to_string(point_size) + " bytes",
            std::to_string(unpacked) + " bytes");
     if (unpacked / k_lzf_largest_ratio > packed)
-      fail(place, "so few compressed bytes cannot hold the points",
+      fail(place, "too few compressed bytes for the points",
            "at least " + std::to_string(unpacked / k_lzf_largest_ratio), std::to_string(packed));
     std::vector<std::byte> data(unpacked);
     if (!decode_lzf({cursor.take(packed), packed}, data))
-      fail("byte " + std::to_string(header_.data_place + 8), "the compressed points are damaged");
+      fail("byte " + std::to_string(header_.data_place + 8), "corrupt compressed points");
     input_.rest();  // gives back the compressed bytes
     return data;
   }
@@ -144,7 +144,7 @@ class PcdReader final : public TableReader {
     std::uint64_t point = 0;
     visit_points(header_.point_count, scanner, visit, progress, [&](std::vector<Cell>& row) {
       if (!scanner.next_words(words_))
-        scanner.fail("the file ends early", std::to_string(header_.point_count) + " points",
+        scanner.fail("truncated file", std::to_string(header_.point_count) + " points",
                      std::to_string(point));
       parse_row(scanner, row);
       ++point;
@@ -153,8 +153,8 @@ class PcdReader final : public TableReader {
 
   void parse_row(const TextScanner& scanner, std::vector<Cell>& row) {
     if (words_.size() != header_.value_count())
-      scanner.fail("a point has another number of values than the header says",
-                   std::to_string(header_.value_count()), std::to_string(words_.size()));
+      scanner.fail("wrong number of values of a point", std::to_string(header_.value_count()),
+                   std::to_string(words_.size()));
     std::size_t word = 0;
     for (std::size_t i = 0; i < row.size(); ++i) {
       const TableColumn& column = columns()[i];

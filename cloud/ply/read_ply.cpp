@@ -80,7 +80,7 @@ std::optional<ScalarType> scalar_type(std::string_view name) {
 
 ScalarType require_type(const TextScanner& scanner, std::string_view word) {
   if (const auto type = scalar_type(word)) return *type;
-  scanner.fail("unknown property type", "char, uchar, short, ushort, int, uint, float or double",
+  scanner.fail("unsupported property type", "char, uchar, short, ushort, int, uint, float or double",
                quote(word));
 }
 
@@ -94,13 +94,13 @@ PlyFormat require_ply_format(const TextScanner& scanner, const Words& words) {
        {PlyFormat::ascii, PlyFormat::binary_little_endian, PlyFormat::binary_big_endian}) {
     if (found == ply_version(format)) return format;
   }
-  scanner.fail("unknown PLY format", "ascii, binary_little_endian or binary_big_endian, and version 1.0",
+  scanner.fail("unsupported PLY format", "ascii, binary_little_endian or binary_big_endian, and version 1.0",
                quote(found));
 }
 
 PlyElement require_element(const TextScanner& scanner, const Words& words) {
   const auto count = words.size() == 3 ? parse_count(words[2]) : std::nullopt;
-  if (!count) scanner.fail("the element line cannot be read", "element NAME COUNT");
+  if (!count) scanner.fail("invalid element line", "element NAME COUNT");
   return {std::string(words[1]), *count, {}};
 }
 
@@ -110,13 +110,12 @@ PlyProperty require_property(const TextScanner& scanner, const Words& words) {
     property.is_list = true;
     property.count_type = require_type(scanner, words[2]);
     if (property.count_type == ScalarType::float32 || property.count_type == ScalarType::float64)
-      scanner.fail("a list cannot be counted by this type", "an integer type", quote(words[2]));
+      scanner.fail("invalid count type of a list", "an integer type", quote(words[2]));
     property.type = require_type(scanner, words[3]);
   } else if (words.size() == 3) {
     property.type = require_type(scanner, words[1]);
   } else {
-    scanner.fail("the property line cannot be read",
-                 "property TYPE NAME or property list COUNT_TYPE TYPE NAME");
+    scanner.fail("invalid property line", "property TYPE NAME or property list COUNT_TYPE TYPE NAME");
   }
   property.name = words.back();
   return property;
@@ -125,9 +124,8 @@ PlyProperty require_property(const TextScanner& scanner, const Words& words) {
 void find_vertex(const TextScanner& scanner, PlyHeader& header) {
   const auto is_vertex = [](const PlyElement& element) { return element.name == "vertex"; };
   const auto found = std::ranges::find_if(header.elements, is_vertex);
-  if (found == header.elements.end()) scanner.fail("the header has no points", "an element called vertex");
-  if (std::ranges::count_if(header.elements, is_vertex) > 1)
-    scanner.fail("the header has several elements called vertex", "one");
+  if (found == header.elements.end()) scanner.fail("missing points", "an element named vertex");
+  if (std::ranges::count_if(header.elements, is_vertex) > 1) scanner.fail("duplicate element vertex", "one");
   header.vertex = static_cast<std::size_t>(found - header.elements.begin());
 }
 
@@ -157,7 +155,7 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
   bool has_format = false;
   while (true) {
     const auto line = scanner.next_line();
-    if (!line) scanner.fail("the header does not end", "end_header", "the end of the file");
+    if (!line) scanner.fail("truncated header", "end_header", "the end of the file");
     split_words(*line, words);
     const std::string_view keyword = words.empty() ? "comment" : words[0];
     if (keyword == "end_header") break;
@@ -168,16 +166,16 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
     } else if (keyword == "element") {
       header.elements.push_back(require_element(scanner, words));
     } else if (keyword == "property") {
-      if (header.elements.empty()) scanner.fail("a property stands before the first element");
+      if (header.elements.empty()) scanner.fail("property before the first element");
       std::vector<PlyProperty>& properties = header.elements.back().properties;
       properties.push_back(require_property(scanner, words));
       require_few_columns(scanner, properties.size());
     } else {
-      scanner.fail("unknown line in the header", "format, element, property, comment, obj_info or end_header",
+      scanner.fail("unknown header line", "format, element, property, comment, obj_info or end_header",
                    quote(keyword));
     }
   }
-  if (!has_format) scanner.fail("the header has no format line", "format ascii 1.0 or another");
+  if (!has_format) scanner.fail("missing format line", "format ascii 1.0 or another");
   header.data_place = scanner.place();
   header.line_count = scanner.line_number();
   find_vertex(scanner, header);
@@ -236,7 +234,8 @@ class PlyReader final : public TableReader {
     if (size == 0 || element.count == 0) return;
     const std::uint64_t place = cursor.place();
     if (element.count > (input_.size() - place) / size) {
-      fail("byte " + std::to_string(place), "the file is too short for its element " + quote(element.name),
+      fail("byte " + std::to_string(place),
+           "truncated file: too short for its element " + quote(element.name),
            std::to_string(element.count) + " of at least " + std::to_string(size) + " bytes",
            std::to_string(input_.size() - place) + " bytes");
     }
@@ -262,7 +261,7 @@ class PlyReader final : public TableReader {
     const std::uint64_t size = static_cast<std::uint64_t>(scalar_size(property.type));
     const std::uint64_t left = input_.size() - cursor.place();
     if (!(count.number >= 0.0 && count.number <= static_cast<double>(left / size))) {
-      fail("byte " + std::to_string(place), "a list of " + quote(property.name) + " has an impossible length",
+      fail("byte " + std::to_string(place), "a list of " + quote(property.name) + " has an invalid length",
            "0 to " + std::to_string(left / size),
            std::to_string(static_cast<std::int64_t>(std::clamp(count.number, -9e18, 9e18))));
     }
@@ -286,7 +285,7 @@ class PlyReader final : public TableReader {
   /// Fills words_ from the next line that is not empty.
   void next_words(TextScanner& scanner, const PlyElement& element) {
     if (!scanner.next_words(words_))
-      scanner.fail("the file ends early", "more lines of the element " + quote(element.name));
+      scanner.fail("truncated file", "more lines of the element " + quote(element.name));
   }
 
   void parse_row(const TextScanner& scanner, std::vector<Cell>& row) {
@@ -300,7 +299,7 @@ class PlyReader final : public TableReader {
       if (properties[i].is_list) {
         const auto count = parse_count(text);
         if (!count || *count > words_.size() - word)
-          scanner.fail("a list has an impossible length", "0 to " + std::to_string(words_.size() - word),
+          scanner.fail("invalid length of a list", "0 to " + std::to_string(words_.size() - word),
                        quote(text));
         word += static_cast<std::size_t>(*count);
         continue;

@@ -59,7 +59,7 @@ class PtxReader final : public TableReader {
     while (scanner.next_words(words_)) {
       const ScanHeader header = read_scan_header(scanner);
       if (header.was_transposed && !warned_) {
-        warn("the transform is written by columns instead of by rows; it was transposed");
+        warn("the transform is stored by columns instead of rows; it was transposed");
         warned_ = true;
       }
       const auto& axis = header.transform[0];
@@ -79,15 +79,15 @@ class PtxReader final : public TableReader {
 
  private:
   [[noreturn]] static void fail_early(const TextScanner& scanner) {
-    scanner.fail("the file ends early", "more lines of the scan", "the end of the file");
+    scanner.fail("truncated file", "more lines of the scan", "the end of the file");
   }
 
   /// The numbers of the line in words_.
   template <std::size_t count>
   std::array<double, count> require_numbers(const TextScanner& scanner, const char* what) const {
     if (words_.size() != count)
-      scanner.fail(std::string("not the line of a PTX header where ") + what + " should stand",
-                   std::to_string(count) + " numbers", std::to_string(words_.size()) + " words");
+      scanner.fail(std::string("invalid PTX header: missing ") + what, std::to_string(count) + " numbers",
+                   std::to_string(words_.size()) + " words");
     std::array<double, count> numbers;
     for (std::size_t i = 0; i < count; ++i) {
       numbers[i] = require_cell(scanner, words_[i], ScalarType::float64).number;
@@ -100,7 +100,7 @@ class PtxReader final : public TableReader {
   std::uint64_t require_grid_size(const TextScanner& scanner, const char* what) const {
     const auto count = words_.size() == 1 ? parse_count(words_[0]) : std::nullopt;
     if (!count)
-      scanner.fail(std::string("not the number of ") + what + " of a scan", "one whole number",
+      scanner.fail(std::string("invalid number of ") + what + " of a scan", "one integer",
                    words_.size() == 1 ? quote(words_[0]) : std::to_string(words_.size()) + " words");
     return *count;
   }
@@ -116,7 +116,7 @@ class PtxReader final : public TableReader {
     // The shortest line is "0 0 0" and its end, which the last line may lack.
     const std::uint64_t room = (input_.size() - scanner.place() + 1) / 6;
     if (height > 0 && width > (damage() == Damage::refuse ? room : k_most_points) / height)
-      scanner.fail("the file is too short for the points of the scan", "at most " + std::to_string(room),
+      scanner.fail("truncated file: too short for the points of the scan", "at most " + std::to_string(room),
                    std::to_string(width) + " times " + std::to_string(height));
     for (const char* what : {"the scanner's position", "its x axis", "its y axis", "its z axis"}) {
       next();
@@ -137,7 +137,7 @@ class PtxReader final : public TableReader {
     Transform& m = header.transform;
     if (m[0][3] == 0.0 && m[1][3] == 0.0 && m[2][3] == 0.0 && m[3][3] == 1.0) return;
     if (m[3] != std::array<double, 4>{0.0, 0.0, 0.0, 1.0})
-      scanner.fail("the transform is not that of a rigid body", "0 0 0 1 as the last column");
+      scanner.fail("the transform is not rigid", "0 0 0 1 as the last column");
     for (std::size_t row = 0; row < 4; ++row) {
       for (std::size_t column = 0; column < row; ++column) std::swap(m[row][column], m[column][row]);
     }
@@ -147,7 +147,7 @@ class PtxReader final : public TableReader {
   std::size_t require_value_count(const TextScanner& scanner) const {
     const std::size_t count = words_.size();
     if (count == 3 || count == 4 || count == 7) return count;
-    scanner.fail("not a point of a scan", "x y z, x y z intensity or x y z intensity red green blue",
+    scanner.fail("invalid point", "x y z, x y z intensity or x y z intensity red green blue",
                  std::to_string(count) + " words");
   }
 

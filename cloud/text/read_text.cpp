@@ -156,7 +156,7 @@ void assign_by_content(TextLayout& result, const Sample& sample) {
   }
   std::string reading;
   for (const TableColumn& each : columns) reading += (reading.empty() ? "" : " ") + each.name;
-  if (columns.size() > 3) result.remarks.push_back("columns have no names; they were read as " + reading);
+  if (columns.size() > 3) result.remarks.push_back("unnamed columns were read as " + reading);
 }
 
 char separator_of(std::string_view line) {
@@ -214,7 +214,7 @@ void leave_out_words(TextLayout& layout, const Sample& sample) {
     TableColumn& column = layout.columns[i];
     if (column.role != ColumnRole::extra || sample.holds_numbers(i)) continue;
     column.role = ColumnRole::ignored;
-    layout.remarks.push_back("the column " + quote(column.name) + " holds no numbers and was left out");
+    layout.remarks.push_back("the column " + quote(column.name) + " contains no numbers and was skipped");
   }
 }
 
@@ -263,8 +263,8 @@ TextLayout read_text_layout(InputFile& input) {
     layout.format = layout.separator == ' ' ? "XYZ" : "CSV";
     layout.columns = named_columns(words);
     if (!has_place(layout.columns))
-      scanner.fail("neither a point nor a header of column names",
-                   "numbers, or names with x, y and z among them", quote(*line));
+      scanner.fail("neither a point nor a header with column names",
+                   "numbers, or column names with x, y and z", quote(*line));
     layout.has_names = true;
     layout.data_place = scanner.place();
     layout.line_count = scanner.line_number();
@@ -319,9 +319,9 @@ class TextReader final : public TableReader {
       if (has_blocks) --announced;
     }
     if (word_count_ > 0 && !std::exchange(warned_, true))
-      warn(std::to_string(word_count_) + " words that are no numbers were read as NaN");
+      warn(std::to_string(word_count_) + " invalid numbers were read as NaN");
     if (announced > 0)
-      scanner.fail("the file ends early", std::to_string(announced) + " more points, as the count line says");
+      scanner.fail("truncated file", std::to_string(announced) + " more points by the count line");
   }
 
   IntensityScale intensity_scale() const override {
@@ -333,13 +333,13 @@ class TextReader final : public TableReader {
   std::uint64_t require_block(const TextScanner& scanner) const {
     const auto count = words_.size() == 1 ? parse_count(words_[0]) : std::nullopt;
     if (!count)
-      scanner.fail("more points than the count line says",
+      scanner.fail("more points than the count line states",
                    "the count line of a further block or the end of the file",
                    std::to_string(words_.size()) + " words");
     // A value takes two bytes with the blank after it; the very last one may lack that.
     const std::uint64_t room = (input_.size() - scanner.place() + 1) / (2 * columns().size());
     if (*count > room && damage() == Damage::refuse)
-      scanner.fail("the file is too short for the points of the count line",
+      scanner.fail("truncated file: too short for the points of the count line",
                    "at most " + std::to_string(room), std::to_string(*count));
     return *count;
   }
@@ -365,7 +365,8 @@ class TextReader final : public TableReader {
         ++word_count_;
       }
       if (!number)
-        scanner.fail("not a number in the column " + quote(columns()[i].name), "a number", quote(words_[i]));
+        scanner.fail("invalid number in the column " + quote(columns()[i].name), "a number",
+                     quote(words_[i]));
       row_[i].number = *number;
       if (role <= ColumnRole::z) written_->add(i, words_[i]);
     }

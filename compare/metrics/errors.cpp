@@ -137,8 +137,7 @@ ErrorMetrics error_metrics(const ComparedImage& reference, const ComparedImage& 
   require_same_size(reference, test);
   for (const ComparedImage* const image : {&reference, &test})
     if (image->color_channels == 0)
-      throw Error(
-          {.file = image->file.string(), .problem = "no colour to compare", .expected = "channels R G B"});
+      throw Error({.file = image->file.string(), .problem = "missing colours", .expected = "channels R G B"});
   const int channels = reference.color_channels == 1 && test.color_channels == 1 ? 1 : 3;
   // Colours are stored three per pixel; of grey pictures the first says all.
   const std::size_t step = channels == 1 ? 3 : 1;

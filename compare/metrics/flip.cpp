@@ -39,7 +39,7 @@ void check_comparable(const ComparedImage& reference, const ComparedImage& test)
   for (const ComparedImage* const image : {&reference, &test})
     if (image->color_channels == 0)
       throw Error(
-          {.file = image->file.string(), .problem = "FLIP needs colour", .expected = "channels R G B"});
+          {.file = image->file.string(), .problem = "FLIP requires colours", .expected = "channels R G B"});
 }
 
 /// Makes the map, tile by tile.

@@ -262,7 +262,7 @@ ExposureRange exposure_range(const ComparedImage& reference, const ComparedImage
   range.start = found(options.start_exposure, luminances.most);
   range.stop = found(options.stop_exposure, luminances.median);
   if (range.start > range.stop)
-    fail("first exposure above the last", "at most " + std::to_string(range.stop) + " stops",
+    fail("start exposure above the stop exposure", "at most " + std::to_string(range.stop) + " stops",
          std::to_string(range.start));
   const double stops = std::ceil(range.stop - range.start);
   range.count =

@@ -284,7 +284,7 @@ void check(const ComparedImage& reference, const ComparedImage& test) {
   for (const ComparedImage* const image : {&reference, &test})
     if (image->color_channels == 0)
       throw Error(
-          {.file = image->file.string(), .problem = "SSIM needs colour", .expected = "channels R G B"});
+          {.file = image->file.string(), .problem = "SSIM requires colours", .expected = "channels R G B"});
 }
 
 double mean_of(const double (&channels)[3]) {

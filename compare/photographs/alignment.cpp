@@ -231,8 +231,8 @@ void check_work(const ComparedImage& image, int largest_shift, int level) {
   const double shifts = (2.0 * reach.x + 1.0) * (2.0 * reach.y + 1.0);
   if (shifts * pixels <= k_most_work) return;
   throw Error({.file = image.file.string(),
-               .problem = "too narrow for a search so wide, which would take too long",
-               .expected = "a smaller largest shift",
+               .problem = "the image is too narrow for a search of this width",
+               .expected = "a smaller maximum shift",
                .found = std::to_string(largest_shift) + " pixels"});
 }
 
@@ -244,7 +244,7 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
   assert(reference.color.size() == 3 * reference.pixels() && test.color.size() == 3 * test.pixels());
   constexpr int k_largest = 4096;
   if (options.largest_shift < 1 || options.largest_shift > k_largest) {
-    throw Error({.problem = "largest shift to look for is out of range",
+    throw Error({.problem = "maximum shift out of range",
                  .expected = "1 to " + std::to_string(k_largest) + " pixels",
                  .found = std::to_string(options.largest_shift)});
   }

@@ -63,7 +63,7 @@ Bounds box_of_numbers(const Six& n) {
   const Bounds box{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
   if (box.empty())
     ereport(ERROR, (errcode(ERRCODE_INVALID_PARAMETER_VALUE),
-                    errmsg("least corner of a box has to be at most its largest")));
+                    errmsg("the minimum of a box must not exceed its maximum")));
   return box;
 }
 
@@ -140,7 +140,7 @@ Comparison comparison_of(const text* word) {
     if (written == k_words[i]) return static_cast<Comparison>(i);
   ereport(ERROR, (errcode(ERRCODE_INVALID_PARAMETER_VALUE),
                   errmsg("cloud_limit: unknown comparison \"%s\"", text_to_cstring(word)),
-                  errhint("Known are < <= = >= and >.")));
+                  errhint("Expected <, <=, =, >= or >.")));
 }
 
 Datum limit_by_comparison(FunctionCallInfo fcinfo, DistanceKind kind) {

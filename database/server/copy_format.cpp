@@ -21,7 +21,7 @@ constexpr std::size_t k_head = k_signature.size() + 2 * sizeof(std::int32_t);
 constexpr std::int32_t k_longest = 8;
 
 [[noreturn]] void refuse_rows(std::string expected, std::string found) {
-  throw Error({.problem = "the server sends rows that cannot be read",
+  throw Error({.problem = "the server sent invalid rows",
                .expected = std::move(expected),
                .found = std::move(found)});
 }
@@ -99,10 +99,10 @@ void append_value(ServerType type, const ColumnValue& value, std::vector<std::by
 std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   if (bytes.size() < k_head) return 0;
   if (std::memcmp(bytes.data(), k_signature.data(), k_signature.size()) != 0)
-    refuse_rows("rows of COPY in binary", "another beginning");
+    refuse_rows("rows of COPY in binary", "another signature");
   const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
   const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
-  if (flags != 0 || more != 0) refuse_rows("a head without flags", "one with some");
+  if (flags != 0 || more != 0) refuse_rows("a header without flags", "flags");
   place_ = Place::rows;
   return k_head;
 }
@@ -143,7 +143,7 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
   }
   while (!bytes.empty()) {
     if (place_ == Place::end)
-      refuse_rows("nothing behind the last row", std::to_string(bytes.size()) + " bytes");
+      refuse_rows("no data after the last row", std::to_string(bytes.size()) + " bytes");
     const std::size_t taken = place_ == Place::head ? take_head(bytes) : take_row(bytes);
     if (taken == 0) break;
     bytes = bytes.subspan(taken);
@@ -153,7 +153,7 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
 }
 
 void CopyDecoder::finish() const {
-  if (place_ != Place::end) refuse_rows("an end behind the last row", "none");
+  if (place_ != Place::end) refuse_rows("an end marker after the last row", "none");
 }
 
 CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)

@@ -11,8 +11,8 @@ namespace {
 
 [[noreturn]] void refuse(const ServerName& name) {
   throw Error({.file = name.shown(),
-               .problem = "this program was built without PostgreSQL's client library",
-               .expected = "a build with Debian's package libpq-dev, or its like"});
+               .problem = "this program was built without the PostgreSQL client library",
+               .expected = "a build with libpq-dev or an equivalent package"});
 }
 
 }  // namespace

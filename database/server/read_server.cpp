@@ -60,7 +60,7 @@ class RowPlacer {
 
   void take(const ServerRow& row) {
     if (done_ == order_.count)
-      server_.connection().fail("the server sends more rows than it counted", std::to_string(order_.count));
+      server_.connection().fail("the server sent more rows than it counted", std::to_string(order_.count));
     if (done_ == first_ + room_) make_room();
     const std::uint64_t place = order_.is_by_id ? place_by_id(row) : done_ - first_;
     cloud_.positions[start_ + place] = position_of(row);
@@ -73,7 +73,7 @@ class RowPlacer {
   /// Errors: rows are missing.
   void finish() const {
     if (done_ != order_.count)
-      server_.connection().fail("the server sends fewer rows than it counted", std::to_string(order_.count),
+      server_.connection().fail("the server sent fewer rows than it counted", std::to_string(order_.count),
                                 std::to_string(done_));
   }
 
@@ -93,9 +93,8 @@ class RowPlacer {
   std::uint64_t place_by_id(const ServerRow& row) {
     const std::uint64_t place = static_cast<std::uint64_t>(row.id) - first_;
     if (place >= room_ || is_there_[place]) {
-      server_.connection().fail("ids are not the numbers of the rows",
-                                fmt::format("each number below {} once", order_.count),
-                                std::to_string(row.id));
+      server_.connection().fail("ids do not match the rows",
+                                fmt::format("each id below {} once", order_.count), std::to_string(row.id));
     }
     is_there_[place] = true;
     return place;
@@ -104,7 +103,7 @@ class RowPlacer {
   LatticePosition position_of(const ServerRow& row) const {
     const std::optional<LatticePosition> position = to_lattice(lattice_, row.world);
     if (!position) {
-      server_.connection().fail("a point does not fit on the lattice", {},
+      server_.connection().fail("a point exceeds the lattice", {},
                                 fmt::format("{}, {}, {}", row.world.x, row.world.y, row.world.z));
     }
     return shift_(*position);
@@ -133,8 +132,7 @@ class ServerCloudReader final : public CloudReader {
     if (!cloud_row()) return;
     about_.version = std::to_string(k_cloud_row_version);
     about_.point_count = cloud_row()->point_count;
-    if (!has_whole_ids())
-      server_.connection().fail("the table has lost the ids of its points", "a column id of whole numbers");
+    if (!has_whole_ids()) server_.connection().fail("missing ids of the points", "an integer column id");
     ids_are_numbers_ = true;
   }
 
@@ -257,7 +255,7 @@ class ServerCloudReader final : public CloudReader {
         "SELECT count(*) FROM " + table.quoted_name + " WHERE " + table.has_place(), {}, wait);
     const auto count = static_cast<std::uint64_t>(found.whole(0, 0));
     if (count != cloud_row()->point_count) {
-      server_.connection().fail("the table has not as many points as the row of its NAME_cloud says",
+      server_.connection().fail("the number of points differs from NAME_cloud",
                                 std::to_string(cloud_row()->point_count), std::to_string(count));
     }
     return count;
@@ -268,11 +266,11 @@ class ServerCloudReader final : public CloudReader {
       cloud.warnings.push_back(server_.connection().name() + ": " + clause);
     };
     if (about_.dropped_count > 0)
-      say(fmt::format("{} points without finite coordinates were left out", about_.dropped_count));
-    if (null_count > 0) say(fmt::format("{} NULLs in columns of attributes were taken as 0", null_count));
+      say(fmt::format("skipped {} points without finite coordinates", about_.dropped_count));
+    if (null_count > 0) say(fmt::format("{} NULLs in attribute columns were read as 0", null_count));
     const std::vector<std::string>& left_out = server_.table().left_out;
     if (!left_out.empty())
-      say(fmt::format("columns that are no numbers were left out: {}", fmt::join(left_out, ", ")));
+      say(fmt::format("skipped columns that are not numeric: {}", fmt::join(left_out, ", ")));
   }
 
   ServerCloud server_;
@@ -312,13 +310,13 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
       [&](const ServerRow& row) {
         const auto id = static_cast<std::uint64_t>(row.id);
         if (id >= row_of_cloud.point_count || (!part.ids.empty() && id <= part.ids.back())) {
-          server.connection().fail("ids are not the numbers of the rows",
-                                   fmt::format("each number below {} once", row_of_cloud.point_count),
+          server.connection().fail("ids do not match the rows",
+                                   fmt::format("each id below {} once", row_of_cloud.point_count),
                                    std::to_string(row.id));
         }
         const auto position = to_lattice(row_of_cloud.lattice, row.world);
         if (!position)
-          server.connection().fail("a point does not fit on the lattice", {}, {}, fmt::format("id {}", id));
+          server.connection().fail("a point exceeds the lattice", {}, {}, fmt::format("id {}", id));
         const std::size_t place = part.ids.size();
         if (place == part.cloud.size()) {
           append_rows(part.cloud, kept, std::max<std::size_t>(place, 4096));

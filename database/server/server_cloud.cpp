@@ -60,7 +60,7 @@ void store_whole(ScalarType type, std::int64_t value, std::byte* at) {
 template <class Number>
 Number sent(const NumberColumn& column, CopyField field) {
   if (field.size() != static_cast<std::size_t>(scalar_size(column.type))) {
-    throw Error({.problem = fmt::format("the server sends another type for {}", column.name),
+    throw Error({.problem = fmt::format("the server sent another type for {}", column.name),
                  .expected = fmt::format("{} bytes", scalar_size(column.type)),
                  .found = std::to_string(field.size())});
   }
@@ -192,8 +192,8 @@ bool CloudValues::put(const Target& target, std::size_t row, CopyField field) {
 void CloudValues::refuse(const Target& target, CopyField field, std::string place) {
   const NumberColumn& column = target.source.column;
   throw Error({.place = std::move(place),
-               .problem = fmt::format("{} is out of the attribute's range", column.name),
-               .expected = is_real(target.type) ? "a number of 32 bits" : fmt::format("0 to {}", target.most),
+               .problem = fmt::format("{} out of the range of the attribute", column.name),
+               .expected = is_real(target.type) ? "a 32-bit integer" : fmt::format("0 to {}", target.most),
                .found = fmt::format("{}", number_of(column, field))});
 }
 

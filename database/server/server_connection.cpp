@@ -21,8 +21,8 @@ constexpr const char* k_file = "libpq.so.5";
 
 [[noreturn]] void refuse_library() {
   const char* const reason = ::dlerror();
-  throw Error({.problem = "servers cannot be asked without PostgreSQL's client library",
-               .expected = "Debian's package libpq5, or its like",
+  throw Error({.problem = "server connections require the PostgreSQL client library",
+               .expected = "the package libpq5 or an equivalent",
                .found = reason != nullptr ? reason : k_file});
 }
 
@@ -159,12 +159,12 @@ ServerConnection::ServerConnection(const ServerName& name) : name_(name.shown())
   if (library.status(connection_) != CONNECTION_OK) {
     const std::string reason = one_line(library.error_message(connection_));
     library.finish(connection_);
-    fail("the server cannot be asked", {}, reason);
+    fail("cannot connect to the server", {}, reason);
   }
   library.set_notice_processor(connection_, ignore_notice, nullptr);
   if (library.set_nonblocking(connection_, 1) != 0) {
     library.finish(connection_);
-    fail("the connection to the server cannot be used");
+    fail("unusable connection to the server");
   }
 }
 
@@ -229,13 +229,13 @@ ServerRows ServerConnection::result(int wanted, const ServerWait& wait) {
   const ServerLibrary& library = server_library();
   wait_while_busy(wait);
   PGresult* const answer = library.get_result(connection_);
-  if (answer == nullptr) fail_as_told("the server does not answer");
+  if (answer == nullptr) fail_as_told("the server does not respond");
   ServerRows rows(answer);
   const ExecStatusType status = library.result_status(answer);
   if (status == wanted || (wanted == PGRES_TUPLES_OK && status == PGRES_COMMAND_OK)) return rows;
   const std::string words = words_of(answer);
-  if (words.empty()) fail_as_told("the server answers something else than it was asked");
-  fail("the server refuses", {}, words);
+  if (words.empty()) fail_as_told("unexpected response of the server");
+  fail("the server reports an error", {}, words);
 }
 
 /// Takes what stands behind a result: nothing, or that the statement failed after all.
@@ -246,7 +246,7 @@ void ServerConnection::finish_statement(const ServerWait& wait) {
     const ServerRows rows(answer);
     const ExecStatusType status = library.result_status(answer);
     if (status != PGRES_COMMAND_OK && status != PGRES_TUPLES_OK)
-      fail("the server refuses", {}, words_of(answer));
+      fail("the server reports an error", {}, words_of(answer));
   }
 }
 

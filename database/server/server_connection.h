@@ -74,7 +74,7 @@ class ServerConnection {
   ServerRows result(int wanted, const ServerWait& wait);
   void finish_statement(const ServerWait& wait);
   [[noreturn]] void fail_as_told(const char* problem) const;
-  [[noreturn]] void fail_as_lost() const { fail_as_told("the connection to the server is lost"); }
+  [[noreturn]] void fail_as_lost() const { fail_as_told("lost connection to the server"); }
 
   std::string name_;
   pg_conn* connection_ = nullptr;

@@ -20,8 +20,8 @@ constexpr const char* k_form = "postgresql://HOST:PORT/DATABASE?table=NAME";
 }
 
 [[noreturn]] void refuse_password() {
-  refuse_name("a password does not belong into the name of a table: everybody sees command lines",
-              "it in ~/.pgpass, PGPASSFILE or PGPASSWORD");
+  refuse_name("password in a table name: command lines are visible to all users",
+              "the password in ~/.pgpass, PGPASSFILE or PGPASSWORD");
 }
 
 std::string decoded(std::string_view text) {
@@ -33,12 +33,11 @@ std::string decoded(std::string_view text) {
       const std::string_view digits = text.substr(i + 1, 2);
       const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
       if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || value == 0)
-        refuse_name("the name of a table on a server has a '%' without a letter's number",
-                    "%25 for a '%' itself");
+        refuse_name("the server name has a '%' without a character code", "%25 for a '%' itself");
       letter = static_cast<char>(value);
       i += 2;
     }
-    if (letter == '\0') refuse_name("the name of a table on a server has a letter without a shape (NUL)");
+    if (letter == '\0') refuse_name("the server name contains NUL");
     result += letter;
   }
   return result;
@@ -118,9 +117,9 @@ ServerName::ServerName(std::string_view text) {
   const auto [host, port, is_address] = split_host(split(place, '/'));
   if (port) {
     take("port", *port);
-    if (!parse_port(parameter("port"))) refuse_name("the port of a server is no number from 1 to 65535");
+    if (!parse_port(parameter("port"))) refuse_name("the port is not a number from 1 to 65535");
   }
-  if (!is_address) refuse_name("the host of a server is no address");
+  if (!is_address) refuse_name("invalid host of a server");
   take("host", host);
   take("dbname", place);
   while (!words.empty()) {
@@ -129,7 +128,7 @@ ServerName::ServerName(std::string_view text) {
     if (is_secret(word)) refuse_password();
     // A part of a password that has marks in it is no word, and must not be repeated either.
     if (word.empty() || word.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") != std::string::npos)
-      refuse_name("the name of a table on a server has something that is no WORD=VALUE");
+      refuse_name("the server name has a parameter that is not WORD=VALUE");
     if (word == "table")
       table = decoded(value);
     else if (word == "schema")

@@ -110,7 +110,7 @@ void check_server_table(const std::string& name) {
     return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f;
   };
   if (name.empty() || name.size() > k_longest || std::ranges::any_of(name, is_control) || !is_utf8(name)) {
-    throw Error({.problem = "this cannot be the name of a table on a server",
+    throw Error({.problem = "invalid table name",
                  .expected = fmt::format("1 to {} bytes of UTF-8 without control characters", k_longest),
                  .found = fmt::format("{} bytes", name.size())});
   }
@@ -119,7 +119,7 @@ void check_server_table(const std::string& name) {
 void check_column_count(const std::vector<StoredColumn>& columns) {
   constexpr std::size_t k_most = 1600, k_axes = 3;
   if (columns.size() + k_axes <= k_most) return;
-  throw Error({.problem = "the cloud has too many attributes for a table of PostgreSQL",
+  throw Error({.problem = "too many attributes for a PostgreSQL table",
                .expected = fmt::format("at most {} columns", k_most),
                .found = std::to_string(columns.size() + k_axes)});
 }

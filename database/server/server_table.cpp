@@ -63,9 +63,8 @@ ServerRows find_relation(ServerConnection& connection, const ServerName& name) {
   std::vector<std::string> tables;
   for (std::size_t i = 0; i < others.size(); ++i) tables.push_back(others.text(i, 0));
   const std::string known = listed(tables);
-  if (name.table.empty())
-    connection.fail("it is not said which table is meant", "postgresql://HOST/DATABASE?table=NAME", known);
-  connection.fail("the database has no such table", name.schema.empty() ? "" : "one in schema " + name.schema,
+  if (name.table.empty()) connection.fail("ambiguous table", "postgresql://HOST/DATABASE?table=NAME", known);
+  connection.fail("unknown table", name.schema.empty() ? "" : "one in schema " + name.schema,
                   known.empty() ? "no table with x, y and z" : known);
 }
 
@@ -91,7 +90,7 @@ void read_columns(ServerConnection& connection, const std::string& number, Serve
   }
   for (const char* const axis : {"x", "y", "z"}) {
     if (table.find(axis) == nullptr)
-      connection.fail(fmt::format("the table has no column {} of numbers", axis), "x, y and z", listed(all));
+      connection.fail(fmt::format("missing numeric column {}", axis), "x, y and z", listed(all));
   }
 }
 
@@ -128,10 +127,9 @@ CloudRow read_cloud_row(ServerConnection& connection, const std::string& schema,
   const auto refuse = [&](std::string problem, std::string expected, std::string found) {
     connection.fail(std::move(problem), std::move(expected), std::move(found), "table " + name);
   };
-  if (rows.size() != 1)
-    refuse("says not one thing about the cloud", "one row", rows.size() == 0 ? "none" : "several");
+  if (rows.size() != 1) refuse("it must have one row", "one row", rows.size() == 0 ? "none" : "several");
   if (rows.whole(0, 0) != k_cloud_row_version)
-    refuse("is of an unknown version", std::to_string(k_cloud_row_version), rows.text(0, 0));
+    refuse("unsupported version", std::to_string(k_cloud_row_version), rows.text(0, 0));
   CloudRow row;
   for (int axis = 0; axis < 3; ++axis) {
     row.lattice.scale[axis] = rows.number(0, 1 + axis);
@@ -139,12 +137,12 @@ CloudRow read_cloud_row(ServerConnection& connection, const std::string& schema,
     const bool is_possible = std::isnormal(row.lattice.scale[axis]) && row.lattice.scale[axis] > 0.0 &&
                              std::isfinite(row.lattice.offset[axis]);
     if (!is_possible) {
-      refuse("has no lattice of points", "positive scales and finite offsets",
+      refuse("invalid lattice", "positive scales and finite offsets",
              fmt::format("{} and {}", rows.text(0, 1 + axis), rows.text(0, 4 + axis)));
     }
   }
   const std::int64_t points = rows.whole(0, 7);
-  if (points < 0) refuse("counts points below none", {}, rows.text(0, 7));
+  if (points < 0) refuse("negative number of points", {}, rows.text(0, 7));
   row.point_count = static_cast<std::uint64_t>(points);
   row.crs.wkt = rows.text(0, 8);
   for (int axis = 0; axis < 3 && !rows.is_null(0, 9); ++axis) {

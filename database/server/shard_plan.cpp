@@ -135,27 +135,27 @@ std::string plan_readme(const std::string& table, std::span<const Shard> shards,
   std::string text =
       "A cloud for several PostgreSQL servers. All of them need the extension alidade_pg, in the same "
       "version.\n\n"
-      "1. Fill the shards, in this folder. Each script works as a whole or not at all:\n\n";
+      "1. Fill the shards, in this folder. Each script is one transaction:\n\n";
   for (std::size_t i = 0; i < shards.size(); ++i) {
     text += fmt::format("   psql -h {} -p {} -d {} -f {}.sql\n", shell_word(shards[i].host), shards[i].port,
                         shell_word(shards[i].database), shard_name(i));
   }
   text += fmt::format(
-      "\n2. Make the table over all of them, on the server that is asked:\n\n"
+      "\n2. Create the table over all shards on the coordinating server:\n\n"
       "   psql -d DATABASE -f coordinator.sql\n"
-      "\n   A shard that wants another user or a password gets it from there:\n\n"
+      "\n   For another user or a password of a shard:\n\n"
       "   ALTER USER MAPPING FOR CURRENT_USER SERVER {0}\n"
       "     OPTIONS (ADD user 'NAME', ADD password 'PASSWORD');\n\n"
-      "   Each other role that asks needs mappings of its own (CREATE USER MAPPING FOR ROLE SERVER ...), "
+      "   Every other role that queries needs its own mappings (CREATE USER MAPPING FOR ROLE SERVER ...), "
       "with a "
       "password\n"
-      "   unless it is a superuser. A role that is none runs coordinator.sql after GRANT USAGE ON FOREIGN "
+      "   unless it is a superuser. Other roles run coordinator.sql after GRANT USAGE ON FOREIGN "
       "DATA "
       "WRAPPER\n"
       "   postgres_fdw TO ROLE.\n"
-      "\n3. Ask there. EXPLAIN (VERBOSE) shows what each shard is asked:\n\n"
+      "\n3. Query that server. EXPLAIN (VERBOSE) shows the query that each shard receives:\n\n"
       "   SELECT * FROM {1} WHERE dist_ray(ox,oy,oz, dx,dy,dz, x,y,z) <= 1;\n\n"
-      "Where the points are:\n\n",
+      "Positions of the shards:\n\n",
       sql_name(table + "_" + shard_name(0)), sql_name(table));
   for (std::size_t i = 0; i < shards.size(); ++i)
     text += fmt::format("   {}: {}\n", shard_name(i), box_text(boxes[i]));
@@ -186,8 +186,8 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
   check_column_count(rows.columns());
   const std::uint64_t size = cloud.points.size();
   if (shards.empty() || size < shards.size()) {
-    throw Error({.problem = fmt::format("{} points cannot be spread over {} shards", size, shards.size()),
-                 .expected = "a point or more for each shard"});
+    throw Error({.problem = fmt::format("cannot distribute {} points over {} shards", size, shards.size()),
+                 .expected = "at least one point for each shard"});
   }
   std::uint64_t done = 0;
   const auto tell = [&](std::size_t count) {
@@ -212,19 +212,19 @@ void write_files(const std::filesystem::path& folder, OrderedCloud& cloud, std::
 
 Shard parse_shard(std::string_view text) {
   if (text.find('@') != std::string_view::npos)
-    refuse_shard(text, "users and passwords do not belong to the name of a shard, but to its user mapping");
+    refuse_shard(text, "user or password in a shard name: use its user mapping");
   const std::size_t slash = text.rfind('/');
-  if (slash == std::string_view::npos) refuse_shard(text, "a shard's name has no database");
+  if (slash == std::string_view::npos) refuse_shard(text, "missing database in a shard name");
   const auto [host, port, is_address] = split_host(text.substr(0, slash));
   Shard shard{.host = std::string(host), .database = std::string(text.substr(slash + 1))};
   if (port) {
     const std::optional<int> number = parse_port(*port);
-    if (!number) refuse_shard(text, "a shard's port is no number from 1 to 65535");
+    if (!number) refuse_shard(text, "the port of a shard is not a number from 1 to 65535");
     shard.port = *number;
   }
-  if (!is_address) refuse_shard(text, "a shard's host is no address");
+  if (!is_address) refuse_shard(text, "invalid host of a shard");
   if (!is_plain(shard.host) || shard.host.find('/') != std::string::npos || !is_plain(shard.database))
-    refuse_shard(text, "a shard's name lacks host or database");
+    refuse_shard(text, "missing host or database in a shard name");
   return shard;
 }
 
@@ -234,14 +234,15 @@ StoredFiles write_shard_plan(const std::filesystem::path& folder, const CloudInp
   check_server_table(options.table);
   const std::filesystem::path whole_folder = (folder / "").parent_path();
   if (std::filesystem::exists(std::filesystem::symlink_status(whole_folder))) {
-    throw Error(
-        {.file = whole_folder.string(), .problem = "exists already", .expected = "the name of a new folder"});
+    throw Error({.file = whole_folder.string(),
+                 .problem = "the folder exists",
+                 .expected = "the name of a new folder"});
   }
   const std::filesystem::path beside = whole_folder.string() + fmt::format(".part{}", ::getpid());
   std::error_code error;
   if (!std::filesystem::create_directory(beside, error)) {
     throw Error(
-        {.file = whole_folder.string(), .problem = "this folder cannot be made", .found = error.message()});
+        {.file = whole_folder.string(), .problem = "cannot create the folder", .found = error.message()});
   }
   try {
     OrderedCloud cloud(beside, inputs, reading, options.memory);

@@ -34,16 +34,16 @@ bool has_relation(ServerConnection& connection, const std::string& schema, const
 CloudTables check_tables(ServerConnection& connection, const ServerName& name, bool replace) {
   std::string schema = name.schema;
   if (schema.empty()) schema = connection.run("SELECT current_schema()").text(0, 0);
-  if (schema.empty()) connection.fail("the search path has no schema", "one in the name, as &schema=public");
+  if (schema.empty()) connection.fail("empty search path", "one in the name, as &schema=public");
   const bool has_points = has_relation(connection, schema, name.table);
   const bool has_cloud = has_relation(connection, schema, name.table + "_cloud");
   if (has_points && !(replace && has_cloud)) {
-    connection.fail(fmt::format("there is a table {} already", name.table),
-                    replace ? "a cloud to replace, which has " + name.table + "_cloud beside it"
-                            : "another name, or --overwrite");
+    connection.fail(
+        fmt::format("the table {} exists", name.table),
+        replace ? "a cloud, which has " + name.table + "_cloud with it" : "another name, or --overwrite");
   }
   if (has_cloud && !has_points)
-    connection.fail(fmt::format("there is a table {}_cloud already", name.table), "another name");
+    connection.fail(fmt::format("the table {}_cloud exists", name.table), "another name");
   return {.schema = schema,
           .points = sql_name(schema) + "." + sql_name(name.table),
           .cloud = sql_name(schema) + "." + sql_name(name.table + "_cloud")};
@@ -85,7 +85,7 @@ StoredFiles store_on_server(const ServerName& name, const CloudInputs& inputs, c
                             const ServerStoreOptions& options) {
   if (name.table.empty())
     throw Error(
-        {.file = name.shown(), .problem = "the table has no name", .expected = "?table=NAME at the end"});
+        {.file = name.shown(), .problem = "missing table name", .expected = "?table=NAME at the end"});
   check_server_table(name.table);
   ServerConnection connection(name);
   check_tables(connection, name, options.replace);

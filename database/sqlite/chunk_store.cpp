@@ -98,7 +98,7 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
   if (fits) std::memcpy(pages.data(), page_.bytes(0).data(), size);
   page_.reset();
   if (!fits) {
-    refuse(level, page, is_there ? "has another size than its boxes need" : "is not there",
+    refuse(level, page, is_there ? "wrong size of the boxes" : "missing",
            fmt::format("{} bytes", pages.size() * sizeof(Sides)),
            is_there ? fmt::format("{} bytes", size) : "");
   }
@@ -106,7 +106,7 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
   for (const auto& [x, y, z, to_x, to_y, to_z] : pages) {
     boxes.push_back({{x, y, z}, {to_x, to_y, to_z}});
     if (lies_inside(boxes.back(), around)) continue;
-    refuse(level, page, "has a box that cannot be", "least and greatest x, y, z inside the box of the page",
+    refuse(level, page, "invalid box", "minimum and maximum of x, y, z inside the box of the page",
            fmt::format("{}, {}, {} to {}, {}, {}", x, y, z, to_x, to_y, to_z));
   }
   return boxes;
@@ -155,7 +155,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkPlace& place) {
   positions_.bind(1, static_cast<std::int64_t>(id));
   if (!positions_.step()) {
     positions_.reset();
-    refuse(id, "is not there", "a row of the table of chunks", "");
+    refuse(id, "missing", "a row of the table of chunks", "");
   }
   const std::int64_t count = positions_.whole(0);
   const std::span<const std::byte> bytes = positions_.bytes(1);
@@ -170,7 +170,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkPlace& place) {
   }
   positions_.reset();
   if (!fits) {
-    refuse(id, "its positions have another size than its points need",
+    refuse(id, "wrong size of the positions",
            fmt::format("{} bytes for each of {} points", sizeof(LatticePosition), count),
            fmt::format("{} bytes", size));
   }
@@ -178,7 +178,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkPlace& place) {
   for (const LatticePosition& position : chunk->positions) extent.grow(position);
   if (!chunk->positions.empty() &&
       (to_world(lattice_, extent.low) != place.box.min || to_world(lattice_, extent.high) != place.box.max))
-    refuse(id, "its points do not fill its box", "the box around them", "");
+    refuse(id, "the points do not match their box", "the bounds of the points", "");
   return chunk;
 }
 
@@ -195,7 +195,7 @@ const std::byte* ChunkStore::bytes(StoredChunk& chunk, const StoredColumn& colum
   }
   // Each time, since columns may disagree about the blob they share.
   if (chunk.blobs[blob]->size() != size * chunk.positions.size()) {
-    refuse(chunk.id, fmt::format("the values of {} have another size than its points need", column.name),
+    refuse(chunk.id, fmt::format("wrong size of the values of {}", column.name),
            fmt::format("{} bytes for each of {} points", size, chunk.positions.size()),
            fmt::format("{} bytes", chunk.blobs[blob]->size()));
   }

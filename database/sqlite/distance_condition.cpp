@@ -85,7 +85,7 @@ std::string read_call(const TokenList& tokens, std::size_t place, DistanceCondit
   condition.table = *table;
   arguments.resize(k_ray_arguments);
   if (!std::ranges::all_of(arguments, [&](TokenRange range) { return is_steady(tokens, range); }))
-    return "a function among the arguments of " + condition.function + " may answer differently each time";
+    return "a function among the arguments of " + condition.function + " may be volatile";
   condition.ray = std::move(arguments);
   return {};
 }
@@ -100,7 +100,8 @@ ConditionAnswer refuse(std::string reason) {
 }
 
 constexpr const char* k_no_limit =
-    "a distance is not compared, between AND, OR and NOT, with one number, parameter, column or parenthesis";
+    "a distance is not compared with a single number, parameter, column or parenthesis between AND, OR and "
+    "NOT";
 
 }  // namespace
 
@@ -150,7 +151,7 @@ ConditionAnswer read_condition(const TokenList& tokens, std::size_t begin) {
   if (std::string reason = read_call(tokens, call, condition); !reason.empty())
     return refuse(std::move(reason));
   if (!std::ranges::all_of(limits, [&](TokenRange range) { return is_steady(tokens, range); }))
-    return refuse("a function in the limit of a distance may answer differently each time");
+    return refuse("a function in the limit of a distance may be volatile");
   return {.condition = std::move(condition), .reason = {}};
 }
 

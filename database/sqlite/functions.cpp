@@ -32,7 +32,7 @@ DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
                       bytes[k_head - 1] <= static_cast<std::byte>(DistanceLimit::Kind::plane);
   if (!is_one)
     throw Error(
-        {.problem = "in_chunk: argument 2 is no limit", .expected = "ray_limit(...) or plane_limit(...)"});
+        {.problem = "in_chunk: argument 2 is not a limit", .expected = "ray_limit(...) or plane_limit(...)"});
   limit.kind = static_cast<DistanceLimit::Kind>(bytes[k_head - 1]);
   std::memcpy(limit.numbers.data(), bytes.data() + k_head, sizeof limit.numbers);
   return limit;

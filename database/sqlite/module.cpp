@@ -12,7 +12,7 @@ extern "C" __attribute__((visibility("default"))) int sqlite3_alidadesqlite_init
   SQLITE_EXTENSION_INIT2(routines);
   constexpr int k_oldest = 3038000;  // the oldest that was tried
   if (sqlite3_libversion_number() < k_oldest) {
-    *message = sqlite3_mprintf("alidade needs SQLite 3.38 or later, not %s", sqlite3_libversion());
+    *message = sqlite3_mprintf("alidade requires SQLite 3.38 or later, not %s", sqlite3_libversion());
     return SQLITE_ERROR;
   }
   const int result = alidade::database::add_functions(database);

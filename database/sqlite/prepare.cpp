@@ -17,11 +17,11 @@ constexpr int k_deepest = 64;
 
 /// Why a statement is left alone, whatever its conditions are; empty if there is no such reason.
 std::string reason_to_leave(const TokenList& tokens) {
-  if (!tokens.is_sound()) return "it is not understood";
+  if (!tokens.is_sound()) return "it cannot be parsed";
   std::size_t first = 0;
   if (tokens.is_word(0, "explain")) first = tokens.is_word(1, "query") ? 3 : 1;
   if (tokens.is_word(first, "with")) return "it has a WITH clause";
-  if (!tokens.is_word(first, "select")) return "it is no SELECT";
+  if (!tokens.is_word(first, "select")) return "it is not a SELECT";
   bool has_distance = false, has_plain = false, has_named = false;
   for (std::size_t i = first + 1; i < tokens.size(); ++i) {
     if (tokens.is_word(i, "select")) return "it has more than one SELECT";
@@ -51,7 +51,7 @@ class Pruner {
     if (!reason_.empty()) return {.text = {}, .reason = reason_};
     copy_tokens();
     read_clauses();
-    if (!has_limits_) note("dist_ray or dist_plane stands in no condition in WHERE or ON");
+    if (!has_limits_) note("dist_ray or dist_plane is not in a condition of WHERE or ON");
     return {.text = has_limits_ ? text() : std::string(), .reason = reason_};
   }
 
@@ -116,7 +116,7 @@ class Pruner {
       if (depth < k_deepest)
         conditions(i + 1, join, depth + 1);
       else
-        note("it has very many parentheses");
+        note("it has too many parentheses");
       return closing + 1;
     }
     ConditionAnswer answer = read_condition(tokens_, i);
@@ -233,11 +233,11 @@ class UseWatch {
     std::string& reason = static_cast<UseWatch*>(self)->reason_;
     // The x, y, z of a view may be anything.
     if (action == SQLITE_READ && view != nullptr && sqlite3_stricmp(name, "_chunk") == 0)
-      reason = "it asks a view that has a column _chunk";
+      reason = "it queries a view with a column _chunk";
     // A limit would draw another number than the condition that it stands for.
     if (action == SQLITE_FUNCTION &&
         (sqlite3_stricmp(name, "random") == 0 || sqlite3_stricmp(name, "randomblob") == 0))
-      reason = "it calls random or randomblob, which answer something else each time";
+      reason = "it calls random or randomblob, which are volatile";
     return SQLITE_OK;
   }
 
@@ -277,7 +277,7 @@ Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, con
   const UseWatch watch(database);
   Parsed limited = parse(database, pruned.text);
   if (limited.result != SQLITE_OK) {
-    prepared.reason = fmt::format("with limits it is not understood: {}", sqlite3_errmsg(database));
+    prepared.reason = fmt::format("with limits it cannot be parsed: {}", sqlite3_errmsg(database));
   } else if (!watch.reason().empty()) {
     prepared.reason = watch.reason();
   } else if (!same_columns(prepared.statement.get(), limited.statement.get())) {

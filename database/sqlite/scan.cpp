@@ -246,7 +246,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
     if (constraint.op == SQLITE_INDEX_CONSTRAINT_EQ && (is_row || is_chunk)) {
       if (is_chunk && has_ray) {
         throw Error(
-            {.problem = "a cloud takes a ray's six numbers, and the number of a chunk only without a ray",
+            {.problem = "a cloud takes the six numbers of a ray, or the number of a chunk without a ray",
              .expected = k_ray_form});
       }
       use(i, is_row ? k_row : k_chunk, k_equal, false);

@@ -85,8 +85,8 @@ bool check_table(sqlite3* database, const StoreOptions& options) {
   const Found found = find_table(database, options.table);
   if (!found.exists || (options.replace && found.is_cloud)) return found.exists;
   throw Error({.file = file_of(database),
-               .problem = fmt::format("there is a table {} already", options.table),
-               .expected = options.replace ? "a cloud to replace" : "another name, or --overwrite"});
+               .problem = fmt::format("the table {} exists", options.table),
+               .expected = options.replace ? "a cloud" : "another name, or --overwrite"});
 }
 
 /// Also one that cannot be read: SQLite drops what it can open, so it gets something to open.
@@ -187,7 +187,7 @@ void flush_to_disk(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool is_flushed = descriptor >= 0 && ::fsync(descriptor) == 0;
   if (descriptor >= 0) ::close(descriptor);
-  if (!is_flushed) throw Error({.file = path.string(), .problem = "cannot be written to the disk"});
+  if (!is_flushed) throw Error({.file = path.string(), .problem = "cannot write to the disk"});
 }
 
 /// Gives a whole file its name. Error: there is a file of that name by now.
@@ -206,15 +206,15 @@ void check_name(const std::string& table) {
   std::string small = table.substr(0, 7);
   std::ranges::transform(small, small.begin(), [](unsigned char letter) { return std::tolower(letter); });
   if (table.empty() || table.find('\0') != table.npos || small == "sqlite_") {
-    throw Error({.problem = "no name for a table",
-                 .expected = "one that is not empty and does not begin with sqlite_",
+    throw Error({.problem = "invalid table name",
+                 .expected = "a nonempty name that does not begin with sqlite_",
                  .found = "'" + table + "'"});
   }
 }
 
 void check(const std::filesystem::path& file, const StoreOptions& options) {
   if (options.chunk_points < 1 || options.chunk_points > k_most_chunk_points) {
-    throw Error({.problem = "bad number of points per chunk",
+    throw Error({.problem = "invalid number of points per chunk",
                  .expected = fmt::format("1 to {}", k_most_chunk_points),
                  .found = std::to_string(options.chunk_points)});
   }
@@ -250,7 +250,7 @@ void store_ordered(const std::filesystem::path& file, OrderedCloud& cloud, const
 void store_cloud(const std::filesystem::path& file, const PointCloud& cloud, const StoreOptions& options) {
   check(file, options);
   if (cloud.size() > UINT32_MAX) {
-    throw Error({.problem = "too many points at once",
+    throw Error({.problem = "too many points in memory",
                  .expected = fmt::format("at most {}, or files", UINT32_MAX),
                  .found = std::to_string(cloud.size())});
   }

@@ -79,11 +79,10 @@ std::string table_of(sqlite3* database, const SqliteCloudName& name) {
   if (name.table.empty() && tables.size() == 1) return tables.front();
   if (!name.table.empty() && std::ranges::find(tables, name.table) != tables.end()) return name.table;
   throw Error({.file = name.file,
-               .problem = name.table.empty() && !tables.empty()
-                              ? "it is not said which cloud of the database is meant"
-                          : name.table.empty() ? "the database holds no cloud"
-                                               : fmt::format("the database holds no cloud {}", name.table),
-               .expected = tables.empty() ? "a database that 'alidade sql load' wrote"
+               .problem = name.table.empty() && !tables.empty() ? "ambiguous cloud: the database has several"
+                          : name.table.empty()                  ? "the database contains no cloud"
+                                               : fmt::format("the database contains no cloud {}", name.table),
+               .expected = tables.empty() ? "a database written by 'alidade sql load'"
                                           : fmt::format("{}?table=NAME", name.file),
                .found = fmt::format("{}", fmt::join(tables, ", "))});
 }
@@ -109,7 +108,7 @@ void sort_by_id(CloudPart& part, const StoredCloud& stored) {
   for (const std::uint32_t row : order) {
     positions.push_back(part.cloud.positions[row]);
     if (!ids.empty() && ids.back() == part.ids[row])
-      stored.refuse(stored.schema().chunk_count, "two points have one id", "each once",
+      stored.refuse(stored.schema().chunk_count, "duplicate point id", "unique ids",
                     std::to_string(ids.back()));
     ids.push_back(part.ids[row]);
   }
@@ -191,7 +190,7 @@ class SqliteCloudReader final : public CloudReader {
         const std::uint64_t row = stored_.id(store, *chunk, i) - rows.first;
         if (row >= rows.count) continue;
         if (is_there[row])
-          stored_.refuse(id, "two points have one id", "each once", std::to_string(rows.first + row));
+          stored_.refuse(id, "duplicate point id", "unique ids", std::to_string(rows.first + row));
         is_there[row] = true;
         ++taken;
         cloud.positions[rows.target + row] = shift(chunk->positions[i]);
@@ -201,7 +200,7 @@ class SqliteCloudReader final : public CloudReader {
       tell(static_cast<double>(id + 1) / static_cast<double>(schema().chunk_count));
     }
     if (points != schema().point_count || taken != rows.count) {
-      stored_.refuse(schema().chunk_count, "points are missing", std::to_string(schema().point_count),
+      stored_.refuse(schema().chunk_count, "missing points", std::to_string(schema().point_count),
                      std::to_string(points));
     }
   }
@@ -230,8 +229,8 @@ StoredCloud::StoredCloud(const std::string& name)
   if (ids.type != ScalarType::uint64 || ids.size != scalar_size(ids.type) || ids.place != 0) {
     throw Error({.file = name_.file,
                  .place = fmt::format("table {}_column", table_),
-                 .problem = "the first column holds no ids",
-                 .expected = "numbers of 8 bytes"});
+                 .problem = "the first column has no ids",
+                 .expected = "8-byte integers"});
   }
   for (const StoredBlob& blob : blobs_) {
     if (!blob.attribute && is_dimension(blob)) dimensions_.push_back(blob.columns.front());
@@ -239,7 +238,7 @@ StoredCloud::StoredCloud(const std::string& name)
   if (schema_.point_count > file_bytes_ / sizeof(LatticePosition)) {
     throw Error({.file = name_.file,
                  .place = fmt::format("table {}_cloud", table_),
-                 .problem = "counts more points than the file has room for",
+                 .problem = "the number of points exceeds the file",
                  .expected = fmt::format("at most {}", file_bytes_ / sizeof(LatticePosition)),
                  .found = std::to_string(schema_.point_count)});
   }
@@ -265,8 +264,8 @@ Bounds StoredCloud::bounds() const {
 std::uint64_t StoredCloud::id(ChunkStore& store, StoredChunk& chunk, std::size_t i) const {
   const auto number = load<std::uint64_t>(store.bytes(chunk, schema_.columns.front(), i));
   if (number >= schema_.point_count) {
-    refuse(chunk.id, "ids are not the rows of the points",
-           fmt::format("each number below {} once", schema_.point_count), std::to_string(number));
+    refuse(chunk.id, "ids do not match the rows", fmt::format("each id below {} once", schema_.point_count),
+           std::to_string(number));
   }
   return number;
 }

@@ -31,7 +31,7 @@ struct ElevationSteps {
 };
 
 [[noreturn]] void refuse(const char* what, const std::string& expected, double found) {
-  throw Error({.problem = fmt::format("{} is out of range", what),
+  throw Error({.problem = fmt::format("{} out of range", what),
                .expected = expected,
                .found = fmt::format("{}", found)});
 }
@@ -41,8 +41,7 @@ int whole_steps(const char* what, double range, double step, double least, doubl
   constexpr double k_slack = 1e-6;
   const double steps = range / step;
   if (!(step >= least && step <= most) || std::fabs(steps - std::round(steps)) > k_slack * steps) {
-    refuse(what, fmt::format("degrees from {} to {} of which {} are a whole number", least, most, range),
-           step);
+    refuse(what, fmt::format("degrees from {} to {}, with {} an integer multiple", least, most, range), step);
   }
   return static_cast<int>(std::round(steps));
 }
@@ -157,18 +156,18 @@ class AzimuthSearch {
 
 std::vector<HorizonDirection> horizon(const Occluders& occluders, const SightEnd& eye,
                                       const HorizonOptions& options, const Progress& progress) {
-  const int per_turn = whole_steps("the step between azimuths", k_turn, options.step, 0.001, 120.0);
+  const int per_turn = whole_steps("azimuth step", k_turn, options.step, 0.001, 120.0);
   const ElevationSteps steps{
-      whole_steps("the resolution of elevations", k_quarter, options.resolution, 0.0001, 10.0)};
+      whole_steps("elevation resolution", k_quarter, options.resolution, 0.0001, 10.0)};
   const auto in_quarter = [](double elevation) { return elevation >= -k_quarter && elevation <= k_quarter; };
-  if (!in_quarter(options.elevation_min)) refuse("the lowest elevation", "-90 to 90", options.elevation_min);
-  if (!in_quarter(options.elevation_max)) refuse("the highest elevation", "-90 to 90", options.elevation_max);
-  if (!(options.max_distance >= 0.0)) refuse("the largest distance", "0 or more", options.max_distance);
+  if (!in_quarter(options.elevation_min)) refuse("minimum elevation", "-90 to 90", options.elevation_min);
+  if (!in_quarter(options.elevation_max)) refuse("maximum elevation", "-90 to 90", options.elevation_max);
+  if (!(options.max_distance >= 0.0)) refuse("maximum distance", "at least 0", options.max_distance);
   const double from = options.azimuth_min;
   double width = options.azimuth_max - from;
   if (width <= 0.0) width += k_turn;
   if (!(std::fabs(from) <= 2.0 * k_turn && width > 0.0))
-    refuse("the range of azimuths", "limits from -720 to 720", from);
+    refuse("azimuth range", "limits from -720 to 720", from);
 
   // Limits on a multiple of a step count as on it.
   constexpr double k_slack = 1e-9;

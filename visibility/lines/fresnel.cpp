@@ -115,12 +115,13 @@ double fresnel_radius(double wavelength, double length) {
 FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
                                    const LineOptions& options, double wavelength) {
   if (!(wavelength > 0.0 && std::isfinite(wavelength))) {
-    throw Error(
-        {.problem = "bad wavelength", .expected = "a number above 0", .found = std::to_string(wavelength)});
+    throw Error({.problem = "invalid wavelength",
+                 .expected = "a positive number",
+                 .found = std::to_string(wavelength)});
   }
   if (occluders.options().transparency != 1) {
-    throw Error({.problem = "crossings do not count in a Fresnel zone",
-                 .expected = "a transparency of 1",
+    throw Error({.problem = "--transparency does not apply to Fresnel zones",
+                 .expected = "transparency 1",
                  .found = std::to_string(occluders.options().transparency)});
   }
   const double radius = fresnel_radius(wavelength, sight_line(from, to).length);

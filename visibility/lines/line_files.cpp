@@ -37,7 +37,7 @@ void check_columns(const CsvTable& table) {
     for (std::size_t column = x_column; column < k_end_columns; ++column)
       any_place = any_place || table.has(end + column);
   }
-  if (any_place ? !all_places : !all_names) table.fail("columns are missing", std::string(k_form));
+  if (any_place ? !all_places : !all_names) table.fail("missing columns", std::string(k_form));
 }
 
 void take_cell(const CsvTable& table, std::size_t column, std::string_view cell, GivenPair& pair) {
@@ -65,7 +65,7 @@ GivenPair read_row(const CsvTable& table) {
   for (std::size_t i = 0; i < table.cells().size(); ++i)
     take_cell(table, table.columns()[i], table.cells()[i], pair);
   if (!pair.has_places && (pair.from.name.empty() || pair.to.name.empty()))
-    table.fail("an end has no name", "names of places");
+    table.fail("missing name of an end", "names of positions");
   return pair;
 }
 

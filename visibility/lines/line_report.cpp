@@ -140,18 +140,18 @@ void report_middles(const Occluders& occluders, std::span<const LinePair> pairs,
 void check_line_report(const LineReportOptions& options, int transparency) {
   const LineOptions& line = options.line;
   if (!(line.end_margin >= 0.0 && std::isfinite(line.end_margin))) {
-    throw Error({.problem = "bad margin at the ends of sight lines",
-                 .expected = "0 or more metres",
+    throw Error({.problem = "invalid margin at the ends of lines of sight",
+                 .expected = "at least 0 metres",
                  .found = std::to_string(line.end_margin)});
   }
   if (!(line.earth_radius > 0.0)) {
-    throw Error({.problem = "bad radius of the Earth",
-                 .expected = "a number above 0",
+    throw Error({.problem = "invalid Earth radius",
+                 .expected = "a positive number",
                  .found = std::to_string(line.earth_radius)});
   }
   if (std::isfinite(line.earth_radius) && transparency > 1) {
-    throw Error({.problem = "a transparency counts crossings of straight lines",
-                 .expected = "a transparency of 1, or no curvature of the Earth"});
+    throw Error(
+        {.problem = "transparency requires straight lines", .expected = "transparency 1, or a flat Earth"});
   }
 }
 

@@ -100,7 +100,7 @@ Coverage see_targets(const Occluders& occluders, std::span<const Observer> candi
                      FinishedParts* parts) {
   if (!(height >= 0.0 && std::isfinite(height))) {
     throw Error(
-        {.problem = "bad height of targets", .expected = "0 or more", .found = std::to_string(height)});
+        {.problem = "invalid target height", .expected = "at least 0", .found = std::to_string(height)});
   }
   static_assert(k_lines_at_once % 64 == 0);
   Coverage coverage(candidates.size(), targets.size());
@@ -149,12 +149,12 @@ void check_spacing(const Octree& octree, double spacing) {
   const glm::dvec3 size = octree.bounds().size();
   const double longest = std::max({size.x, size.y, size.z});
   if (!(spacing > 0.0 && std::isfinite(spacing))) {
-    throw Error({.problem = "bad spacing of targets",
-                 .expected = "a length above 0",
+    throw Error({.problem = "invalid target spacing",
+                 .expected = "a positive length",
                  .found = std::to_string(spacing)});
   }
   if (longest / spacing >= static_cast<double>((1 << k_cell_bits) - 1)) {
-    throw Error({.problem = "spacing of targets is too fine for a cloud of this size",
+    throw Error({.problem = "target spacing too small for the extent of the cloud",
                  .expected = "at least " + std::to_string(longest / ((1 << k_cell_bits) - 2)),
                  .found = std::to_string(spacing)});
   }

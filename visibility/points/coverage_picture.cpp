@@ -73,7 +73,7 @@ void draw_numbers(const Plot& plot, std::size_t count) {
     plot.canvas.fill({middle, k_plot.bottom, middle + 1, k_plot.bottom + k_tick}, k_axis);
     plot.text(middle, k_plot.bottom + k_tick + k_text_size, std::to_string(i + 1), 0.5);
   }
-  plot.text((k_plot.left + k_plot.right) / 2, k_height - k_text_size, "places, in the order they were chosen",
+  plot.text((k_plot.left + k_plot.right) / 2, k_height - k_text_size, "positions, in order of selection",
             0.5);
 }
 

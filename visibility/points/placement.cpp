@@ -15,16 +15,16 @@ namespace alidade::visibility {
 namespace {
 
 void check(const Coverage& coverage, std::size_t count, std::span<const double> weights) {
-  if (count == 0) throw Error({.problem = "no place is to be chosen", .expected = "1 or more"});
+  if (count == 0) throw Error({.problem = "invalid number of positions", .expected = "at least 1"});
   if (!weights.empty() && weights.size() != coverage.targets()) {
-    throw Error({.problem = "not as many weights as targets",
+    throw Error({.problem = "the number of weights differs from the number of targets",
                  .expected = std::to_string(coverage.targets()),
                  .found = std::to_string(weights.size())});
   }
   for (const double weight : weights) {
     if (!(weight >= 0.0 && std::isfinite(weight))) {
       throw Error(
-          {.problem = "bad weight of a target", .expected = "0 or more", .found = std::to_string(weight)});
+          {.problem = "invalid target weight", .expected = "at least 0", .found = std::to_string(weight)});
     }
   }
 }

@@ -242,7 +242,7 @@ void check_point_visibility(std::uint64_t points, std::size_t observers,
                             const PointVisibilityOptions& options) {
   constexpr std::uint64_t k_always = 5, k_to_write = 12;
   if (options.sub_rays < 1 || options.sub_rays > k_most_sub_rays) {
-    throw Error({.problem = "lines to a point's disc are out of range",
+    throw Error({.problem = "number of lines to a disc out of range",
                  .expected = fmt::format("1 to {}", k_most_sub_rays),
                  .found = std::to_string(options.sub_rays)});
   }

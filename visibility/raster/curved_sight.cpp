@@ -61,7 +61,7 @@ ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overla
 SightCurve::SightCurve(double coefficient, double unit) : coefficient_(coefficient) {
   constexpr double k_most = 10.0;
   if (!(coefficient >= 0.0 && coefficient <= k_most)) {
-    throw Error({.problem = "bad coefficient of curvature",
+    throw Error({.problem = "curvature coefficient out of range",
                  .expected = "0 (flat) to 10",
                  .found = fmt::format("{}", coefficient)});
   }
@@ -92,7 +92,7 @@ SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve)
 
 void SightBatch::add(const SightEnd& from, const SightEnd& to) {
   const double length = glm::length(to.position - from.position);
-  if (!std::isfinite(length)) throw Error({.problem = "end of a sight line is not finite"});
+  if (!std::isfinite(length)) throw Error({.problem = "an end of a line of sight is not finite"});
   const std::int64_t count = curve_.chord_count(distance_between(from.position, to.position));
   // A sphere that a joint lies in would block neither chord: they overlap by more than it is wide.
   const double overlap = 2.0 * std::max(occluders_.largest_sphere(), 0.0) / length;

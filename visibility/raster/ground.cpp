@@ -148,9 +148,8 @@ void widen(std::vector<std::uint8_t>& set, const geo::RasterGrid& grid, double r
 
 GroundSource chosen_source(GroundSource asked, bool is_classified) {
   if (asked == GroundSource::classified && !is_classified) {
-    throw Error({.problem = "the ground cannot be made of class 2",
-                 .expected = "points of class 2",
-                 .found = "none in the cloud"});
+    throw Error(
+        {.problem = "missing ground class", .expected = "points of class 2", .found = "none in the cloud"});
   }
   if (asked != GroundSource::automatic) return asked;
   return is_classified ? GroundSource::classified : GroundSource::lowest;
@@ -199,10 +198,10 @@ Ground make_ground(const Octree& octree, std::span<const std::uint8_t> classific
                    const GroundOptions& options) {
   constexpr std::uint64_t k_bytes_per_cell = 50;
   constexpr double k_lowest_distances = 4.0;
-  if (octree.size() == 0) throw Error({.problem = "a cloud without points has no ground"});
+  if (octree.size() == 0) throw Error({.problem = "the cloud has no points for the ground"});
   if (!(options.reach >= 0.0) || !std::isfinite(options.reach))
-    throw Error({.problem = "the ground reaches by a length of at least 0",
-                 .found = fmt::format("{}", options.reach)});
+    throw Error(
+        {.problem = "the reach of the ground must be at least 0", .found = fmt::format("{}", options.reach)});
   const GroundSource source = chosen_source(
       options.source, std::ranges::find(classifications, k_ground_class) != classifications.end());
   const bool by_class = source == GroundSource::classified;

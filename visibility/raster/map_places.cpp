@@ -170,8 +170,8 @@ Bounds area_in_reach(const Bounds& area, std::span<const Observer> observers) {
     reached.grow(geo::cropped(area, {observer.position - reach, observer.position + reach}));
   }
   if (reached.empty()) {
-    throw Error({.problem = "no observer reaches the area of the map",
-                 .expected = "a place near the cloud, a larger maximum distance, or another area"});
+    throw Error({.problem = "no observer reaches the map",
+                 .expected = "an observer near the cloud, a larger maximum distance, or another area"});
   }
   return reached;
 }

@@ -166,21 +166,21 @@ namespace {
 constexpr std::size_t k_batch = 1 << 16;
 
 void check(std::span<const Observer> observers, const ViewshedOptions& options) {
-  if (observers.empty()) throw Error({.problem = "a viewshed needs an observer"});
+  if (observers.empty()) throw Error({.problem = "a viewshed requires an observer"});
   if (options.places_across < 1 || options.places_across > k_most_places_across) {
-    throw Error({.problem = "bad number of places across a cell",
+    throw Error({.problem = "invalid number of positions across a cell",
                  .expected = fmt::format("1 to {}", k_most_places_across),
                  .found = fmt::format("{}", options.places_across)});
   }
   if (!(options.target_height >= 0.0) || !std::isfinite(options.target_height)) {
-    throw Error({.problem = "bad height of what is looked at",
-                 .expected = "0 or more",
+    throw Error({.problem = "invalid target height",
+                 .expected = "at least 0",
                  .found = fmt::format("{}", options.target_height)});
   }
   if (options.mode == ViewshedMode::height &&
       (!(options.highest > options.target_height) || !std::isfinite(options.highest))) {
-    throw Error({.problem = "bad highest height",
-                 .expected = "more than that of what is looked at",
+    throw Error({.problem = "invalid maximum height",
+                 .expected = "more than the target height",
                  .found = fmt::format("{}", options.highest)});
   }
 }

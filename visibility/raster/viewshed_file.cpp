@@ -42,15 +42,15 @@ std::vector<Number> numbers_of(const Viewshed& viewshed, double no_data) {
 const char* description_of(ViewshedMode mode) {
   switch (mode) {
     case ViewshedMode::visible:
-      return "seen by an observer";
+      return "visible from an observer";
     case ViewshedMode::count:
-      return "number of observers that see it";
+      return "number of observers that see the cell";
     case ViewshedMode::height:
-      return "lowest height above the ground that is seen";
+      return "lowest visible height above the ground";
     case ViewshedMode::fraction:
       break;
   }
-  return "share of free sight lines";
+  return "share of free lines of sight";
 }
 
 std::string title_of(ViewshedMode mode, std::size_t observers) {
@@ -126,10 +126,10 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
   }
   switch (mode) {
     case ViewshedMode::visible:
-      picture.swatches = {{1.0f, k_seen, "seen"}, {0.0f, k_hidden, "not seen"}, beyond};
+      picture.swatches = {{1.0f, k_seen, "seen"}, {0.0f, k_hidden, "not visible"}, beyond};
       break;
     case ViewshedMode::count:
-      picture.swatches = {{0.0f, k_hidden, "not seen"}, beyond};
+      picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
       picture.scale = {image::ColorMap::viridis,
                        {1.0, std::max(1.0, static_cast<double>(largest))},
                        "observers",
@@ -138,7 +138,7 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
     case ViewshedMode::height:
       picture.swatches = {
           {static_cast<float>(lowest), k_seen,
-           lowest > 0.0 ? fmt::format("seen at {:g}{}", lowest, unit_text) : "seen on the ground"},
+           lowest > 0.0 ? fmt::format("visible at {:g}{}", lowest, unit_text) : "visible on the ground"},
           {static_cast<float>(highest), k_hidden, fmt::format("not up to {:g}{}", highest, unit_text)},
           beyond};
       picture.scale = {image::ColorMap::viridis,
@@ -146,7 +146,7 @@ MapPicture viewshed_picture(const Viewshed& viewshed, const ViewshedOptions& opt
                        length_unit.empty() ? "height" : "height, " + length_unit};
       break;
     case ViewshedMode::fraction:
-      picture.swatches = {{0.0f, k_hidden, "not seen"}, beyond};
+      picture.swatches = {{0.0f, k_hidden, "not visible"}, beyond};
       picture.scale = {image::ColorMap::viridis, {0.0, 1.0}, "share"};
       break;
   }

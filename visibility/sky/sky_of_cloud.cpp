@@ -95,7 +95,7 @@ void for_each_point_target(const Occluders& occluders, std::span<const glm::vec3
                            const Take& take) {
   const TreeView& tree = occluders.octree().view();
   if (!normals.empty() && normals.size() != tree.point_count) {
-    throw Error({.problem = "there is not one normal for every point",
+    throw Error({.problem = "missing normals: expected one per point",
                  .expected = std::to_string(tree.point_count),
                  .found = std::to_string(normals.size())});
   }
@@ -130,8 +130,8 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
                             double height, const Question& question, const LongWork& work,
                             const Answer& answer, const Take& take) {
   if (!(height >= 0.0) || !std::isfinite(height)) {
-    throw Error({.problem = "height above the ground is out of range",
-                 .expected = "0 or more",
+    throw Error({.problem = "height above the ground out of range",
+                 .expected = "at least 0",
                  .found = std::to_string(height)});
   }
   const MapTargets places(occluders, ground, grid, 1, targets_at_once(question.lines));

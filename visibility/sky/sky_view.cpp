@@ -63,7 +63,7 @@ double wider_side(const SkyTarget& target, const Sides& sides) {
 
 void check_directions(int count) {
   if (count >= 1 && count <= k_most_sky_directions) return;
-  throw Error({.problem = "number of sky directions is out of range",
+  throw Error({.problem = "number of sky directions out of range",
                .expected = "1 to " + std::to_string(k_most_sky_directions),
                .found = std::to_string(count)});
 }

@@ -20,7 +20,7 @@ namespace alidade::visibility {
 std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees) {
   constexpr double k_widest = 30.0;
   if (!(degrees >= 0.0 && degrees <= k_widest)) {
-    throw Error({.problem = "the size of a bin of sun positions is out of range",
+    throw Error({.problem = "bin size of sun positions out of range",
                  .expected = fmt::format("0 to {} degrees", k_widest),
                  .found = fmt::format("{}", degrees)});
   }

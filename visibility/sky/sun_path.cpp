@@ -38,7 +38,7 @@ constexpr double k_seconds_per_day = 86400.0;
 
 void require(const char* what, double value, double least, double most) {
   if (value >= least && value <= most) return;
-  throw Error({.problem = fmt::format("{} is out of range", what),
+  throw Error({.problem = fmt::format("{} out of range", what),
                .expected = fmt::format("a number from {} to {}", least, most),
                .found = fmt::format("{}", value)});
 }
@@ -71,21 +71,21 @@ double day_of_year(const Moment& moment) {
 }  // namespace
 
 std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress) {
-  require("the time step", schedule.step_minutes, 0.1, 1440.0);
-  require("the latitude", schedule.latitude, -90.0, 90.0);
-  require("the longitude", schedule.longitude, -360.0, 360.0);
-  require("the turbidity", schedule.air.linke_turbidity, 1.0, 20.0);
-  require("the height above the sea", schedule.air.height, -1000.0, 10000.0);
+  require("time step", schedule.step_minutes, 0.1, 1440.0);
+  require("latitude", schedule.latitude, -90.0, 90.0);
+  require("longitude", schedule.longitude, -360.0, 360.0);
+  require("turbidity", schedule.air.linke_turbidity, 1.0, 20.0);
+  require("height above sea level", schedule.air.height, -1000.0, 10000.0);
   const double duration = seconds_between(schedule.from, schedule.to), step = 60.0 * schedule.step_minutes;
   if (!(duration > 0.0)) {
-    throw Error({.problem = "no time lies between begin and end",
+    throw Error({.problem = "empty time range",
                  .expected = "an end after " + date_time_text(schedule.from),
                  .found = date_time_text(schedule.to)});
   }
   const double count = std::ceil(duration / step);
   if (count > static_cast<double>(k_most_sun_steps)) {
     throw Error({.problem = "too many time steps",
-                 .expected = fmt::format("at most {}: longer steps, a shorter time", k_most_sun_steps),
+                 .expected = fmt::format("at most {}: use longer steps or a shorter time", k_most_sun_steps),
                  .found = fmt::format("{:.0f}", count)});
   }
   constexpr double k_sea_pressure = 1013.25, k_scale_height = 8434.5;
@@ -118,10 +118,10 @@ bool place_schedule(const Crs& crs, const glm::dvec2& center,
   std::optional<geo::GroundPlace> ground;
   if (!crs.empty()) ground = geo::ground_place(crs, center);
   if (!ground && !latitude_longitude) {
-    throw Error({.problem = "the place of the sun needs a latitude and a longitude",
+    throw Error({.problem = "the sun position requires latitude and longitude",
                  .expected = "--place LAT,LON, or a cloud with a reference system",
                  .found = crs.empty() ? "a cloud without a reference system"
-                                      : "a reference system that tells no place on Earth"});
+                                      : "a reference system without a location on Earth"});
   }
   schedule.latitude = latitude_longitude ? latitude_longitude->x : ground->latitude;
   schedule.longitude = latitude_longitude ? latitude_longitude->y : ground->longitude;
