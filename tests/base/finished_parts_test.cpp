@@ -148,12 +148,13 @@ TEST_F(FinishedPartsTest, every_damaged_byte_is_an_error_that_names_file_and_pla
 TEST_F(FinishedPartsTest, another_run_is_refused_and_what_differs_is_said) {
   write_three();
   const std::string message = message_of_resuming({{"command", "count"}, {"--step", "3"}});
-  EXPECT_NE(message.find("is the checkpoint of another run: made with --step 2, asked for 3; expected the "
-                         "same cloud and options, or no --resume"),
-            std::string::npos)
+  EXPECT_NE(
+      message.find("this checkpoint belongs to another run: it has --step 2, this run has 3; expected the "
+                   "same cloud and options, or no --resume"),
+      std::string::npos)
       << message;
   write("ALIDPART and so on");
-  EXPECT_NE(message_of_resuming(identity()).find("is not a checkpoint of such a run"), std::string::npos);
+  EXPECT_NE(message_of_resuming(identity()).find("not a checkpoint of such a run"), std::string::npos);
   EXPECT_FALSE(is_parts_file(file_));
 }
 
@@ -174,9 +175,9 @@ TEST_F(FinishedPartsTest, answers_of_another_length_are_an_error) {
   PartReader count(endless, "file", 7);
   try {
     count.take_count(4);
-    FAIL() << "takes memory for what is not there";
+    FAIL() << "takes memory for what not there";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "file: is damaged: part 7 cannot be read");
+    EXPECT_STREQ(error.what(), "file: corrupt checkpoint: part 7 cannot read the file");
   }
 }
 

@@ -51,8 +51,10 @@ TEST(OutputFileTest, without_commit_nothing_is_left_and_an_earlier_file_stays) {
 TEST(OutputFileTest, replaces_a_file_only_if_told) {
   const std::filesystem::path path = test::test_folder() / "out.txt";
   test::write_text(path, "earlier");
-  EXPECT_NE(error_of([&] { OutputFile(path, false); }).find("exists already"), std::string::npos);
-  EXPECT_NE(error_of([&] { check_output(path, false); }).find("exists already"), std::string::npos);
+  EXPECT_NE(error_of([&] { OutputFile(path, false); }).find("the file exists; --overwrite replaces it"),
+            std::string::npos);
+  EXPECT_NE(error_of([&] { check_output(path, false); }).find("the file exists; --overwrite replaces it"),
+            std::string::npos);
   check_output(path, true);
   OutputFile file(path, true);
   file.write(bytes_of("later"));
@@ -64,7 +66,8 @@ TEST(OutputFileTest, a_file_that_appeared_in_the_meantime_is_not_replaced) {
   const std::filesystem::path path = test::test_folder() / "out.txt";
   OutputFile file(path, false);
   test::write_text(path, "somebody else's");
-  EXPECT_NE(error_of([&] { file.commit(); }).find("exists already"), std::string::npos);
+  EXPECT_NE(error_of([&] { file.commit(); }).find("the file exists; --overwrite replaces it"),
+            std::string::npos);
   EXPECT_EQ(content(path), "somebody else's");
 }
 
@@ -72,8 +75,11 @@ TEST(OutputFileTest, a_missing_folder_and_a_folder_as_file_are_errors) {
   const std::filesystem::path folder = test::test_folder();
   EXPECT_NE(error_of([&] { OutputFile(folder / "none" / "out.txt", false); }).find("no folder"),
             std::string::npos);
-  EXPECT_NE(error_of([&] { OutputFile(folder, true); }).find("not a regular file"), std::string::npos);
-  EXPECT_NE(error_of([&] { OutputFile("/dev/null", true); }).find("not a regular file"), std::string::npos);
+  EXPECT_NE(error_of([&] { OutputFile(folder, true); }).find("cannot replace a file that is not regular"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of([&] { OutputFile("/dev/null", true); }).find("cannot replace a file that is not regular"),
+      std::string::npos);
 }
 
 TEST(OutputFileTest, write_at_completes_bytes_already_written) {

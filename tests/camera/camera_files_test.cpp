@@ -24,9 +24,9 @@ TEST(CameraFiles, our_own_file_is_a_set_of_one) {
 }
 
 TEST(CameraFiles, other_json_is_an_error) {
-  expect_error("{\"a\": 1}", "cameras.json:1:1: unknown kind of camera file");
+  expect_error("{\"a\": 1}", "cameras.json:1:1: unknown camera file format");
   expect_error("[]", "wrong number of values");
-  expect_error("{", "not valid JSON");
+  expect_error("{", "invalid JSON");
   expect_error("{\"frames\": 3}", "wrong type");
 }
 
@@ -74,31 +74,33 @@ TEST(Trajectory, conventions_and_directions_are_as_the_remark_says) {
 
 TEST(Trajectory, nothing_is_guessed) {
   EXPECT_NE(trajectory_error("time,x,y,z,qw,qx,qy,qz\n")
-                .find("flight.csv:line 1: nothing says how the quaternions are meant"),
+                .find("flight.csv:line 1: missing convention of the quaternions"),
             std::string::npos);
-  EXPECT_NE(trajectory_error("# opencv\ntime,x,y,z,qw,qx,qy,qz\n").find("nothing says"), std::string::npos);
-  EXPECT_NE(trajectory_error("# opencv camera_to_world\n1,2,3,4,1,0,0,0\n").find("no column 'time'"),
+  EXPECT_NE(
+      trajectory_error("# opencv\ntime,x,y,z,qw,qx,qy,qz\n").find("missing convention of the quaternions"),
+      std::string::npos);
+  EXPECT_NE(trajectory_error("# opencv camera_to_world\n1,2,3,4,1,0,0,0\n").find("missing column 'time'"),
             std::string::npos);
-  EXPECT_NE(trajectory_error("# opencv camera_to_world\ntime,x,y,z,qw,qx,qy\n").find("no column 'qz'"),
+  EXPECT_NE(trajectory_error("# opencv camera_to_world\ntime,x,y,z,qw,qx,qy\n").find("missing column 'qz'"),
             std::string::npos);
-  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0,0\n", {}).find("a trajectory has no lens"),
+  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0,0\n", {}).find("missing lens for the trajectory"),
             std::string::npos);
 }
 
 TEST(Trajectory, damage_is_an_error_at_its_line) {
-  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0\n").find("flight.csv:line 3: row without 'qz'"),
+  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0\n").find("flight.csv:line 3: missing value of 'qz'"),
             std::string::npos);
-  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,0,0,0,0\n").find("quaternion is none"), std::string::npos);
+  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,0,0,0,0\n").find("quaternion is zero"), std::string::npos);
   EXPECT_NE(trajectory_error(k_header + "1,2,x,4,1,0,0,0\n").find("bad y; expected a number, found 'x'"),
             std::string::npos);
   EXPECT_NE(trajectory_error(k_header + "1,2,inf,4,1,0,0,0\n").find("bad y"), std::string::npos);
-  EXPECT_NE(trajectory_error(k_header + "1,2,1e13,4,1,0,0,0\n").find("place is out of range"),
+  EXPECT_NE(trajectory_error(k_header + "1,2,1e13,4,1,0,0,0\n").find("position out of range"),
             std::string::npos);
-  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0,0\n1,2,3,4,1,0,0,0\n").find("camera '1' stands twice"),
+  EXPECT_NE(trajectory_error(k_header + "1,2,3,4,1,0,0,0\n1,2,3,4,1,0,0,0\n").find("duplicate camera '1'"),
             std::string::npos);
-  EXPECT_NE(trajectory_error(k_header).find("holds no camera with a pose"), std::string::npos);
-  EXPECT_NE(trajectory_error("").find("holds no camera with a pose"), std::string::npos);
-  EXPECT_NE(trajectory_error("# opencv camera_to_world\ntime,x,x,z\n").find("column 'x' stands twice"),
+  EXPECT_NE(trajectory_error(k_header).find("contains no camera with a pose"), std::string::npos);
+  EXPECT_NE(trajectory_error("").find("contains no camera with a pose"), std::string::npos);
+  EXPECT_NE(trajectory_error("# opencv camera_to_world\ntime,x,x,z\n").find("duplicate column 'x'"),
             std::string::npos);
 }
 

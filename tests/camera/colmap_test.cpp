@@ -171,8 +171,8 @@ TEST(Colmap, every_cut_of_a_binary_file_is_an_error) {
     expect_error([&] { read(cameras.substr(0, size), images); }, "cameras.bin");
   for (std::size_t size = 0; size < images.size(); ++size)
     expect_error([&] { read(cameras, images.substr(0, size)); }, "images.bin");
-  expect_error([&] { read(cameras + "x", images); }, "bytes behind the last record");
-  expect_error([&] { read(cameras, images + "x"); }, "bytes behind the last record");
+  expect_error([&] { read(cameras + "x", images); }, "extra bytes after the last record");
+  expect_error([&] { read(cameras, images + "x"); }, "extra bytes after the last record");
 }
 
 TEST(Colmap, counts_beyond_the_file_are_errors_before_memory_is_taken) {
@@ -180,15 +180,15 @@ TEST(Colmap, counts_beyond_the_file_are_errors_before_memory_is_taken) {
   ColmapBuilder::append(many, UINT64_MAX);
   const ColmapBuilder model = small_model();
   expect_error([&] { read(many, model.images()); },
-               "cameras.bin:byte 0: more cameras than the file has room for; expected at most 0, found "
+               "cameras.bin:byte 0: the number of cameras exceeds the file; expected at most 0, found "
                "18446744073709551615");
   expect_error([&] { read(model.cameras(), many); },
-               "images.bin:byte 0: more images than the file has room for");
+               "images.bin:byte 0: the number of images exceeds the file");
   std::string observations = model.images();
   // The count of observations of the first image stands behind its name "b.jpg".
   const std::size_t place = 8 + 4 + 7 * 8 + 4 + 6;
   observations[place + 7] = '\x7f';
-  expect_error([&] { read(model.cameras(), observations); }, "more observations than the file has room for");
+  expect_error([&] { read(model.cameras(), observations); }, "the number of observations exceeds the file");
 }
 
 TEST(Colmap, damaged_models_are_errors_with_their_place) {
@@ -202,34 +202,28 @@ TEST(Colmap, damaged_models_are_errors_with_their_place) {
   expect_error(with([](auto& m) {
                  m.camera(2, 18, 640, 480, {1, 2, 3});
                }),
-               "cameras.bin:byte 64: camera 2 has an unknown model; expected 0 to 17, found 18");
-  expect_error(with([](auto& m) { m.camera(1, 0, 640, 480, {500, 320, 240}); }), "camera 1 stands twice");
-  expect_error(with([](auto& m) {
-                 m.camera(2, 0, 640, 480, {0.0, 320, 240});
-               }),
-               "focal length is out of range");
-  expect_error(with([](auto& m) {
-                 m.camera(2, 0, 640, 480, {NAN, 320, 240});
-               }),
-               "focal length is out of range");
-  expect_error(with([](auto& m) { m.camera(2, 0, 0, 480, {500, 320, 240}); }), "image size is out of range");
+               "cameras.bin:byte 64: unknown model of camera 2; expected 0 to 17, found 18");
+  expect_error(with([](auto& m) { m.camera(1, 0, 640, 480, {500, 320, 240}); }), "duplicate camera id 1");
+  expect_error(with([](auto& m) { m.camera(2, 0, 640, 480, {0.0, 320, 240}); }), "focal length out of range");
+  expect_error(with([](auto& m) { m.camera(2, 0, 640, 480, {NAN, 320, 240}); }), "focal length out of range");
+  expect_error(with([](auto& m) { m.camera(2, 0, 0, 480, {500, 320, 240}); }), "image size out of range");
   expect_error(with([](auto& m) {
                  m.camera(2, 0, UINT64_MAX, 2, {500, 320, 240});
                }),
-               "image size is out of range");
+               "image size out of range");
   expect_error(with([](auto& m) {
                  m.image(9, {1, 0, 0, 0}, {0, 0, 0}, 4, "c");
                }),
-               "image 9 was taken by camera 4, which is not there");
-  expect_error(with([](auto& m) { m.image(7, {1, 0, 0, 0}, {0, 0, 0}, 1, "c"); }), "image 7 stands twice");
+               "image 9 refers to the missing camera 4");
+  expect_error(with([](auto& m) { m.image(7, {1, 0, 0, 0}, {0, 0, 0}, 1, "c"); }), "duplicate image id 7");
   expect_error(with([](auto& m) {
                  m.image(9, {0, 0, 0, 0}, {0, 0, 0}, 1, "c");
                }),
-               "rotation of image 9 is none");
+               "rotation of image 9 is zero or not finite");
   expect_error(with([](auto& m) {
                  m.image(9, {NAN, 0, 0, 0}, {0, 0, 0}, 1, "c");
                }),
-               "rotation of image 9 is none");
+               "rotation of image 9 is zero or not finite");
   expect_error(with([](auto& m) {
                  m.image(9, {1, 0, 0, 0}, {0, INFINITY, 0}, 1, "c");
                }),
@@ -238,7 +232,7 @@ TEST(Colmap, damaged_models_are_errors_with_their_place) {
   expect_error(with([](auto& m) {
                  m.image(9, {1, 0, 0, 0}, {0, 0, 0}, 1, std::string(5000, 'x'));
                }),
-               "name without an end");
+               "unterminated name");
 }
 
 TEST(Colmap, damaged_texts_are_errors_with_their_line) {
@@ -246,19 +240,19 @@ TEST(Colmap, damaged_texts_are_errors_with_their_line) {
   expect_error(cameras("1 PINHOLE 640 480 500 510 320"), "cameras.txt:line 1: bad camera parameter");
   expect_error(cameras("\n1 PINHOLE 640 480 500 510 320 240 1"),
                "cameras.txt:line 2: camera 1 has too many parameters");
-  expect_error(cameras("1 PINHOEL 640 480 500 510 320 240"), "unknown model");
+  expect_error(cameras("1 PINHOEL 640 480 500 510 320 240"), "unknown model of camera");
   expect_error(cameras("x PINHOLE 640 480 500 510 320 240"),
-               "bad camera id; expected a whole number from 0 to 4294967295, found 'x'");
+               "bad camera id; expected an integer from 0 to 4294967295, found 'x'");
   expect_error(cameras("1 PINHOLE 640 480 500 51o 320 240"), "found '51o'");
   expect_error(cameras("1 PINHOLE 640 480 500 nan 320 240"), "bad camera parameter");
-  expect_error(cameras("1 PINHOLE 640 480 500 0 320 240"), "focal length is out of range");
+  expect_error(cameras("1 PINHOLE 640 480 500 0 320 240"), "focal length out of range");
   const auto images = [](const std::string& text) { return [text] { read_text(k_cameras_text, text); }; };
   expect_error(images("3 1 0 0 0 0.5 1.5 2.5 1"), "image 3 has no name");
   expect_error(images("3 1 0 0 0 0.5 1.5"), "images.txt:line 1: bad translation");
-  expect_error(images("3 0 0 0 0 0.5 1.5 2.5 1 a"), "rotation of image 3 is none");
+  expect_error(images("3 0 0 0 0 0.5 1.5 2.5 1 a"), "rotation of image 3 is zero or not finite");
   // Without the line of observations the next image would be taken for it.
   expect_error(images("3 1 0 0 0 0 0 0 1 a\n4 1 0 0 0 0 0 0 1 b\n"),
-               "images.txt:line 2: not a line of observations");
+               "images.txt:line 2: invalid line of observations");
 }
 
 class ColmapFolderTest : public ::testing::Test {
@@ -292,7 +286,7 @@ TEST_F(ColmapFolderTest, a_folder_is_a_model_and_binary_files_win) {
 TEST_F(ColmapFolderTest, a_model_without_images_is_an_error) {
   write("cameras.txt", k_cameras_text);
   write("images.txt", "# nothing\n");
-  expect_error([&] { read_cameras(folder_); }, "holds no camera with a pose");
+  expect_error([&] { read_cameras(folder_); }, "contains no camera with a pose");
 }
 
 TEST_F(ColmapFolderTest, a_camera_is_found_by_name_file_name_or_stem) {
@@ -302,9 +296,9 @@ TEST_F(ColmapFolderTest, a_camera_is_found_by_name_file_name_or_stem) {
   EXPECT_EQ(camera_called(set, "b.jpg", "model").name, "b.jpg");  // exactly
   EXPECT_EQ(camera_called(set, "a.jpg", "model").name, "folder/a.jpg");
   EXPECT_EQ(camera_called(set, "a", "model").name, "folder/a.jpg");
-  expect_error([&] { camera_called(set, "b", "model"); }, "model: several cameras called 'b'");
+  expect_error([&] { camera_called(set, "b", "model"); }, "model: several cameras named 'b'");
   expect_error([&] { camera_called(set, "folder/aa.jpg", "model"); },
-               "no camera called 'folder/aa.jpg'; expected one of 3 names such as 'folder/a.jpg'");
+               "no camera named 'folder/aa.jpg'; expected one of 3 names such as 'folder/a.jpg'");
 }
 
 }  // namespace

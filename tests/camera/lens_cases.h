@@ -60,7 +60,7 @@ inline std::vector<LensCase> lens_cases() {
                    .prism = {0.001, -0.0002, -0.002, 0.0001},
                    .after_radial = true}},
       260.0);
-  add("field of view", FieldOfViewLens{0.93}, 400.0);
+  add("vertical field of view out of range", FieldOfViewLens{0.93}, 400.0);
   add("field of view, none", FieldOfViewLens{0.0}, 520.25);
   add("field of view, hardly any", FieldOfViewLens{1e-6}, 520.25);
   add("division, barrel", DivisionLens{-0.3}, 300.0);

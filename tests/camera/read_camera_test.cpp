@@ -172,15 +172,15 @@ TEST(ReadCameraTest, rotations_that_are_none_are_errors) {
     return text.find(part) != std::string::npos;
   };
   EXPECT_TRUE(has(matrix("[1,0,0,0],[0,1,0,0],[0,0,1.00001,0],[0,0,0,1]"),
-                  "rotation is not orthonormal (at /pose/matrix)"));
-  EXPECT_TRUE(has(matrix("[1,0.00001,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]"), "rotation is not orthonormal"));
+                  "the rotation not orthonormal (at /pose/matrix)"));
+  EXPECT_TRUE(has(matrix("[1,0.00001,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]"), "the rotation not orthonormal"));
   EXPECT_EQ(matrix("[1,0,0,0],[0,1,0,0],[0,0,1.0000001,0],[0,0,0,1]"), "no error");
-  EXPECT_TRUE(has(matrix("[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]"), "rotation is a mirror image"));
+  EXPECT_TRUE(has(matrix("[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]"), "the rotation is a reflection"));
   EXPECT_TRUE(
-      has(matrix("[1,0,0,0],[0,1,0,0],[0,0,1,0],[4,5,6,1]"), "not a rigid transform (at /pose/matrix/3)"));
-  EXPECT_TRUE(has(matrix("[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]"), "rotation is not orthonormal"));
+      has(matrix("[1,0,0,0],[0,1,0,0],[0,0,1,0],[4,5,6,1]"), "the transform not rigid (at /pose/matrix/3)"));
+  EXPECT_TRUE(has(matrix("[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]"), "the rotation not orthonormal"));
   EXPECT_TRUE(has(pose_error(R"("quaternion": [1,1,0,0], "translation": [0,0,0])" + keys),
-                  "quaternion is not of length 1"));
+                  "the quaternion not normalized"));
   EXPECT_TRUE(has(pose_error(k_view + keys), "unknown key"));
   EXPECT_TRUE(has(pose_error(k_view + R"(, "matrix": [])"), "ambiguous pose"));
   EXPECT_TRUE(has(pose_error(""), "ambiguous pose"));
@@ -198,7 +198,7 @@ TEST(ReadCameraTest, ambiguous_or_partial_intrinsics_are_errors) {
             std::string::npos);
   EXPECT_NE(error_of(R"("fx": 500, "fy": 500, "cx": 300)", k_view).find("missing key \"cy\""),
             std::string::npos);
-  EXPECT_NE(error_of("", k_view).find("no focal length"), std::string::npos);
+  EXPECT_NE(error_of("", k_view).find("missing focal length"), std::string::npos);
   EXPECT_NE(error_of(R"("vertical_fov": 180)", k_view).find("number out of range"), std::string::npos);
 }
 

@@ -85,13 +85,13 @@ TEST(OpenSfm, damage_is_an_error_at_its_place) {
   expect_error(opensfm(R"({"width": 640, "height": 480})"), "missing key \"focal_x\"");
   expect_error(opensfm(R"({"width": 640, "focal": 0.8})"), "missing key \"height\"");
   expect_error(opensfm(R"({"projection_type": "pinhole", "width": 640, "height": 480, "focal": 0.8})"),
-               "unknown word");
+               "unknown value");
   const std::string good = opensfm(R"({"width": 640, "height": 480, "focal": 0.8})");
   expect_error(replaced(good, "\"camera\": \"one\"", "\"camera\": \"two\""),
-               "no such camera (at /0/shots/b.jpg/camera)");
+               "unknown camera (at /0/shots/b.jpg/camera)");
   expect_error(replaced(good, "[0, 0, 1.5707963267948966]", "[0, 0, 1e300]"), "number out of range");
   expect_error(replaced(good, "[1, 2, 3]}", "[1, 2]}"), "wrong number of values");
-  expect_error("[{\"cameras\": {}, \"shots\": {}}]", "holds no camera with a pose");
+  expect_error("[{\"cameras\": {}, \"shots\": {}}]", "contains no camera with a pose");
 }
 
 const std::string k_openmvg = R"({"sfm_data_version": "0.3", "root_path": "/foreign",
@@ -171,15 +171,15 @@ TEST(OpenMvg, objects_written_once_are_found_again) {
 TEST(OpenMvg, damage_is_an_error_at_its_place) {
   expect_error(
       replaced(k_openmvg, "[[0, -1, 0], [0, 0, -1], [1, 0, 0]]", "[[0, -1, 0], [0, 0, -1], [0, 0, 0]]"),
-      "not a rotation (at /extrinsics/0/value/rotation)");
+      "invalid rotation (at /extrinsics/0/value/rotation)");
   expect_error(replaced(k_openmvg, "\"focal_length\": 500", "\"focal_length\": 0"), "number out of range");
   expect_error(replaced(k_openmvg, "\"pinhole_radial_k3\"", "\"pinhole_9\""),
-               "unknown kind of camera (at /intrinsics/0/value)");
-  expect_error(replaced(k_openmvg, "\"polymorphic_id\": 1,", "\"polymorphic_id\": 5,"), "no such type");
-  expect_error(replaced(k_openmvg, "\"id_intrinsic\": 1", "\"id_intrinsic\": 8"), "no such intrinsic");
+               "unsupported camera type (at /intrinsics/0/value)");
+  expect_error(replaced(k_openmvg, "\"polymorphic_id\": 1,", "\"polymorphic_id\": 5,"), "unknown type");
+  expect_error(replaced(k_openmvg, "\"id_intrinsic\": 1", "\"id_intrinsic\": 8"), "unknown intrinsic");
   expect_error(replaced(k_openmvg, "\"disto_k3\": [0.1, 0.02, 0.003]", "\"disto_k3\": [0.1]"),
                "wrong number of values");
-  expect_error(R"({"sfm_data_version": "0.3"})", "holds no camera with a pose");
+  expect_error(R"({"sfm_data_version": "0.3"})", "contains no camera with a pose");
 }
 
 }  // namespace

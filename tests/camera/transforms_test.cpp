@@ -78,7 +78,7 @@ TEST(TransformsJson, focal_lengths_may_be_angles) {
   EXPECT_NEAR(fx(R"("fl_x": 7, "x_fov": 90)").fx, 320.0, 1e-10);
   EXPECT_NEAR(fx(R"("fl_x": 7, "camera_angle_y": 1.5707963267948966)").fy, 240.0, 1e-10);
   EXPECT_EQ(fx(R"("fl_x": 7, "camera_angle_x": 1)").fx, 7.0);
-  expect_error(replaced(k_transforms, "\"fl_x\": 500, \"fl_y\": 510,", ""), "no focal length");
+  expect_error(replaced(k_transforms, "\"fl_x\": 500, \"fl_y\": 510,", ""), "missing focal length");
 }
 
 TEST(TransformsJson, lenses_are_told_by_model_and_flag) {
@@ -100,7 +100,7 @@ TEST(TransformsJson, lenses_are_told_by_model_and_flag) {
   const CameraSet ngp = lens(four);
   EXPECT_EQ(std::get<BrownLens>(ngp.cameras[0].camera.lens).distortion.radial,
             (std::array<double, 6>{0.1, 0.01}));
-  EXPECT_NE(ngp.warnings.at(0).find("k3 and k4 are left out"), std::string::npos);
+  EXPECT_NE(ngp.warnings.at(0).find("ignoring k3 and k4: they require \"camera_model\" or \"is_fisheye\"), std::string::npos);
   EXPECT_EQ(std::get<BrownLens>(
                 lens(R"("camera_model": "OPENCV", "distortion_params": [0.1, 0.2, 0.3, 0.4, 0.5, 0.6])")
                     .cameras[0]
@@ -111,7 +111,7 @@ TEST(TransformsJson, lenses_are_told_by_model_and_flag) {
   const Camera sphere = lens(R"("camera_model": "EQUIRECTANGULAR")").cameras[0].camera;
   EXPECT_TRUE(std::holds_alternative<EquirectangularLens>(sphere.lens));
   EXPECT_NEAR(sphere.fx, 640.0 / (2.0 * std::numbers::pi), 1e-12);
-  expect_error(replaced(k_transforms, "\"OPENCV\"", "\"FISHEYE624\""), "unknown word");
+  expect_error(replaced(k_transforms, "\"OPENCV\"", "\"FISHEYE624\""), "unknown value");
 }
 
 TEST(TransformsJson, a_frames_own_value_is_used_and_a_contradiction_is_said) {
@@ -133,22 +133,22 @@ TEST(TransformsJson, a_scaled_pose_loses_its_scale_and_it_is_said) {
 TEST(TransformsJson, damage_is_an_error_at_its_place) {
   expect_error(replaced(k_transforms, "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 0, 1, 9]",
                         "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 1, 0, 9]"),
-               "not a rotation (at /frames/0/transform_matrix)");
+               "invalid rotation (at /frames/0/transform_matrix)");
   expect_error(replaced(k_transforms, "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 0, 1, 9]",
                         "[[0, 0, 0, 7], [0, 0, 0, 8], [0, 0, 0, 9]"),
-               "not a rotation");
+               "invalid rotation");
   expect_error(replaced(k_transforms, "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 0, 1, 9]",
                         "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 0, -1, 9]"),
-               "not a rotation");
+               "invalid rotation");
   expect_error(replaced(k_transforms, "\"fl_x\": 500", "\"fl_x\": 0"), "number out of range (at /fl_x)");
   expect_error(replaced(k_transforms, "\"w\": 640", "\"w\": 0"), "number out of range (at /w)");
   expect_error(replaced(k_transforms, "\"file_path\": \"images/a.jpg\"", "\"file\": 1"),
                "missing key \"file_path\"");
-  expect_error(replaced(k_transforms, "images/a.jpg", "images/b.jpg"), "camera 'images/b.jpg' stands twice");
-  expect_error(R"({"frames": []})", "holds no camera with a pose");
+  expect_error(replaced(k_transforms, "images/a.jpg", "images/b.jpg"), "duplicate camera 'images/b.jpg'");
+  expect_error(R"({"frames": []})", "contains no camera with a pose");
   // Without a size the image must be there.
   expect_error(replaced(k_transforms, "\"w\": 640, ", ""),
-               "size of the image is not told and its file is missing (at /frames/0)");
+               "unknown image size, and the image file is missing (at /frames/0)");
 }
 
 TEST(TransformsJson, a_size_that_is_not_told_is_the_images) {

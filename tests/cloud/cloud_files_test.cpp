@@ -90,7 +90,7 @@ TEST_F(CloudFilesTest, a_pattern_that_ends_in_the_name_of_a_folder_is_the_files_
   EXPECT_EQ(expand({"20[12]?/tiles"}), (Names{"2019/tiles/a.las", "2020/tiles/b.laz", "2021/tiles"}));
   EXPECT_EQ(expand({"20[12]?/tiles/"}), (Names{"2019/tiles/a.las", "2020/tiles/b.laz"}));
   make({"2022/tiles/notes.md"});
-  EXPECT_NE(error_of([&] { expand({"20?2/tiles"}); }).find("2022/tiles: the folder holds no cloud files"),
+  EXPECT_NE(error_of([&] { expand({"20?2/tiles"}); }).find("2022/tiles: the folder contains no cloud files"),
             std::string::npos);
 }
 
@@ -111,7 +111,7 @@ TEST_F(CloudFilesTest, a_file_that_is_given_twice_is_warned_of) {
   const auto warnings = [](const std::vector<fs::path>& names) { return read_cloud(names).warnings; };
   const fs::path a = folder_ / "a.las", b = folder_ / "b.las", link = folder_ / "c.las";
   EXPECT_TRUE(warnings({a, b}).empty());
-  const std::string given = ": given more than once, and so the points are in the cloud as often";
+  const std::string given = ": given more than once; its points are repeated";
   EXPECT_EQ(warnings({a, b, a}), (Names{a.string() + given}));
   EXPECT_EQ(warnings({folder_, folder_ / "*.las", a}), (Names{a.string() + " and 2 more files" + given}));
   fs::create_symlink(a, link);
@@ -122,14 +122,14 @@ TEST_F(CloudFilesTest, nothing_found_is_an_error_that_says_what_was_looked_for) 
   make({"tiles/readme.md"});
   fs::create_directories(folder_ / "empty");
   const std::string other = error_of([&] { expand({"tiles"}); });
-  EXPECT_NE(other.find("tiles: the folder holds no cloud files; expected names that end in .las, .laz"),
+  EXPECT_NE(other.find("tiles: the folder contains no cloud files; expected the extension .las, .laz"),
             std::string::npos)
       << other;
-  EXPECT_NE(other.find("found 1 other names"), std::string::npos) << other;
+  EXPECT_NE(other.find("found 1 other files"), std::string::npos) << other;
   EXPECT_NE(error_of([&] { expand({"empty"}); }).find("found nothing"), std::string::npos);
   const std::string pattern = error_of([&] { expand({"tiles/*.laz"}); });
-  EXPECT_NE(pattern.find("tiles/*.laz: no cloud file matches"), std::string::npos) << pattern;
-  EXPECT_NE(error_of([&] { expand({"none/*/x.las"}); }).find("no cloud file matches"), std::string::npos);
+  EXPECT_NE(pattern.find("tiles/*.laz: no matching cloud file"), std::string::npos) << pattern;
+  EXPECT_NE(error_of([&] { expand({"none/*/x.las"}); }).find("no matching cloud file"), std::string::npos);
 }
 
 TEST_F(CloudFilesTest, a_cloud_is_read_from_a_folder_or_a_pattern) {

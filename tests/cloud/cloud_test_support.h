@@ -76,7 +76,7 @@ bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-inline constexpr const char* k_no_shared_data = "../shared/data beside the repository is not there";
+inline constexpr const char* k_no_shared_data = "../shared/data beside the repository not there";
 
 /// A file of ../shared/data beside the repository; empty if it is not there: skip the test then and say
 /// k_no_shared_data.

@@ -139,9 +139,10 @@ PointCloud join(const std::vector<std::vector<std::byte>>& tiles) {
 
 TEST(CommonCrsTest, another_system_is_an_error_that_names_the_odd_file_and_both_systems) {
   const std::string message = error_of([] { join({tile(k_utm_32), tile(k_utm_32), tile(k_utm_33)}); });
-  EXPECT_EQ(message,
-            "tile_2: states another coordinate reference system than tile_0; expected WGS 84 / UTM zone 32N "
-            "(transform the file to it, or leave it out and read it by itself), found WGS 84 / UTM zone 33N");
+  EXPECT_EQ(
+      message,
+      "tile_2: the coordinate reference system differs from that of tile_0; expected WGS 84 / UTM zone 32N "
+      "(transform the file to it, or leave it out and read it by itself), found WGS 84 / UTM zone 33N");
   EXPECT_TRUE(error_of([] {
                 join({tile(k_utm_32), tile(k_utm_33), tile(k_utm_33)});
               }).starts_with("tile_0: states another"));
@@ -164,11 +165,11 @@ TEST(CommonCrsTest, the_system_of_a_file_without_points_binds_nobody) {
 TEST(CommonCrsTest, two_names_for_the_same_numbers_are_joined_with_one_warning) {
   const PointCloud cloud = join({tile(gdal_utm()), tile(k_esri_etrs_32), tile(k_esri_etrs_32)});
   EXPECT_EQ(cloud.crs.wkt, gdal_utm());
-  EXPECT_EQ(
-      cloud.warnings,
-      (std::vector<std::string>{
-          "tile_1 and 1 more file: another way of stating the coordinate reference system "
-          "(ETRS_1989_UTM_Zone_32N) than that of the other files (ETRS89 / UTM zone 32N), which is kept"}));
+  EXPECT_EQ(cloud.warnings,
+            (std::vector<std::string>{
+                "tile_1 and 1 more file: another way of stating the coordinate reference system "
+                "(ETRS_1989_UTM_Zone_32N) than that of the other files (ETRS89 / UTM zone 32N), whose "
+                "description is kept"}));
 }
 
 TEST(CommonCrsTest, systems_that_cannot_be_compared_are_a_warning) {

@@ -32,12 +32,13 @@ std::vector<std::byte> cut_las(int count, std::size_t bytes_less, int first = 0)
 
 TEST(DamageTest, the_message_of_damage_ends_with_the_option_that_reads_over_it) {
   const auto ends = [](const Error& error) {
-    return std::string(error.what()).ends_with("; --partial reads what is whole");
+    return std::string(error.what()).ends_with("; --partial reads the intact part");
   };
   EXPECT_TRUE(ends(DamagedFile({.file = "f", .problem = "p", .expected = "e", .found = "g"})));
   EXPECT_TRUE(ends(DamagedFile({.file = "f", .problem = "p", .expected = "e"})));
   EXPECT_TRUE(ends(DamagedFile({.file = "f", .problem = "p"})));
-  EXPECT_TRUE(error_of([] { test::read_memory(cut_las(3, 1)); }).ends_with("--partial reads what is whole"));
+  EXPECT_TRUE(
+      error_of([] { test::read_memory(cut_las(3, 1)); }).ends_with("--partial reads the intact part"));
 }
 
 TEST(DamageTest, whole_points_of_a_file_that_ends_early_are_read_and_the_others_counted) {
@@ -46,10 +47,10 @@ TEST(DamageTest, whole_points_of_a_file_that_ends_early_are_read_and_the_others_
   EXPECT_EQ(cloud.positions[2].x, 2);
   EXPECT_EQ(cloud.files.at(0).point_count, 3u);
   EXPECT_EQ(cloud.files.at(0).lost_count, 2u);
-  EXPECT_EQ(
-      cloud.warnings,
-      (std::vector<std::string>{fmt::format(
-          "memory:byte {}: the file ends before its last point; 2 points are lost", cut_las(5, 27).size())}));
+  EXPECT_EQ(cloud.warnings,
+            (std::vector<std::string>{fmt::format(
+                "memory:byte {}: truncated file: it ends before its last point; 2 points are lost",
+                cut_las(5, 27).size())}));
 }
 
 TEST(DamageTest, nothing_is_said_of_files_that_are_whole) {
@@ -85,13 +86,13 @@ TEST(DamageTest, extended_records_behind_lost_points_are_lost_too) {
   bytes.resize(bytes.size() - record_size);
   const PointCloud two = test::read_memory(bytes, k_partial);
   EXPECT_EQ(two.size(), 2u);
-  EXPECT_TRUE(warns(two, "the extended records behind the points are lost"));
+  EXPECT_TRUE(warns(two, "the extended records after the points are lost"));
 }
 
 TEST(DamageTest, a_header_that_makes_no_sense_stays_an_error) {
   std::vector<std::byte> bytes = cut_las(2, 0);
   bytes.resize(100);
-  EXPECT_NE(error_of([&] { test::read_memory(bytes, k_partial); }).find("inside its header"),
+  EXPECT_NE(error_of([&] { test::read_memory(bytes, k_partial); }).find("truncated header"),
             std::string::npos);
 }
 
@@ -113,7 +114,7 @@ TEST(DamageTest, tables_are_read_up_to_the_first_row_that_makes_no_sense) {
   EXPECT_EQ(csv.size(), 2u);
   EXPECT_EQ(
       csv.warnings,
-      (std::vector<std::string>{"memory:line 4: too few columns; nobody knows how many points are lost"}));
+      (std::vector<std::string>{"memory:line 4: too few columns; an unknown number of points is lost"}));
   const std::string xyz = "property float x\nproperty float y\nproperty float z\n";
   const PointCloud ply =
       partial_text("ply\nformat ascii 1.0\nelement vertex 4\n" + xyz + "end_header\n1 2 3\n4 5 6\n7 8 9\n");
@@ -183,7 +184,8 @@ TEST(DamageTest, a_point_that_fits_on_no_lattice_is_no_damage) {
   CloudInputs files;
   files.inputs.push_back(cloud_in_memory(las, "las"));
   files.inputs.push_back(cloud_in_memory(std::as_bytes(std::span(far)), "far"));
-  EXPECT_NE(error_of([&] { read_cloud(files, k_partial); }).find("lies too far away"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_cloud(files, k_partial); }).find("too far away for the lattice of"),
+            std::string::npos);
 }
 
 }  // namespace

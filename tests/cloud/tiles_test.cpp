@@ -237,12 +237,15 @@ TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
     const PointCloud texts = join({untold, standard, untold}, {}, threads);
     EXPECT_TRUE(texts.gps_time_is_standard) << "texts do not say";
     EXPECT_FALSE(texts.gps_times.empty());
-    EXPECT_FALSE(warns(texts, "another way"));
+    EXPECT_FALSE(warns(texts, "the coordinate reference system is described differently ("));
     const PointCloud both = join({none, standard, week}, {}, threads);
     EXPECT_TRUE(both.gps_time_is_standard);
     EXPECT_TRUE(warns(both, "tile_2: counts GPS time another way (week or standard) than tile_1"));
-    EXPECT_FALSE(warns(join({none, standard, empty, none, standard}, {}, threads), "another way"));
-    EXPECT_FALSE(warns(join({standard, week}, {.attributes = {}}, threads), "another way")) << "not wanted";
+    EXPECT_FALSE(warns(join({none, standard, empty, none, standard}, {}, threads),
+                       "the coordinate reference system is described differently ("));
+    EXPECT_FALSE(warns(join({standard, week}, {.attributes = {}}, threads),
+                       "the coordinate reference system is described differently ("))
+        << "not wanted";
   }
 }
 
@@ -251,7 +254,7 @@ TEST(TilesTest, what_is_missing_in_many_files_is_said_once) {
   for (int i = 0; i < 5; ++i) tiles.push_back(timed_tile(0, true));
   tiles.push_back(timed_tile(0, true, 0));
   EXPECT_EQ(join(tiles, {}, 2).warnings,
-            (std::vector<std::string>{"tile_1 and 4 more files: no gps_time, which is filled with zeros"}));
+            (std::vector<std::string>{"tile_1 and 4 more files: no gps_time; using 0"}));
 }
 
 /// A tile of points on a row from x = first to x = first + 9, y = z = 0, one per unit; its header says so.

@@ -180,9 +180,9 @@ TEST_F(ComparisonTest, nothing_that_counts_is_an_error_and_no_pass) {
   write("a.png", wave());
   ComparisonOptions options;
   options.ignore = {{0, 0, k_width, k_height}};
-  EXPECT_EQ(problem_of("a.png", "a.png", options), "no pixel counts");
+  EXPECT_EQ(problem_of("a.png", "a.png", options), "no pixels to compare");
   write("nan.exr", std::vector<float>(k_width * k_height * 3, k_nan));
-  EXPECT_EQ(problem_of("nan.exr", "nan.exr"), "no pixel has finite colours in both pictures");
+  EXPECT_EQ(problem_of("nan.exr", "nan.exr"), "no pixel has finite colours in both images");
 }
 
 TEST_F(ComparisonTest, pixels_with_nan_are_counted_told_and_left_out) {
@@ -195,7 +195,7 @@ TEST_F(ComparisonTest, pixels_with_nan_are_counted_told_and_left_out) {
   EXPECT_EQ(comparison.excluded, 2u);
   EXPECT_EQ(comparison.color->stored.rmse, 0.0);
   ASSERT_EQ(comparison.remarks.size(), 1u);
-  EXPECT_EQ(comparison.remarks[0], "2 pixels with NaN or infinite colours are left out");
+  EXPECT_EQ(comparison.remarks[0], "ignoring 2 pixels with NaN or infinite colours");
 }
 
 TEST_F(ComparisonTest, layers_are_compared_and_one_sided_ones_told) {
@@ -216,7 +216,7 @@ TEST_F(ComparisonTest, layers_are_compared_and_one_sided_ones_told) {
   const Comparison half = compare("a.exr", "c.exr");
   EXPECT_FALSE(half.layers.ids);
   ASSERT_EQ(half.remarks.size(), 1u);
-  EXPECT_EQ(half.remarks[0], "only the reference has the layer of ids, which is not compared");
+  EXPECT_EQ(half.remarks[0], "ignoring the id layer: only the reference has it");
   EXPECT_THROW(judge(half, parse_thresholds("ids=99")), Error);
 }
 
@@ -259,7 +259,7 @@ TEST_F(ComparisonTest, changes_are_found_by_depth_with_ids_kept_for_their_points
   EXPECT_EQ(comparison.changes->regions[0].bottom, 15);
   EXPECT_EQ(comparison.reference.ids.size(), static_cast<std::size_t>(k_width * k_height));
   options.find_changes = ChangeMap::flip;
-  EXPECT_EQ(problem_of("a.exr", "b.exr", options), "changes of colour need colours in both pictures");
+  EXPECT_EQ(problem_of("a.exr", "b.exr", options), "colour changes require colours in both images");
 }
 
 TEST_F(ComparisonTest, results_do_not_depend_on_the_number_of_threads) {
@@ -324,7 +324,7 @@ TEST_F(ComparisonTest, a_batch_tells_errors_first_and_then_the_worst) {
   const json found = json::parse(batch_json(outcomes));
   EXPECT_EQ(found["failed"], 3);
   EXPECT_EQ(found["pass"], false);
-  EXPECT_EQ(found["pairs"][0]["error"], "the test has no picture of that name");
+  EXPECT_EQ(found["pairs"][0]["error"], "the test folder has no image with this name");
   EXPECT_EQ(found["pairs"][4]["metrics"]["psnr"], "infinity");
 }
 

@@ -95,12 +95,12 @@ TEST_F(PairListTest, tables_keep_their_order_and_name_pairs) {
 }
 
 TEST_F(PairListTest, wrong_lines_are_told_by_their_number) {
-  EXPECT_EQ(problem_of_table("a,b\n"), "line 1: no header of pairs");
-  EXPECT_EQ(problem_of_table("reference,test\na.png\n"), "line 2: no pair of pictures");
-  EXPECT_EQ(problem_of_table("reference,test\na.png,b.png\n,b.png\n"), "line 3: no pair of pictures");
-  EXPECT_EQ(problem_of_table("reference,test\n\"a.png,b.png\n"), "line 2: a quotation without end");
-  EXPECT_EQ(problem_of_table("reference,test\n"), ": names no pairs of pictures");
-  EXPECT_EQ(problem_of_table(""), ": names no pairs of pictures");
+  EXPECT_EQ(problem_of_table("a,b\n"), "line 1: missing header");
+  EXPECT_EQ(problem_of_table("reference,test\na.png\n"), "line 2: invalid pair of images");
+  EXPECT_EQ(problem_of_table("reference,test\na.png,b.png\n,b.png\n"), "line 3: invalid pair of images");
+  EXPECT_EQ(problem_of_table("reference,test\n\"a.png,b.png\n"), "line 2: unterminated quotation");
+  EXPECT_EQ(problem_of_table("reference,test\n"), ": contains no pairs of images");
+  EXPECT_EQ(problem_of_table(""), ": contains no pairs of images");
 }
 
 }  // namespace

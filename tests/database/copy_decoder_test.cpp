@@ -132,7 +132,7 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
   };
   const CopyField beyond[] = {real, real, whole, whole, large}, other[] = {whole, real, whole, whole, whole};
   EXPECT_NE(error_of_row(beyond).find(
-                "classification is out of the attribute's range; expected 0 to 255, found 256"),
+                "classification out of the range of the attribute; expected 0 to 255, found 256"),
             std::string::npos)
       << error_of_row(beyond);
   EXPECT_NE(error_of_row(other).find("another type for gps_time"), std::string::npos);

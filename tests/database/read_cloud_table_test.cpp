@@ -98,7 +98,7 @@ TEST_F(ReadCloudTableTest, which_cloud_is_meant_must_be_said) {
   }
   run(Connection(file_, Connection::Mode::write).get(), "DROP TABLE points");
   run(Connection(file_, Connection::Mode::write).get(), "DROP TABLE more");
-  EXPECT_NE(error_of_reading(file_).find("holds no cloud"), std::string::npos);
+  EXPECT_NE(error_of_reading(file_).find("contains no cloud"), std::string::npos);
   EXPECT_NE(error_of_reading(folder_ / "no.db?table=points").find("no.db"), std::string::npos);
 }
 
@@ -108,11 +108,11 @@ TEST_F(ReadCloudTableTest, an_empty_cloud_is_one) {
 }
 
 TEST_F(ReadCloudTableTest, damage_is_told) {
-  EXPECT_NE(error_after("UPDATE points_cloud SET points = chunks * 65536").find("more points"),
+  EXPECT_NE(error_after("UPDATE points_cloud SET points = chunks * 65536")
+                .find("the number of points exceeds the file"),
             std::string::npos);
-  EXPECT_NE(error_after("UPDATE points_cloud SET points = 1001").find("points are missing"),
-            std::string::npos);
-  EXPECT_NE(error_after("UPDATE points_cloud SET points = 999").find("ids are not the rows"),
+  EXPECT_NE(error_after("UPDATE points_cloud SET points = 1001").find("missing points"), std::string::npos);
+  EXPECT_NE(error_after("UPDATE points_cloud SET points = 999").find("ids do not match the rows"),
             std::string::npos);
   EXPECT_NE(error_after("UPDATE points_value SET data = (SELECT data FROM points_value WHERE id = 1)"
                         " WHERE id = 2")

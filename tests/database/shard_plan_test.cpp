@@ -222,8 +222,8 @@ TEST_F(ShardPlanTest, a_folder_is_whole_or_not_there) {
   for (const auto& entry : std::filesystem::directory_iterator(parent_))
     EXPECT_TRUE(entry.path().extension() == ".ply") << entry.path();
   plan(folder_ / "", line(100));
-  EXPECT_NE(error_of([&] { plan(folder_, line(100)); }).find("exists already"), std::string::npos);
-  EXPECT_NE(error_of([&] { plan(parent_ / "no" / "plan", line(100)); }).find("cannot be made"),
+  EXPECT_NE(error_of([&] { plan(folder_, line(100)); }).find("the folder exists"), std::string::npos);
+  EXPECT_NE(error_of([&] { plan(parent_ / "no" / "plan", line(100)); }).find("cannot create the folder"),
             std::string::npos);
 }
 

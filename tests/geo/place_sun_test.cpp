@@ -152,7 +152,7 @@ TEST(PlaceSun, needs_a_place_from_somewhere) {
   EXPECT_TRUE(message(std::nullopt).ends_with("found no cloud")) << message(std::nullopt);
   EXPECT_TRUE(message(SceneMap{}).ends_with("found a cloud without a reference system"));
   EXPECT_TRUE(message(SceneMap{epsg(4978), {4e6, 8e5}})
-                  .ends_with("found a reference system that tells no place on Earth"));
+                  .ends_with("found a reference system without a location on Earth"));
 }
 
 TEST(PlaceSun, describes_itself_in_one_line) {
@@ -164,7 +164,7 @@ TEST(PlaceSun, describes_itself_in_one_line) {
   by_time.temperature = 11;
   const std::string line = describe(by_time, place_sun(by_time, std::nullopt));
   EXPECT_TRUE(line.starts_with("sun at azimuth 194.340")) << line;
-  EXPECT_NE(line.find(" (+y taken for true north), elevation 39.888"), std::string::npos) << line;
+  EXPECT_NE(line.find(" (+y assumed to be true north), elevation 39.888"), std::string::npos) << line;
   EXPECT_TRUE(line.ends_with("degrees, 2003-10-17T19:30:30Z at latitude 39.742476, longitude -105.178600"))
       << line;
 }

@@ -61,7 +61,7 @@ TEST(RasterGridTest, a_place_is_a_map_of_one_cell) {
 TEST(RasterGridTest, too_many_cells_are_refused_and_their_number_said) {
   EXPECT_EQ(
       refusal(area(0, 0, 100000, 50000), 1.0),
-      "the map is too large; expected at most 2147483648 cells; larger cells or a smaller area, found 100000 "
+      "map too large; expected at most 2147483648 cells: use larger cells or a smaller area, found 100000 "
       "x 50000 = 5e+09 cells of 1");
   EXPECT_EQ(refusal(area(0, 0, 65536, 32768), 1.0), "");
   EXPECT_NE(refusal(area(0, 0, 4e9, 0), 1.0), "");

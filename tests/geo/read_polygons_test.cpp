@@ -84,20 +84,20 @@ TEST_F(ReadPolygonsTest, other_geometries_are_errors_naming_the_feature) {
         "p.geojson", fmt::format(R"({{"type":"Feature","id":7,"properties":{{}},"geometry":{}}})", geometry));
     const std::string problem = problem_of(path, k_own);
     EXPECT_EQ(problem,
-              fmt::format("{}:feature 7: is no polygon; expected polygons, found {}", path.string(), found));
+              fmt::format("{}:feature 7: not a polygon; expected polygons, found {}", path.string(), found));
   }
 }
 
 TEST_F(ReadPolygonsTest, files_without_polygons_or_damaged_are_errors) {
   const auto problem = [&](const std::string& text) { return problem_of(write("p.geojson", text), k_own); };
-  EXPECT_NE(problem(R"({"type":"FeatureCollection","features":[]})").find("holds no polygons"),
+  EXPECT_NE(problem(R"({"type":"FeatureCollection","features":[]})").find("contains no polygons"),
             std::string::npos);
   EXPECT_NE(
       problem(R"({"type":"Feature","properties":{},"geometry":{"type":"MultiPolygon","coordinates":[]}})")
-          .find("holds no polygons"),
+          .find("contains no polygons"),
       std::string::npos);
-  EXPECT_NE(problem("{\"type\":").find("cannot be read as polygons"), std::string::npos);
-  EXPECT_NE(problem_of(folder_ / "absent.gpkg", k_own).find("is no file"), std::string::npos);
+  EXPECT_NE(problem("{\"type\":").find("cannot read it as polygons"), std::string::npos);
+  EXPECT_NE(problem_of(folder_ / "absent.gpkg", k_own).find("not a file"), std::string::npos);
 }
 
 TEST_F(ReadPolygonsTest, corners_are_transformed_into_the_clouds_system) {
@@ -134,11 +134,11 @@ TEST_F(ReadPolygonsTest, known_against_unknown_system_is_an_error_with_a_way_out
   EXPECT_EQ(problem_of(without, nowhere), "");
   EXPECT_EQ(problem_of(without, somewhere),
             without.string() +
-                ": the reference system of the polygons is not known, but that of the cloud is; expected "
-                "--crop-crs SYSTEM, or --crop-crs cloud if they are in the cloud's own");
+                ": unknown reference system of the polygons, but not of the cloud; expected "
+                "--crop-crs SYSTEM, or --crop-crs cloud if they are in the cloud's");
   EXPECT_EQ(problem_of(with, nowhere),
             with.string() +
-                ": the reference system of the cloud is not known, but that of the polygons is; expected "
+                ": unknown reference system of the cloud, but not of the polygons; expected "
                 "--crop-crs cloud if they are in the cloud's own");
   EXPECT_EQ(problem_of(with, k_own), "");
 }

@@ -71,7 +71,7 @@ TEST(FindFontTest, a_missing_font_is_an_error_that_names_the_package) {
   } catch (const Error& error) {
     EXPECT_EQ(
         std::string(error.what()),
-        "/nowhere/a.ttf: no font to write a legend with; expected DejaVu Sans (Debian: fonts-dejavu-core)");
+        "/nowhere/a.ttf: missing font for the legend; expected DejaVu Sans (Debian: fonts-dejavu-core)");
   }
   EXPECT_THROW(find_font(std::span<const fs::path>()), Error);
 }
@@ -336,7 +336,7 @@ TEST_F(LegendTest, a_size_that_is_too_small_is_an_error_that_tells_the_least) {
     lay_out_legend(class_key(), font_, glm::ivec2(100, 100));
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_EQ(error.parts().problem, "the legend does not fit its size");
+    EXPECT_EQ(error.parts().problem, "the legend does not fit the given size");
     EXPECT_EQ(error.parts().found, "100x100");
     int width = 0, height = 0;
     ASSERT_EQ(std::sscanf(error.parts().expected.c_str(), "at least %dx%d pixels", &width, &height), 2);

@@ -146,9 +146,9 @@ TEST_F(ReadSkyImageTest, what_is_no_picture_is_an_error) {
   EXPECT_TRUE(message(folder_ / "none.exr").ends_with("none.exr: no such file"));
   EXPECT_TRUE(message(folder_).ends_with(": not a regular file"));
   std::ofstream(folder_ / "text.exr") << "no picture at all";
-  EXPECT_NE(message(folder_ / "text.exr").find("not a picture that can be read"), std::string::npos);
+  EXPECT_NE(message(folder_ / "text.exr").find("cannot read the image"), std::string::npos);
   std::ofstream(folder_ / "text.xyz") << "1 2 3\n";
-  EXPECT_NE(message(folder_ / "text.xyz").find("not a picture that can be read"), std::string::npos);
+  EXPECT_NE(message(folder_ / "text.xyz").find("cannot read the image"), std::string::npos);
 }
 
 TEST_F(ReadSkyImageTest, a_cut_out_is_an_error) {
@@ -156,8 +156,7 @@ TEST_F(ReadSkyImageTest, a_cut_out_is_an_error) {
   spec.full_width = 16;
   spec.full_height = 8;
   const std::string said = message(write("a.exr", spec, noise(8 * 4 * 3, 1.0)));
-  EXPECT_NE(said.find("a cut-out of a picture; expected all of its 16 x 8 pixels, found 8 x 4"),
-            std::string::npos)
+  EXPECT_NE(said.find("the image is a crop; expected all 16 x 8 pixels, found 8 x 4"), std::string::npos)
       << said;
 }
 
@@ -184,7 +183,7 @@ TEST_F(ReadSkyImageTest, a_size_beyond_the_limit_or_beyond_the_file_is_an_error_
             std::string::npos)
       << message(folder_ / "huge.png");
   std::ofstream(folder_ / "hollow.png") << png_of_size(16384, 8192);
-  EXPECT_NE(message(folder_ / "hollow.png").find("cannot hold its pixels"), std::string::npos)
+  EXPECT_NE(message(folder_ / "hollow.png").find("the file is too short for its pixels"), std::string::npos)
       << message(folder_ / "hollow.png");
 }
 

@@ -52,23 +52,23 @@ Ray good_ray() {
 
 TEST(BadQuery, a_direction_of_length_zero_is_an_error) {
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 0}), Error);
-  expect_refused(Ray{{0, 0, 0}, {0, 0, 0}}, RayQuery{.radius = 1.0}, "direction has not length 1");
+  expect_refused(Ray{{0, 0, 0}, {0, 0, 0}}, RayQuery{.radius = 1.0}, "direction not normalized");
 }
 
 TEST(BadQuery, a_direction_that_is_not_finite_is_an_error) {
   for (const double bad : {k_nan, k_infinity, -k_infinity}) {
     EXPECT_THROW(make_ray({0, 0, 0}, {0, bad, 1}), Error);
-    expect_refused(Ray{{0, 0, 0}, {0, bad, 1}}, RayQuery{.radius = 1.0}, "direction has not length 1");
+    expect_refused(Ray{{0, 0, 0}, {0, bad, 1}}, RayQuery{.radius = 1.0}, "direction not normalized");
   }
 }
 
 TEST(BadQuery, a_direction_whose_length_is_not_1_within_1e_6_is_an_error) {
   for (const double length : {2.0, 0.5, 1.0 + 2e-6, 1.0 - 2e-6}) {
-    expect_refused(Ray{{0, 0, 0}, {0, length, 0}}, RayQuery{.radius = 1.0}, "direction has not length 1");
+    expect_refused(Ray{{0, 0, 0}, {0, length, 0}}, RayQuery{.radius = 1.0}, "direction not normalized");
     expect_refused(Cone{.axis = {{0, 0, 0}, {0, length, 0}}, .slope = 1.0}, ConeQuery{},
-                   "direction has not length 1");
+                   "direction not normalized");
     expect_refused(HalfSpaces{{Plane{{0, 0, 0}, {0, length, 0}}}}, PointQuery{},
-                   "normal of a plane has not length 1");
+                   "normal of a plane not normalized");
   }
   EXPECT_NO_THROW((void)find(build(three_points()), Ray{{0, 0, 0}, {0, 1.0 + 9e-7, 0}}, {.radius = 1.0}));
 }
@@ -76,18 +76,20 @@ TEST(BadQuery, a_direction_whose_length_is_not_1_within_1e_6_is_an_error) {
 TEST(BadQuery, an_origin_that_is_not_finite_is_an_error) {
   for (const double bad : {k_nan, k_infinity, -k_infinity}) {
     EXPECT_THROW(make_ray({0, bad, 0}, {0, 0, 1}), Error);
-    expect_refused(Ray{{0, bad, 0}, {0, 0, 1}}, RayQuery{.radius = 1.0}, "origin is not finite");
-    expect_refused(glm::dvec3(0, bad, 0), PointQuery{}, "point is not finite");
+    expect_refused(Ray{{0, bad, 0}, {0, 0, 1}}, RayQuery{.radius = 1.0}, "origin not finite");
+    expect_refused(glm::dvec3(0, bad, 0), PointQuery{}, "point not finite");
     expect_refused(HalfSpaces{{Plane{{0, 0, bad}, {0, 0, 1}}}}, PointQuery{},
-                   "point of a plane is not finite");
+                   "the point of a plane not finite");
   }
 }
 
 TEST(BadQuery, limits_that_are_not_numbers_are_errors) {
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 1}, k_nan), Error);
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 1}, 0, k_nan), Error);
-  expect_refused(Ray{{0, 0, 0}, {0, 0, 1}, k_nan, 1}, RayQuery{.radius = 1.0}, "limit of the interval");
-  expect_refused(Ray{{0, 0, 0}, {0, 0, 1}, 0, k_nan}, RayQuery{.radius = 1.0}, "limit of the interval");
+  expect_refused(Ray{{0, 0, 0}, {0, 0, 1}, k_nan, 1}, RayQuery{.radius = 1.0},
+                 "a limit of the interval is NaN");
+  expect_refused(Ray{{0, 0, 0}, {0, 0, 1}, 0, k_nan}, RayQuery{.radius = 1.0},
+                 "a limit of the interval is NaN");
 }
 
 TEST(BadQuery, t_min_above_t_max_is_an_empty_interval_and_no_error) {
@@ -104,25 +106,25 @@ TEST(BadQuery, t_min_above_t_max_is_an_empty_interval_and_no_error) {
 
 TEST(BadQuery, a_radius_that_is_negative_or_not_a_number_is_an_error) {
   for (const double bad : {-1.0, -1e-300, k_nan, -k_infinity}) {
-    expect_refused(good_ray(), RayQuery{.radius = bad}, "radius of a query is out of range");
-    expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.radius = bad},
-                   "radius of a query is out of range");
-    expect_refused(glm::dvec3(0), PointQuery{.radius = bad}, "radius of a query is out of range");
+    expect_refused(good_ray(), RayQuery{.radius = bad}, "radius out of range");
+    expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.radius = bad}, "radius out of range");
+    expect_refused(glm::dvec3(0), PointQuery{.radius = bad}, "radius out of range");
   }
 }
 
 TEST(BadQuery, k_of_0_is_an_error) {
-  expect_refused(good_ray(), RayQuery{.radius = 1.0, .k = 0}, "k of a query is 0");
-  expect_refused(Cone{good_ray(), 1.0, 0.0}, ConeQuery{.k = 0}, "k of a query is 0");
-  expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.k = 0}, "k of a query is 0");
-  expect_refused(HalfSpaces{}, PointQuery{.k = 0}, "k of a query is 0");
-  expect_refused(Bounds{}, PointQuery{.k = 0}, "k of a query is 0");
-  expect_refused(glm::dvec3(0), PointQuery{.k = 0}, "k of a query is 0");
+  expect_refused(good_ray(), RayQuery{.radius = 1.0, .k = 0}, "k is 0");
+  expect_refused(Cone{good_ray(), 1.0, 0.0}, ConeQuery{.k = 0}, "k is 0");
+  expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.k = 0}, "k is 0");
+  expect_refused(HalfSpaces{}, PointQuery{.k = 0}, "k is 0");
+  expect_refused(Bounds{}, PointQuery{.k = 0}, "k is 0");
+  expect_refused(glm::dvec3(0), PointQuery{.k = 0}, "k is 0");
 }
 
 TEST(BadQuery, entry_without_a_radius_and_of_paths_is_an_error) {
-  expect_refused(good_ray(), RayQuery{}, "measure entry needs a radius");
-  expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.measure = Measure::entry}, "not for paths");
+  expect_refused(good_ray(), RayQuery{}, "measure entry requires a radius");
+  expect_refused(make_path({{0, 0, 0}, {1, 0, 0}}), PathQuery{.measure = Measure::entry},
+                 "paths do not support measure entry");
 }
 
 TEST(BadQuery, an_entry_min_that_is_not_a_number_is_an_error) {
@@ -130,8 +132,10 @@ TEST(BadQuery, an_entry_min_that_is_not_a_number_is_an_error) {
 }
 
 TEST(BadQuery, a_radius_of_boxes_and_half_spaces_is_an_error) {
-  expect_refused(Bounds{{0, 0, 0}, {1, 1, 1}}, PointQuery{.radius = 1.0}, "has a radius");
-  expect_refused(HalfSpaces{}, PointQuery{.radius = 1.0}, "has a radius");
+  expect_refused(Bounds{{0, 0, 0}, {1, 1, 1}}, PointQuery{.radius = 1.0},
+                 "box and half-space queries do not support a radius");
+  expect_refused(HalfSpaces{}, PointQuery{.radius = 1.0},
+                 "box and half-space queries do not support a radius");
 }
 
 TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
@@ -148,7 +152,7 @@ TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
     EXPECT_THROW((void)explain(octree, good_ray(), coarse), Error);
   }
   EXPECT_THROW((void)brute_force::find(three_points(), good_ray(), coarse), Error);
-  expect_refused(good_ray(), RayQuery{.radius = 1.0, .max_level = -1}, "max_level of a query is negative");
+  expect_refused(good_ray(), RayQuery{.radius = 1.0, .max_level = -1}, "max_level is negative");
   BuildOptions layered;
   layered.organisation = Organisation::layered;
   EXPECT_THROW((void)count(build(three_points(), layered), good_ray(), {.radius = 1.0, .max_level = -1}),
@@ -158,8 +162,8 @@ TEST(BadQuery, max_level_is_an_error_where_there_are_no_levels) {
 
 TEST(BadQuery, cones_that_no_make_cone_made_are_errors) {
   for (const double bad : {-1.0, k_nan, k_infinity}) {
-    expect_refused(Cone{good_ray(), bad, 0.0}, ConeQuery{}, "radius of the cone");
-    expect_refused(Cone{good_ray(), 0.0, bad}, ConeQuery{}, "slope of the cone");
+    expect_refused(Cone{good_ray(), bad, 0.0}, ConeQuery{}, "cone radius out of range");
+    expect_refused(Cone{good_ray(), 0.0, bad}, ConeQuery{}, "cone slope out of range");
   }
 }
 
@@ -167,24 +171,24 @@ TEST(BadQuery, paths_that_no_make_path_made_are_errors) {
   const Path good = make_path({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
   Path bad = good;
   bad.vertices[1].y = k_nan;
-  expect_refused(bad, PathQuery{}, "vertex is not finite");
+  expect_refused(bad, PathQuery{}, "vertex not finite");
   bad = good;
   bad.vertex_t[1] = 0.5;
-  expect_refused(bad, PathQuery{}, "vertex_t is not the way");
+  expect_refused(bad, PathQuery{}, "vertex_t not the way");
   bad = good;
   bad.vertices[1] = bad.vertices[0];
-  expect_refused(bad, PathQuery{}, "vertex_t is not the way");
+  expect_refused(bad, PathQuery{}, "vertex_t not the way");
   bad = good;
   bad.vertex_t.pop_back();
-  expect_refused(bad, PathQuery{}, "one t per vertex");
-  expect_refused(Path{}, PathQuery{}, "too few vertices");
+  expect_refused(bad, PathQuery{}, "the path needs one t per vertex");
+  expect_refused(Path{}, PathQuery{}, "too few path vertices");
   bad = good;
   bad.t_min = k_nan;
-  expect_refused(bad, PathQuery{}, "limit of the interval");
+  expect_refused(bad, PathQuery{}, "a limit of the interval is NaN");
 }
 
 TEST(BadQuery, a_box_with_a_face_that_is_not_a_number_is_an_error) {
-  expect_refused(Bounds{{0, 0, k_nan}, {1, 1, 1}}, PointQuery{}, "face of the box");
+  expect_refused(Bounds{{0, 0, k_nan}, {1, 1, 1}}, PointQuery{}, "a face of the box is NaN");
 }
 
 TEST(BadQuery, an_empty_cloud_answers_nothing) {
@@ -220,7 +224,7 @@ TEST(BadQuery, a_batch_names_the_first_bad_ray) {
       return error.what();
     }
   };
-  const std::string expected = "ray 1017: direction has not length 1";
+  const std::string expected = "ray 1017: direction not normalized";
   EXPECT_EQ(message([&] { closest(octree, rays, {.radius = 1.0}, hits); }).find(expected), 0u);
   EXPECT_EQ(message([&] { occluded(octree, rays, {.radius = 1.0}, answers); }).find(expected), 0u);
   EXPECT_EQ(message([&] { count(octree, rays, {.radius = 1.0}, counts); }).find(expected), 0u);

@@ -192,7 +192,7 @@ TEST(CopcTreeTest, points_outside_the_cube_of_their_node_are_an_error_when_they_
   const std::string error = test::error_of([&] {
     ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
   });
-  EXPECT_NE(error.find("the point lies outside the cube of its node; expected a place from (6"),
+  EXPECT_NE(error.find("the point is outside the cube of its node; expected a position from (6"),
             std::string::npos)
       << error;
   EXPECT_NE(error.find(", found (6"), std::string::npos) << error;

@@ -249,7 +249,8 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
                  [](Scene&, LoadedCloud& other, RenderOptions&) {
                    other = test::loaded({{0, 0, 1}}, 0.06);
                  });
-  EXPECT_NE(refusal(scene, nullptr, options(true)).find("number of points"), std::string::npos);
+  EXPECT_NE(refusal(scene, nullptr, options(true)).find("wrong number of points in the chunk; expected"),
+            std::string::npos);
   // What follows from something else is not named instead of it.
   expect_refusal("made with radius 0.05", [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
     other.cloud->radius = other_cloud.radius = 0.07;
@@ -326,21 +327,23 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
         .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));
     return refusal(scene, nullptr, options(true));
   };
-  EXPECT_NE(message_of(0, 0x12345678).find("byte 0: is not a checkpoint of Alidade"), std::string::npos);
-  EXPECT_NE(message_of(8, 0x04030201).find("another byte order"), std::string::npos);
-  EXPECT_NE(message_of(12, 2).find("another version of checkpoints; expected 1, found 2"), std::string::npos);
-  EXPECT_NE(message_of(16, 99).find("is cut short or too long; expected"), std::string::npos);
+  EXPECT_NE(message_of(0, 0x12345678).find("byte 0: not an Alidade checkpoint"), std::string::npos);
+  EXPECT_NE(message_of(8, 0x04030201).find("an offset outside checksums order"), std::string::npos);
+  EXPECT_NE(message_of(12, 2).find("unsupported checkpoint version; expected 1, found 2"), std::string::npos);
+  EXPECT_NE(message_of(16, 99).find("corrupt checkpoint: wrong file size; expected"), std::string::npos);
   // Forged numbers under right checksums.
-  EXPECT_NE(message_of(40, 71).find("its numbers are not those of its description"), std::string::npos);
-  EXPECT_NE(message_of(48, 0).find("its numbers are not those of its description"), std::string::npos);
-  EXPECT_NE(message_of(48, 2).find("is damaged; expected 0 or 1, found 2"), std::string::npos);
-  EXPECT_NE(message_of(52, 0).find("samples under way"), std::string::npos);
-  EXPECT_NE(message_of(52, 6).find("samples under way"), std::string::npos);
+  EXPECT_NE(message_of(40, 71).find("corrupt checkpoint: its sizes contradict its fingerprint"),
+            std::string::npos);
+  EXPECT_NE(message_of(48, 0).find("corrupt checkpoint: its sizes contradict its fingerprint"),
+            std::string::npos);
+  EXPECT_NE(message_of(48, 2).find("corrupt checkpoint; expected 0 or 1, found 2"), std::string::npos);
+  EXPECT_NE(message_of(52, 0).find("corrupt checkpoint: samples in progress"), std::string::npos);
+  EXPECT_NE(message_of(52, 6).find("corrupt checkpoint: samples in progress"), std::string::npos);
   EXPECT_NE(message_of(68, 0xffffffff).find("seconds"), std::string::npos);
-  EXPECT_NE(message_of(72, 0xffffffff).find("bytes of description"), std::string::npos);
-  EXPECT_NE(message_of(80, 0xfffffff0).find("does not end where it should"), std::string::npos);
+  EXPECT_NE(message_of(72, 0xffffffff).find("a description of at most"), std::string::npos);
+  EXPECT_NE(message_of(80, 0xfffffff0).find("corrupt checkpoint: truncated fingerprint"), std::string::npos);
   const std::uint32_t tiles = 80 + test::get<std::uint32_t>(whole, 72);
-  EXPECT_NE(message_of(tiles, 6).find("tile 0; expected at most 5 samples, found 6 samples"),
+  EXPECT_NE(message_of(tiles, 6).find("at most tile 0; expected 5 samples, found 6 samples"),
             std::string::npos);
   EXPECT_NE(message_of(tiles + 4, 2).find("stopped 2"), std::string::npos);
 }

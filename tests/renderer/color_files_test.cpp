@@ -91,7 +91,7 @@ TEST_F(ColorFiles, points_without_a_value_are_a_warning) {
   settings.files = {folder_ / "site.las"};
   const LoadedCloud cloud = load_cloud(settings);
   ASSERT_EQ(cloud.warnings.size(), 1u);
-  EXPECT_TRUE(cloud.warnings[0].ends_with("site.las: 100 of 5000 points have no gps_time: they are grey"));
+  EXPECT_TRUE(cloud.warnings[0].ends_with("site.las: 100 of 5000 points have no gps_time and are grey"));
 }
 
 TEST_F(ColorFiles, a_missing_attribute_is_told_before_points_are_read) {

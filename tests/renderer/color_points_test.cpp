@@ -224,11 +224,11 @@ TEST(ColorPoints, a_missing_attribute_is_an_error_that_lists_what_there_is) {
   bytes.byte_count = 1;
   cloud.extra_dimensions.push_back(bytes);
   EXPECT_EQ(error_of(cloud, coloring_by("reflectance")),
-            "site.las: points have no \"reflectance\" to be coloured by, did you mean \"Reflectance\"?; "
+            "site.las: the cloud has no attribute \"reflectance\", did you mean \"Reflectance\"?; "
             "expected one of height, normal, "
             "intensity, Reflectance");
   EXPECT_EQ(error_of(cloud, coloring_by("blob")),
-            "site.las: points have no \"blob\" to be coloured by; expected one of height, normal, "
+            "site.las: the cloud has no attribute \"blob\"; expected one of height, normal, "
             "intensity, Reflectance");
   for (const char* const word : {"rgb", "classification", "gps_time", "return_number", "number_of_returns"})
     EXPECT_TRUE(error_of(cloud, coloring_by(word)).starts_with("site.las: points have no")) << word;
@@ -239,12 +239,12 @@ TEST(ColorPoints, wishes_that_would_change_nothing_are_errors) {
   cloud.classifications = {1, 2};
   cloud.colors.assign(2, Color16(9));
   EXPECT_EQ(error_of(cloud, {.by = PointColor::classification, .map = ColorMap::turbo}),
-            "site.las: a colour map or range is for points coloured by numbers; expected height, intensity, "
+            "site.las: a colour map or range requires a numeric attribute; expected height, intensity, "
             "gps_time or another attribute, found classification");
   EXPECT_NE(error_of(cloud, {.map = ColorMap::turbo}), "no error");  // automatic: rgb
   EXPECT_NE(error_of(cloud, {.by = PointColor::normal, .range = ValueRange{0, 1}}), "no error");
   EXPECT_EQ(error_of(cloud, {.by = PointColor::height, .classes = {{2, Color16(0)}}}),
-            "site.las: colours of classes are for points coloured by class; expected classification, found "
+            "site.las: class colours require classification; expected classification, found "
             "height");
 }
 

@@ -183,7 +183,7 @@ TEST_F(ImageTest, layer_that_the_film_lacks_is_an_error) {
     write_image(Film(4, 4, k_color), settings, metadata(), false);
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("its layer depth was not rendered"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("the layer depth was not rendered"), std::string::npos);
   }
   EXPECT_FALSE(std::filesystem::exists(settings.file));
 }
@@ -311,7 +311,7 @@ TEST_F(ImageTest, an_existing_file_is_kept_unless_overwriting_is_asked_for) {
 }
 
 TEST_F(ImageTest, failures_are_errors_and_leave_nothing_behind) {
-  EXPECT_NE(error_of(Film(1, 1), output("a.bmp")).find("unknown kind of image; expected a name that ends in"),
+  EXPECT_NE(error_of(Film(1, 1), output("a.bmp")).find("unknown image format; expected a name that ends in"),
             std::string::npos);
   EXPECT_NE(error_of(Film(1, 1), output("a")).find("no extension"), std::string::npos);
   OutputSettings empty = output("empty.exr");
@@ -319,7 +319,7 @@ TEST_F(ImageTest, failures_are_errors_and_leave_nothing_behind) {
   EXPECT_NE(error_of(Film(1, 1), empty).find("no layer"), std::string::npos);
   // JPEG ends at 65500 pixels.
   const std::string wide = error_of(Film(70000, 1), output("wide.jpg"));
-  EXPECT_NE(wide.find("wide.jpg: image cannot be written: "), std::string::npos) << wide;
+  EXPECT_NE(wide.find("wide.jpg: image cannot write the file: "), std::string::npos) << wide;
   EXPECT_EQ(error_of(Film(65500, 1), output("wide.jpg")), "no error");
   std::filesystem::remove(folder_ / "wide.jpg");
   EXPECT_NE(error_of(Film(1, 1), {.file = folder_ / "no" / "folder.png"}), "no error");
@@ -359,7 +359,7 @@ TEST_F(ImageTest, a_full_disk_is_an_error_in_every_format_and_leaves_nothing_beh
         const FileSizeLimit limit(bytes);
         error = error_of(film, output(name));
       }
-      EXPECT_NE(error.find(name + ": writing failed"), std::string::npos) << error;
+      EXPECT_NE(error.find(name + ": cannot write the file"), std::string::npos) << error;
       EXPECT_TRUE(std::filesystem::is_empty(folder_)) << name << " " << bytes;
     }
   }

@@ -131,9 +131,14 @@ Reading read(const Sample& sample) {
 
 /// Rules about several values at once, which JSON Schema has no words for.
 bool is_beyond_schema(const Error::Parts& error) {
-  constexpr const char* beginnings[] = {
-      "rotation is",  "not a rigid transform",     "quaternion is not", "look_at: ",
-      "no such file", "the distortion folds over", "range is empty",    "class stands twice"};
+  constexpr const char* beginnings[] = {"the rotation is not orthonormal",
+                                        "the transform is not rigid",
+                                        "the quaternion is not normalized",
+                                        "look_at: ",
+                                        "no such file",
+                                        "pixels from the principal point",
+                                        "empty range",
+                                        "duplicate class"};
   return std::ranges::any_of(beginnings, [&](const char* text) { return error.problem.starts_with(text); });
 }
 

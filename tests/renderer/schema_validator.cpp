@@ -22,7 +22,7 @@ bool is_type(const Json& value, const std::string& type) {
     return value.is_number_integer() ||
            (value.is_number_float() && std::trunc(value.get<double>()) == value.get<double>());
   }
-  throw std::logic_error("unknown type " + type);
+  throw std::logic_error("unsupported type of the field" + type);
 }
 
 // long double holds every double and every 64-bit whole number.

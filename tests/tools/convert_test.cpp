@@ -102,7 +102,7 @@ TEST_F(ConvertTest, las_packed_and_unpacked_again_is_the_same_byte_for_byte) {
     write("survey.las", {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
     const ProgramResult packed = convert("packed.laz", {"--overwrite"});
     EXPECT_EQ(packed.exit_code, 0) << packed.err;
-    EXPECT_TRUE(contains(packed.err, "all 2000 points written to packed.laz, in the same records"))
+    EXPECT_TRUE(contains(packed.err, "wrote all 2000 points to packed.laz, with unchanged records"))
         << packed.err;
     EXPECT_EQ(read("packed.laz")[25], version);
     EXPECT_EQ(run({"convert", "packed.laz", "-o", "again.las", "--overwrite", "-q"}).exit_code, 0);
@@ -158,10 +158,10 @@ TEST_F(ConvertTest, tiles_outside_the_box_are_counted_but_not_read) {
   const ProgramResult result =
       run({"convert", "tiles", "-o", "out.las", "--crop", "690004,5325000,690006,5325010"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "3 of 6 points written to out.las")) << result.err;
+  EXPECT_TRUE(contains(result.err, "wrote 3 of 6 points to out.las")) << result.err;
   EXPECT_EQ(read_cloud(folder / "out.las").gps_times, (std::vector<double>{2.5, 3.5, 4.5}));
   expect_error({"convert", "tiles", "-o", "none.las", "--crop", "0,0,1,1"},
-               "no point lies in --crop 0,0,1,1");
+               "no points inside --crop 0,0,1,1");
   expect_error({"convert", "tiles", "-o", "tiles/a.las", "--overwrite"}, "tiles/a.las: is read from as well");
 }
 
@@ -191,7 +191,7 @@ TEST_F(ConvertTest, crop_gives_the_same_points_of_an_index_file_whose_border_it_
     const ProgramResult result =
         run({"convert", input, "-o", "out.las", "--overwrite", "--crop", "-1,-1,0.35,1"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_TRUE(contains(result.err, "1 of 2 points written to out.las")) << result.err;
+    EXPECT_TRUE(contains(result.err, "wrote 1 of 2 points to out.las")) << result.err;
   }
   expect_error({"convert", "survey.alidade", "-o", "none.las", "--crop", "7,7,8,8"},
                "expected a part of the cloud, found points from 0.35000000000000003, 0, 0 to 0.45, 0.1, 0.1");
@@ -200,7 +200,7 @@ TEST_F(ConvertTest, crop_gives_the_same_points_of_an_index_file_whose_border_it_
 TEST_F(ConvertTest, messages_say_how_many_points_of_how_many_were_written) {
   write_survey();
   const ProgramResult result = convert("out.las", {"--every", "3"});
-  EXPECT_TRUE(contains(result.err, "2 of 4 points written to out.las")) << result.err;
+  EXPECT_TRUE(contains(result.err, "wrote 2 of 4 points to out.las")) << result.err;
 }
 
 TEST_F(ConvertTest, crop_takes_a_box_in_the_plane_or_in_space_with_its_border) {
@@ -247,13 +247,13 @@ TEST_F(ConvertTest, crop_comes_first_then_every_then_spacing) {
 TEST_F(ConvertTest, where_no_point_is_left_nothing_is_written) {
   write_survey();
   expect_error({"convert", "survey.las", "-o", "out.las", "--crop", "0,0,1,1"},
-               "no point lies in --crop 0,0,1,1; expected a part of the cloud, found points from 690000.01, "
+               "no points inside --crop 0,0,1,1; expected a part of the cloud, found points from 690000.01, "
                "5325000.02, 500.003 to 690005, 5325005, 500.6");
   write(
       "area.geojson",
       R"({"type":"Feature","properties":{},"geometry":{"type":"Polygon","coordinates":[[[0,0],[1,0],[0,1],[0,0]]]}})");
   expect_error({"convert", "survey.las", "-o", "out.las", "--crop", "area.geojson", "--crop-crs", "cloud"},
-               "area.geojson: no point lies in the polygons");
+               "area.geojson: no points inside the polygons");
 }
 
 TEST_F(ConvertTest, a_file_without_points_becomes_one_without_points) {
@@ -268,20 +268,21 @@ TEST_F(ConvertTest, wrong_options_are_errors_before_anything_is_read) {
   write("survey.las", "no cloud at all, which nobody gets to know");
   const Words words = {"convert", "survey.las", "-o", "out.las"};
   expect_error({"convert", "survey.las", "-o", "out.txt"},
-               "out.txt: the name tells no format that is written; expected a name that ends in .las");
-  expect_error({"convert", "survey.las", "-o", "survey.las", "--overwrite"}, "is read from as well");
+               "out.txt: unknown output format; expected a name that ends in .las");
+  expect_error({"convert", "survey.las", "-o", "survey.las", "--overwrite"}, "the output is also an input");
   expect_error(with(words, {"--crop", ""}), "--crop: expected a box or a file, found nothing");
   expect_error(with(words, {"--crop", "1,2,3"}), "--crop: expected x0,y0,x1,y1 or");
   expect_error(with(words, {"--crop", "1,2,0,3"}), "expected the lower x first, found x from 1 to 0");
   expect_error(with(words, {"--crop", "1,2,5,3,4,4"}), "expected the lower z first");
   expect_error(with(words, {"--crop", "1,2,x,4"}), "expected a number, found 'x'");
-  expect_error(with(words, {"--crop", "absent.gpkg"}), "absent.gpkg: is no file");
-  expect_error(with(words, {"--crop", "1,2,3,4", "--crop-crs", "EPSG:4326"}), "--crop-crs is for polygons");
+  expect_error(with(words, {"--crop", "absent.gpkg"}), "absent.gpkg: not a file");
+  expect_error(with(words, {"--crop", "1,2,3,4", "--crop-crs", "EPSG:4326"}),
+               "--crop-crs requires a polygon file");
   expect_error(with(words, {"--every", "0"}), "--every");
-  expect_error(with(words, {"--spacing", "0"}), "expected a length above 0, found '0'");
+  expect_error(with(words, {"--spacing", "0"}), "expected a positive length, found '0'");
   expect_error(with(words, {"--spacing", "-1"}), "--spacing");
   write("out.las", "precious");
-  expect_error(words, "out.las: exists already");
+  expect_error(words, "out.las: the file exists");
   EXPECT_EQ(read("out.las"), "precious");
 }
 

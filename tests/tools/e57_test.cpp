@@ -77,7 +77,7 @@ TEST_F(E57ProgramTest, names_stay_on_their_line) {
   write("named.e57", builder.file());
   const ProgramResult table = run({"info", "named.e57"});
   EXPECT_TRUE(contains(table.out, "scan 1 '?[31mGr\xC3\xBCn?points 9': 1 records")) << table.out;
-  EXPECT_TRUE(contains(table.out, "image 1: no picture, no pose")) << table.out;
+  EXPECT_TRUE(contains(table.out, "image 1: no image, no pose")) << table.out;
 }
 
 TEST_F(E57ProgramTest, scanner_positions_are_kept_by_index_files) {
@@ -119,7 +119,7 @@ TEST_F(E57ProgramTest, files_without_images_are_an_error_to_extract_from) {
   write_square("square.xyz");
   const ProgramResult result = run({"info", "--extract-images", "pictures", "square.xyz"});
   EXPECT_NE(result.exit_code, 0);
-  EXPECT_TRUE(contains(result.err, "no image to extract")) << result.err;
+  EXPECT_TRUE(contains(result.err, "no images to extract")) << result.err;
 }
 
 }  // namespace

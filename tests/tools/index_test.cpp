@@ -83,8 +83,10 @@ TEST_F(IndexTest, info_for_people_names_sources_and_index_facts) {
   index_scan({"--organisation", "layered"});
   const ProgramResult result = run({"info", "site.alidade"});
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* const part : {"site.alidade", "site.las", "LAS 1.4", "5000", "layered octree", "nodes",
-                                 "levels", "per point", "UTM zone 32N"}) {
+  for (const char* const part :
+       {"site.alidade", "site.las", "LAS 1.4", "5000",
+        "a thinned cloud: levels 0 to N of a layered octree; built for cloud files, while an", "nodes",
+        "levels", "per point", "output: LAS 1.4, or LAZ by the extension; metres, UTM zone 32N"}) {
     EXPECT_TRUE(contains(result.out, part)) << part << " in\n" << result.out;
   }
 }
@@ -165,12 +167,12 @@ TEST_F(IndexTest, verify_finds_damage_and_names_section_and_byte) {
   ProgramResult result = run({"info", "--verify", "site.alidade"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_TRUE(contains(result.err, "site.alidade:byte 4096: section nodes is damaged")) << result.err;
+  EXPECT_TRUE(contains(result.err, "site.alidade:byte 4096: section nodes corrupt checkpoint")) << result.err;
   // Without verifying it is told at once, and not asked for what is damaged.
   EXPECT_EQ(run({"info", "site.alidade"}).exit_code, 0);
   result = run({"render", "--cloud", "site.alidade", "-o", "out.png", "--size", "8x8", "--samples", "1"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "section nodes is damaged")) << result.err;
+  EXPECT_TRUE(contains(result.err, "section nodes corrupt checkpoint")) << result.err;
   for (const std::size_t place : {std::size_t{0}, std::size_t{50}, size / 2, size - 1}) {
     ASSERT_EQ(run({"index", "site.las", "-o", "site.alidade", "-q", "--overwrite"}).exit_code, 0);
     damage("site.alidade", place);
@@ -185,7 +187,7 @@ TEST_F(IndexTest, verify_of_another_file_is_an_error) {
   const ProgramResult result = run({"info", "--verify", "square.xyz"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "square.xyz: has no checksums")) << result.err;
-  EXPECT_TRUE(contains(run({"info", "--verify", "absent"}).err, "absent: cannot be opened"));
+  EXPECT_TRUE(contains(run({"info", "--verify", "absent"}).err, "absent: cannot open the file"));
 }
 
 TEST_F(IndexTest, existing_index_is_kept_without_overwrite) {
@@ -193,7 +195,7 @@ TEST_F(IndexTest, existing_index_is_kept_without_overwrite) {
   write("out.alidade", "precious");
   const ProgramResult result = run({"index", "square.xyz", "-o", "out.alidade"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "out.alidade: exists already")) << result.err;
+  EXPECT_TRUE(contains(result.err, "out.alidade: the file exists")) << result.err;
   EXPECT_EQ(read("out.alidade"), "precious");
   EXPECT_EQ(run({"index", "square.xyz", "-o", "out.alidade", "--overwrite"}).exit_code, 0);
   EXPECT_EQ(info({"out.alidade"}).at("points"), 400);
@@ -204,7 +206,7 @@ TEST_F(IndexTest, a_name_that_is_none_of_an_index_is_refused) {
   const ProgramResult result = run({"index", "square.xyz", "-o", "square.xyz", "--overwrite"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(
-      contains(result.err, "square.xyz: is no name of an index file; expected a name that ends in .alidade"))
+      contains(result.err, "square.xyz: not the name of an index file; expected the extension .alidade"))
       << result.err;
   EXPECT_EQ(names(), Words{"square.xyz"});
   EXPECT_EQ(info({"square.xyz"}).at("points"), 400);
@@ -228,9 +230,9 @@ TEST_F(IndexTest, wrong_options_are_explained) {
   };
   EXPECT_TRUE(
       contains(error_of({"--organisation", "flat"}), "expected adaptive|fixed|layered, found 'flat'"));
-  EXPECT_TRUE(contains(error_of({"--cell-size", "2"}), "--cell-size is for --organisation fixed"));
+  EXPECT_TRUE(contains(error_of({"--cell-size", "2"}), "--cell-size requires --organisation fixed"));
   EXPECT_TRUE(
-      contains(error_of({"--organisation", "fixed", "--cell-size", "0"}), "expected a length above 0"));
+      contains(error_of({"--organisation", "fixed", "--cell-size", "0"}), "expected a positive length"));
   EXPECT_TRUE(contains(error_of({"--organisation", "fixed", "--cell-size", "-1"}), "--cell-size"));
   EXPECT_EQ(names(), Words{"square.xyz"});
 }

@@ -22,7 +22,7 @@ class InfoSharedDataTest : public ProgramTest, public ::testing::WithParamInterf
 TEST_P(InfoSharedDataTest, counts_formats_and_traps_are_told) {
   const Expected& expected = GetParam();
   const auto file = shared_data(expected.name);
-  if (!file) GTEST_SKIP() << "../shared/data/" << expected.name << " is not there";
+  if (!file) GTEST_SKIP() << "../shared/data/" << expected.name << " not there";
   const ProgramResult json = run({"info", "--json", file->string()});
   ASSERT_EQ(json.exit_code, 0) << json.err;
   const Json info = Json::parse(json.out);
@@ -39,20 +39,25 @@ TEST_P(InfoSharedDataTest, counts_formats_and_traps_are_told) {
 }
 
 const Expected k_files[] = {
-    {"lidar_rgb/autzen_stadium_crop.las", "LAS", 2, 1032668, {"LAS 1.2", "colours use 8 of 16 bits"}},
+    {"lidar_rgb/autzen_stadium_crop.las",
+     "LAS",
+     2,
+     1032668,
+     {"LAS 1.2", "); --color-depth 16 reads them as 16 bits"}},
     {"lidar_rgb/autzen_trim_7.las", "LAS", 7, 110000, {"LAS 1.4", "NAD_1983_HARN_Lambert_Conformal_Conic"}},
     {"lidar_rgb/autzen_trim.laz", "LAZ", 3, 110000, {"LAZ 1.2", "NAD_1983_HARN_Lambert_Conformal_Conic"}},
     {"lidar_rgb/lion_takanawa.copc.laz", "COPC", 7, 341989, {"header box", "0.005", "OriginId", "none"}},
     {"lidar_rgb/sample_lareunion_epsg2975.laz", "LAZ", 8, 59712, {"near_infrared", "UTM zone 40S"}},
     {"lidar_rgb/4_6_crop.las", "LAS", 3, 23875, {"EPSG:2903", "vertical EPSG:5103"}},
     {"lidar_rgb/certainty3d-color-utm-feet-navd88.las", "LAS", 3, 10126, {"EPSG:2229"}},
-    {"lidar_rgb/warsaw_small.las", "LAS", 3, 3000, {"the WKT record holds no WKT"}},
+    {"lidar_rgb/warsaw_small.las", "LAS", 3, 3000, {"the WKT record contains no WKT"}},
     {"lidar_rgb/Semis_2022_0906_6665_LA93_IGN69_ok.laz", "LAZ", 7, 64572, {"Lambert-93"}},
     {"lidar/lone-star.laz",
      "LAZ",
      1,
      518862,
-     {"LAZ 1.1", "EPSG:4326", "header box up to 0.00225", "is geocentric, but the points lie"}},
+     {"LAZ 1.1", "EPSG:4326", "header box up to 0.00225",
+      "the coordinate reference system is geocentric, but the points are"}},
     {"lidar/test1_4.las", "LAS", 6, 1000, {"New Mexico Central (ftUS)"}},
     {"lidar/1_4_w_evlr.las", "LAS", 6, 1000, {"New Mexico Central (ftUS)"}},
     {"lidar/file_with_both_wkt_and_geotiff_vlrs.las", "LAS", 6, 25408, {"NAD83_2011_Nebraska_ft"}},
@@ -71,7 +76,7 @@ const Expected k_files[] = {
     {"e57/A_moved_B.e57", "E57", -1, 6, {"2 records, no pose", "4 records, no pose"}},
     {"text/bunnyData.pts", "PTS", -1, 30571, {}},
     {"text/1.2-with-color.ptx", "PTX", -1, 1065, {"color"}},
-    {"malformed/bad-geotiff-keys.las", "LAS", 1, 10, {"the GeoTIFF keys are damaged"}},
+    {"malformed/bad-geotiff-keys.las", "LAS", 1, 10, {"); they are kept unchanged"}},
     {"malformed/gps-time-nan.las", "LAS", 1, 1, {"gps_time"}},
     {"malformed/lots_of_vlr.las", "LAS", 1, 1, {}},
     {"malformed/no-points.las", "LAS", 3, 0, {}},

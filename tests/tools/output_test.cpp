@@ -48,7 +48,7 @@ TEST_F(OutputTest, existing_output_is_kept_without_overwrite_and_replaced_with_i
     write(output, "precious");
     const ProgramResult refused = run(words);
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "alidade: error: " + output + ": exists already")) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "alidade: error: " + output + ": the file exists")) << refused.err;
     EXPECT_TRUE(contains(refused.err, "--overwrite")) << refused.err;
     EXPECT_EQ(read(output), "precious");
     const std::string name = output;
@@ -85,7 +85,7 @@ TEST_F(OutputTest, file_that_is_read_is_never_replaced_whatever_it_is_called) {
     const std::string cloud = read("cloud.png"), places = read("places.csv"), index = read("square.alidade");
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_TRUE(contains(result.err, "is read from as well")) << result.err;
+    EXPECT_TRUE(contains(result.err, "the output is also an input")) << result.err;
     EXPECT_EQ(read("cloud.png"), cloud);
     EXPECT_EQ(read("places.csv"), places);
     EXPECT_TRUE(read("square.alidade") == index);
@@ -107,7 +107,7 @@ TEST_F(OutputTest, standard_input_is_never_replaced_either) {
 TEST_F(OutputTest, output_is_checked_before_the_input_is_read) {
   write("out.png", "precious");
   const ProgramResult result = run({"render", "--cloud", "absent.las", "-o", "out.png"});
-  EXPECT_TRUE(contains(result.err, "out.png: exists already")) << result.err;
+  EXPECT_TRUE(contains(result.err, "out.png: the file exists")) << result.err;
 }
 
 TEST_F(OutputTest, bad_input_leaves_no_output) {

@@ -118,13 +118,14 @@ TEST_F(QueryTest, limits_that_are_no_numbers_are_refused) {
 }
 
 TEST_F(QueryTest, levels_need_a_layered_index_as_the_manual_says) {
-  EXPECT_TRUE(contains(run({"query", "--help"}).out, "--organisation layered"));
+  EXPECT_TRUE(contains(run({"query", "--help"}).out,
+                       "index file must be layered (alidade index --organisation layered)"));
   for (const std::string organisation : {"adaptive", "fixed", "layered"}) {
     const std::string file = organisation + ".alidade";
     ASSERT_EQ(run({"index", "tiny.xyz", "-o", file, "--organisation", organisation, "-q"}).exit_code, 0);
     const ProgramResult result = run({"query", file, "--point", "0,0,0", "--max-level", "0", "-q"});
     EXPECT_EQ(result.exit_code, organisation == "layered" ? 0 : 2) << result.err;
-    EXPECT_EQ(contains(result.err, file + ": has no levels for --max-level; expected a layered index"),
+    EXPECT_EQ(contains(result.err, file + ": --max-level requires a layered index; expected a layered index"),
               organisation != "layered")
         << result.err;
   }
@@ -223,7 +224,7 @@ TEST_F(QueryTest, levels_thin_the_cloud_and_are_made_for_it) {
   ASSERT_EQ(run({"index", "square.xyz", "-o", "square.alidade", "-q"}).exit_code, 0);
   const ProgramResult result = run({"query", "square.alidade", "--point", "0,0,0", "--max-level", "1"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "square.alidade: has no levels for --max-level")) << result.err;
+  EXPECT_TRUE(contains(result.err, "square.alidade: --max-level requires a layered index")) << result.err;
 }
 
 TEST_F(QueryTest, answers_do_not_depend_on_threads_or_on_being_explained) {

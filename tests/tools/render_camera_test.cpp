@@ -38,7 +38,7 @@ class RenderCameraTest : public ProgramTest {
 TEST_F(RenderCameraTest, every_camera_of_a_model_is_a_numbered_picture_in_the_order_of_names) {
   const ProgramResult result = render({"--camera", "model", "-o", "out_%03d.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "rendering 3 pictures")) << result.err;
+  EXPECT_TRUE(contains(result.err, "rendering 3 images")) << result.err;
   EXPECT_TRUE(contains(result.err, "wrote out_000.png to out_002.png")) << result.err;
   EXPECT_EQ(names(),
             (std::vector<std::string>{"model", "out_000.png", "out_001.png", "out_002.png", "square.xyz"}));
@@ -78,7 +78,7 @@ TEST_F(RenderCameraTest, an_interrupted_set_goes_on_where_it_ended) {
   EXPECT_EQ(read("2.png"), "another program's");
   const ProgramResult nothing = render({"--camera", "model", "-o", "%d.png", "--skip-existing"});
   EXPECT_EQ(nothing.exit_code, 0);
-  EXPECT_TRUE(contains(nothing.err, "every picture is there already")) << nothing.err;
+  EXPECT_TRUE(contains(nothing.err, "all images exist")) << nothing.err;
 }
 
 TEST_F(RenderCameraTest, mistakes_about_cameras_are_told_before_the_work) {
@@ -94,11 +94,11 @@ TEST_F(RenderCameraTest, mistakes_about_cameras_are_told_before_the_work) {
     "distortion": {"k1": -3}, "pose": {"look_at": {"eye": [101, 201, 9], "target": [101, 201.1, 5]}}})");
   expect({"--camera", "model", "-o", "out.png"}, "out.png: 3 cameras, but the name of one picture");
   expect({"--camera", "model", "-o", "%d_%d.png"}, "several numbers or names");
-  expect({"--camera", "model", "-o", "%x.png"}, "neither a number nor a name");
+  expect({"--camera", "model", "-o", "%x.png"}, "an invalid percent sign");
   expect({"--camera", "model", "--camera-name", "photos/bb.jpg", "-o", "out.png"},
-         "model: no camera called 'photos/bb.jpg'");
+         "model: no camera named 'photos/bb.jpg'");
   expect({"--camera", "nowhere", "-o", "out.png"}, "nowhere: no such file");
-  expect({"--camera", "fold.json", "-o", "out.png"}, "the distortion folds over");
+  expect({"--camera", "fold.json", "-o", "out.png"}, "pixels from the principal point");
   expect({"--camera", "model", "--panorama", "1,2,3", "-o", "out.png"}, "--panorama");
   expect({"--camera-name", "a", "-o", "out.png"}, "--camera-name requires --camera");
   expect({"--panorama", "1,2", "-o", "out.png"}, "expected 3 numbers with commas between");
@@ -108,7 +108,7 @@ TEST_F(RenderCameraTest, mistakes_about_cameras_are_told_before_the_work) {
   expect({"--orthographic", "top", "-o", "out.png"}, "--orthographic requires --resolution");
   expect({"--resolution", "1", "-o", "out.png"}, "--resolution requires --orthographic");
   expect({"--orthographic", "top", "--resolution", "0", "-o", "out.png"}, "--resolution");
-  expect({"--panorama", "1,2,3", "-o", "out.tif"}, "only a picture of parallel rays from straight above");
+  expect({"--panorama", "1,2,3", "-o", "out.tif"}, "only a image of parallel rays from straight above");
 }
 
 TEST_F(RenderCameraTest, lenses_that_fold_over_name_their_camera) {
@@ -124,7 +124,8 @@ TEST_F(RenderCameraTest, two_photos_that_would_be_one_picture_are_an_error) {
   write("model/images.txt", "1 0 1 0 0 -101 201 9 1 a/b.jpg\n\n2 0 1 0 0 -100.5 201 9 2 a_b.png\n\n");
   const ProgramResult result = render({"--camera", "model", "-o", "%s.png"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "cameras 'a/b.jpg' and 'a_b.png' would both be a_b.png")) << result.err;
+  EXPECT_TRUE(contains(result.err, "cameras 'a/b.jpg' and 'a_b.png' have the same output a_b.png"))
+      << result.err;
 }
 
 TEST_F(RenderCameraTest, names_from_a_file_lead_nowhere_else) {
@@ -139,7 +140,7 @@ TEST_F(RenderCameraTest, a_trajectory_takes_its_lens_from_a_camera_file) {
         "# opencv camera_to_world\ntime,x,y,z,qw,qx,qy,qz\n0,101,201,9,0,1,0,0\n0.5,101.5,201,9,0,1,0,0\n");
   const ProgramResult missing = render({"--camera", "flight.csv", "-o", "%04d.png"});
   EXPECT_EQ(missing.exit_code, 2);
-  EXPECT_TRUE(contains(missing.err, "flight.csv:line 2: a trajectory has no lens")) << missing.err;
+  EXPECT_TRUE(contains(missing.err, "flight.csv:line 2: missing lens for the trajectory")) << missing.err;
   const ProgramResult result = render({"--camera", "flight.csv", "--lens", "lens.json", "-o", "%04d.png"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(read("0000.png"), read("0001.png"));
@@ -149,8 +150,8 @@ TEST_F(RenderCameraTest, a_camera_inside_a_point_is_an_error) {
   const ProgramResult result = render({"--panorama", "100.1,200.1,5.01", "--radius", "0.1", "-o", "out.png"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err,
-                       "the camera stands inside the sphere of point 21; expected a place more than 0.1 from "
-                       "it, found 0.01 away"))
+                       "the camera is inside the sphere of point 21; expected a place more than 0.1 from "
+                       "it, found 0.01"))
       << result.err;
   EXPECT_EQ(render({"--panorama", "100.1,200.1,5.2", "--radius", "0.1", "--size", "16x8", "-o", "out.png"})
                 .exit_code,
@@ -158,7 +159,7 @@ TEST_F(RenderCameraTest, a_camera_inside_a_point_is_an_error) {
 }
 
 TEST_F(RenderCameraTest, gdalinfo_prints_the_corners_of_an_orthophoto) {
-  if (std::system("command -v gdalinfo > /dev/null") != 0) GTEST_SKIP() << "gdalinfo (gdal-bin) is not there";
+  if (std::system("command -v gdalinfo > /dev/null") != 0) GTEST_SKIP() << "gdalinfo (gdal-bin) not there";
   ASSERT_EQ(run({"generate", "courtyard", "--points", "2e4", "-o", "yard.las", "-q"}).exit_code, 0);
   const ProgramResult result =
       run({"render", "--cloud", "yard.las", "--orthographic", "top", "--resolution", "0.5", "--extent",

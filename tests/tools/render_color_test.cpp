@@ -98,7 +98,7 @@ TEST_F(RenderColorTest, single_classes_can_have_other_colours) {
   EXPECT_NE(read("usual.png"), read("changed.png"));
   const ProgramResult refused = render({"--color-by", "height", "--class-color", "6=#102030", "-o", "c.png"});
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "colours of classes are for points coloured by class")) << refused.err;
+  EXPECT_TRUE(contains(refused.err, "class colours require classification")) << refused.err;
 }
 
 TEST_F(RenderColorTest, a_legend_of_the_points_own_colours_is_an_error_that_says_why) {
@@ -107,8 +107,7 @@ TEST_F(RenderColorTest, a_legend_of_the_points_own_colours_is_an_error_that_says
     more.insert(more.end(), {"--legend", "legend.png"});
     const ProgramResult result = render(more);
     EXPECT_EQ(result.exit_code, 2);
-    EXPECT_TRUE(contains(result.err, "a legend has nothing to explain: the colours are the points' own"))
-        << result.err;
+    EXPECT_TRUE(contains(result.err, "rgb colours have no legend")) << result.err;
     EXPECT_EQ(names(), Words{"yard.las"});
   }
 }
@@ -149,7 +148,7 @@ TEST_F(RenderColorTest, a_legend_of_other_colours_does_not_stay_without_the_chec
   more.insert(more.end(), {"-o", "classes.png"});
   const ProgramResult refused = render(more);
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "legend.png: exists already")) << refused.err;
+  EXPECT_TRUE(contains(refused.err, "legend.png: the file exists")) << refused.err;
   EXPECT_EQ(read("legend.png"), heights);
   more.push_back("--overwrite");
   EXPECT_EQ(render(more).exit_code, 0);
@@ -164,7 +163,7 @@ TEST_F(RenderColorTest, a_missing_attribute_is_an_error_that_lists_what_the_clou
   const ProgramResult result = render({"--color-by", "greenish"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err,
-                       "yard.las: points have no \"greenish\" to be coloured by; expected one of height, "
+                       "yard.las: the cloud has no attribute \"greenish\"; expected one of height, "
                        "normal, rgb, intensity, classification"))
       << result.err;
   write_square("square.xyz");

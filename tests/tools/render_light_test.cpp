@@ -77,17 +77,18 @@ TEST_F(RenderLightTest, mistakes_about_the_sun_are_errors_that_explain) {
     EXPECT_EQ(result.exit_code, 2) << result.err;
     EXPECT_TRUE(contains(result.err, part)) << result.err;
   };
-  expect({"--sun-time", "2026-06-21T12:00:00"}, "date and time without a time zone");
-  expect({"--sun-time", "noon"}, "not a date and time");
-  expect({"--sun-time", "2026-06-21T12:00:00Z"}, "needs a latitude and a longitude");
-  expect({"--sun-place", "48,11"}, "--sun-time DATE-TIME beside it");
-  expect({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", "48"}, "expected two numbers");
+  expect({"--sun-time", "2026-06-21T12:00:00"}, "missing time zone");
+  expect({"--sun-time", "noon"}, "invalid date and time");
+  expect({"--sun-time", "2026-06-21T12:00:00Z"}, "the sun position requires latitude and longitude");
+  expect({"--sun-place", "48,11"}, "--sun-time DATE-TIME with it");
+  expect({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", "48"},
+         "expected two numbers separated by a comma, found");
   expect({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", "91,11"}, "--sun-place");
-  expect({"--sun", "100"}, "expected two numbers");
+  expect({"--sun", "100"}, "expected two numbers separated by a comma, found");
   expect({"--sun", "100,-90"}, "above -90");
   expect({"--sun", "100,20", "--no-sun"}, "--sun excludes --no-sun");
   expect({"--sun", "100,20", "--sun-time", "2026-06-21T12:00:00Z"}, "--sun");
-  expect({"--ao-distance", "2"}, "--mode ambient_occlusion");
+  expect({"--ao-distance", "2"}, "--mode ambient_occlusion with it");
   expect({"--mode", "ao"}, "expected path|ambient_occlusion|headlight|flat");
 }
 
@@ -98,7 +99,7 @@ TEST_F(RenderLightTest, options_that_a_mode_does_not_use_are_errors) {
              {"--sun", "10,20"}, {"--sun-time", moment}, {"--sun-place", "48,11"}, {"--max-bounces", "3"}}) {
       const ProgramResult result = render_square({"--mode", mode, words[0], words[1]});
       EXPECT_EQ(result.exit_code, 2);
-      const std::string said = " changes nothing in this mode; expected --mode path, found " + mode;
+      const std::string said = " has no effect in this mode; expected --mode path, found " + mode;
       EXPECT_TRUE(contains(result.err, "error: " + words[0] + said)) << result.err;
     }
     // Nor does it light anything, which is what this asks for.
@@ -125,7 +126,8 @@ TEST_F(RenderLightTest, ambient_occlusion_without_a_cloud_reaches_any_distance) 
                "pose": {"look_at": {"eye": [0, -4, 1], "target": [0, 0, 0]}}}})");
   const ProgramResult result = render({"ball.json", "--mode", "ambient_occlusion", "-o", "out.png"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "ambient occlusion at any distance")) << result.err;
+  EXPECT_TRUE(contains(result.err, "ambient occlusion at any distance (there is no cloud to set the range)"))
+      << result.err;
 }
 
 TEST_F(RenderLightTest, a_panorama_is_a_sky) {

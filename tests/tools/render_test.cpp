@@ -91,11 +91,11 @@ TEST_F(RenderCommandTest, cloud_without_points_has_no_view) {
         "z\nend_header\n");
   const ProgramResult result = run(small({"--cloud", "empty.ply", "-o", "out.png"}));
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "empty.ply: holds no points")) << result.err;
+  EXPECT_TRUE(contains(result.err, "empty.ply: the cloud missing points")) << result.err;
   ASSERT_EQ(run({"index", "empty.ply", "-o", "empty.alidade", "-q"}).exit_code, 0);
   const ProgramResult of_index = run(small({"--cloud", "empty.alidade", "-o", "out.png"}));
   EXPECT_EQ(of_index.exit_code, 2);
-  EXPECT_TRUE(contains(of_index.err, "empty.alidade: holds no points")) << of_index.err;
+  EXPECT_TRUE(contains(of_index.err, "empty.alidade: the cloud missing points")) << of_index.err;
 }
 
 TEST_F(RenderCommandTest, missing_part_that_writes_pictures_is_told_before_the_work) {
@@ -147,7 +147,7 @@ TEST_F(RenderCommandTest, adapted_radii_are_measured_once_and_kept_in_an_index_f
     const ProgramResult result = run({"render", "--cloud", cloud, "-o", picture, "--radius", "adapted",
                                       "--radius-max", "2", "--size", "32x24", "--samples", "2"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_TRUE(contains(result.err, "spheres of radius 0.75 times the distance to neighbour 8, at most 2"))
+    EXPECT_TRUE(contains(result.err, "at most spheres of radius 0.75 times the distance to neighbour 8, 2"))
         << result.err;
     const std::string content = read(picture);
     return std::pair(content.substr(content.find("IDAT")), contains(result.err, "measuring spacings"));
@@ -166,7 +166,7 @@ TEST_F(RenderCommandTest, options_of_adapted_radii_beside_one_radius_are_an_erro
       const ProgramResult result =
           run({"render", "--cloud", "square.xyz", "-o", "out.png", option, "2", "--radius", radius});
       EXPECT_EQ(result.exit_code, 2);
-      EXPECT_TRUE(contains(result.err, "error: " + option + ": is for --radius adapted only")) << result.err;
+      EXPECT_TRUE(contains(result.err, "error: " + option + ": requires --radius adapted")) << result.err;
     }
   }
 }
@@ -181,23 +181,23 @@ TEST_F(RenderCommandTest, options_of_adapted_radii_leave_the_others_as_the_scene
   };
   const std::string own = R"({"neighbours": 3, "factor": 1.5, "max": 0.5})";
   EXPECT_TRUE(contains(said(own, {"--radius-factor", "2"}),
-                       "radius 2 times the distance to neighbour 3, at most 0.5"));
+                       "at most radius 2 times the distance to neighbour 3, 0.5"));
   EXPECT_TRUE(contains(said(own, {"--radius-neighbours", "5", "--radius-max", "0.25"}),
-                       "radius 1.5 times the distance to neighbour 5, at most 0.25"));
+                       "at most radius 1.5 times the distance to neighbour 5, 0.25"));
   EXPECT_TRUE(contains(said(own, {"--radius", "adapted"}),
-                       "radius 1.5 times the distance to neighbour 3, at most 0.5"));
+                       "at most radius 1.5 times the distance to neighbour 3, 0.5"));
   EXPECT_FALSE(contains(said(own, {"--radius-max", "auto"}), "at most 0.5"));
   EXPECT_TRUE(contains(said(own, {"--radius", "0.125"}), "spheres of radius 0.125\n"));
   EXPECT_TRUE(contains(said(own, {"--radius", "auto"}), "(from the spacing of the points)"));
   EXPECT_TRUE(contains(said("0.125", {"--radius-max", "0.25"}),
-                       "radius 0.75 times the distance to neighbour 8, at most 0.25"));
+                       "at most radius 0.75 times the distance to neighbour 8, 0.25"));
 }
 
 TEST_F(RenderCommandTest, max_level_of_points_without_levels_is_an_error) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "site.las", "-q"}).exit_code, 0);
   const ProgramResult result = run({"render", "--cloud", "site.las", "-o", "out.png", "--max-level", "2"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("max_level needs points in levels; expected an index file"), std::string::npos)
+  EXPECT_NE(result.err.find("max_level requires a layered index; expected an index file"), std::string::npos)
       << result.err;
 }
 

@@ -65,7 +65,7 @@ TEST_F(SqlLoadTest, a_file_becomes_a_table) {
   EXPECT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(result.out, "");
   EXPECT_TRUE(contains(result.err, "storing: 400 points")) << result.err;
-  EXPECT_TRUE(contains(result.err, "alidade: 400 points are table points of square.db")) << result.err;
+  EXPECT_TRUE(contains(result.err, "stored alidade: 400 points as table points of square.db")) << result.err;
   EXPECT_EQ(points("square.db"), 400);
   EXPECT_EQ(names(), (Words{"square.db", "square.xyz"}));
   EXPECT_EQ(load({"square.xyz", "quiet.db"}, {"-q"}).err, "");
@@ -78,7 +78,7 @@ TEST_F(SqlLoadTest, files_of_every_format_become_tables) {
         "text/1.2-with-color.ptx", "text/ripple.pts"}) {
     SCOPED_TRACE(name);
     const std::optional<std::filesystem::path> file = shared_data(name);
-    if (!file) GTEST_SKIP() << "../shared/data beside the repository is not there";
+    if (!file) GTEST_SKIP() << "../shared/data beside the repository not there";
     ASSERT_EQ(load({file->string(), "site.db"}, {"-q", "--overwrite", "--memory=1M"}).exit_code, 0);
     const PointCloud cloud = read_cloud(*file);
     double sum = 0;
@@ -119,7 +119,7 @@ TEST_F(SqlLoadTest, a_table_is_replaced_only_with_overwrite_and_only_if_it_is_a_
   const ProgramResult refused = load({"one.xyz", "site.db"});
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_TRUE(contains(refused.err,
-                       "site.db: there is a table points already; expected another name, or "
+                       "site.db: the table points exists; expected another name, or "
                        "--overwrite"))
       << refused.err;
   EXPECT_EQ(points("site.db"), 400);
@@ -131,7 +131,7 @@ TEST_F(SqlLoadTest, a_table_is_replaced_only_with_overwrite_and_only_if_it_is_a_
   }
   const ProgramResult mine = load({"one.xyz", "site.db"}, {"--table=mine", "--overwrite"});
   EXPECT_EQ(mine.exit_code, 2);
-  EXPECT_TRUE(contains(mine.err, "expected a cloud to replace")) << mine.err;
+  EXPECT_TRUE(contains(mine.err, "expected a cloud")) << mine.err;
 }
 
 TEST_F(SqlLoadTest, other_and_damaged_files_are_no_databases_and_stay_as_they_are) {
@@ -141,7 +141,7 @@ TEST_F(SqlLoadTest, other_and_damaged_files_are_no_databases_and_stay_as_they_ar
   for (const auto& [content, problem] :
        {std::pair<std::string, std::string>("text that is long enough to be told from an empty file, and no "
                                             "database at all, whatever the name says of it......",
-                                            "file is not a database"),
+                                            "file not a database"),
         {whole.substr(0, whole.size() / 2), "malformed"},
         {whole.substr(0, 100), "malformed"}}) {
     write("site.db", content);
@@ -161,15 +161,15 @@ TEST_F(SqlLoadTest, usage_is_explained) {
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_TRUE(contains(result.err, text)) << result.err;
   };
-  says({"square.xyz", "square.las"}, {}, "square.las: is the name of a cloud file");
-  says({"square.xyz", "absent/site.db"}, {}, "absent/site.db: cannot be written");
+  says({"square.xyz", "square.las"}, {}, "square.las: the database name is that of a cloud file");
+  says({"square.xyz", "absent/site.db"}, {}, "absent/site.db: cannot write the file");
   says({"absent.las", "site.db"}, {}, "absent.las");
   says({"square.xyz", "square.db"}, {"--chunk-points=0"}, "--chunk-points");
   says({"square.xyz", "square.db"}, {"--memory=1k"}, "expected at least 1M");
   says({"square.xyz", "square.db"}, {"--table="}, "--table");
-  says({"square.xyz", "."}, {}, "not a regular file");
+  says({"square.xyz", "."}, {}, "cannot replace a file that is not regular");
   std::filesystem::copy(folder / "square.xyz", folder / "square.db");
-  says({"square.db", "square.db"}, {}, "is read from as well");
+  says({"square.db", "square.db"}, {}, "the output is also an input");
   EXPECT_EQ(names(), (Words{"square.db", "square.xyz"}));
 }
 
@@ -181,7 +181,7 @@ TEST_F(SqlLoadTest, a_full_disk_leaves_nothing_behind) {
   const ProgramResult sort =
       run_on_full_disk({"sql", "load", "site.las", "site.db", "--memory=1M"}, 1'000'000);
   EXPECT_EQ(sort.exit_code, 2);
-  EXPECT_TRUE(contains(sort.err, "writing what memory does not hold")) << sort.err;
+  EXPECT_TRUE(contains(sort.err, "cannot write a temporary file in this folder")) << sort.err;
   EXPECT_EQ(names(), Words{"site.las"});
 }
 

@@ -116,7 +116,7 @@ TEST_F(SqlPromptTest, statements_are_typed_edited_and_called_back) {
     EXPECT_TRUE(terminal.edits("/* not run\n", "...> "));
     EXPECT_TRUE(terminal.edits("SELECT 70 + 7;\n", "...> "));
     EXPECT_TRUE(terminal.edits("*/ SELECT 4000 + 24;\n", "4024"));
-    EXPECT_TRUE(terminal.edits(".frob\n", "no such command"));
+    EXPECT_TRUE(terminal.edits(".frob\n", "unknown command"));
     EXPECT_TRUE(terminal.edits("SELECT idd;\n", "statement:1:8: no such column: idd"));
     EXPECT_TRUE(
         terminal.edits("ELECT 'caf\xc3\xa9' || count(*) AS n FROM points" + to_begin + "S" + to_end + ";\n",

@@ -228,7 +228,7 @@ TEST_F(VisibilityMapsTest, what_a_user_got_wrong_is_said_before_surfaces_are_mea
   const Words raster = with({"-o", "seen.tif"}, k_eye);
   expect_refused_early("raster", {"-o", "seen.tif", "--observers", "nobody.csv"}, "nobody.csv");
   expect_refused_early("raster", {"-o", "seen.tif", "--observer", "690900,5325100"},
-                       "no points of the cloud");
+                       "no points of the cloud below the observer");
   expect_refused_early("raster", with(raster, {"--resolution", "0.0001"}), "cells");
   expect_refused_early("raster", with(raster, {"--area", "0,0,1,1"}), "--area");
   expect_refused_early("raster", with(raster, {"--ground", "class", "--preview", "seen.jpg"}), ".png");

@@ -82,7 +82,9 @@ TEST_F(VisibilityPlaceTest, nobody_who_sees_anything_is_the_answer_no) {
   write("blind.csv", "x,y,z,max_distance\n-3,0,1,0.1\n");
   const ProgramResult result = place({"--observers", "blind.csv", "--count", "1", "-o", "b.csv"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_NE(result.err.find("no candidate sees any target"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("no candidate sees any target with a positive weight; writing nothing"),
+            std::string::npos)
+      << result.err;
   EXPECT_EQ(names(), (std::vector<std::string>{"blind.csv", "site.csv"}));
 }
 
@@ -97,13 +99,13 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_said) {
     EXPECT_EQ(result.exit_code, 2) << part;
     EXPECT_NE(result.err.find(part), std::string::npos) << result.err;
   };
-  fails_with({"--curve", "c.jpg"}, "c.jpg: curves are drawn as PNG");
+  fails_with({"--curve", "c.jpg"}, "c.jpg: unsupported curve format");
   fails_with({"--curve", "b.csv"}, "b.csv: ");
-  fails_with({"--class-weights", "6:2"}, "expected CLASS=WEIGHT");
-  fails_with({"--class-weights", "6=1,6=2"}, "class 6 is weighed twice");
+  fails_with({"--class-weights", "6:2"}, "expected CLASS=WEIGHT, such as 6=2.5, found");
+  fails_with({"--class-weights", "6=1,6=2"}, "duplicate weight of class 6");
   fails_with({"--class-weights", "256=1"}, "--class-weights");
-  fails_with({"--target-classes", "40"}, "site.csv: has no points of the targets' classes");
-  fails_with({"--target-spacing", "1e-6"}, "spacing of targets is too fine");
+  fails_with({"--target-classes", "40"}, "site.csv: the cloud missing points of the target classes");
+  fails_with({"--target-spacing", "1e-6"}, "target spacing too small for the extent of the cloud");
   fails_with({"--count", "0"}, "--count");
   const ProgramResult nobody = place({"--count", "1", "-o", "b.csv"});
   EXPECT_EQ(nobody.exit_code, 2);
@@ -111,7 +113,7 @@ TEST_F(VisibilityPlaceTest, what_cannot_be_done_is_said) {
   const ProgramResult plain = run({"visibility", "place", "plain.xyz", "-q", "--observer", "100,200,7",
                                    "--count", "1", "--target-classes", "2", "-o", "b.csv"});
   EXPECT_EQ(plain.exit_code, 2);
-  EXPECT_NE(plain.err.find("has no classes"), std::string::npos) << plain.err;
+  EXPECT_NE(plain.err.find("the cloud has no classification for targets"), std::string::npos) << plain.err;
 }
 
 TEST_F(VisibilityPlaceTest, a_full_disk_is_an_error_but_for_checkpoints_without_which_one_goes_on) {
@@ -122,7 +124,7 @@ TEST_F(VisibilityPlaceTest, a_full_disk_is_an_error_but_for_checkpoints_without_
   std::filesystem::remove(folder / "best.json");
   const ProgramResult full = run_on_full_disk(words, best.size() - 1);
   EXPECT_EQ(full.exit_code, 2);
-  EXPECT_NE(full.err.find("best.json: writing failed"), std::string::npos) << full.err;
+  EXPECT_NE(full.err.find("best.json: cannot write the file"), std::string::npos) << full.err;
   EXPECT_EQ(names(), std::vector<std::string>{"site.csv"});
 
   // Of the 400 parts of the checkpoint, 48 bytes each at least, the first ones fit.
@@ -132,7 +134,7 @@ TEST_F(VisibilityPlaceTest, a_full_disk_is_an_error_but_for_checkpoints_without_
   ASSERT_LT(best.size(), limit);
   const ProgramResult result = run_on_full_disk(kept, limit);
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.err.find("no checkpoint: state: writing failed"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("no checkpoint: state: cannot write the file"), std::string::npos) << result.err;
   EXPECT_EQ(read("best.json"), best);
   EXPECT_EQ(names(), (std::vector<std::string>{"best.json", "site.csv"}));
 }

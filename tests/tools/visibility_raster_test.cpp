@@ -136,7 +136,9 @@ TEST_F(VisibilityRasterTest, what_was_used_is_printed_and_stored) {
   }
   EXPECT_EQ(map.metadata.at("alidade_observer_count"), "1");
   EXPECT_TRUE(contains(map.metadata.at("alidade_observers"), "observer 1: 690005 5325010 601.5"));
-  EXPECT_TRUE(contains(map.metadata.at("alidade_ground"), "classes 2, 9 and 11"));
+  EXPECT_TRUE(
+      contains(map.metadata.at("alidade_ground"),
+               "ground: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest"));
   EXPECT_TRUE(contains(map.metadata.at("alidade_command"), "alidade visibility raster garden.las"));
   EXPECT_EQ(map.metadata.at("AREA_OR_POINT"), "Area");
 }
@@ -191,7 +193,7 @@ TEST_F(VisibilityRasterTest, heights_are_told_from_that_of_what_is_looked_at) {
   const ProgramResult result =
       raster(with(k_eye, {"--mode", "height", "--tz", "0.4", "--area", "690000,5325000,690009,5325020"}));
   ASSERT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "seen at 0.4 above the ground 100.0 % of the cells")) << result.err;
+  EXPECT_TRUE(contains(result.err, "visible at 0.4 above the ground 100.0 % of the cells")) << result.err;
   const ReadMap map = read_map("seen.tif");
   for (const double value : map.values) EXPECT_FLOAT_EQ(static_cast<float>(value), 0.4f);
 }
@@ -210,20 +212,22 @@ TEST_F(VisibilityRasterTest, bytes_do_not_depend_on_the_number_of_threads) {
 }
 
 TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
-  expect_refused({"-o", "seen.tif"}, "nobody looks");
+  expect_refused({"-o", "seen.tif"}, "missing observers");
   expect_refused({"--observer", "690005,5325010", "--resolution", "0", "-o", "seen.tif"}, "--resolution");
   expect_refused({"--observer", "690005,5325010", "--resolution", "0.0001", "-o", "seen.tif"},
                  "200000 x 200000 = 4e+10 cells");
-  expect_refused({"--observer", "690005,5325010", "-o", "seen.png"}, "maps are written as GeoTIFF");
+  expect_refused({"--observer", "690005,5325010", "-o", "seen.png"}, "unsupported map format");
   expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--preview", "seen.jpg"},
-                 "written as PNG");
+                 "unsupported preview format");
   expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1,1"},
-                 "--area holds nothing of the cloud");
+                 "--area contains no points of the cloud");
   expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--area", "0,0,1"},
                  "XMIN,YMIN,XMAX,YMAX");
-  expect_refused({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"}, "no observer reaches");
-  expect_refused({"--observer", "691005,5325010", "-o", "seen.tif"}, "no points of the cloud below");
-  expect_refused({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "is no place");
+  expect_refused({"--observer", "691005,5325010,610", "--md", "50", "-o", "seen.tif"},
+                 "no observer reaches the map");
+  expect_refused({"--observer", "691005,5325010", "-o", "seen.tif"},
+                 "no points of the cloud below the observer");
+  expect_refused({"--observer", "nan,5325010,1", "-o", "seen.tif"}, "invalid position");
   expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--mode", "all"},
                  "visible|count|height|fraction");
   expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "256"}, "--visible-value");
@@ -237,9 +241,9 @@ TEST_F(VisibilityRasterTest, bad_wishes_are_errors_and_leave_no_map) {
                              {"--mode", "fraction", "--iv", "7"},
                              {"--mode", "height", "--ov", "7"}})
     expect_refused(with({"--observer", "690005,5325010", "-o", "seen.tif"}, words),
-                   "means nothing for this map");
+                   "does not apply to this map");
   expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--vv", "7", "--iv", "7"},
-                 "what is seen and what is not have the same value");
+                 "visible and invisible cells have the same value");
   expect_refused({"--observer", "690005,5325010", "-o", "seen.tif", "--direction_range", "90,0"},
                  "expected the smaller angle first");
   write("seen.tif", "mine");

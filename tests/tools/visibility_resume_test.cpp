@@ -26,7 +26,7 @@ TEST_F(ResumeTest, interrupted_it_keeps_a_checkpoint_and_ends_with_130) {
 
   const ProgramResult refused = run(words);
   EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_TRUE(contains(refused.err, "state: exists already; expected --resume")) << refused.err;
+  EXPECT_TRUE(contains(refused.err, "state: the file exists; expected --resume")) << refused.err;
   const ProgramResult other = run(with(words, {"--resume", "--transparency", "2"}));
   EXPECT_EQ(other.exit_code, 2);
   EXPECT_TRUE(contains(other.err,
@@ -75,7 +75,7 @@ TEST_F(ResumeTest, without_a_checkpoint_yet_resume_starts_and_says_so) {
   ASSERT_EQ(run(with(words, {"-o", "whole.las"})).exit_code, 0);
   const ProgramResult result = run(with(with(words, k_keep), {"-o", "out.las"}));
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_TRUE(contains(result.err, "there is no checkpoint state yet: starting afresh")) << result.err;
+  EXPECT_TRUE(contains(result.err, "no checkpoint state: starting from the beginning")) << result.err;
   EXPECT_TRUE(read("out.las") == read("whole.las"));
   EXPECT_EQ(names(), (Words{"out.las", "square.xyz", "whole.las"}));
 }
@@ -86,13 +86,13 @@ TEST_F(ResumeTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
     const ProgramResult refused =
         run(with(k_points, {"--observer", "101,201,7", "-o", "out.las", "--checkpoint", "notes.txt", flag}));
     EXPECT_EQ(refused.exit_code, 2);
-    EXPECT_TRUE(contains(refused.err, "notes.txt:byte 0: is not a checkpoint of such a run")) << refused.err;
+    EXPECT_TRUE(contains(refused.err, "notes.txt:byte 0: not a checkpoint of such a run")) << refused.err;
     EXPECT_EQ(read("notes.txt"), "precious");
   }
   const ProgramResult same =
       run(with(k_points, {"--observer", "101,201,7", "-o", "out.las", "--checkpoint", "./out.las"}));
   EXPECT_EQ(same.exit_code, 2);
-  EXPECT_TRUE(contains(same.err, "./out.las: is an output to write")) << same.err;
+  EXPECT_TRUE(contains(same.err, "./out.las: also the name of an output")) << same.err;
 }
 
 TEST_F(ResumeTest, lines_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {

@@ -67,7 +67,7 @@ TEST_F(SkyTest, horizon_writes_geojson_skyline_and_panorama) {
                                     "--depth", "around.exr", "--depth-size", "128x64"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_EQ(names(), (Words{"around.exr", "line.geojson", "line.png", "site.csv"}));
-  EXPECT_TRUE(contains(result.err, "sky-view factor")) << result.err;
+  EXPECT_TRUE(contains(result.err, "sky-view factor on the horizontal")) << result.err;
   const auto line = nlohmann::json::parse(read("line.geojson"));
   ASSERT_EQ(line["features"].size(), 181u);
   EXPECT_EQ(line["features"][0]["geometry"]["coordinates"][0], -3.0);
@@ -86,10 +86,10 @@ TEST_F(SkyTest, horizon_is_that_of_one_place_with_files_that_tell_their_kind) {
     return visibility("horizon", words);
   };
   EXPECT_TRUE(contains(with({"--observer", "1,1,1"}).err, "expected one observer, found 2"));
-  EXPECT_TRUE(contains(with({"-o", "line.txt"}).err, ".csv or .geojson"));
+  EXPECT_TRUE(contains(with({"-o", "line.txt"}).err, "the extension .csv or .geojson"));
   EXPECT_TRUE(contains(with({"--skyline", "line.jpg"}).err, ".png"));
   EXPECT_TRUE(contains(with({"--depth", "line.png"}).err, ".exr"));
-  EXPECT_TRUE(contains(with({"--step", "0.7"}).err, "step between azimuths"));
+  EXPECT_TRUE(contains(with({"--step", "0.7"}).err, "azimuth step"));
   EXPECT_TRUE(contains(with({"--resolution", "0.017"}).err, "resolution"));
   EXPECT_EQ(visibility("horizon", {}).exit_code, 2);
   EXPECT_EQ(names(), (Words{"site.csv"}));
@@ -155,10 +155,10 @@ TEST_F(SkyTest, sun_needs_a_place_and_a_time) {
     EXPECT_EQ(result.exit_code, 2) << option << " " << value;
     return result.err;
   };
-  EXPECT_TRUE(contains(err("--from", "midsummer"), "date and time"));
+  EXPECT_TRUE(contains(err("--from", "midsummer"), "missing time zone"));
   EXPECT_TRUE(contains(err("--from", "2026-06-21T10:00"), "time zone"));
   EXPECT_TRUE(contains(err("--from", "2026-02-30"), "expected a day such as"));
-  EXPECT_TRUE(contains(err("--to", "2026-06-20"), "no time lies between"));
+  EXPECT_TRUE(contains(err("--to", "2026-06-20"), "empty time range"));
   EXPECT_TRUE(contains(err("--step", "0"), "--step"));
   EXPECT_TRUE(contains(err("--bin", "40"), "--bin"));
   EXPECT_EQ(visibility("sun", {"--place", "48", "--from", "2026-06-21", "-o", "sun.las"}).exit_code, 2);
@@ -171,7 +171,7 @@ TEST_F(SkyTest, options_of_maps_mean_nothing_for_points_nor_the_other_way) {
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--receiver", "surface"}).err, "--receiver"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.las", "--preview", "a.png"}).err, "--preview"));
   EXPECT_TRUE(contains(visibility("sky", {"-o", "a.tif", "--preview", "a.jpg"}).err, ".png"));
-  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.txt"}).err, ".las, .laz, .ply or .tif"));
+  EXPECT_TRUE(contains(visibility("sky", {"-o", "a.txt"}).err, "the extension .las, .laz, .ply or .tif"));
   EXPECT_EQ(visibility("sky", {"-o", "a.las", "--directions", "0"}).exit_code, 2);
 }
 
@@ -184,7 +184,7 @@ TEST_F(SkyTest, clouds_in_degrees_have_no_elevations) {
         Words{"visibility", "horizon", file->string(), "--observer", "-94.6,39.1,300"}}) {
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 2) << words[1];
-    EXPECT_TRUE(contains(result.err, "a projected reference system")) << result.err;
+    EXPECT_TRUE(contains(result.err, "a projected reference system: reproject the cloud")) << result.err;
   }
 }
 

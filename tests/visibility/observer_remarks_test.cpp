@@ -47,8 +47,8 @@ TEST(ObserverRemarks, name_observers_far_outside_and_those_who_cannot_reach_the_
 
 TEST(ObserverRemarks, name_observers_below_the_ground) {
   const Occluders occluders = garden().occluders();
-  EXPECT_NE(remark_on(occluders, {5, 5, -0.3}).find("in the ground"), std::string::npos);
-  EXPECT_EQ(remark_on(occluders, {50, 5, -0.3}, 100.0).find("in the ground"), std::string::npos)
+  EXPECT_NE(remark_on(occluders, {5, 5, -0.3}).find("is below all points near it"), std::string::npos);
+  EXPECT_EQ(remark_on(occluders, {50, 5, -0.3}, 100.0).find("is below all points near it"), std::string::npos)
       << "nothing is near";
 }
 

@@ -57,22 +57,22 @@ TEST(PairTable, places_may_lack_z_height_and_name) {
 }
 
 TEST(PairTable, errors_name_the_line) {
-  EXPECT_TRUE(problem_of("").starts_with(": holds no pairs"));
-  EXPECT_TRUE(problem_of("from,to\n").starts_with(": holds no pairs"));
+  EXPECT_TRUE(problem_of("").starts_with(": contains no pairs"));
+  EXPECT_TRUE(problem_of("from,to\n").starts_with(": contains no pairs"));
   EXPECT_TRUE(problem_of("from,until\na,b\n").starts_with(":line 1: unknown column"));
-  EXPECT_TRUE(problem_of("from,from\na,b\n").starts_with(":line 1: column from stands twice"));
-  EXPECT_TRUE(problem_of("from\na\n").starts_with(":line 1: columns are missing"));
-  EXPECT_TRUE(problem_of("from,to,from_x,from_y\na,b,1,2\n").starts_with(":line 1: columns are missing"));
-  EXPECT_TRUE(problem_of("from,to,from_z\na,b,1\n").starts_with(":line 1: columns are missing"));
+  EXPECT_TRUE(problem_of("from,from\na,b\n").starts_with(":line 1: duplicate column from"));
+  EXPECT_TRUE(problem_of("from\na\n").starts_with(":line 1: missing columns"));
+  EXPECT_TRUE(problem_of("from,to,from_x,from_y\na,b,1,2\n").starts_with(":line 1: missing columns"));
+  EXPECT_TRUE(problem_of("from,to,from_z\na,b,1\n").starts_with(":line 1: missing columns"));
   const std::string places = "from_x,from_y,to_x,to_y\n";
   EXPECT_EQ(problem_of(places + "1,2,3,4\n"), "");
   EXPECT_TRUE(problem_of(places + "1,2,3\n").starts_with(":line 2: too few columns"));
   EXPECT_TRUE(problem_of(places + "1,2,3,4,5\n").starts_with(":line 2: too many columns"));
-  EXPECT_TRUE(problem_of(places + "\n1,2,x,4\n").starts_with(":line 3: to_x is not a finite number"));
-  EXPECT_TRUE(problem_of(places + "1,2,,4\n").starts_with(":line 2: to_x is not a finite number"));
-  EXPECT_TRUE(problem_of(places + "1,nan,3,4\n").starts_with(":line 2: from_y is not a finite number"));
-  EXPECT_TRUE(problem_of(places + "1,inf,3,4\n").starts_with(":line 2: from_y is not a finite number"));
-  EXPECT_TRUE(problem_of("from,to\na,\n").starts_with(":line 2: an end has no name"));
+  EXPECT_TRUE(problem_of(places + "\n1,2,x,4\n").starts_with(":line 3: to_x not a finite number"));
+  EXPECT_TRUE(problem_of(places + "1,2,,4\n").starts_with(":line 2: to_x not a finite number"));
+  EXPECT_TRUE(problem_of(places + "1,nan,3,4\n").starts_with(":line 2: from_y not a finite number"));
+  EXPECT_TRUE(problem_of(places + "1,inf,3,4\n").starts_with(":line 2: from_y not a finite number"));
+  EXPECT_TRUE(problem_of("from,to\na,\n").starts_with(":line 2: missing name of an end"));
 }
 
 }  // namespace

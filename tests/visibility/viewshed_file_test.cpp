@@ -69,7 +69,7 @@ TEST(ViewshedPictureTest, every_value_has_a_colour_and_the_scale_ends_at_the_lar
   const MapPicture height =
       viewshed_picture(viewshed(), {.mode = ViewshedMode::height, .highest = 7.0}, {&observer, 1}, "m");
   EXPECT_EQ(height.scale->range, (ValueRange{0.0, 1.0}));
-  EXPECT_EQ(height.swatches.at(0).label, "seen on the ground");
+  EXPECT_EQ(height.swatches.at(0).label, "visible on the ground");
 }
 
 TEST(ViewshedPictureTest, heights_begin_with_that_of_what_is_looked_at) {
@@ -77,7 +77,7 @@ TEST(ViewshedPictureTest, heights_begin_with_that_of_what_is_looked_at) {
   const Observer observer;
   const MapPicture picture = viewshed_picture(viewshed(), options, {&observer, 1}, "m");
   EXPECT_EQ(picture.swatches.at(0).value, 1.0f);
-  EXPECT_EQ(picture.swatches.at(0).label, "seen at 1 m");
+  EXPECT_EQ(picture.swatches.at(0).label, "visible at 1 m");
   EXPECT_EQ(picture.scale->range, (ValueRange{1.0, 7.0}));
 }
 

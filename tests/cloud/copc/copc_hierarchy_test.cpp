@@ -151,16 +151,18 @@ TEST(CopcHierarchyTest, pages_that_overlap_are_not_read_for_ever) {
     put(sample.pages_place + 32 * i + 24, static_cast<std::int32_t>(most));
     put(sample.pages_place + 32 * i + 28, std::int32_t{-1});
   }
-  EXPECT_TRUE(contains(error_of([&] { open(sample.bytes); }), "take more bytes than the file has"));
+  EXPECT_TRUE(
+      contains(error_of([&] { open(sample.bytes); }), "the pages of the COPC hierarchy exceed the file"));
 }
 
 TEST(CopcHierarchyTest, records_that_cannot_be_true_are_errors) {
   const std::size_t info = 429;
   EXPECT_TRUE(contains(error_with(info, std::nan("")), "byte 429: bad centre"));
-  EXPECT_TRUE(contains(error_with(info + 24, 0.0), "byte 453: bad size of the COPC octree"));
-  EXPECT_TRUE(contains(error_with(info + 24, static_cast<double>(INFINITY)), "bad size of the COPC octree"));
-  EXPECT_TRUE(contains(error_with(info + 24, 1e308), "bad size of the COPC octree"));
-  EXPECT_TRUE(contains(error_with(info + 32, -1.0), "bad spacing"));
+  EXPECT_TRUE(contains(error_with(info + 24, 0.0), "byte 453: invalid size of the COPC octree"));
+  EXPECT_TRUE(
+      contains(error_with(info + 24, static_cast<double>(INFINITY)), "invalid size of the COPC octree"));
+  EXPECT_TRUE(contains(error_with(info + 24, 1e308), "invalid size of the COPC octree"));
+  EXPECT_TRUE(contains(error_with(info + 32, -1.0), "invalid spacing"));
   EXPECT_TRUE(contains(error_with(info + 48, std::uint64_t{0}), "bad page"));
   EXPECT_TRUE(contains(error_with(info + 48, std::uint64_t{33}), "bad page"));
   EXPECT_TRUE(contains(error_with(info + 40, std::uint64_t{1} << 60), "bad page"));
@@ -176,11 +178,12 @@ TEST(CopcHierarchyTest, entries_that_cannot_be_true_are_errors) {
   EXPECT_TRUE(contains(error_with(entry, std::int32_t{31}), "bad key"));
   EXPECT_TRUE(contains(error_with(entry + 4, std::int32_t{-1}), "bad key"));
   EXPECT_TRUE(contains(error_with(entry + 12, std::int32_t{1 << 30}), "bad key"));
-  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{-2}), "bad number of points"));
-  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{9999}), "is no chunk of the file"));
-  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{0}), "chunk of the file"));
-  EXPECT_TRUE(contains(error_with(entry + 16, std::uint64_t{1000}), "is no chunk of the file"));
-  EXPECT_TRUE(contains(error_with(entry + 24, std::int32_t{-5}), "is no chunk of the file"));
+  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{-2}), "invalid number of points of chunk"));
+  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{9999}), "does not match a chunk of the file"));
+  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{0}),
+                       "the COPC hierarchy does not reference a chunk of the file"));
+  EXPECT_TRUE(contains(error_with(entry + 16, std::uint64_t{1000}), "does not match a chunk of the file"));
+  EXPECT_TRUE(contains(error_with(entry + 24, std::int32_t{-5}), "does not match a chunk of the file"));
   CopcSample twice = build_copc(500);
   std::memcpy(twice.bytes.data() + twice.pages_place, twice.bytes.data() + twice.pages_place + 32, 16);
   EXPECT_TRUE(contains(error_of([&] { open(twice.bytes); }), "expected one with points, found "));
@@ -210,13 +213,13 @@ TEST(CopcFileTest, chunks_are_found_without_a_table_and_a_warning_says_so) {
   const CopcFile file = open(sample.bytes);
   EXPECT_EQ(file.hierarchy().nodes.size(), sample.keys.size());
   ASSERT_EQ(file.warnings().size(), 1u);
-  EXPECT_TRUE(contains(file.warnings()[0], "memory: the file does not say where its chunk table stands"));
+  EXPECT_TRUE(contains(file.warnings()[0], "memory: missing offset of the chunk table"));
 }
 
 TEST(CopcFileTest, other_files_are_no_copc) {
   const std::vector<std::byte> laz = test::build_laz(test::sample_las(4, 7));
   EXPECT_FALSE(is_copc(laz));
-  EXPECT_TRUE(contains(error_of([&] { open(laz); }), "is no COPC 1.0"));
+  EXPECT_TRUE(contains(error_of([&] { open(laz); }), "not a COPC 1.0 file"));
   const CopcSample sample = build_copc(100);
   EXPECT_TRUE(is_copc(sample.bytes));
 }

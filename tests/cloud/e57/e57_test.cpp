@@ -63,7 +63,7 @@ TEST(BitQueue, restart_forgets_what_is_left_of_a_number) {
   BitQueue queue(12);
   queue.add(two);
   std::vector<std::uint64_t> number(1);
-  EXPECT_FALSE(queue.restart()) << "a whole number waits before the four bits";
+  EXPECT_FALSE(queue.restart()) << "an integer waits before the four bits";
   queue.take(number);
   EXPECT_EQ(number[0], 0x321u);
   EXPECT_TRUE(queue.restart());
@@ -152,9 +152,9 @@ TEST(E57, what_is_odd_in_many_scans_is_told_once) {
   EXPECT_EQ(cloud.warnings.size(), 3u);
   EXPECT_TRUE(warns(cloud, "memory: scan 2: the quaternion of the pose has length 2.8"));
   EXPECT_TRUE(warns(cloud, "it was brought to 1, and 3 more like this"));
-  EXPECT_TRUE(warns(cloud, "memory: image 1 holds no picture, and 4 more like this"));
+  EXPECT_TRUE(warns(cloud, "memory: image 1 contains no image, and 4 more like this"));
   EXPECT_TRUE(warns(cloud,
-                    "scan 1: intensities go from 0 to 2, beyond the range of 0 to 1 that is stated: it was "
+                    "scan 1: intensities from 0 to 2 exceed the stated range of 0 to 1: it was "
                     "widened to 0 to 2, and 4 more like this"));
 }
 
@@ -240,7 +240,7 @@ TEST(E57, fields_stand_in_any_order_and_scans_have_fields_of_their_own) {
   expect_near(cloud.world(2), {3, 30, 300}, 1e-6);
   EXPECT_EQ(cloud.colors[2], Color16(7 * 257, 8 * 257, 9 * 257));
   EXPECT_EQ(cloud.colors[3], Color16(0, 0, 0));
-  EXPECT_TRUE(warns(cloud, "was read without the fields \"other:thing\""));
+  EXPECT_TRUE(warns(cloud, "skipped the fields \"other:thing\""));
 }
 
 TEST(E57, fields_that_are_not_read_are_all_named_up_to_twenty) {
@@ -250,8 +250,7 @@ TEST(E57, fields_that_are_not_read_are_all_named_up_to_twenty) {
   E57Builder builder;
   builder.add_scan("", columns);
   const PointCloud cloud = read(builder);
-  EXPECT_TRUE(
-      warns(cloud, "was read without the fields \"las:aFieldOfItsOwn10\", \"las:aFieldOfItsOwn11\","));
+  EXPECT_TRUE(warns(cloud, "skipped the fields \"las:aFieldOfItsOwn10\", \"las:aFieldOfItsOwn11\","));
   EXPECT_TRUE(warns(cloud, "\"las:aFieldOfItsOwn29\" and 3 more"));
 }
 
@@ -328,7 +327,7 @@ TEST(E57, coordinate_metadata_are_the_reference_system_if_they_are_wkt) {
   builder.root = "<coordinateMetadata type=\"String\">somewhere near</coordinateMetadata>";
   const PointCloud cloud = read(builder);
   EXPECT_TRUE(cloud.crs.empty());
-  EXPECT_TRUE(warns(cloud, "the coordinate metadata are no WKT and were left out: \"somewhere near\""));
+  EXPECT_TRUE(warns(cloud, "the coordinate metadata not WKT and was ignored: \"somewhere near\""));
 }
 
 TEST(E57, progress_is_reported_and_can_stop) {

@@ -109,7 +109,7 @@ TEST(E57Color, floats_without_limits_are_judged_by_what_occurs_and_it_is_told) {
   builder.add_scan("", points_with(colors(float32_column, {0, 0.5, 0.75})));
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.colors[1], Color16(32768));
-  EXPECT_TRUE(warns(cloud, "it was assumed that colours go from 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "assuming that colours go from 0 to 1"));
 }
 
 TEST(E57Color, values_beyond_the_limits_widen_them_and_it_is_told) {
@@ -118,7 +118,7 @@ TEST(E57Color, values_beyond_the_limits_widen_them_and_it_is_told) {
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.colors[1], Color16(13107));
   EXPECT_TRUE(warns(cloud,
-                    "scan 1: colours go from 0 to 255, beyond the range of 0 to 1 that is stated: it was "
+                    "scan 1: colours from 0 to 255 exceed the stated range of 0 to 1: it was "
                     "widened to 0 to 255"));
 }
 
@@ -131,7 +131,7 @@ TEST(E57Color, values_a_little_beyond_1_are_held_and_it_is_told) {
   EXPECT_EQ(cloud.colors[2], Color16(65535));
   EXPECT_TRUE(warns(cloud,
                     "scan 1: colours go from -0.25 to 1.25, beyond the range of 0 to 1 that is stated: "
-                    "they were held at its ends"));
+                    "clamped"));
 }
 
 TEST(E57Color, eight_bit_values_under_wide_limits_are_told_not_guessed) {
@@ -139,7 +139,7 @@ TEST(E57Color, eight_bit_values_under_wide_limits_are_told_not_guessed) {
   builder.add_scan(color_limits("Integer", "0", "65535"), points_with(whole_colors(65535, {0, 51, 255})));
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.colors[2], Color16(255));
-  EXPECT_TRUE(warns(cloud, "none exceeds 255: they may be 8-bit values"));
+  EXPECT_TRUE(warns(cloud, "but none exceeds 255: they may be 8-bit values"));
 }
 
 TEST(E57Intensity, limits_then_the_fields_range_then_what_occurs) {
@@ -155,7 +155,7 @@ TEST(E57Intensity, limits_then_the_fields_range_then_what_occurs) {
   const std::vector<std::uint16_t> expected = {0, 32768, 65535, 0,     32768, 65535, 0, 32768, 65535,
                                                0, 16384, 65535, 16384, 16384, 16384, 0, 32768, 65535};
   EXPECT_EQ(cloud.intensities, expected) << "the constant 0 shares the scale of -1 to 3";
-  EXPECT_TRUE(warns(cloud, "intensities were stretched"));
+  EXPECT_TRUE(warns(cloud, "intensities were scaled from their minimum and maximum to 0 .. 65535"));
   EXPECT_TRUE(warns(cloud, "scan 6: intensities go from 0 to 2, beyond the range of 0 to 1"));
 }
 
@@ -190,8 +190,8 @@ TEST(E57Intensity, scans_without_values_leave_the_scale_of_the_others_alone) {
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{0, 32768, 49151}));
   EXPECT_EQ(cloud.colors[1], Color16(32768));
-  EXPECT_TRUE(warns(cloud, "it was assumed that colours go from 0 to 1"));
-  EXPECT_TRUE(warns(cloud, "it was assumed that intensities go from 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "assuming that colours go from 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "assuming that intensities go from 0 to 1"));
 }
 
 TEST(E57Invalid, points_without_a_place_are_left_out_and_counted) {
@@ -209,9 +209,9 @@ TEST(E57Invalid, points_without_a_place_are_left_out_and_counted) {
   expect_near(cloud.world(1), {5, 5, 5}, 1e-6);
   expect_near(cloud.world(2), {2, 0, 0}, 1e-6);
   EXPECT_EQ(cloud.files[0].dropped_count, 4u);
-  EXPECT_TRUE(warns(cloud, "2 points of which only the direction is known were left out"));
-  EXPECT_TRUE(warns(cloud, "1 points that the file calls invalid were left out"));
-  EXPECT_TRUE(warns(cloud, "1 points without finite coordinates were left out"));
+  EXPECT_TRUE(warns(cloud, "skipped 2 points with a direction only"));
+  EXPECT_TRUE(warns(cloud, "skipped 1 points that are flagged as invalid"));
+  EXPECT_TRUE(warns(cloud, "skipped 1 points without finite coordinates"));
 }
 
 TEST(E57Invalid, spherical_coordinates_stand_in_for_invalid_cartesian_ones) {
@@ -241,8 +241,8 @@ TEST(E57Invalid, colours_intensities_and_times_become_0_and_are_counted) {
   EXPECT_EQ(cloud.colors[1], Color16(0));
   EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{0, 65535, 65535}));
   EXPECT_EQ(cloud.gps_times, (std::vector<double>{1, 2, 0}));
-  EXPECT_TRUE(warns(cloud, "2 points have a colour that the file calls invalid"));
-  EXPECT_TRUE(warns(cloud, "1 points have an intensity that the file calls invalid"));
+  EXPECT_TRUE(warns(cloud, "2 points have a colour that are flagged as invalid"));
+  EXPECT_TRUE(warns(cloud, "1 points have an intensity that are flagged as invalid"));
 }
 
 TEST(E57Invalid, colours_and_intensities_have_no_say_in_the_scale) {
@@ -257,7 +257,7 @@ TEST(E57Invalid, colours_and_intensities_have_no_say_in_the_scale) {
   EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{0, 32768, 0, 0, 32768, 0}));
   EXPECT_EQ(cloud.colors[1], Color16(32768));
   EXPECT_EQ(cloud.colors[4], Color16(32768));
-  EXPECT_FALSE(warns(cloud, "beyond the range"));
+  EXPECT_FALSE(warns(cloud, "exceed the stated range of"));
 }
 
 TEST(E57Time, counts_from_the_start_of_the_scan_as_adjusted_standard_gps_time) {
@@ -276,7 +276,9 @@ TEST(E57Time, counts_from_the_start_of_the_scan_as_adjusted_standard_gps_time) {
   const PointCloud undated = read(builder);
   EXPECT_FALSE(undated.gps_time_is_standard);
   EXPECT_EQ(undated.gps_times[4], 0.5);
-  EXPECT_TRUE(warns(undated, "time stamps are seconds since the start of each scan"));
+  EXPECT_TRUE(warns(
+      undated,
+      "time stamps are relative to the start of each scan, which the file does not state for every scan"));
 }
 
 TEST(E57Extra, rows_columns_returns_and_normals) {
@@ -316,8 +318,8 @@ TEST(E57Extra, what_some_scans_lack_is_told) {
   builder.add_scan("", points_with(whole_colors(255, {1, 2, 3})));
   builder.add_scan_element("", "", 0, 0);
   const PointCloud cloud = read(builder);
-  EXPECT_TRUE(warns(cloud, "memory: 1 of 3 scans has no color, which is filled with zeros"));
-  EXPECT_TRUE(warns(cloud, "memory: 2 of 3 scans have no intensity, which is filled with zeros"));
+  EXPECT_TRUE(warns(cloud, "memory: 1 of 3 scans has no color; using 0"));
+  EXPECT_TRUE(warns(cloud, "memory: 2 of 3 scans have no intensity; using 0"));
   EXPECT_EQ(cloud.warnings.size(), 2u);
 }
 

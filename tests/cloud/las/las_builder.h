@@ -202,7 +202,7 @@ inline std::vector<std::uint8_t> las_extra_bytes_entry(int type, int options, co
 }
 
 inline LasRecord las_extra_bytes_record(const std::vector<std::vector<std::uint8_t>>& entries) {
-  LasRecord record{"LASF_Spec", 4, "extra bytes", {}};
+  LasRecord record{"LASF_Spec", 4, "the extra-bytes record does not match the", {}};
   for (const auto& entry : entries) record.data.insert(record.data.end(), entry.begin(), entry.end());
   return record;
 }

@@ -90,7 +90,7 @@ TEST(ChunkTableTest, no_place_is_a_missing_table) {
     TableFile file = fixed_file();
     file.put(k_points, place);
     EXPECT_FALSE(file.read());
-    EXPECT_TRUE(contains(file.missing, "does not say where"));
+    EXPECT_TRUE(contains(file.missing, "missing offset of the chunk table"));
   }
 }
 
@@ -114,36 +114,36 @@ TEST(ChunkTableTest, file_without_points_needs_no_table) {
 TEST(ChunkTableTest, tables_that_cannot_be_true_are_errors) {
   TableFile file = fixed_file();
   file.put(298, std::uint32_t{1});
-  EXPECT_TRUE(contains(file.error(), "file:byte 298: unknown version of the chunk table"));
+  EXPECT_TRUE(contains(file.error(), "file:byte 298: unsupported version of the chunk table"));
 
   file = fixed_file();
   file.put(k_points, std::int64_t{k_points + 4});
-  EXPECT_TRUE(contains(file.error(), "bad place of the chunk table"));
+  EXPECT_TRUE(contains(file.error(), "invalid offset of the chunk table"));
 
   for (const std::uint32_t count : {1u, 3u, 0u, 0xffffffffu}) {
     file = fixed_file();
     file.put(302, count);
-    EXPECT_TRUE(contains(file.error(), "bad number of chunks")) << count;
+    EXPECT_TRUE(contains(file.error(), "invalid number of chunks")) << count;
   }
   file = variable_file();
   file.put(302, std::uint32_t{13});
-  EXPECT_TRUE(contains(file.error(), "bad number of chunks")) << "more than points";
+  EXPECT_TRUE(contains(file.error(), "invalid number of chunks")) << "more than points";
 
   file = variable_file();
   file.header.point_count = 13;
-  EXPECT_TRUE(contains(file.error(), "fewer points than the header counts"));
+  EXPECT_TRUE(contains(file.error(), "the chunk table lists fewer points than the header"));
   file.header.point_count = 11;
-  EXPECT_TRUE(contains(file.error(), "bad number of points of chunk 1"));
+  EXPECT_TRUE(contains(file.error(), "invalid number of points of chunk 1"));
 
   file = make_file(189, 12, 7, {0, 0, 0, 0, 2, 0, 0, 0, 0x3c, 0x4d, 0x95, 0, 0, 0});
-  EXPECT_TRUE(contains(file.error(), "bad size of chunk 1"));
+  EXPECT_TRUE(contains(file.error(), "wrong size of chunk 1"));
   file = make_file(191, 12, 7, {0, 0, 0, 0, 2, 0, 0, 0, 0x3c, 0x4d, 0x95, 0, 0, 0});
-  EXPECT_TRUE(contains(file.error(), "do not end where their table begins"));
+  EXPECT_TRUE(contains(file.error(), "the chunks do not end at the chunk table"));
 }
 
 TEST(ChunkTableTest, chunks_have_no_more_points_than_their_bytes_can_hold) {
   TableFile file = make_file(190, 1'000'000, 500'000, {0, 0, 0, 0, 2, 0, 0, 0, 0x3c, 0x4d, 0x95, 0, 0, 0});
-  EXPECT_TRUE(contains(file.error(), "bad number of points of chunk 0"));
+  EXPECT_TRUE(contains(file.error(), "invalid number of points of chunk 0"));
 }
 
 TEST(ChunkTableTest, chunks_are_at_least_a_record_and_the_start_of_a_stream) {
@@ -151,7 +151,8 @@ TEST(ChunkTableTest, chunks_are_at_least_a_record_and_the_start_of_a_stream) {
   EXPECT_EQ(smallest_chunk(standard_laz_layout(8, 40)), 40u + 4 + 4 * (9 + 2 + 2));
   TableFile file = fixed_file();
   file.layout = standard_laz_layout(0, 90, 7);
-  EXPECT_TRUE(contains(file.error(), "bad size of chunk 1")) << "90 bytes hold no record of 90 and a stream";
+  EXPECT_TRUE(contains(file.error(), "wrong size of chunk 1"))
+      << "90 bytes hold no record of 90 and a stream";
 }
 
 }  // namespace

@@ -73,7 +73,7 @@ TEST(LaszipRecordTest, with_compressor_none_nothing_else_is_looked_at) {
 
 TEST(LaszipRecordTest, errors_name_file_and_place) {
   EXPECT_TRUE(contains(error_with(0, std::uint16_t{4}), "file:byte 281: unknown compressor"));
-  EXPECT_TRUE(contains(error_with(2, std::uint16_t{1}), "file:byte 283: unknown entropy coder"));
+  EXPECT_TRUE(contains(error_with(2, std::uint16_t{1}), "file:byte 283: unsupported entropy coder"));
 }
 
 TEST(LaszipRecordTest, items_must_be_those_of_the_format) {
@@ -88,14 +88,14 @@ TEST(LaszipRecordTest, items_must_be_those_of_the_format) {
 }
 
 TEST(LaszipRecordTest, sizes_of_the_record_must_agree) {
-  EXPECT_TRUE(contains(error_with(32, std::uint16_t{0}), "bad number of items"));
-  EXPECT_TRUE(contains(error_with(32, std::uint16_t{6}), "bad number of items"));
-  EXPECT_TRUE(contains(error_with(32, std::uint16_t{4}), "bad size of the laszip record"));
+  EXPECT_TRUE(contains(error_with(32, std::uint16_t{0}), "invalid number of items"));
+  EXPECT_TRUE(contains(error_with(32, std::uint16_t{6}), "invalid number of items"));
+  EXPECT_TRUE(contains(error_with(32, std::uint16_t{4}), "wrong size of the laszip record"));
   EXPECT_TRUE(contains(error_of([] { parse(std::vector<std::byte>(33)); }), "too short"));
 }
 
 TEST(LaszipRecordTest, versions_must_exist) {
-  EXPECT_TRUE(contains(error_with(38, std::uint16_t{1}), "byte 319: unknown version of item 10"));
+  EXPECT_TRUE(contains(error_with(38, std::uint16_t{1}), "byte 319: unsupported version of item 10"));
   EXPECT_TRUE(contains(error_with(38, std::uint16_t{5}), "expected 2 to 4, found 5"));
   LazLayout layout = standard_laz_layout(4, 57);
   layout.items.back().version = 2;
@@ -109,7 +109,7 @@ TEST(LaszipRecordTest, extra_bytes_are_as_many_as_can_be_described_and_no_more) 
     EXPECT_EQ(parse(data_of(most), format, base + 8192), most);
     EXPECT_TRUE(contains(
         error_of([&] { parse(data_of(standard_laz_layout(format, base + 8193)), format, base + 8193); }),
-        "file:byte 315: too many extra bytes of a point for LAZ; expected at most 8192, found 8193"));
+        "at most file:byte 315: too many extra bytes per point for LAZ; expected 8192, found 8193"));
   }
 }
 

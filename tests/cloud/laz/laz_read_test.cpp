@@ -74,7 +74,7 @@ TEST_P(LazReadTest, without_a_table_reads_one_chunk_after_another_and_says_so) {
   const PointCloud expected = read_memory(build_las(sample()));
   const PointCloud found = read_memory(build_laz(sample(), {.table = TablePlace::unknown}));
   expect_equal(found, expected);
-  EXPECT_TRUE(test::warns(found, "the chunks are read one after another"));
+  EXPECT_TRUE(test::warns(found, "reading the chunks one by one"));
 }
 
 TEST_P(LazReadTest, with_chunks_of_different_sizes_a_table_is_needed_by_pointwise_ones) {

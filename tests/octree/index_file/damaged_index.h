@@ -45,7 +45,7 @@ inline const Bytes& sound_file() {
 inline SectionRow section(const Bytes& file, IndexSection kind) {
   for (const SectionRow& row : section_rows(file))
     if (row.kind == static_cast<std::uint32_t>(kind)) return row;
-  ADD_FAILURE() << "no section " << name(kind);
+  ADD_FAILURE() << "missing section" << name(kind);
   return {};
 }
 

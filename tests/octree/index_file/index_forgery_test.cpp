@@ -77,20 +77,20 @@ std::string problem_after(const Change& change) {
 
 TEST(IndexForgery, broken_links_are_errors) {
   const auto expect = [](const std::string& message, const std::string& part) {
-    EXPECT_NE(message.find("section nodes is damaged"), std::string::npos) << message;
+    EXPECT_NE(message.find("section nodes corrupt checkpoint"), std::string::npos) << message;
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
   for (const std::uint32_t child : {0u, static_cast<std::uint32_t>(nodes), 0xffffffffu, 0xfffffff8u}) {
     expect(problem_after([&](Bytes& file) { put(file, in_node(file, 0, k_first_child), child); }),
-           "its child should be a node behind it");
+           "invalid child: expected a later node below");
   }
   // Node 1 is a child of the root; the root's first child moved on takes a node away from somebody else.
   expect(problem_after([](Bytes& file) { put<std::uint32_t>(file, in_node(file, 0, k_first_child), 2); }),
          "node");
   expect(problem_after(
              [](Bytes& file) { put<std::uint32_t>(file, in_node(file, 0, k_first_point), 0xffffff00u); }),
-         "its leaves should end at place");
+         "its leaves end at a wrong storage index: expected");
   for (const int kind : {33, 36, 127}) {
     expect(problem_after([&](Bytes& file) {
              for (std::size_t slot = 0; slot < 8; ++slot)
@@ -104,11 +104,11 @@ TEST(IndexForgery, broken_links_are_errors) {
              if (get<std::uint8_t>(file, place) >= 128) put(file, place, std::uint8_t{128 + 8});
            }
          }),
-         "levels below");
+         "levels below level");
   expect(problem_after([](Bytes& file) {
            put<std::uint32_t>(file, 60, 1);  // level count
          }),
-         "it should have no child on level 1");
+         "unexpected child on level 1");
 }
 
 TEST(IndexForgery, points_that_do_not_stand_one_after_another_are_an_error) {
@@ -117,7 +117,8 @@ TEST(IndexForgery, points_that_do_not_stand_one_after_another_are_an_error) {
     const std::size_t place = in_node(file, nodes - 1, k_first_point);
     put(file, place, get<std::uint32_t>(file, place) - 1);
   });
-  EXPECT_NE(message.find("its points should begin at place"), std::string::npos) << message;
+  EXPECT_NE(message.find("its points begin at a wrong storage index: expected"), std::string::npos)
+      << message;
 }
 
 TEST(IndexForgery, a_leaf_too_high_for_its_coordinates_needs_exact_positions) {
@@ -129,7 +130,7 @@ TEST(IndexForgery, a_leaf_too_high_for_its_coordinates_needs_exact_positions) {
       return;
     }
   });
-  EXPECT_NE(message.find("too high to go without exact positions"), std::string::npos) << message;
+  EXPECT_NE(message.find("its leaves require exact positions"), std::string::npos) << message;
 }
 
 TEST(IndexForgery, an_id_beyond_the_points_is_an_error) {
@@ -138,7 +139,7 @@ TEST(IndexForgery, an_id_beyond_the_points_is_an_error) {
     const std::string message = problem_after([&](Bytes& file) {
       put(file, section(file, IndexSection::ids).place + 4 * place, static_cast<std::uint32_t>(points));
     });
-    EXPECT_NE(message.find("section ids is damaged: the id should be below 1508 but is 1508"),
+    EXPECT_NE(message.find("corrupt section ids: id out of range: expected less than 1508, found 1508"),
               std::string::npos)
         << message;
     EXPECT_NE(
@@ -262,32 +263,31 @@ TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
     const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
-  expect("occurs twice", [](Bytes& file) {
+  expect("duplicate id", [](Bytes& file) {
     const std::uint64_t place = section(file, IndexSection::ids).place;
     put(file, place, get<std::uint32_t>(file, place + 4));
   });
-  expect("outside the box", [](Bytes& file) {
+  expect("the point is outside the box of its leaf", [](Bytes& file) {
     const std::uint64_t place = section(file, IndexSection::coordinates).place;
     put<std::uint16_t>(file, place, static_cast<std::uint16_t>(get<std::uint16_t>(file, place) + 30000));
   });
-  expect("section positions is damaged", [](Bytes& file) {
+  expect("section positions corrupt checkpoint", [](Bytes& file) {
     const std::uint64_t place = section(file, IndexSection::positions).place;
     put<std::int32_t>(file, place, get<std::int32_t>(file, place) ^ 0x40000000);
   });
-  expect("the greatest spacing below slot", [](Bytes& file) {
+  expect("wrong largest spacing of slot", [](Bytes& file) {
     const std::uint64_t place = section(file, IndexSection::slot_spacings).place;
     put<std::uint16_t>(file, place, static_cast<std::uint16_t>(get<std::uint16_t>(file, place) + 1));
   });
-  expect("the greatest spacing below slot", [](Bytes& file) {
+  expect("wrong largest spacing of slot", [](Bytes& file) {
     const std::uint64_t place = section(file, IndexSection::spacings).place;
     put<std::uint16_t>(file, place + 100, 0x7f80);
   });
-  expect("negative or no number", [](Bytes& file) {
+  expect("the spacing is negative or NaN", [](Bytes& file) {
     const std::uint64_t place = section(file, IndexSection::spacings).place;
     put<std::uint16_t>(file, place + 100, 0xbf80);
   });
-  expect("bounds are not those of the points",
-         [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });
+  expect("wrong bounds of the points", [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });
   expect("levels", [](Bytes& file) { put<std::uint32_t>(file, 60, get<std::uint32_t>(file, 60) + 1); });
 }
 
@@ -301,7 +301,8 @@ TEST(IndexForgery, different_spacings_at_one_place_are_found_by_verifying) {
   put<std::uint16_t>(file, place + 10, 0x3f80);
   seal(file);
   const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
-  EXPECT_NE(message.find("one place have different spacings"), std::string::npos) << message;
+  EXPECT_NE(message.find("points with equal positions have different spacings"), std::string::npos)
+      << message;
 }
 
 TEST(IndexForgery, lower_ids_behind_higher_ones_at_one_place_are_found_by_verifying) {
@@ -321,7 +322,8 @@ TEST(IndexForgery, lower_ids_behind_higher_ones_at_one_place_are_found_by_verify
   put<std::uint32_t>(file, ids + 4 * 299, 1);
   seal(file);
   const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
-  EXPECT_NE(message.find("should have lower ids than slot"), std::string::npos) << message;
+  EXPECT_NE(message.find("slots with equal positions are not sorted by id: slot"), std::string::npos)
+      << message;
 }
 
 }  // namespace
