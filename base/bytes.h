@@ -35,22 +35,23 @@ void store(std::byte* at, const T& value) {
 /// references to bytes and file name.
 class HeaderFields {
  public:
-  /// file_place: where `bytes` begin in the file.
-  HeaderFields(std::span<const std::byte> bytes, const std::string& file_name, std::uint64_t file_place = 0)
-      : bytes_(bytes), file_(file_name), file_place_(file_place) {}
+  /// file_location: where `bytes` begin in the file.
+  HeaderFields(std::span<const std::byte> bytes, const std::string& file_name,
+               std::uint64_t file_location = 0)
+      : bytes_(bytes), file_(file_name), file_offset_(file_location) {}
 
   /// Requires that the field lies within the bytes.
   template <class T>
-  T get(std::size_t place) const {
-    return load<T>(bytes_.data() + place);
+  T get(std::size_t offset) const {
+    return load<T>(bytes_.data() + offset);
   }
-  /// Throws an Error about the field at `place` unless what is asked holds.
+  /// Throws an Error about the field at `offset` unless what is asked holds.
   template <class Found>
-  void require(bool holds, std::size_t place, std::string problem, std::string expected,
+  void require(bool holds, std::size_t offset, std::string problem, std::string expected,
                const Found& found) const {
     if (holds) return;
     throw Error({.file = file_,
-                 .place = fmt::format("byte {}", file_place_ + place),
+                 .location = fmt::format("byte {}", file_offset_ + offset),
                  .problem = std::move(problem),
                  .expected = std::move(expected),
                  .found = fmt::format("{}", found)});
@@ -59,7 +60,7 @@ class HeaderFields {
  private:
   std::span<const std::byte> bytes_;
   const std::string& file_;
-  std::uint64_t file_place_;
+  std::uint64_t file_offset_;
 };
 
 }  // namespace alidade

@@ -37,23 +37,23 @@ std::uint64_t head_checksum(std::vector<std::byte> head) {
   throw system_error(file, problem);
 }
 
-[[noreturn]] void fail_as_damaged(const std::string& file, std::uint64_t place, std::uint64_t part,
+[[noreturn]] void fail_as_damaged(const std::string& file, std::uint64_t offset, std::uint64_t part,
                                   std::uint64_t expected, std::uint64_t found) {
   throw Error({.file = file,
-               .place = fmt::format("byte {}", place),
+               .location = fmt::format("byte {}", offset),
                .problem = fmt::format("corrupt checkpoint: wrong checksum of part {}", part),
                .expected = fmt::format("{:016x}", expected),
                .found = fmt::format("{:016x}", found)});
 }
 
-/// Writes all bytes at a place; false with errno set if it cannot.
-bool write_fully(int descriptor, std::uint64_t place, std::span<const std::byte> bytes) {
+/// Writes all bytes at a offset; false with errno set if it cannot.
+bool write_fully(int descriptor, std::uint64_t offset, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(place));
+    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return false;
     bytes = bytes.subspan(static_cast<std::size_t>(count));
-    place += static_cast<std::uint64_t>(count);
+    offset += static_cast<std::uint64_t>(count);
   }
   return true;
 }
@@ -82,7 +82,7 @@ bool begins_as(InputFile& file, const CheckpointForm& form) {
 std::vector<std::byte> read_checkpoint_head(InputFile& file, const CheckpointForm& form,
                                             const std::function<void(const HeaderFields&)>& check) {
   if (!begins_as(file, form))
-    throw Error({.file = file.name(), .place = "byte 0", .problem = fmt::format("not {}", form.name)});
+    throw Error({.file = file.name(), .location = "byte 0", .problem = fmt::format("not {}", form.name)});
   std::vector<std::byte> bytes(form.fixed_bytes);
   file.read_at(0, bytes);
   const std::string name = file.name();
@@ -115,7 +115,7 @@ Identity identity_of(const CheckpointForm& form, std::span<const std::byte> head
   return read_identity(head.subspan(form.fixed_bytes), form.fixed_bytes, file);
 }
 
-FinishedParts::FinishedParts(PartsOptions options, Identity identity)
+PartCheckpoint::PartCheckpoint(PartsOptions options, Identity identity)
     : options_(std::move(options)),
       identity_(std::move(identity)),
       written_(std::chrono::steady_clock::now()) {
@@ -132,28 +132,28 @@ FinishedParts::FinishedParts(PartsOptions options, Identity identity)
   }
 }
 
-FinishedParts::~FinishedParts() {
+PartCheckpoint::~PartCheckpoint() {
   flush();
   close();
 }
 
-void FinishedParts::close() {
+void PartCheckpoint::close() {
   if (descriptor_ >= 0) ::close(descriptor_);
   descriptor_ = -1;
 }
 
-void FinishedParts::flush() noexcept {
+void PartCheckpoint::flush() noexcept {
   if (descriptor_ < 0) return;
   try {
     write();
   } catch (const std::exception&) {
     // Nobody can be told any more; what is in the file stays.
     pending_.clear();
-    pending_places_.clear();
+    pending_entries_.clear();
   }
 }
 
-void FinishedParts::open() {
+void PartCheckpoint::open() {
   descriptor_ = ::open(options_.file.c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor_ < 0) fail(name(), "cannot write the file");
   // Held until it is closed: two runs that append to the same file would damage it.
@@ -162,7 +162,7 @@ void FinishedParts::open() {
   throw Error({.file = name(), .problem = "another run is using this checkpoint"});
 }
 
-void FinishedParts::read() {
+void PartCheckpoint::read() {
   InputFile file(options_.file);
   const std::vector<std::byte> head = read_checkpoint_head(file, k_runs, [](const HeaderFields&) {});
   check_identity(identity_of(k_runs, head, file.name()), identity_, file.name(),
@@ -180,7 +180,7 @@ void FinishedParts::read() {
     if (sum != record_sum) fail_as_damaged(file.name(), size_, part, record_sum, sum);
     if (part >= count_) {
       throw Error({.file = file.name(),
-                   .place = fmt::format("byte {}", size_),
+                   .location = fmt::format("byte {}", size_),
                    .problem = "corrupt checkpoint: invalid part number",
                    .expected = fmt::format("less than {}", count_),
                    .found = std::to_string(part)});
@@ -191,12 +191,12 @@ void FinishedParts::read() {
     file.read_at(begin, answers);
     if (const std::uint64_t found = checksum(answers); found != said)
       fail_as_damaged(file.name(), begin, part, said, found);
-    places_[part] = {begin, size, said};
+    entries_[part] = {begin, size, said};
     size_ = begin + size;
   }
 }
 
-void FinishedParts::create() {
+void PartCheckpoint::create() {
   const std::vector<std::byte> head =
       checkpoint_head(k_runs, identity_, [this](std::byte* bytes) { store(bytes + 16, count_); });
   OutputFile file(options_.file, true);
@@ -206,61 +206,61 @@ void FinishedParts::create() {
   open();
 }
 
-void FinishedParts::start(std::uint64_t count) {
+void PartCheckpoint::start(std::uint64_t count) {
   if (descriptor_ < 0) {
     count_ = count;
     return create();
   }
   if (count_ == count) return;
   throw Error({.file = name(),
-               .place = "byte 16",
+               .location = "byte 16",
                .problem = "corrupt checkpoint: wrong number of parts",
                .expected = std::to_string(count),
                .found = std::to_string(count_)});
 }
 
-std::optional<std::vector<std::byte>> FinishedParts::find(std::uint64_t part) {
-  const auto found = places_.find(part);
-  if (found == places_.end()) {
+std::optional<std::vector<std::byte>> PartCheckpoint::find(std::uint64_t part) {
+  const auto found = entries_.find(part);
+  if (found == entries_.end()) {
     has_begun_ = true;
     return std::nullopt;
   }
-  const Place& place = found->second;
-  std::vector<std::byte> answers(place.size);
+  const Entry& entry = found->second;
+  std::vector<std::byte> answers(entry.size);
   std::size_t done = 0;
   while (done < answers.size()) {
     const ::ssize_t count = ::pread(descriptor_, answers.data() + done, answers.size() - done,
-                                    static_cast<::off_t>(place.begin + done));
+                                    static_cast<::off_t>(entry.begin + done));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail(name(), "cannot read the file");
     if (count == 0) break;
     done += static_cast<std::size_t>(count);
   }
-  if (const std::uint64_t sum = checksum(answers); sum != place.checksum)
-    fail_as_damaged(name(), place.begin, part, place.checksum, sum);
+  if (const std::uint64_t sum = checksum(answers); sum != entry.checksum)
+    fail_as_damaged(name(), entry.begin, part, entry.checksum, sum);
   return answers;
 }
 
-void FinishedParts::add(std::uint64_t part, std::span<const std::byte> answers) {
-  assert(part < count_ && !places_.contains(part));
+void PartCheckpoint::add(std::uint64_t part, std::span<const std::byte> answers) {
+  assert(part < count_ && !entries_.contains(part));
   std::array<std::byte, k_record_bytes> record{};
-  const Place place{size_ + pending_.size() + k_record_bytes, answers.size(), checksum(answers)};
+  const Entry entry{size_ + pending_.size() + k_record_bytes, answers.size(), checksum(answers)};
   store(record.data(), part);
-  store(record.data() + 8, place.size);
-  store(record.data() + 16, place.checksum);
+  store(record.data() + 8, entry.size);
+  store(record.data() + 16, entry.checksum);
   store(record.data() + k_summed_bytes, checksum(std::span(record).first(k_summed_bytes)));
   pending_.insert(pending_.end(), record.begin(), record.end());
   pending_.insert(pending_.end(), answers.begin(), answers.end());
-  pending_places_[part] = place;
+  pending_entries_[part] = entry;
   const std::chrono::duration<double> since = std::chrono::steady_clock::now() - written_;
   if (pending_.size() >= k_most_pending || since.count() >= options_.interval) write();
 }
 
-void FinishedParts::write() {
+void PartCheckpoint::write() {
   if (!pending_.empty()) {
     if (write_fully(descriptor_, size_, pending_) && ::fdatasync(descriptor_) == 0) {
       size_ += pending_.size();
-      places_.merge(pending_places_);
+      entries_.merge(pending_entries_);
     } else {
       const Error error = system_error(name(), "cannot write the file");
       // Behind a torn record nothing could be read.
@@ -269,14 +269,14 @@ void FinishedParts::write() {
       if (!is_whole) throw error;
     }
     pending_.clear();
-    pending_places_.clear();
+    pending_entries_.clear();
   }
   written_ = std::chrono::steady_clock::now();
 }
 
-void FinishedParts::remove() {
+void PartCheckpoint::remove() {
   pending_.clear();
-  pending_places_.clear();
+  pending_entries_.clear();
   close();
   std::error_code error;
   std::filesystem::remove(options_.file, error);

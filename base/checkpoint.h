@@ -76,22 +76,22 @@ struct PartsOptions {
 };
 
 /// The finished parts of a run. To be used by one thread at a time.
-class FinishedParts {
+class PartCheckpoint {
  public:
   /// Reads what is there. `identity`: all that the answers depend on. Errors: the file is no checkpoint of a
   /// run; another byte order, version or run, naming the first thing that differs; damaged; in use by another
   /// process. Cost: the file is read once. Memory: 64 B per part in it.
-  FinishedParts(PartsOptions options, Identity identity);
+  PartCheckpoint(PartsOptions options, Identity identity);
   /// Writes what is finished and not yet written.
-  ~FinishedParts();
-  FinishedParts(const FinishedParts&) = delete;
-  FinishedParts& operator=(const FinishedParts&) = delete;
+  ~PartCheckpoint();
+  PartCheckpoint(const PartCheckpoint&) = delete;
+  PartCheckpoint& operator=(const PartCheckpoint&) = delete;
 
   std::string name() const { return options_.file.string(); }
   /// Whether the file is there.
   bool is_kept() const { return descriptor_ >= 0; }
   /// Parts that are finished, and all; 0 of 0 before a run that is begun afresh is started.
-  std::uint64_t finished() const { return places_.size(); }
+  std::uint64_t finished() const { return entries_.size(); }
   std::uint64_t count() const { return count_; }
   /// Whether a part was asked for since that is not finished: then work has begun.
   bool has_begun() const { return has_begun_; }
@@ -110,7 +110,7 @@ class FinishedParts {
   void remove();
 
  private:
-  struct Place {
+  struct Entry {
     std::uint64_t begin = 0, size = 0, checksum = 0;  ///< of the answers
   };
 
@@ -123,10 +123,10 @@ class FinishedParts {
   PartsOptions options_;
   Identity identity_;
   int descriptor_ = -1;
-  std::uint64_t count_ = 0, size_ = 0;     ///< size_: bytes of the file that are whole records
-  std::map<std::uint64_t, Place> places_;  ///< by part
-  std::vector<std::byte> pending_;         ///< records still to be written
-  std::map<std::uint64_t, Place> pending_places_;
+  std::uint64_t count_ = 0, size_ = 0;      ///< size_: bytes of the file that are whole records
+  std::map<std::uint64_t, Entry> entries_;  ///< by part
+  std::vector<std::byte> pending_;          ///< records still to be written
+  std::map<std::uint64_t, Entry> pending_entries_;
   bool has_begun_ = false;
   std::chrono::steady_clock::time_point written_;
 };
@@ -203,7 +203,7 @@ class PartReader {
 /// use(part, reader) takes the answers, be they new or from the file, so that both are taken alike. `parts`
 /// may be null: then nothing is kept.
 template <class Compute, class Use>
-void run_parts(FinishedParts* parts, std::uint64_t count, const Compute& compute, const Use& use) {
+void run_parts(PartCheckpoint* parts, std::uint64_t count, const Compute& compute, const Use& use) {
   if (parts != nullptr) parts->start(count);
   for (std::uint64_t part = 0; part < count; ++part) {
     const std::optional<std::vector<std::byte>> found =

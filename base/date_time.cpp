@@ -22,8 +22,8 @@ class Reading {
 
   bool at_end() const { return rest_.empty(); }
 
-  bool take(char letter) {
-    if (!rest_.starts_with(letter)) return false;
+  bool take(char character) {
+    if (!rest_.starts_with(character)) return false;
     rest_.remove_prefix(1);
     return true;
   }
@@ -32,9 +32,9 @@ class Reading {
   std::optional<int> digits(std::size_t count) {
     if (rest_.size() < count) return {};
     int number = 0;
-    for (const char letter : rest_.substr(0, count)) {
-      if (letter < '0' || letter > '9') return {};
-      number = 10 * number + (letter - '0');
+    for (const char character : rest_.substr(0, count)) {
+      if (character < '0' || character > '9') return {};
+      number = 10 * number + (character - '0');
     }
     rest_.remove_prefix(count);
     return number;
@@ -69,7 +69,7 @@ class Reading {
        "one like \"2003-10-17T12:30:30-07:00\" or \"2003-10-17T19:30:30Z\", in the years 1600 to 2999");
 }
 
-/// A number of exactly so many digits, and the letter behind it unless that is 0.
+/// A number of exactly so many digits, and the character behind it unless that is 0.
 int require_number(Reading& reading, std::string_view text, std::size_t digits, char behind = 0) {
   const std::optional<int> number = reading.digits(digits);
   if (!number || (behind != 0 && !reading.take(behind))) fail_form(text);

@@ -17,7 +17,7 @@ class Error : public std::runtime_error {
  public:
   struct Parts {
     std::string file{};      ///< path as given by the caller; empty if the error concerns no file
-    std::string place{};     ///< "byte 227", "line 3", "12:5" (line:column), or empty
+    std::string location{};  ///< "byte 227", "line 3", "12:5" (line:column), or empty
     std::string problem{};   ///< one clause in lower case, without full stop
     std::string expected{};  ///< the valid input
     std::string found{};     ///< the actual input
@@ -25,9 +25,9 @@ class Error : public std::runtime_error {
 
   explicit Error(Parts parts) : std::runtime_error(compose(parts)), parts_(std::move(parts)) {}
   /// The same with the parts in their order.
-  Error(std::string file, std::string place, std::string problem, std::string expected = {},
+  Error(std::string file, std::string location, std::string problem, std::string expected = {},
         std::string found = {})
-      : Error(Parts{std::move(file), std::move(place), std::move(problem), std::move(expected),
+      : Error(Parts{std::move(file), std::move(location), std::move(problem), std::move(expected),
                     std::move(found)}) {}
 
   const Parts& parts() const { return parts_; }
@@ -37,7 +37,7 @@ class Error : public std::runtime_error {
     std::string text;
     if (!parts.file.empty()) {
       text += parts.file;
-      if (!parts.place.empty()) text += ":" + parts.place;
+      if (!parts.location.empty()) text += ":" + parts.location;
       text += ": ";
     }
     text += parts.problem;

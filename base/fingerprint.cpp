@@ -49,10 +49,11 @@ std::pair<std::string, std::string> telling_parts(const std::string& a, const st
 }  // namespace
 
 void check_identity(const Identity& made, const Identity& asked, const std::string& file,
-                    const IdentityWords& words) {
+                    const FingerprintWords& words) {
   for (std::size_t i = 0; i < std::max(made.size(), asked.size()); ++i) {
-    const IdentityEntry none{"cloud", "none"};
-    const IdentityEntry &before = i < made.size() ? made[i] : none, &now = i < asked.size() ? asked[i] : none;
+    const FingerprintEntry none{"cloud", "none"};
+    const FingerprintEntry &before = i < made.size() ? made[i] : none,
+                           &now = i < asked.size() ? asked[i] : none;
     if (before == now) continue;
     const bool comparable = before.name == now.name;
     const auto [made_with, asked_for] = telling_parts(before.value, now.value);
@@ -65,18 +66,18 @@ void check_identity(const Identity& made, const Identity& asked, const std::stri
 }
 
 void append_identity(const Identity& identity, std::vector<std::byte>& bytes) {
-  for (const IdentityEntry& entry : identity) {
-    std::size_t place = bytes.size();
-    bytes.resize(place + k_lengths + entry.name.size() + entry.value.size());
-    store(bytes.data() + place, static_cast<std::uint32_t>(entry.name.size()));
-    store(bytes.data() + place + 4, static_cast<std::uint32_t>(entry.value.size()));
-    place += k_lengths;
-    std::memcpy(bytes.data() + place, entry.name.data(), entry.name.size());
-    std::memcpy(bytes.data() + place + entry.name.size(), entry.value.data(), entry.value.size());
+  for (const FingerprintEntry& entry : identity) {
+    std::size_t offset = bytes.size();
+    bytes.resize(offset + k_lengths + entry.name.size() + entry.value.size());
+    store(bytes.data() + offset, static_cast<std::uint32_t>(entry.name.size()));
+    store(bytes.data() + offset + 4, static_cast<std::uint32_t>(entry.value.size()));
+    offset += k_lengths;
+    std::memcpy(bytes.data() + offset, entry.name.data(), entry.name.size());
+    std::memcpy(bytes.data() + offset + entry.name.size(), entry.value.data(), entry.value.size());
   }
 }
 
-Identity read_identity(std::span<const std::byte> bytes, std::size_t place, const std::string& file) {
+Identity read_identity(std::span<const std::byte> bytes, std::size_t offset, const std::string& file) {
   Identity identity;
   const auto text = [](std::span<const std::byte> part) {
     return std::string(reinterpret_cast<const char*>(part.data()), part.size());
@@ -89,13 +90,13 @@ Identity read_identity(std::span<const std::byte> bytes, std::size_t place, cons
     }
     if (bytes.size() < k_lengths || name + value > bytes.size() - k_lengths) {
       throw Error({.file = file,
-                   .place = fmt::format("byte {}", place),
+                   .location = fmt::format("byte {}", offset),
                    .problem = "corrupt checkpoint: truncated fingerprint"});
     }
     identity.push_back({text(bytes.subspan(k_lengths, name)), text(bytes.subspan(k_lengths + name, value))});
     const std::size_t size = k_lengths + name + value;
     bytes = bytes.subspan(size);
-    place += size;
+    offset += size;
   }
   return identity;
 }

@@ -19,7 +19,7 @@ std::uint64_t checksum(std::span<const std::byte> bytes);
 void append_checksums(std::initializer_list<std::span<const std::byte>> arrays,
                       std::vector<std::uint64_t>& sums);
 
-/// Sections of a file are summed in blocks, so that threads can share the work and damage has a place.
+/// Sections of a file are summed in blocks, so that threads can share the work and damage has a offset.
 inline constexpr std::size_t k_checksum_block = std::size_t{1} << 20;
 
 /// Number of blocks in so many bytes; the last one may be short.
@@ -37,19 +37,19 @@ inline std::span<const std::byte> checksum_block(std::span<const std::byte> byte
 // result stays the same.
 
 /// One thing that results depend on.
-struct IdentityEntry {
+struct FingerprintEntry {
   std::string name;   ///< as a message calls it: "seed", "sky"
   std::string value;  ///< exact: equal texts are equal things
 
-  bool operator==(const IdentityEntry&) const = default;
+  bool operator==(const FingerprintEntry&) const = default;
 };
 
 /// All that results depend on, in a fixed order: what others follow from comes before them. Numbers are
 /// written so that different ones have different texts.
-using Identity = std::vector<IdentityEntry>;
+using Identity = std::vector<FingerprintEntry>;
 
 /// How messages call what an identity is of.
-struct IdentityWords {
+struct FingerprintWords {
   std::string of = "picture";
   std::string same = "scene, cloud and options";  ///< what has to be the same
 };
@@ -57,13 +57,13 @@ struct IdentityWords {
 /// Errors: the first entry that differs, under `file`: "made with seed 1, asked for 2". Long texts are shown
 /// from where they differ.
 void check_identity(const Identity& made, const Identity& asked, const std::string& file,
-                    const IdentityWords& words = {});
+                    const FingerprintWords& words = {});
 
 /// Appends the entries as bytes: of each 4 B length of the name, 4 B length of the value, name, value.
 void append_identity(const Identity& identity, std::vector<std::byte>& bytes);
 
-/// Reads them back from bytes of `file` that begin at its byte `place`. Errors: they do not end where an
+/// Reads them back from bytes of `file` that begin at its byte `offset`. Errors: they do not end where an
 /// entry does.
-Identity read_identity(std::span<const std::byte> bytes, std::size_t place, const std::string& file);
+Identity read_identity(std::span<const std::byte> bytes, std::size_t offset, const std::string& file);
 
 }  // namespace alidade

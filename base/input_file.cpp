@@ -57,62 +57,63 @@ void InputFile::rest() {
   window_size_ = 0;
 }
 
-void InputFile::check_range(std::uint64_t place, std::uint64_t count) const {
-  if (place <= size_ && count <= size_ - place) return;
+void InputFile::check_range(std::uint64_t offset, std::uint64_t count) const {
+  if (offset <= size_ && count <= size_ - offset) return;
   throw Error({.file = name_,
-               .place = "byte " + std::to_string(place),
+               .location = "byte " + std::to_string(offset),
                .problem = "truncated file",
                .expected = std::to_string(count) + " bytes from here",
-               .found = std::to_string(place <= size_ ? size_ - place : 0)});
+               .found = std::to_string(offset <= size_ ? size_ - offset : 0)});
 }
 
-void InputFile::fill(std::uint64_t place, std::span<std::byte> into) {
+void InputFile::fill(std::uint64_t offset, std::span<std::byte> into) {
   if (!descriptor_.is_open()) descriptor_ = FileDescriptor(name_, k_read_flags);
   while (!into.empty()) {
     const ::ssize_t count =
-        ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(place));
+        ::pread(descriptor_.number(), into.data(), into.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
       throw Error({.file = name_,
-                   .place = "byte " + std::to_string(place),
+                   .location = "byte " + std::to_string(offset),
                    .problem = count < 0 ? std::string("cannot read the file: ") + std::strerror(errno)
                                         : "the file was truncated while it was read"});
     }
     into = into.subspan(static_cast<std::size_t>(count));
-    place += static_cast<std::uint64_t>(count);
+    offset += static_cast<std::uint64_t>(count);
   }
 }
 
-void InputFile::read_at(std::uint64_t place, std::span<std::byte> into) {
-  check_range(place, into.size());
+void InputFile::read_at(std::uint64_t offset, std::span<std::byte> into) {
+  check_range(offset, into.size());
   if (into.empty()) return;
   if (memory_) {
-    std::memcpy(into.data(), memory_->data() + place, into.size());
+    std::memcpy(into.data(), memory_->data() + offset, into.size());
   } else {
-    fill(place, into);
+    fill(offset, into);
   }
 }
 
-std::span<const std::byte> InputFile::view(std::uint64_t place, std::size_t count) {
-  check_range(place, count);
-  if (memory_) return memory_->subspan(static_cast<std::size_t>(place), count);
-  const bool inside = window_size_ > 0 && place >= window_place_ && place - window_place_ <= window_size_ &&
-                      count <= window_size_ - (place - window_place_);
+std::span<const std::byte> InputFile::view(std::uint64_t offset, std::size_t count) {
+  check_range(offset, count);
+  if (memory_) return memory_->subspan(static_cast<std::size_t>(offset), count);
+  const bool inside = window_size_ > 0 && offset >= window_offset_ &&
+                      offset - window_offset_ <= window_size_ &&
+                      count <= window_size_ - (offset - window_offset_);
   if (!inside) {
     if (window_.size() < count) window_ = std::vector<std::byte>(count);
     const std::size_t useful =
-        static_cast<std::size_t>(std::min<std::uint64_t>(window_.size(), size_ - place));
+        static_cast<std::size_t>(std::min<std::uint64_t>(window_.size(), size_ - offset));
     window_size_ = 0;
-    fill(place, std::span(window_).first(useful));
-    window_place_ = place;
+    fill(offset, std::span(window_).first(useful));
+    window_offset_ = offset;
     window_size_ = useful;
   }
-  return std::span(window_).subspan(static_cast<std::size_t>(place - window_place_), count);
+  return std::span(window_).subspan(static_cast<std::size_t>(offset - window_offset_), count);
 }
 
-std::span<const std::byte> InputFile::view_up_to(std::uint64_t place, std::size_t count) {
-  const std::uint64_t left = place < size_ ? size_ - place : 0;
-  return view(std::min(place, size_), static_cast<std::size_t>(std::min<std::uint64_t>(count, left)));
+std::span<const std::byte> InputFile::view_up_to(std::uint64_t offset, std::size_t count) {
+  const std::uint64_t left = offset < size_ ? size_ - offset : 0;
+  return view(std::min(offset, size_), static_cast<std::size_t>(std::min<std::uint64_t>(count, left)));
 }
 
 std::string read_text_file(const std::filesystem::path& file, std::uintmax_t largest) {

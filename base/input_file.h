@@ -53,33 +53,33 @@ class InputFile {
   /// The bytes of a file in memory; empty for one on disk.
   const std::optional<std::span<const std::byte>>& memory() const { return memory_; }
 
-  /// Copies into.size() bytes from `place` on. Errors: they are not all there ("file ends early"), reading
+  /// Copies into.size() bytes from `offset` on. Errors: they are not all there ("file ends early"), reading
   /// failed.
-  void read_at(std::uint64_t place, std::span<std::byte> into);
+  void read_at(std::uint64_t offset, std::span<std::byte> into);
 
-  /// The bytes [place, place + count), without a copy where possible. Valid until the next call of any
+  /// The bytes [offset, offset + count), without a copy where possible. Valid until the next call of any
   /// function but size() and name(). Errors as read_at(). Memory: the largest `count` asked for; ask for a
   /// mebibyte or so at a time.
-  std::span<const std::byte> view(std::uint64_t place, std::size_t count);
+  std::span<const std::byte> view(std::uint64_t offset, std::size_t count);
 
   /// As view(), but at the file's end the bytes that are left, maybe none.
-  std::span<const std::byte> view_up_to(std::uint64_t place, std::size_t count);
+  std::span<const std::byte> view_up_to(std::uint64_t offset, std::size_t count);
 
   /// Gives back the file handle and the buffer until the next call that needs them, so that thousands of
   /// files can wait for their turn.
   void rest();
 
  private:
-  void fill(std::uint64_t place, std::span<std::byte> into);
-  void check_range(std::uint64_t place, std::uint64_t count) const;
+  void fill(std::uint64_t offset, std::span<std::byte> into);
+  void check_range(std::uint64_t offset, std::uint64_t count) const;
 
   std::string name_;
   std::uint64_t size_ = 0;
   FileDescriptor descriptor_;  ///< closed while resting and for bytes in memory
   std::optional<std::span<const std::byte>> memory_;
   std::vector<std::byte>
-      window_;  ///< bytes of the file from window_place_ on; window_size_ of them are valid
-  std::uint64_t window_place_ = 0;
+      window_;  ///< bytes of the file from window_offset_ on; window_size_ of them are valid
+  std::uint64_t window_offset_ = 0;
   std::size_t window_size_ = 0;
 };
 
@@ -92,10 +92,10 @@ std::string read_text_file(const std::filesystem::path& file, std::uintmax_t lar
 /// Walks forward through the bytes of a file. Errors: those of InputFile, when the file ends early.
 class ByteCursor {
  public:
-  ByteCursor(InputFile& file, std::uint64_t place) : file_(file), window_place_(place) {}
+  ByteCursor(InputFile& file, std::uint64_t offset) : file_(file), window_offset_(offset) {}
 
   /// Byte that comes next.
-  std::uint64_t place() const { return window_place_ + used_; }
+  std::uint64_t offset() const { return window_offset_ + used_; }
 
   /// The next `count` bytes, valid until the next call.
   const std::byte* take(std::size_t count) {
@@ -111,25 +111,25 @@ class ByteCursor {
       used_ += static_cast<std::size_t>(count);
       return;
     }
-    const std::uint64_t from = place();
+    const std::uint64_t from = offset();
     if (count > file_.size() - std::min(from, file_.size())) file_.view(from, count);
     window_ = {};
     used_ = 0;
-    window_place_ = from + count;
+    window_offset_ = from + count;
   }
 
  private:
   void refill(std::size_t count) {
     constexpr std::size_t k_window = 1 << 20;
-    window_place_ += used_;
+    window_offset_ += used_;
     used_ = 0;
     window_ = {};
-    const auto bytes = file_.view_up_to(window_place_, std::max(count, k_window));
-    window_ = bytes.size() < count ? file_.view(window_place_, count) : bytes;
+    const auto bytes = file_.view_up_to(window_offset_, std::max(count, k_window));
+    window_ = bytes.size() < count ? file_.view(window_offset_, count) : bytes;
   }
 
   InputFile& file_;
-  std::uint64_t window_place_;
+  std::uint64_t window_offset_;
   std::span<const std::byte> window_;
   std::size_t used_ = 0;
 };

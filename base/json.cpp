@@ -18,7 +18,7 @@ constexpr std::size_t k_deepest = 64;
 constexpr std::size_t k_longest_quote = 40;
 
 // Builds the tree from the parser's events. The parser does not tell where a token stands; since it has
-// checked the grammar up to the token it reports, the place is found by skipping what may stand between
+// checked the grammar up to the token it reports, the offset is found by skipping what may stand between
 // tokens.
 class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  public:
@@ -82,7 +82,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
  private:
   [[noreturn]] void fail(std::size_t byte, std::string problem, std::string expected,
                          std::string found) const {
-    throw Error(document_.name, document_.place(byte), std::move(problem), std::move(expected),
+    throw Error(document_.name, document_.offset(byte), std::move(problem), std::move(expected),
                 std::move(found));
   }
 
@@ -170,7 +170,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
     if (twice == sorted.end()) return;
     const JsonMember& again = *twice[1];
     fail(again.key_begin, "duplicate key " + document_.quote(again.key_begin, again.key_end), "unique keys",
-         "the first one at " + document_.place(twice[0]->key_begin));
+         "the first one at " + document_.offset(twice[0]->key_begin));
   }
 
   JsonDocument& document_;
@@ -184,7 +184,7 @@ class TreeBuilder : public nlohmann::json_sax<nlohmann::json> {
 
 }  // namespace
 
-std::string JsonDocument::place(std::size_t byte) const {
+std::string JsonDocument::offset(std::size_t byte) const {
   const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(byte, text.size()));
   const auto line = std::count(text.begin(), end, '\n') + 1;
   auto start = end;
@@ -250,7 +250,7 @@ std::string NumberRange::describe() const {
 void JsonNode::fail_at(std::size_t byte, const std::string& problem, const std::string& expected,
                        const std::string& found, const std::string& pointer) const {
   throw Error({.file = document_->name,
-               .place = document_->place(byte),
+               .location = document_->offset(byte),
                .problem = fmt::format("{} (at {})", problem, pointer.empty() ? "the top" : pointer),
                .expected = expected,
                .found = found});

@@ -20,7 +20,7 @@ struct JsonValue;
 using JsonArray = std::vector<JsonValue>;
 using JsonObject = std::vector<JsonMember>;
 
-/// One value of a JSON text, with the place where it begins. Whole numbers from 0 to 2^64-1 are kept exactly.
+/// One value of a JSON text, with the offset where it begins. Whole numbers from 0 to 2^64-1 are kept exactly.
 struct JsonValue {
   std::variant<std::nullptr_t, bool, std::uint64_t, double, std::string, JsonArray, JsonObject> data;
   std::size_t begin = 0;  ///< bytes [begin, end) of the text
@@ -41,7 +41,7 @@ struct JsonDocument {
   JsonValue root;
 
   /// "LINE:COLUMN" of a byte, both from 1, columns counted in characters.
-  std::string place(std::size_t byte) const;
+  std::string offset(std::size_t byte) const;
   /// What stands at bytes [begin, end), shortened to one line of at most 40 characters.
   std::string quote(std::size_t begin, std::size_t end) const;
 };
@@ -63,7 +63,7 @@ struct NumberRange {
   std::string describe() const;  ///< "from 0 to 1", "greater than 0 and at most 10"
 };
 
-/// Coordinates and lengths: beyond any place on or near Earth, and squares stay far from the limits of
+/// Coordinates and lengths: beyond any offset on or near Earth, and squares stay far from the limits of
 /// double.
 inline constexpr double k_largest_length = 1e12;
 inline constexpr NumberRange k_coordinate{-k_largest_length, k_largest_length};
@@ -105,7 +105,7 @@ class JsonNode {
   /// The member of that name, if this is an object and has it.
   std::optional<JsonNode> find(std::string_view key) const;
 
-  /// Throws. The place is this value's; `found` is a quotation of it unless given.
+  /// Throws. The offset is this value's; `found` is a quotation of it unless given.
   [[noreturn]] void fail(const std::string& problem, const std::string& expected,
                          const std::optional<std::string>& found = {}) const;
 

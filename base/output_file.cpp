@@ -22,15 +22,15 @@ constexpr std::size_t k_buffer_size = 1 << 18;
   throw system_error(name, problem, error_number);
 }
 
-/// Writes all bytes at a place of the file.
-void write_fully(const std::string& name, int descriptor, std::uint64_t place,
+/// Writes all bytes at a offset of the file.
+void write_fully(const std::string& name, int descriptor, std::uint64_t offset,
                  std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(place));
+    const ::ssize_t count = ::pwrite(descriptor, bytes.data(), bytes.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) fail(name, "cannot write the file", errno);
     bytes = bytes.subspan(static_cast<std::size_t>(count));
-    place += static_cast<std::uint64_t>(count);
+    offset += static_cast<std::uint64_t>(count);
   }
 }
 
@@ -98,10 +98,10 @@ void OutputFile::write(std::span<const std::byte> bytes) {
   size_ += bytes.size();
 }
 
-void OutputFile::write_at(std::uint64_t place, std::span<const std::byte> bytes) {
-  assert(place <= size_ && bytes.size() <= size_ - place);
+void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
+  assert(offset <= size_ && bytes.size() <= size_ - offset);
   flush();
-  write_fully(name_, descriptor_, place, bytes);
+  write_fully(name_, descriptor_, offset, bytes);
 }
 
 void OutputFile::commit() {

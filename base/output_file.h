@@ -25,8 +25,8 @@ class OutputFile {
   /// Appends bytes, through a buffer: many small pieces cost little. Errors: no space left and other write
   /// failures.
   void write(std::span<const std::byte> bytes);
-  /// Overwrites bytes at a place already written (headers completed at the end).
-  void write_at(std::uint64_t place, std::span<const std::byte> bytes);
+  /// Overwrites bytes at a offset already written (headers completed at the end).
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   /// Bytes written so far.
   std::uint64_t size() const { return size_; }
   /// Flushes, checks, renames. Call once, last. Errors: a failed write; a file that has appeared under the

@@ -25,7 +25,7 @@ inline glm::dvec3 unit_direction(const glm::dvec3& v) {
   return scaled / std::sqrt(scaled.x * scaled.x + scaled.y * scaled.y + scaled.z * scaled.z);
 }
 
-/// A line through the world with a place on it: position(t) = origin + t * direction.
+/// A line through the world with a position on it: position(t) = origin + t * direction.
 /// `direction` has length 1, so t is in metres. Queries look at points whose projection falls into the closed
 /// interval [t_min, t_max]; by default that is all of the line, in both directions, as in the paper (section
 /// 2).

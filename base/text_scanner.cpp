@@ -13,23 +13,23 @@ constexpr std::size_t k_window = 1 << 20;
 
 }  // namespace
 
-TextScanner::TextScanner(InputFile& file, std::uint64_t place, std::uint64_t line_number)
-    : file_(file), window_place_(place), line_number_(line_number) {}
+TextScanner::TextScanner(InputFile& file, std::uint64_t offset, std::uint64_t line_number)
+    : file_(file), window_offset_(offset), line_number_(line_number) {}
 
 std::optional<std::string_view> TextScanner::next_line() {
   const char* start = window_.data() + used_;
   std::size_t left = window_.size() - used_;
   const char* end = left > 0 ? static_cast<const char*>(std::memchr(start, '\n', left)) : nullptr;
-  if (!end && window_place_ + window_.size() < file_.size()) {
-    window_place_ += used_;
+  if (!end && window_offset_ + window_.size() < file_.size()) {
+    window_offset_ += used_;
     used_ = 0;
-    const auto bytes = file_.view_up_to(window_place_, k_window);
+    const auto bytes = file_.view_up_to(window_offset_, k_window);
     window_ = {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-    if (window_place_ == 0 && window_.starts_with(k_byte_order_mark)) used_ = k_byte_order_mark.size();
+    if (window_offset_ == 0 && window_.starts_with(k_byte_order_mark)) used_ = k_byte_order_mark.size();
     start = window_.data() + used_;
     left = window_.size() - used_;
     end = left > 0 ? static_cast<const char*>(std::memchr(start, '\n', left)) : nullptr;
-    if (!end && window_place_ + window_.size() < file_.size()) {
+    if (!end && window_offset_ + window_.size() < file_.size()) {
       ++line_number_;
       fail("line too long", "at most " + std::to_string(k_window) + " bytes");
     }

@@ -17,8 +17,8 @@ namespace alidade {
 /// is skipped. Memory: one window of a mebibyte; a longer line is an Error.
 class TextScanner {
  public:
-  /// Starts at byte `place`, which is the start of the line after number `line_number`.
-  explicit TextScanner(InputFile& file, std::uint64_t place = 0, std::uint64_t line_number = 0);
+  /// Starts at byte `offset`, which is the start of the line after number `line_number`.
+  explicit TextScanner(InputFile& file, std::uint64_t offset = 0, std::uint64_t line_number = 0);
 
   /// The next line without its end, valid until the next call; empty optional at the end of the file.
   std::optional<std::string_view> next_line();
@@ -30,14 +30,14 @@ class TextScanner {
   /// Number of the line last given, from 1.
   std::uint64_t line_number() const { return line_number_; }
   /// Byte after the line last given, its end included.
-  std::uint64_t place() const { return window_place_ + used_; }
+  std::uint64_t offset() const { return window_offset_ + used_; }
 
   /// Throws the Error for the line last given.
   [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {}) const;
 
  private:
   InputFile& file_;
-  std::uint64_t window_place_;
+  std::uint64_t window_offset_;
   std::string_view window_;
   std::size_t used_ = 0;  ///< bytes of the window already given out
   std::uint64_t line_number_;

@@ -21,30 +21,30 @@ std::size_t stated_size(unsigned char first) {
 
 }  // namespace
 
-std::size_t utf8_letter_size(std::string_view text) {
+std::size_t utf8_character_size(std::string_view text) {
   if (text.empty()) return 0;
-  const auto at = [&](std::size_t place) { return static_cast<unsigned char>(text[place]); };
+  const auto at = [&](std::size_t position) { return static_cast<unsigned char>(text[position]); };
   const std::size_t size = stated_size(at(0));
   if (size == 0 || size > text.size()) return 0;
-  for (std::size_t place = 1; place < size; ++place) {
-    if (!is_continuation(text[place])) return 0;
+  for (std::size_t position = 1; position < size; ++position) {
+    if (!is_continuation(text[position])) return 0;
   }
   const bool is_long = (at(0) == 0xe0 && at(1) < 0xa0) || (at(0) == 0xf0 && at(1) < 0x90);
-  const bool is_no_letter = (at(0) == 0xed && at(1) >= 0xa0) || (at(0) == 0xf4 && at(1) >= 0x90);
-  return is_long || is_no_letter ? 0 : size;
+  const bool is_no_character = (at(0) == 0xed && at(1) >= 0xa0) || (at(0) == 0xf4 && at(1) >= 0x90);
+  return is_long || is_no_character ? 0 : size;
 }
 
 bool is_utf8(std::string_view text) {
   while (!text.empty()) {
-    const std::size_t size = utf8_letter_size(text);
+    const std::size_t size = utf8_character_size(text);
     if (size == 0) return false;
     text.remove_prefix(size);
   }
   return true;
 }
 
-bool is_blank(char letter) {
-  return letter == ' ' || letter == '\t' || letter == '\r';
+bool is_blank(char character) {
+  return character == ' ' || character == '\t' || character == '\r';
 }
 
 std::string_view trim(std::string_view text) {
@@ -91,14 +91,14 @@ int written_decimals(std::string_view word) {
 
 void split_words(std::string_view line, std::vector<std::string_view>& words) {
   words.clear();
-  const char* place = line.data();
-  const char* const end = place + line.size();
+  const char* position = line.data();
+  const char* const end = position + line.size();
   while (true) {
-    while (place != end && is_blank(*place)) ++place;
-    if (place == end) return;
-    const char* const start = place;
-    while (place != end && !is_blank(*place)) ++place;
-    words.emplace_back(start, static_cast<std::size_t>(place - start));
+    while (position != end && is_blank(*position)) ++position;
+    if (position == end) return;
+    const char* const start = position;
+    while (position != end && !is_blank(*position)) ++position;
+    words.emplace_back(start, static_cast<std::size_t>(position - start));
   }
 }
 
@@ -118,14 +118,14 @@ void split_cells(std::string_view line, char separator, std::vector<std::string_
 std::string quote(std::string_view text) {
   constexpr std::size_t k_longest = 40;
   std::string result = "\"";
-  for (const char letter : text.substr(0, k_longest))
-    result += letter >= ' ' && letter != '\x7f' ? letter : '?';
+  for (const char character : text.substr(0, k_longest))
+    result += character >= ' ' && character != '\x7f' ? character : '?';
   if (text.size() > k_longest) result += "...";
   return result + '"';
 }
 
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words) {
-  // More typing errors than a third of the letters are another word; the limit also bounds the cost for
+  // More typing errors than a third of the characters are another word; the limit also bounds the cost for
   // hostile input.
   std::string_view nearest;
   std::size_t nearest_distance = std::max<std::size_t>(2, word.size() / 3) + 1;

@@ -14,34 +14,34 @@
 
 namespace alidade {
 
-/// Bytes of the letter that a text begins with: UTF-8 in its shortest form, without halves of UTF-16 and NUL.
+/// Bytes of the character that a text begins with: UTF-8 in its shortest form, without halves of UTF-16 and NUL.
 /// 0 if it begins with none.
-std::size_t utf8_letter_size(std::string_view text);
+std::size_t utf8_character_size(std::string_view text);
 
-/// Whether a byte is one within a letter of UTF-8, not its first.
+/// Whether a byte is one within a character of UTF-8, not its first.
 inline bool is_continuation(char byte) {
   return (static_cast<unsigned char>(byte) & 0xc0) == 0x80;
 }
 
-/// Whether a text is made of such letters.
+/// Whether a text is made of such characters.
 bool is_utf8(std::string_view text);
 
-/// What a file's name ends in, in small letters: ".csv" of "A.CSV".
-inline std::string file_ending(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  for (char& letter : ending) {
-    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+/// What a file's name ends in, in small characters: ".csv" of "A.CSV".
+inline std::string file_extension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& character : extension) {
+    if (character >= 'A' && character <= 'Z') character = static_cast<char>(character - 'A' + 'a');
   }
-  return ending;
+  return extension;
 }
 
 /// UTF-8 for U+FEFF, which some programs put before a text.
 inline constexpr std::string_view k_byte_order_mark = "\xEF\xBB\xBF";
 
 /// Blank, tab or carriage return.
-bool is_blank(char letter);
+bool is_blank(char character);
 
-/// The text without is_blank() letters at its ends.
+/// The text without is_blank() characters at its ends.
 std::string_view trim(std::string_view text);
 
 /// The number a whole word stands for: decimal or scientific, with an optional sign, "nan", "inf"; empty if
@@ -72,7 +72,7 @@ void split_cells(std::string_view line, char separator, std::vector<std::string_
 /// Text of a file as an error message can show it: in quotes, unprintable bytes as "?", cut after 40 bytes.
 std::string quote(std::string_view text);
 
-/// The word of `words` that was probably meant, by edit distance (swapped letters count once); empty if none
+/// The word of `words` that was probably meant, by edit distance (swapped characters count once); empty if none
 /// is near.
 std::string_view nearest_word(std::string_view word, std::span<const std::string_view> words);
 

@@ -52,8 +52,8 @@ double distance_to_fit(const std::array<double, 8>& across, const std::array<dou
 }
 
 /// How far aside the camera must stand at this distance for equal margins on both sides of one film axis.
-double place_to_center(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
-                       double distance) {
+double position_to_center(const std::array<double, 8>& across, const std::array<double, 8>& ahead,
+                          double distance) {
   double low = *std::min_element(across.begin(), across.end()),
          high = *std::max_element(across.begin(), across.end());
   for (int step = 0; step < 60; ++step) {
@@ -146,13 +146,13 @@ Camera overview_camera(const Bounds& bounds, int width, int height) {
   const double distance =
       std::max(distance_to_fit(corners.right, corners.ahead, (1.0 - k_margin) * camera.cx / camera.fx),
                distance_to_fit(corners.down, corners.ahead, (1.0 - k_margin) * camera.cy / camera.fy));
-  camera.pose.position = center + place_to_center(corners.right, corners.ahead, distance) * pose.right +
-                         place_to_center(corners.down, corners.ahead, distance) * pose.down -
+  camera.pose.position = center + position_to_center(corners.right, corners.ahead, distance) * pose.right +
+                         position_to_center(corners.down, corners.ahead, distance) * pose.down -
                          distance * pose.forward;
   return camera;
 }
 
-Camera panorama_camera(const glm::dvec3& place, int width, int height) {
+Camera panorama_camera(const glm::dvec3& position, int width, int height) {
   if (width < 1 || height < 1) throw Error({.problem = "image size must be at least 1 x 1"});
   return {.width = width,
           .height = height,
@@ -160,7 +160,7 @@ Camera panorama_camera(const glm::dvec3& place, int width, int height) {
           .fy = height / std::numbers::pi,
           .cx = 0.5 * width,
           .cy = 0.5 * height,
-          .pose = {.position = place},
+          .pose = {.position = position},
           .lens = EquirectangularLens{}};
 }
 
@@ -187,7 +187,7 @@ Camera orthophoto_camera(const Bounds& bounds, double resolution) {
                 .fy = 1.0 / resolution,
                 .pose = {},
                 .lens = OrthographicLens{}};
-  // The camera's place is the image's upper left corner, so that its coordinates are those of the file.
+  // The camera's position is the image's upper left corner, so that its coordinates are those of the file.
   camera.pose = {.position = {left * resolution, (bottom + height) * resolution, bounds.max.z + resolution},
                  .right = {1.0, 0.0, 0.0},
                  .down = {0.0, -1.0, 0.0},

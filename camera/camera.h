@@ -21,7 +21,7 @@ enum class AxisConvention {
 };
 
 /// Camera frame -> world, right-handed, rotation orthonormal: columns right, down, forward (opencv), then the
-/// place.
+/// position.
 struct CameraPose {
   glm::dvec3 position{0.0};
   glm::dvec3 right{1.0, 0.0, 0.0};
@@ -29,8 +29,8 @@ struct CameraPose {
   glm::dvec3 forward{0.0, 1.0, 0.0};
 };
 
-/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film place
-/// (x, y), which is pixel place (cx + fx x, cy + fy y); see camera/lens.h.
+/// A camera. Pixel (0,0) is top left, its centre at (0.5, 0.5). The lens brings a direction to a film position
+/// (x, y), which is pixel position (cx + fx x, cy + fy y); see camera/lens.h.
 struct Camera {
   int width = 600, height = 400;
   double fx = 0.0, fy = 0.0;  ///< focal lengths in pixels; orthographic: pixels per metre; equirectangular:
@@ -45,9 +45,9 @@ struct Camera {
 inline constexpr int k_max_image_side = 1 << 16;         ///< pixels
 inline constexpr std::uint64_t k_max_pixels = 1u << 28;  ///< width times height
 
-/// Ray through a place on the film, in pixels ((0.5, 0.5) = centre of the top left pixel). Starts at the
+/// Ray through a position on the film, in pixels ((0.5, 0.5) = centre of the top left pixel). Starts at the
 /// camera, t_min = 0. Unit direction. For many rays of one camera make a Projection
-/// (camera/projection.h). Errors: the lens has no view through this place.
+/// (camera/projection.h). Errors: the lens has no view through this position.
 Ray camera_ray(const Camera& camera, const glm::dvec2& film_position);
 
 /// Film position of a world point in pixels (may lie outside the image); empty if the lens does not see it,
@@ -69,9 +69,9 @@ Camera resized(const Camera& camera, int width, int height);
 /// image.
 Camera overview_camera(const Bounds& bounds, int width, int height);
 
-/// Everything around a place: the whole sphere, the middle of the image looks north (+y), east (+x) is to the
+/// Everything around a position: the whole sphere, the middle of the image looks north (+y), east (+x) is to the
 /// right of it. Column x of the image looks to azimuth 360 (x / width - 1/2) degrees, clockwise from north.
-Camera panorama_camera(const glm::dvec3& place, int width, int height);
+Camera panorama_camera(const glm::dvec3& position, int width, int height);
 
 /// The box from straight above through parallel rays: north up, the borders of pixels at whole multiples of
 /// the resolution (metres), the rays start just above the box. Errors: a resolution that is not above 0; more

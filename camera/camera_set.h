@@ -36,7 +36,7 @@ struct CameraFileOptions {
 /// nerfstudio and instant-ngp, OpenSfM's reconstruction.json (its first reconstruction), openMVG's
 /// sfm_data.json, or a trajectory as text, told apart by content. Formats and conventions: docs/cameras.md.
 /// Poses become camera-to-world, pixels get our convention. Lenses are not followed over their images: that
-/// is check_camera()'s work for the cameras one wants. Errors: Error with file and place: unknown formats and
+/// is check_camera()'s work for the cameras one wants. Errors: Error with file and position: unknown formats and
 /// models, missing parts, counts beyond the file's size, rotations that are none, focal lengths of 0, names
 /// that stand twice. A file without any camera is an error. Cost: linear. Memory: a constant times the file's
 /// size without its points.

@@ -38,11 +38,11 @@ Polynomial difference(const Polynomial& a, const Polynomial& b) {
   return result;
 }
 
-/// The last places before the polynomial changes its sign in (0, end], ascending, to the last bit. Places
+/// The last positions before the polynomial changes its sign in (0, end], ascending, to the last bit. Positions
 /// where it only touches zero are left out. The same bits on every machine.
 std::vector<double> sign_changes(const Polynomial& polynomial, double end) {
   if (polynomial.size() < 2) return {};
-  // Between two places where the derivative changes its sign the polynomial is monotone.
+  // Between two positions where the derivative changes its sign the polynomial is monotone.
   std::vector<double> borders = sign_changes(derivative(polynomial), end);
   borders.push_back(end);
   std::vector<double> changes;
@@ -123,14 +123,14 @@ DistortionMap::Radial DistortionMap::radial_at(double q) const {
 DistortionMap::Moved DistortionMap::moved(const glm::dvec2& ideal) const {
   const double x = ideal.x, y = ideal.y;
   const Radial radial = radial_at(x * x + y * y);
-  Moved result{.place = radial.factor * ideal,
+  Moved result{.position = radial.factor * ideal,
                .by_x = {radial.factor + 2.0 * x * x * radial.slope, 2.0 * x * y * radial.slope},
                .by_y = {2.0 * x * y * radial.slope, radial.factor + 2.0 * y * y * radial.slope}};
   if (radial_only_) return result;
 
   const auto& [s1, s2, s3, s4] = distortion_.prism;
   const double p1 = distortion_.p1, p2 = distortion_.p2;
-  const glm::dvec2 at = distortion_.after_radial ? result.place : ideal;
+  const glm::dvec2 at = distortion_.after_radial ? result.position : ideal;
   const double s = at.x * at.x + at.y * at.y;
   const glm::dvec2 shift{2.0 * p1 * at.x * at.y + p2 * (s + 2.0 * at.x * at.x) + s * (s1 + s2 * s),
                          2.0 * p2 * at.x * at.y + p1 * (s + 2.0 * at.y * at.y) + s * (s3 + s4 * s)};
@@ -141,7 +141,7 @@ DistortionMap::Moved DistortionMap::moved(const glm::dvec2& ideal) const {
                         2.0 * p2 * at.x + 6.0 * p1 * at.y + y_turn * at.y};
   const glm::dvec2 shift_by_x = distortion_.after_radial ? by_a * result.by_x.x + by_b * result.by_x.y : by_a;
   const glm::dvec2 shift_by_y = distortion_.after_radial ? by_a * result.by_y.x + by_b * result.by_y.y : by_b;
-  result.place += shift;
+  result.position += shift;
   result.by_x += shift_by_x;
   result.by_y += shift_by_y;
   return result;
@@ -152,7 +152,7 @@ std::optional<glm::dvec2> DistortionMap::distort(const glm::dvec2& ideal) const 
   const Moved result = moved(ideal);
   if (!(result.by_x.x * result.by_y.y - result.by_x.y * result.by_y.x > 0.0) && !radial_only_)
     return std::nullopt;
-  return result.place;
+  return result.position;
 }
 
 std::optional<double> DistortionMap::radius_before(double film_radius) const {
@@ -187,7 +187,7 @@ std::optional<glm::dvec2> DistortionMap::undistort(const glm::dvec2& film) const
     const Moved at = moved(ideal);
     const double determinant = at.by_x.x * at.by_y.y - at.by_x.y * at.by_y.x;
     if (!(determinant > 0.0)) return std::nullopt;
-    const glm::dvec2 excess = at.place - film;
+    const glm::dvec2 excess = at.position - film;
     const glm::dvec2 change{(at.by_y.y * excess.x - at.by_y.x * excess.y) / determinant,
                             (at.by_x.x * excess.y - at.by_x.y * excess.x) / determinant};
     const double length = length_of(change);

@@ -6,12 +6,12 @@
 #include <variant>
 
 // What lenses do, as plain numbers. A lens turns a direction in the camera's axes, (X, Y, Z) = (right, down,
-// forward), into a place on a film one focal length behind it; the camera's fx, fy, cx, cy turn that place
+// forward), into a position on a film one focal length behind it; the camera's fx, fy, cx, cy turn that position
 // into pixels. u = X / Z, v = Y / Z; theta = angle off the axis. Formulas: docs/cameras.md.
 
 namespace alidade::camera {
 
-/// How far a film place is moved. With (x, y) the place on the ideal film and q = x^2 + y^2:
+/// How far a film position is moved. With (x, y) the position on the ideal film and q = x^2 + y^2:
 ///   (c, d) = (x, y) (1 + sum radial[i] q^(i+1)) / (1 + sum denominator[i] q^(i+1))
 ///   x' = c + 2 p1 a b + p2 (s + 2 a^2) + prism[0] s + prism[1] s^2
 ///   y' = d + 2 p2 a b + p1 (s + 2 b^2) + prism[2] s + prism[3] s^2,  s = a^2 + b^2,

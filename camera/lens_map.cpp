@@ -201,8 +201,8 @@ struct LensMap::Unproject {
 
 LensMap::LensMap(const Lens& lens) : lens_(std::visit(Prepare{}, lens)) {}
 
-std::optional<glm::dvec2> LensMap::project(const glm::dvec3& place) const {
-  return std::visit(Project{place}, lens_);
+std::optional<glm::dvec2> LensMap::project(const glm::dvec3& position) const {
+  return std::visit(Project{position}, lens_);
 }
 
 std::optional<LensRay> LensMap::unproject(const glm::dvec2& film) const {

@@ -12,16 +12,16 @@
 namespace alidade::camera {
 
 /// A distortion ready for use both ways. It holds from the middle of the film up to where its radial part
-/// stops growing: beyond that place it folds over, and what lies there would be seen twice.
-/// undistort(distort(place)) is `place` to a few units in the last place.
+/// stops growing: beyond that position it folds over, and what lies there would be seen twice.
+/// undistort(distort(position)) is `position` to a few units in the last position.
 class DistortionMap {
  public:
-  /// Places beyond `largest_radius` of the ideal film do not occur.
+  /// Positions beyond `largest_radius` of the ideal film do not occur.
   DistortionMap(const Distortion& distortion, double largest_radius);
 
-  /// Place on the real film; empty beyond the fold.
+  /// Position on the real film; empty beyond the fold.
   std::optional<glm::dvec2> distort(const glm::dvec2& ideal) const;
-  /// Place on the ideal film; empty if none before the fold leads there. Method: the radial part by Newton's
+  /// Position on the ideal film; empty if none before the fold leads there. Method: the radial part by Newton's
   /// method inside a bracket, then Newton's method in the plane.
   std::optional<glm::dvec2> undistort(const glm::dvec2& film) const;
 
@@ -34,7 +34,7 @@ class DistortionMap {
     double factor, slope;  ///< factor of (x, y) at q = r^2, and its derivative by q
   };
   struct Moved {
-    glm::dvec2 place, by_x, by_y;  ///< the place and its derivatives
+    glm::dvec2 position, by_x, by_y;  ///< the position and its derivatives
   };
   Radial radial_at(double q) const;
   Moved moved(const glm::dvec2& ideal) const;
@@ -46,23 +46,23 @@ class DistortionMap {
   double ideal_limit_, film_limit_;
 };
 
-/// What a place on the film sees, in the camera's axes (right, down, forward). The direction has any length.
+/// What a position on the film sees, in the camera's axes (right, down, forward). The direction has any length.
 struct LensRay {
   glm::dvec3 origin{0.0};
   glm::dvec3 direction{0.0, 0.0, 1.0};
 };
 
-/// A lens ready for use both ways: places in the camera's axes to film places (lens.h) and back. What it
+/// A lens ready for use both ways: positions in the camera's axes to film positions (lens.h) and back. What it
 /// computes has the same bits on every machine. Cost: of unproject() some tens of operations, with distortion
 /// some hundreds.
 class LensMap {
  public:
   explicit LensMap(const Lens& lens);
 
-  /// Film place of a place in the camera's axes. Empty if the lens does not see it: behind the camera or,
-  /// with distortion, beyond the place where the lens folds over.
-  std::optional<glm::dvec2> project(const glm::dvec3& place) const;
-  /// The ray that project() brings to this film place; empty if there is none.
+  /// Film position of a position in the camera's axes. Empty if the lens does not see it: behind the camera or,
+  /// with distortion, beyond the position where the lens folds over.
+  std::optional<glm::dvec2> project(const glm::dvec3& position) const;
+  /// The ray that project() brings to this film position; empty if there is none.
   std::optional<LensRay> unproject(const glm::dvec2& film) const;
 
  private:

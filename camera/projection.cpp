@@ -89,22 +89,22 @@ double angle_off_axis(const Projection& projection, const Ray& ray) {
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-/// How far from the principal point towards `place` the lens has a view, in shares of the way.
-double share_seen(const Projection& projection, const glm::dvec2& place) {
+/// How far from the principal point towards `position` the lens has a view, in shares of the way.
+double share_seen(const Projection& projection, const glm::dvec2& position) {
   const glm::dvec2 center(projection.camera().cx, projection.camera().cy);
   double seen = 0.0, unseen = 1.0;
   for (int step = 0; step < 50; ++step) {
     const double middle = 0.5 * (seen + unseen);
-    (projection.ray(center + middle * (place - center)) ? seen : unseen) = middle;
+    (projection.ray(center + middle * (position - center)) ? seen : unseen) = middle;
   }
   return seen;
 }
 
-void check_fold_towards(const Projection& projection, const glm::dvec2& place) {
-  if (projection.ray(place)) return;
+void check_fold_towards(const Projection& projection, const glm::dvec2& position) {
+  if (projection.ray(position)) return;
   const Camera& camera = projection.camera();
-  const glm::dvec2 center(camera.cx, camera.cy), way = place - center;
-  const double share = share_seen(projection, place), distance = std::hypot(way.x, way.y);
+  const glm::dvec2 center(camera.cx, camera.cy), way = position - center;
+  const double share = share_seen(projection, position), distance = std::hypot(way.x, way.y);
   const std::optional<Ray> last = projection.ray(center + share * way);
   const double angle = last ? angle_off_axis(projection, *last) : 0.0;
   // A fisheye that has come to the end of the sphere shows nothing beyond its circle.
@@ -114,7 +114,7 @@ void check_fold_towards(const Projection& projection, const glm::dvec2& place) {
                               "degrees off the axis",
                               share * distance, angle),
        .expected = "a lens that covers the whole image",
-       .found = fmt::format("pixel ({:g}, {:g}), {:.6g} pixels away", place.x, place.y, distance)});
+       .found = fmt::format("pixel ({:g}, {:g}), {:.6g} pixels away", position.x, position.y, distance)});
 }
 
 }  // namespace
@@ -140,7 +140,7 @@ void check_camera(const Camera& camera) {
   if (!can_fold(camera.lens)) return;
 
   // What a lens reaches is a shape around the principal point, so looking along the image's border is enough;
-  // the places inside are for principal points outside the image.
+  // the positions inside are for principal points outside the image.
   constexpr int k_steps = 64;
   const Projection projection(camera);
   for (int row = 0; row <= k_steps; ++row) {

@@ -11,19 +11,19 @@
 
 namespace alidade::camera {
 
-/// A camera ready for use: film places, in pixels, to rays and back. Inside the image project() and ray() are
+/// A camera ready for use: film positions, in pixels, to rays and back. Inside the image project() and ray() are
 /// inverse to each other within 1e-9 pixel.
 class Projection {
  public:
   /// Cost: a microsecond. Nothing is checked; see check_camera().
   explicit Projection(const Camera& camera) : camera_(camera), lens_(camera.lens) {}
 
-  /// Ray through a film place; (0.5, 0.5) = centre of the top left pixel. Starts at the camera (orthographic:
+  /// Ray through a film position; (0.5, 0.5) = centre of the top left pixel. Starts at the camera (orthographic:
   /// in its plane), t_min = 0, unit direction. Empty where the lens has no view: outside a fisheye's circle,
   /// beyond the fold of a distortion.
   std::optional<Ray> ray(const glm::dvec2& film_position) const;
 
-  /// Film place of a world point; it may lie outside the image. Empty if the lens does not see the point.
+  /// Film position of a world point; it may lie outside the image. Empty if the lens does not see the point.
   std::optional<glm::dvec2> project(const glm::dvec3& world) const;
 
   const Camera& camera() const { return camera_; }

@@ -69,9 +69,9 @@ bool is_pcd(std::string_view start) {
 int count_numbers(std::string_view line) {
   if (line.find_first_not_of("0123456789+-.eE \t") != std::string_view::npos) return -1;
   int count = 0;
-  for (std::size_t place = 0; (place = line.find_first_not_of(" \t", place)) != std::string_view::npos;
+  for (std::size_t offset = 0; (offset = line.find_first_not_of(" \t", offset)) != std::string_view::npos;
        ++count) {
-    place = std::min(line.find_first_of(" \t", place), line.size());
+    offset = std::min(line.find_first_of(" \t", offset), line.size());
   }
   return count;
 }
@@ -122,17 +122,17 @@ const CloudFormat* format_of(const fs::path& path, CloudFormats formats) {
   }
 }
 
-constexpr std::array<std::string_view, 10> k_endings = {"las", "laz", "ply", "pcd", "e57",
-                                                        "pts", "ptx", "xyz", "txt", "csv"};
+constexpr std::array<std::string_view, 10> k_extensions = {"las", "laz", "ply", "pcd", "e57",
+                                                           "pts", "ptx", "xyz", "txt", "csv"};
 
-/// The letters behind the last '.', in lower case.
-std::string ending_of(const fs::path& path) {
-  const std::string ending = file_ending(path);
-  return ending.empty() ? ending : ending.substr(1);
+/// The characters behind the last '.', in lower case.
+std::string extension_of(const fs::path& path) {
+  const std::string extension = file_extension(path);
+  return extension.empty() ? extension : extension.substr(1);
 }
 
-bool has_cloud_ending(const fs::path& path) {
-  return std::ranges::find(k_endings, ending_of(path)) != k_endings.end();
+bool has_cloud_extension(const fs::path& path) {
+  return std::ranges::find(k_extensions, extension_of(path)) != k_extensions.end();
 }
 
 bool is_pattern(const std::string& text) {
@@ -157,12 +157,12 @@ std::vector<fs::path> files_of_folder(const fs::path& folder) {
   for (const fs::path& entry : entries) {
     std::error_code error;
     const bool is_hidden = entry.filename().native().starts_with('.');
-    if (!is_hidden && has_cloud_ending(entry) && !fs::is_directory(entry, error)) files.push_back(entry);
+    if (!is_hidden && has_cloud_extension(entry) && !fs::is_directory(entry, error)) files.push_back(entry);
   }
   if (files.empty()) {
     throw Error({.file = folder.string(),
                  .problem = "the folder contains no cloud files",
-                 .expected = fmt::format("the extension .{}", fmt::join(k_endings, ", .")),
+                 .expected = fmt::format("the extension .{}", fmt::join(k_extensions, ", .")),
                  .found = entries.empty() ? "nothing" : fmt::format("{} other files", entries.size())});
   }
   return files;
@@ -173,8 +173,8 @@ std::vector<fs::path> files_of_folder(const fs::path& folder) {
 bool takes(const std::string& part, const fs::path& file) {
   std::error_code error;
   if (fs::is_directory(file, error)) return false;
-  if (part.find('.') == std::string::npos) return has_cloud_ending(file);
-  return ending_of(file) != "alidade" || ending_of(part) == "alidade";
+  if (part.find('.') == std::string::npos) return has_cloud_extension(file);
+  return extension_of(file) != "alidade" || extension_of(part) == "alidade";
 }
 
 /// What matches a pattern, folders only where its last part is the name of one.

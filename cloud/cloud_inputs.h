@@ -79,12 +79,12 @@ struct CloudInputs {
 /// - what is neither a folder nor a pattern is one file, whether it is there or not;
 /// - a folder is the cloud files in it, not those of folders inside it: what ends in las, laz, ply, pcd, e57,
 ///   pts, ptx, xyz, txt or csv, in capitals or not;
-/// - a pattern is what it matches: * any letters but '/', ? one letter, [a-c] one of these, [!a-c] one that
+/// - a pattern is what it matches: * any characters but '/', ? one character, [a-c] one of these, [!a-c] one that
 ///   is not, in the name of the file or of folders above it. If the name's last part has no '.', only cloud
 ///   files are taken, as from a folder. If it is no pattern, it may be a folder, and stands for its files.
-/// A name that is there is taken as it stands, whatever letters are in it, and so are names of folders in a
-/// pattern. Hidden files (.name) and index files (.alidade) are left out unless named: by the first letters,
-/// or the ending, of the pattern. Links are what they lead to; one that leads nowhere is a file, which cannot
+/// A name that is there is taken as it stands, whatever characters are in it, and so are names of folders in a
+/// pattern. Hidden files (.name) and index files (.alidade) are left out unless named: by the first characters,
+/// or the extension, of the pattern. Links are what they lead to; one that leads nowhere is a file, which cannot
 /// be opened, as nobody shall miss it. The files of one name are sorted by the bytes of their paths; a file
 /// that two names stand for comes twice.
 ///

@@ -81,7 +81,7 @@ struct FileFacts {
 
 /// The box that a header states, made larger by what programs round it by: 8 steps of the lattice, or a
 /// hundred-thousandth of its longest side if that is more. Empty if it is no box, does not lie on the
-/// lattice, or is a single place, as boxes are that nobody filled in.
+/// lattice, or is a single position, as boxes are that nobody filled in.
 std::optional<Bounds> widened_header_box(const Bounds& stated, const Lattice& lattice);
 
 /// One cloud file, opened and its header understood, points not read yet. One class per format, made by
@@ -131,7 +131,7 @@ class CloudReader {
   virtual void read_in_pieces(PointCloud& cloud, AttributeSet wanted, const CloudPieces& pieces,
                               const Progress& progress) = 0;
 
-  /// The points that are missing from what read() gave, place by place in the order of the file; each point
+  /// The points that are missing from what read() gave, position by position in the order of the file; each point
   /// once. Final after read(), which adds no warnings about them: the caller does. Always empty with
   /// Damage::refuse.
   virtual std::vector<LostPoints> lost() const { return {}; }

@@ -20,16 +20,16 @@ using Definition = std::map<std::string, std::vector<double>>;
 /// The numbers behind the name that `text` begins with: "Bessel",6377397.155,299.15],...
 std::vector<double> numbers_of(std::string_view text) {
   std::vector<double> numbers;
-  std::size_t place = text.find('"', 1);
-  while (place < text.size() && ++place < text.size() && text[place] == ',') {
-    place = std::min(text.find_first_not_of(" \t\r\n", place + 1), text.size());
+  std::size_t offset = text.find('"', 1);
+  while (offset < text.size() && ++offset < text.size() && text[offset] == ',') {
+    offset = std::min(text.find_first_not_of(" \t\r\n", offset + 1), text.size());
     double number = 0;
-    const char* const begin = text.data() + place;
+    const char* const begin = text.data() + offset;
     const auto [end, error] = std::from_chars(begin, text.data() + text.size(), number);
     if (error != std::errc()) break;
     numbers.push_back(number);
     // The loop goes on at the comma behind the number.
-    place += static_cast<std::size_t>(end - begin) - 1;
+    offset += static_cast<std::size_t>(end - begin) - 1;
   }
   return numbers;
 }
@@ -38,12 +38,12 @@ Definition definition_of(std::string_view wkt) {
   Definition definition;
   const std::string_view node = wkt_node(wkt, {"PROJCS["});
   for (const std::string_view word : {"SPHEROID[\"", "PRIMEM[\"", "UNIT[\"", "PARAMETER[\""}) {
-    for (std::size_t place = node.find(word); place != std::string_view::npos;
-         place = node.find(word, place + 1)) {
-      const std::string_view text = node.substr(place + word.size() - 1);
+    for (std::size_t offset = node.find(word); offset != std::string_view::npos;
+         offset = node.find(word, offset + 1)) {
+      const std::string_view text = node.substr(offset + word.size() - 1);
       const std::string_view name = text.substr(1, std::min(text.find('"', 1), text.size()) - 1);
       const std::string key =
-          std::string(word) + (word.starts_with("PARAMETER") ? letters_and_digits(name) : "");
+          std::string(word) + (word.starts_with("PARAMETER") ? characters_and_digits(name) : "");
       std::ranges::copy(numbers_of(text), std::back_inserter(definition[key]));
     }
   }
@@ -56,7 +56,7 @@ bool nearly_equal(double a, double b) {
 }
 
 /// Whether two projected systems, WKT of version 1, are defined by the same numbers: ellipsoid, prime
-/// meridian, units, and the parameters of the projection, which are told by the letters and digits of their
+/// meridian, units, and the parameters of the projection, which are told by the characters and digits of their
 /// names. Programs give systems, datums and projections names of their own, as "ETRS89 / UTM zone 32N" and
 /// "ETRS_1989_UTM_Zone_32N"; numbers they share up to their last digit. True does not say that the systems
 /// are one: datums on one ellipsoid lie up to some metres apart. False for what has no parameters, or other
@@ -74,7 +74,7 @@ constexpr std::uint16_t k_model_type = 1024, k_geographic_type = 2048, k_project
                         k_vertical_type = 4096;
 constexpr std::uint16_t k_geographic_model = 2, k_geocentric_model = 3;
 
-/// The first value of a GeoTIFF key, of those that are stored in place, that is accepted.
+/// The first value of a GeoTIFF key, of those that are stored in offset, that is accepted.
 template <class Accepts>
 std::optional<std::uint16_t> value_of_key(const Crs& crs, std::uint16_t key, const Accepts& accepts) {
   for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
@@ -100,7 +100,7 @@ bool is_geodetic(const std::string& wkt, std::string_view coordinates) {
          wkt.find(coordinates) != std::string::npos;
 }
 
-/// EPSG code that the keys give in place; empty if there is none.
+/// EPSG code that the keys give in offset; empty if there is none.
 std::optional<int> code_of_key(const Crs& crs, std::uint16_t key) {
   constexpr std::uint16_t k_user_defined = 32767;
   return value_of_key(crs, key, [](std::uint16_t value) { return value != 0 && value != k_user_defined; });
@@ -216,11 +216,11 @@ std::vector<std::string> epsg_codes(const Crs& crs) {
   return codes;
 }
 
-std::string letters_and_digits(std::string_view name) {
+std::string characters_and_digits(std::string_view name) {
   std::string kept;
   for (const char c : name) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter)) kept += static_cast<char>(std::tolower(letter));
+    const auto character = static_cast<unsigned char>(c);
+    if (std::isalnum(character)) kept += static_cast<char>(std::tolower(character));
   }
   return kept;
 }
@@ -240,7 +240,7 @@ CrsAgreement compare_crs(const Crs& a, const Crs& b) {
   const std::optional<int> plane_a = plane_code(a), plane_b = plane_code(b);
   if (plane_a && plane_b) return plane_a == plane_b ? same : different;
   if (!a.wkt.empty() && !b.wkt.empty()) {
-    if (letters_and_digits(wkt_name(a.wkt)) == letters_and_digits(wkt_name(b.wkt))) return same;
+    if (characters_and_digits(wkt_name(a.wkt)) == characters_and_digits(wkt_name(b.wkt))) return same;
     return same_definition(a.wkt, b.wkt) ? unknown : different;
   }
   if (a.wkt.empty() && b.wkt.empty())

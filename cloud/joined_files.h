@@ -47,7 +47,7 @@ class JoinedRecords {
   explicit JoinedRecords(std::vector<VariableLengthRecord>& records)
       : records_(records), earlier_(Order{&records}) {}
 
-  /// Takes out of the records from place `first` on, which one file has added, what an earlier file had.
+  /// Takes out of the records from offset `first` on, which one file has added, what an earlier file had.
   void join(std::size_t first);
 
  private:
@@ -57,7 +57,7 @@ class JoinedRecords {
   };
 
   std::vector<VariableLengthRecord>& records_;
-  std::set<std::size_t, Order> earlier_;  ///< places of the records of the files joined so far
+  std::set<std::size_t, Order> earlier_;  ///< offsets of the records of the files joined so far
 };
 
 // What is to be said about files that were joined to one cloud. What many files have in common is one

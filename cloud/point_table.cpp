@@ -47,9 +47,9 @@ static_assert(std::size(k_role_facts) == static_cast<std::size_t>(ColumnRole::ig
 
 std::string plain_name(std::string_view name) {
   std::string plain;
-  for (const char letter : name) {
-    if (letter == '_' || letter == '-' || letter == '.' || letter == ' ') continue;
-    plain += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
+  for (const char character : name) {
+    if (character == '_' || character == '-' || character == '.' || character == ' ') continue;
+    plain += character >= 'A' && character <= 'Z' ? static_cast<char>(character - 'A' + 'a') : character;
   }
   constexpr std::string_view k_prefix = "scalar";
   if (plain.size() > k_prefix.size() && plain.starts_with(k_prefix)) plain.erase(0, k_prefix.size());

@@ -24,7 +24,7 @@ struct ReadOptions {
   /// when it is 16 for files that on their own would be 8.
   ColorDepth color_depth = ColorDepth::automatic;
   /// Whether to read what is whole of damaged files. What is lost then stands in PointCloud::warnings, file
-  /// by file and place by place, and in CloudFile::lost_count; otherwise damage is an Error.
+  /// by file and position by position, and in CloudFile::lost_count; otherwise damage is an Error.
   bool partial = false;
   /// Where points are needed, world coordinates, faces included; sides may be infinite. LAS and index files
   /// whose own word for where their points are (FileFacts::box) does not meet it are left unread: the cloud
@@ -49,7 +49,7 @@ struct ReadOptions {
 /// bits hold). A warning says where rounding costs more than the digits written or the number type had, and
 /// more than a millionth of the file's longest side; double coordinates are rounded without one.
 ///
-/// Errors: Error naming file, place, expectation and finding. Memory: the columns of the result plus a
+/// Errors: Error naming file, position, expectation and finding. Memory: the columns of the result plus a
 /// constant, and for several files those of 4 million points or an eighth of all, whichever is more; counts
 /// in a file are checked against its size before memory is taken. Cost: one pass for LAS and LAZ, two passes
 /// for the other formats; several files, and the chunks of LAZ, are read at once by the threads of the task

@@ -41,9 +41,9 @@ void for_parts(std::size_t size, const Progress& progress, const Work& work) {
   }
 }
 
-/// Keeps the points at places where `stays` says so; it is asked from many threads.
+/// Keeps the points at positions where `stays` says so; it is asked from many threads.
 template <class Stays>
-void keep_places(PointCloud& cloud, const Stays& stays, const Progress& progress) {
+void keep_positions(PointCloud& cloud, const Stays& stays, const Progress& progress) {
   std::vector<std::uint8_t> marks(cloud.size());
   for_parts(cloud.size(), progress, [&](std::size_t begin, std::size_t end) {
     for (std::size_t row = begin; row < end; ++row) marks[row] = stays(cloud.world(row)) ? 1 : 0;
@@ -89,9 +89,9 @@ class Grid {
   glm::dvec3 cube_of(const LatticePosition& position) const {
     // Of coordinates that are whole edges up to their rounding none shall fall into the cube below.
     constexpr double k_below = 1e-6;
-    const glm::dvec3 place = to_world(lattice_, position);
-    return {std::floor(place.x / edge_ + k_below), std::floor(place.y / edge_ + k_below),
-            std::floor(place.z / edge_ + k_below)};
+    const glm::dvec3 world = to_world(lattice_, position);
+    return {std::floor(world.x / edge_ + k_below), std::floor(world.y / edge_ + k_below),
+            std::floor(world.z / edge_ + k_below)};
   }
 
   Lattice lattice_;
@@ -173,10 +173,10 @@ void choose_in(PointCloud& cloud, std::span<const Entry> entries, std::size_t be
 
 }  // namespace
 
-/// The edges of polygons, sorted into strips from south to north, to ask about many places.
+/// The edges of polygons, sorted into strips from south to north, to ask about many positions.
 class PolygonStrips {
  public:
-  /// Places up to `border` outside count as on the border. Corners are finite.
+  /// Positions up to `border` outside count as on the border. Corners are finite.
   PolygonStrips(std::span<const PlanePolygon> polygons, double border)
       : border_(border),
         low_(std::numeric_limits<double>::infinity()),
@@ -193,14 +193,14 @@ class PolygonStrips {
       }
     }
     strip_count_ = std::clamp<std::size_t>(edges_.size(), 1, k_most_strips);
-    places_ = strip_places();
+    positions_ = strip_positions();
     // Edges that run from south to north stand in all strips: fewer of these then.
-    while (strip_count_ > 1 && places_.back() > k_most_strips_per_edge * edges_.size()) {
+    while (strip_count_ > 1 && positions_.back() > k_most_strips_per_edge * edges_.size()) {
       strip_count_ /= 2;
-      places_ = strip_places();
+      positions_ = strip_positions();
     }
-    strip_edges_.resize(places_.back());
-    std::vector<std::size_t> next = places_;
+    strip_edges_.resize(positions_.back());
+    std::vector<std::size_t> next = positions_;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
       const auto [south, north] = std::minmax(edges_[i].a.y, edges_[i].b.y);
       for (std::size_t strip = strip_of(south - border_); strip <= strip_of(north + border_); ++strip)
@@ -208,23 +208,25 @@ class PolygonStrips {
     }
   }
 
-  /// Whether a place lies in one of the polygons or on a border.
-  bool contains(const glm::dvec2& place) const {
-    if (!(place.x >= low_.x && place.x <= high_.x && place.y >= low_.y && place.y <= high_.y)) return false;
-    const std::size_t strip = strip_of(place.y);
+  /// Whether a position lies in one of the polygons or on a border.
+  bool contains(const glm::dvec2& position) const {
+    if (!(position.x >= low_.x && position.x <= high_.x && position.y >= low_.y && position.y <= high_.y))
+      return false;
+    const std::size_t strip = strip_of(position.y);
     bool inside = false;
     std::size_t polygon = 0;
-    for (std::size_t i = places_[strip]; i < places_[strip + 1]; ++i) {
+    for (std::size_t i = positions_[strip]; i < positions_[strip + 1]; ++i) {
       const Edge& edge = edges_[strip_edges_[i]];
       if (edge.polygon != polygon) {
         if (inside) return true;
         polygon = edge.polygon;
       }
-      if (on_border(edge, place)) return true;
+      if (on_border(edge, position)) return true;
       // The southern end belongs to an edge and the northern does not, so that a corner is passed once.
-      if ((edge.a.y <= place.y) == (edge.b.y <= place.y)) continue;
-      const double crossing = edge.a.x + (place.y - edge.a.y) / (edge.b.y - edge.a.y) * (edge.b.x - edge.a.x);
-      if (crossing > place.x) inside = !inside;
+      if ((edge.a.y <= position.y) == (edge.b.y <= position.y)) continue;
+      const double crossing =
+          edge.a.x + (position.y - edge.a.y) / (edge.b.y - edge.a.y) * (edge.b.x - edge.a.x);
+      if (crossing > position.x) inside = !inside;
     }
     return inside;
   }
@@ -243,7 +245,7 @@ class PolygonStrips {
   }
 
   /// Where the edges of each strip begin in `strip_edges_`, and behind the last where they end.
-  std::vector<std::size_t> strip_places() const {
+  std::vector<std::size_t> strip_positions() const {
     // Edges that begin in a strip and those that have ended before it: what lies between are the strip's.
     std::vector<std::size_t> begun(strip_count_, 0), ended(strip_count_ + 1, 0);
     for (const Edge& edge : edges_) {
@@ -251,22 +253,22 @@ class PolygonStrips {
       ++begun[strip_of(south - border_)];
       ++ended[strip_of(north + border_) + 1];
     }
-    std::vector<std::size_t> places(strip_count_ + 1, 0);
+    std::vector<std::size_t> positions(strip_count_ + 1, 0);
     std::size_t present = 0;
     for (std::size_t strip = 0; strip < strip_count_; ++strip) {
       present += begun[strip] - ended[strip];
-      places[strip + 1] = places[strip] + present;
+      positions[strip + 1] = positions[strip] + present;
     }
-    return places;
+    return positions;
   }
 
-  bool on_border(const Edge& edge, const glm::dvec2& place) const {
+  bool on_border(const Edge& edge, const glm::dvec2& position) const {
     for (int axis = 0; axis < 2; ++axis) {
-      if (place[axis] < std::min(edge.a[axis], edge.b[axis]) - border_ ||
-          place[axis] > std::max(edge.a[axis], edge.b[axis]) + border_)
+      if (position[axis] < std::min(edge.a[axis], edge.b[axis]) - border_ ||
+          position[axis] > std::max(edge.a[axis], edge.b[axis]) + border_)
         return false;
     }
-    const glm::dvec2 along = edge.b - edge.a, from = place - edge.a;
+    const glm::dvec2 along = edge.b - edge.a, from = position - edge.a;
     const double length = along.x * along.x + along.y * along.y;
     const double share =
         length > 0.0 ? std::clamp((from.x * along.x + from.y * along.y) / length, 0.0, 1.0) : 0.0;
@@ -278,24 +280,24 @@ class PolygonStrips {
   double border_;
   glm::dvec2 low_, high_;  ///< box of all edges with their border
   std::size_t strip_count_ = 1;
-  std::vector<std::size_t> places_;       ///< see strip_places()
+  std::vector<std::size_t> positions_;    ///< see strip_positions()
   std::vector<std::size_t> strip_edges_;  ///< of each strip, in the order of `edges_`
 };
 
 void crop(PointCloud& cloud, const Bounds& box, const Progress& progress) {
   const glm::dvec3 border = border_of(cloud.lattice);
   const Bounds wider{box.min - border, box.max + border};
-  keep_places(
-      cloud, [&](const glm::dvec3& place) { return wider.contains(place); }, progress);
+  keep_positions(
+      cloud, [&](const glm::dvec3& position) { return wider.contains(position); }, progress);
 }
 
 void crop(PointCloud& cloud, std::span<const PlanePolygon> polygons, const Progress& progress) {
   const glm::dvec3 border = border_of(cloud.lattice);
   const PolygonStrips strips(polygons, std::max(border.x, border.y));
-  keep_places(
+  keep_positions(
       cloud,
-      [&](const glm::dvec3& place) {
-        return strips.contains({place.x, place.y});
+      [&](const glm::dvec3& position) {
+        return strips.contains({position.x, position.y});
       },
       progress);
 }

@@ -32,17 +32,17 @@ float to_float(double value) {
   return static_cast<float>(std::copysign(std::numeric_limits<double>::infinity(), value));
 }
 
-void store_as(ScalarType type, const Cell& cell, std::byte* place) {
+void store_as(ScalarType type, const Cell& cell, std::byte* offset) {
   with_type(type, [&](auto none) {
     using Value = decltype(none);
     if constexpr (std::is_same_v<Value, double>) {
-      store(place, cell.number);
+      store(offset, cell.number);
     } else if constexpr (std::is_same_v<Value, float>) {
-      store(place, to_float(cell.number));
+      store(offset, to_float(cell.number));
     } else if constexpr (k_is_wide<Value>) {
-      store(place, cell.integer);
+      store(offset, cell.integer);
     } else {
-      store(place, nearest<Value>(cell.number));
+      store(offset, nearest<Value>(cell.number));
     }
   });
 }
@@ -168,12 +168,12 @@ class TableAppender : public RowsToFill {
 
 void check_room(const InputFile& input, const AnnouncedRows& rows, Damage damage) {
   // In text, a value takes two bytes with the blank after it; the very last one may lack that.
-  const std::uint64_t left = input.size() - rows.place, room = rows.is_text ? (left + 1) / 2 : left;
+  const std::uint64_t left = input.size() - rows.offset, room = rows.is_text ? (left + 1) / 2 : left;
   if (rows.count == 0 || (rows.smallest_row > 0 && rows.count <= room / rows.smallest_row)) return;
   if (rows.smallest_row > 0 && damage == Damage::read_over) return;
   const std::string name = rows.name;
   throw DamagedFile({.file = input.name(),
-                     .place = "byte " + std::to_string(rows.place),
+                     .location = "byte " + std::to_string(rows.offset),
                      .problem = "truncated file: too short for its " + name,
                      .expected = std::to_string(rows.count) + " " + name,
                      .found = rows.smallest_row > 0 ? std::to_string(room / rows.smallest_row)
@@ -186,15 +186,15 @@ TableReader::TableReader(InputFile input, std::string format, Damage damage)
   description_.format = std::move(format);
 }
 
-void TableReader::set_columns(std::vector<TableColumn> columns, const std::string& place) {
+void TableReader::set_columns(std::vector<TableColumn> columns, const std::string& location) {
   std::unordered_set<std::string> names;
   for (const TableColumn& column : columns) {
     if (column.role == ColumnRole::ignored) continue;
     if (!names.insert(column.name).second)
-      fail(place, "duplicate column name", "unique names", quote(column.name));
+      fail(location, "duplicate column name", "unique names", quote(column.name));
   }
-  if (!find_role(columns, ColumnRole::x)) fail(place, "missing x column", "x, y and z");
-  if (!find_role(columns, ColumnRole::y)) fail(place, "missing y column", "x, y and z");
+  if (!find_role(columns, ColumnRole::x)) fail(location, "missing x column", "x, y and z");
+  if (!find_role(columns, ColumnRole::y)) fail(location, "missing y column", "x, y and z");
   if (!find_role(columns, ColumnRole::z)) warn("no z column; using 0");
   columns_ = std::move(columns);
 }
@@ -217,7 +217,7 @@ void TableReader::visit_whole_rows(const RowVisitor& visit, const Progress& prog
     if (damage_ == Damage::refuse) throw DamagedFile(error.parts());
     const std::uint64_t announced = announced_rows().value_or(rows);
     lost_.push_back({.count = announced > rows ? announced - rows : 0,
-                     .place = error.parts().place,
+                     .location = error.parts().location,
                      .problem = error.parts().problem});
   }
 }
@@ -285,9 +285,9 @@ void TableReader::warn(const std::string& clause) {
   warnings_.push_back(input_.name() + ": " + clause);
 }
 
-void TableReader::fail(std::string place, std::string problem, std::string expected,
+void TableReader::fail(std::string location, std::string problem, std::string expected,
                        std::string found) const {
-  throw Error(input_.name(), std::move(place), std::move(problem), std::move(expected), std::move(found));
+  throw Error(input_.name(), std::move(location), std::move(problem), std::move(expected), std::move(found));
 }
 
 }  // namespace alidade

@@ -50,7 +50,7 @@ class WrittenResolution {
 
 /// The rows that the header of a file of points announces.
 struct AnnouncedRows {
-  std::uint64_t place = 0;  ///< of the first
+  std::uint64_t offset = 0;  ///< of the first
   std::uint64_t count = 0;
   std::uint64_t smallest_row = 0;  ///< values of a row as text, else its bytes, at least
   bool is_text = false;
@@ -79,11 +79,11 @@ class TableReader : public CloudReader {
 
   TableReader(InputFile input, std::string format, Damage damage);
 
-  /// Sets the columns, whose roles have been assigned; `place` is where the file tells them. Errors: two
+  /// Sets the columns, whose roles have been assigned; `offset` is where the file tells them. Errors: two
   /// columns of one name; more than 4096; no x or no y. A missing z is said in the warnings.
-  void set_columns(std::vector<TableColumn> columns, const std::string& place);
+  void set_columns(std::vector<TableColumn> columns, const std::string& location);
 
-  /// Shows every row to `visit`, in order. A point without a place has NaN coordinates. An Error means that
+  /// Shows every row to `visit`, in order. A point without a offset has NaN coordinates. An Error means that
   /// this and the following rows cannot be had.
   virtual void visit_rows(const RowVisitor& visit, const Progress& progress) = 0;
 
@@ -102,17 +102,17 @@ class TableReader : public CloudReader {
 
   /// Adds a sentence about this file, for the cloud's warnings.
   void warn(const std::string& clause);
-  [[noreturn]] void fail(std::string place, std::string problem, std::string expected = {},
+  [[noreturn]] void fail(std::string location, std::string problem, std::string expected = {},
                          std::string found = {}) const;
 
-  /// Calls fill(row) and then `visit` for `count` points; `source` is at the place that progress names.
+  /// Calls fill(row) and then `visit` for `count` points; `source` is at the offset that progress names.
   template <class Source, class Fill>
   void visit_points(std::uint64_t count, const Source& source, const RowVisitor& visit,
                     const Progress& progress, const Fill& fill) {
     constexpr std::uint64_t k_points_per_report = 1 << 16;
     std::vector<Cell> row(columns_.size());
     for (std::uint64_t point = 0; point < count; ++point) {
-      if (point % k_points_per_report == 0) report(progress, source.place(), input_.size());
+      if (point % k_points_per_report == 0) report(progress, source.offset(), input_.size());
       fill(row);
       visit(row);
     }

@@ -132,7 +132,7 @@ void compare_pair(PairOutcome& outcome, const BatchOptions& options, const std::
 }
 
 /// Smaller comes first.
-auto place_of(const PairOutcome& outcome) {
+auto position_of(const PairOutcome& outcome) {
   double badness = 0.0;
   if (outcome.comparison) {
     for (const char* const name : {"flip", "depth_mean"}) {
@@ -194,8 +194,8 @@ std::vector<PairOutcome> compare_pairs(const std::vector<ImagePair>& pairs, cons
   if (trouble) std::rethrow_exception(trouble);
   if (stopped) throw Cancelled();
   std::ranges::stable_sort(outcomes, [](const PairOutcome& a, const PairOutcome& b) {
-    return std::tuple_cat(place_of(a), std::tie(a.pair.name)) <
-           std::tuple_cat(place_of(b), std::tie(b.pair.name));
+    return std::tuple_cat(position_of(a), std::tie(a.pair.name)) <
+           std::tuple_cat(position_of(b), std::tie(b.pair.name));
   });
   return outcomes;
 }

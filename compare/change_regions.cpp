@@ -23,9 +23,9 @@ std::uint8_t decide(int set_count, int window, Grows grows) {
   return grows == Grows::yes ? set_count > 0 : set_count == window;
 }
 
-/// Pixels of [place - gap, place + gap] that lie in [0, size).
-int window_size(int place, int size, int gap) {
-  return std::min(place + gap, size - 1) - std::max(place - gap, 0) + 1;
+/// Pixels of [position - gap, position + gap] that lie in [0, size).
+int window_size(int position, int size, int gap) {
+  return std::min(position + gap, size - 1) - std::max(position - gap, 0) + 1;
 }
 
 void along_rows(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to, int width, int gap,
@@ -259,7 +259,7 @@ ChangeRegions change_regions(std::span<const float> map, int width, const ImageM
     sizes.resize(options.most_regions);
   }
 
-  // The counts are done with; in their place, the new number of each whole.
+  // The counts are done with; instead, the new number of each whole.
   std::ranges::fill(pixels, 0u);
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     pixels[sizes[i].part] = static_cast<std::uint32_t>(i + 1);

@@ -21,7 +21,7 @@ std::vector<std::uint8_t> drop_specks(const std::vector<std::uint8_t>& set, int 
 /// there. Requires gap >= 0. Cost: four passes, whatever the gap; memory: 1 byte per pixel beside the result.
 std::vector<std::uint8_t> close_gaps(const std::vector<std::uint8_t>& set, int width, int gap);
 
-// Where two pictures differ, as few places that a person can look at.
+// Where two pictures differ, as few positions that a person can look at.
 
 struct ChangeOptions {
   double threshold = 0.2;  ///< in the unit of the map; pixels above it have changed
@@ -43,7 +43,7 @@ struct ChangeRegion {
 
 struct ChangeRegions {
   std::vector<ChangeRegion> regions;  ///< by size, the largest first; equal size: in reading order
-  std::vector<std::uint32_t> labels;  ///< per pixel: 1 + place in `regions`, where it has changed; else 0
+  std::vector<std::uint32_t> labels;  ///< per pixel: 1 + position in `regions`, where it has changed; else 0
   std::uint64_t changed_pixels = 0;   ///< all above the threshold, also specks and those of regions left out
   std::uint64_t listed_pixels = 0;    ///< those of `regions`
   std::uint64_t small_regions = 0;    ///< left out for being smaller than least_pixels

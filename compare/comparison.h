@@ -54,7 +54,7 @@ enum class ChangeMap {
 
 struct ComparisonOptions {
   // What counts. All of it together: a pixel counts if everything lets it.
-  /// Of both pictures; all places in the result are told from its top left corner.
+  /// Of both pictures; all positions in the result are told from its top left corner.
   std::optional<PixelRectangle> crop;
   bool resize_to_reference = false;  ///< otherwise another size is SizeMismatch
   std::filesystem::path mask;  ///< image_mask.h, keep_light(); of the size of the reference before cropping

@@ -173,10 +173,10 @@ image::Rgb8 to_rgb8(const glm::dvec3& display) {
 }
 
 /// Dark blue, blue, light grey, red, dark red; linear between them.
-glm::dvec3 balance_color(double place) {
+glm::dvec3 balance_color(double position) {
   constexpr std::array<std::array<double, 3>, 5> k_stops = {
       {{0.03, 0.17, 0.42}, {0.25, 0.55, 0.80}, {0.95, 0.95, 0.94}, {0.86, 0.40, 0.28}, {0.45, 0.02, 0.10}}};
-  const double along = std::clamp(place, 0.0, 1.0) * (k_stops.size() - 1);
+  const double along = std::clamp(position, 0.0, 1.0) * (k_stops.size() - 1);
   const auto low = std::min(static_cast<std::size_t>(along), k_stops.size() - 2);
   const double share = along - static_cast<double>(low);
   glm::dvec3 color{};
@@ -187,12 +187,13 @@ glm::dvec3 balance_color(double place) {
   return color;
 }
 
-image::Rgb8 color_at(const DifferenceMap& map, double place) {
-  return to_rgb8(map.colors == DifferenceColors::balance ? balance_color(place)
-                                                         : image::map_color(image::ColorMap::inferno, place));
+image::Rgb8 color_at(const DifferenceMap& map, double position) {
+  return to_rgb8(map.colors == DifferenceColors::balance
+                     ? balance_color(position)
+                     : image::map_color(image::ColorMap::inferno, position));
 }
 
-double place_of(const DifferenceMap& map, double value) {
+double position_of(const DifferenceMap& map, double value) {
   const double extent = map.range.high - map.range.low;
   return extent > 0.0 ? (value - map.range.low) / extent : 0.5;
 }
@@ -218,7 +219,7 @@ image::Rgb8 color_of(const DifferenceMap& map, const MapPixel& pixel) {
   if (std::isnan(pixel.value)) return style_of(Absence::nothing).color;
   if (std::isinf(pixel.value))
     return style_of(pixel.value > 0.0f ? Absence::only_reference : Absence::only_test).color;
-  return color_at(map, place_of(map, static_cast<double>(pixel.value)));
+  return color_at(map, position_of(map, static_cast<double>(pixel.value)));
 }
 
 /// A row of the legend.
@@ -316,13 +317,13 @@ class DifferenceDrawer {
     font_.draw(canvas, left, y + 16, map_.label, k_font_size, k_text);
     y += k_row + 4;
     for (int i = 0; i < k_bar_height; ++i) {
-      const double place = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas.fill({left, y + i, left + k_bar_width, y + i + 1}, color_at(map_, place));
+      const double position = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
+      canvas.fill({left, y + i, left + k_bar_width, y + i + 1}, color_at(map_, position));
     }
     canvas.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
     for (const image::RoundTick& tick : ticks_) {
       const int at =
-          y + static_cast<int>(std::lround((1.0 - place_of(map_, tick.value)) * (k_bar_height - 1)));
+          y + static_cast<int>(std::lround((1.0 - position_of(map_, tick.value)) * (k_bar_height - 1)));
       canvas.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
       font_.draw(canvas, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
     }

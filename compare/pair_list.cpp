@@ -79,7 +79,7 @@ std::vector<std::string> fields_of(const std::string& line, const fs::path& file
   }
   if (quoted)
     throw Error({.file = file.string(),
-                 .place = fmt::format("line {}", number),
+                 .location = fmt::format("line {}", number),
                  .problem = "unterminated quotation"});
   return fields;
 }
@@ -135,7 +135,7 @@ std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
                              fields == std::vector<std::string>{"reference", "test", "name"};
       if (!is_header)
         throw Error({.file = file.string(),
-                     .place = fmt::format("line {}", number),
+                     .location = fmt::format("line {}", number),
                      .problem = "missing header",
                      .expected = "reference,test or reference,test,name",
                      .found = "'" + line.substr(0, 80) + "'"});
@@ -144,7 +144,7 @@ std::vector<ImagePair> read_pairs(std::istream& stream, const fs::path& file) {
     }
     if (fields.size() != columns || fields[0].empty() || fields[1].empty())
       throw Error({.file = file.string(),
-                   .place = fmt::format("line {}", number),
+                   .location = fmt::format("line {}", number),
                    .problem = "invalid pair of images",
                    .expected = fmt::format("{} fields with nonempty paths", columns),
                    .found = "'" + line.substr(0, 80) + "'"});

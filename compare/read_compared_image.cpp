@@ -15,7 +15,7 @@ namespace {
 
 /// How to go through the stored picture so as to meet its pixels in upright order.
 struct Walk {
-  bool is_turned;                     ///< rows and columns change places
+  bool is_turned;                     ///< rows and columns change positions
   std::ptrdiff_t first, right, down;  ///< in pixels of the stored picture
 };
 
@@ -87,7 +87,7 @@ constexpr int k_longest_text = 4096;
 }
 
 /// Where the layers stand among the channels of a file; -1: not there.
-struct Places {
+struct Positions {
   std::array<int, 3> color{-1, -1, -1};
   std::array<int, 3> normal{-1, -1, -1};
   int alpha = -1, depth = -1, id = -1;
@@ -99,31 +99,31 @@ struct Places {
 };
 
 std::array<int, 3> three(const OIIO::ImageSpec& spec, const std::array<const char*, 3>& names) {
-  std::array<int, 3> places{};
-  for (std::size_t i = 0; i < 3; ++i) places[i] = spec.channelindex(names[i]);
-  if (std::ranges::find(places, -1) != places.end()) return {-1, -1, -1};
-  return places;
+  std::array<int, 3> positions{};
+  for (std::size_t i = 0; i < 3; ++i) positions[i] = spec.channelindex(names[i]);
+  if (std::ranges::find(positions, -1) != positions.end()) return {-1, -1, -1};
+  return positions;
 }
 
-Places places_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
-  Places places;
-  places.alpha = spec.channelindex("A");
-  places.depth = spec.channelindex("Z");
-  places.id = spec.channelindex("id");
-  places.normal = three(spec, {"N.X", "N.Y", "N.Z"});
-  if (places.normal[0] < 0) places.normal = three(spec, {"Nx", "Ny", "Nz"});
-  places.color = three(spec, {"R", "G", "B"});
+Positions positions_of(const OIIO::ImageSpec& spec, bool has_named_channels) {
+  Positions positions;
+  positions.alpha = spec.channelindex("A");
+  positions.depth = spec.channelindex("Z");
+  positions.id = spec.channelindex("id");
+  positions.normal = three(spec, {"N.X", "N.Y", "N.Z"});
+  if (positions.normal[0] < 0) positions.normal = three(spec, {"Nx", "Ny", "Nz"});
+  positions.color = three(spec, {"R", "G", "B"});
   // Formats without names of their own call their channels as they like.
-  if (places.color[0] < 0 && !has_named_channels && spec.nchannels >= 3) places.color = {0, 1, 2};
-  places.color_channels = places.color[0] < 0 ? 0 : 3;
-  if (places.color_channels == 0) {
+  if (positions.color[0] < 0 && !has_named_channels && spec.nchannels >= 3) positions.color = {0, 1, 2};
+  positions.color_channels = positions.color[0] < 0 ? 0 : 3;
+  if (positions.color_channels == 0) {
     const int grey = spec.channelindex("Y") >= 0 || has_named_channels ? spec.channelindex("Y") : 0;
     if (grey >= 0) {
-      places.color = {grey, grey, grey};
-      places.color_channels = 1;
+      positions.color = {grey, grey, grey};
+      positions.color_channels = 1;
     }
   }
-  return places;
+  return positions;
 }
 
 void check(const OIIO::ImageSpec& spec, const std::filesystem::path& file) {
@@ -153,15 +153,15 @@ struct Target {
   std::size_t components, component;
 };
 
-std::vector<Target> targets_of(const Places& places, ComparedImage& image) {
+std::vector<Target> targets_of(const Positions& positions, ComparedImage& image) {
   std::vector<Target> targets;
   const auto add = [&](int channel, std::vector<float>& layer, std::size_t components, std::size_t i) {
     if (channel >= 0) targets.push_back({channel, &layer, components, i});
   };
-  for (std::size_t i = 0; i < 3; ++i) add(places.color[i], image.color, 3, i);
-  for (std::size_t i = 0; i < 3; ++i) add(places.normal[i], image.normals, 3, i);
-  add(places.alpha, image.alpha, 1, 0);
-  add(places.depth, image.depth, 1, 0);
+  for (std::size_t i = 0; i < 3; ++i) add(positions.color[i], image.color, 3, i);
+  for (std::size_t i = 0; i < 3; ++i) add(positions.normal[i], image.normals, 3, i);
+  add(positions.alpha, image.alpha, 1, 0);
+  add(positions.depth, image.depth, 1, 0);
   return targets;
 }
 
@@ -202,12 +202,12 @@ std::uint32_t whole_id(float value, OIIO::TypeDesc stored) {
 /// Reads bands of rows, and hands their values to the layers of an image.
 class BandReader {
  public:
-  BandReader(OIIO::ImageInput& input, const Places& places, ComparedImage& image)
+  BandReader(OIIO::ImageInput& input, const Positions& positions, ComparedImage& image)
       : input_(input),
         spec_(input.spec()),
         image_(image),
-        targets_(targets_of(places, image)),
-        id_(places.id),
+        targets_(targets_of(positions, image)),
+        id_(positions.id),
         width_(static_cast<std::size_t>(spec_.width)) {
     // Both counted in values.
     constexpr std::size_t k_usual = std::size_t{1} << 23, k_most = std::size_t{1} << 25;
@@ -316,8 +316,8 @@ ComparedImage read_compared_image(const std::filesystem::path& file) {
   if (!input) fail(file, "cannot read the image: " + image::image_trouble(OIIO::geterror()));
   const OIIO::ImageSpec spec = input->spec();
   check(spec, file);
-  const Places places = places_of(spec, std::string_view(input->format_name()) == "openexr");
-  if (std::ranges::all_of(places.all(), [](int channel) { return channel < 0; }))
+  const Positions positions = positions_of(spec, std::string_view(input->format_name()) == "openexr");
+  if (std::ranges::all_of(positions.all(), [](int channel) { return channel < 0; }))
     fail(file, "nothing to compare", "channels R G B, Y, A, Z, N.X N.Y N.Z or id");
 
   ComparedImage image;
@@ -326,13 +326,13 @@ ComparedImage read_compared_image(const std::filesystem::path& file) {
   image.height = spec.height;
   image.origin_x = spec.x - spec.full_x;
   image.origin_y = spec.y - spec.full_y;
-  image.color_channels = places.color_channels;
-  const OIIO::TypeDesc type = spec.channelformat(std::max(places.color[0], 0));
+  image.color_channels = positions.color_channels;
+  const OIIO::TypeDesc type = spec.channelformat(std::max(positions.color[0], 0));
   image.encoding = type.is_floating_point() ? ColorEncoding::linear : ColorEncoding::display;
   image.largest_code = largest_code_of(type);
   image.metadata = texts_of(spec);
   try {
-    BandReader(*input, places, image).read(file_size);
+    BandReader(*input, positions, image).read(file_size);
   } catch (const Error& error) {
     fail(file, error.what());
   }

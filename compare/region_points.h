@@ -15,7 +15,7 @@ namespace alidade::compare {
 /// A point that a region shows.
 struct RegionPoint {
   std::uint32_t id = 0;      ///< row in the cloud
-  std::uint32_t region = 0;  ///< 1 + place in ChangeRegions::regions
+  std::uint32_t region = 0;  ///< 1 + position in ChangeRegions::regions
   bool operator==(const RegionPoint&) const = default;
 };
 

@@ -55,22 +55,22 @@ Value of_depth(const Comparison& comparison) {
   return of_layer(comparison.layers.depth, k_figure);
 }
 
-std::optional<MetricPlace> place(int x, int y) {
+std::optional<MetricPosition> position(int x, int y) {
   if (x < 0) return {};
-  return MetricPlace{x, y};
+  return MetricPosition{x, y};
 }
 
 /// Where the largest difference of a layer is.
 template <auto k_layer>
-std::optional<MetricPlace> place_of_layer(const Comparison& comparison) {
+std::optional<MetricPosition> position_of_layer(const Comparison& comparison) {
   const auto& layer = comparison.layers.*k_layer;
   if (!layer) return {};
-  return place(layer->max_x, layer->max_y);
+  return position(layer->max_x, layer->max_y);
 }
 
-std::optional<MetricPlace> place_of_colors(const Comparison& comparison) {
+std::optional<MetricPosition> position_of_colors(const Comparison& comparison) {
   if (!comparison.color) return {};
-  return place(comparison.color->stored.max_x, comparison.color->stored.max_y);
+  return position(comparison.color->stored.max_x, comparison.color->stored.max_y);
 }
 
 template <double AlphaMetrics::*k_figure>
@@ -156,7 +156,7 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
     {"p95", k_colors, "95th percentile", "", lower, "95 % of all absolute differences are at most this value",
      of_errors<&Colors::stored, &ErrorMetrics::percentile_95>},
     {"max", k_colors, "Maximum difference", "", lower, "of any channel of any pixel",
-     of_errors<&Colors::stored, &ErrorMetrics::max_abs>, place_of_colors},
+     of_errors<&Colors::stored, &ErrorMetrics::max_abs>, position_of_colors},
     {"psnr_linear", k_linear, "PSNR", "dB", higher, "with the sRGB curve undone",
      of_errors<&Colors::linear, &ErrorMetrics::psnr>},
     {"rmse_linear", k_linear, "RMSE", "", lower, "with the sRGB curve undone",
@@ -182,7 +182,7 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
     {"depth_p95", k_depth_group, "95th percentile", "m", lower,
      "95 % of the absolute differences are at most this value", of_depth<&DepthMetrics::percentile_95>},
     {"depth_max", k_depth_group, "Maximum difference", "m", lower, "of the layers Z",
-     of_depth<&DepthMetrics::max_abs>, place_of_layer<&LayerMetrics::depth>},
+     of_depth<&DepthMetrics::max_abs>, position_of_layer<&LayerMetrics::depth>},
     {"depth_relative", k_depth_group, "Mean relative difference", "", lower,
      "absolute difference divided by the depth of the reference", of_depth<&DepthMetrics::mean_relative>},
     {"depth_1cm", k_depth_group, "Within 1 cm", "%", higher, "pixels whose depths differ by at most 0.01 m",
@@ -198,12 +198,12 @@ constexpr auto k_kinds = std::to_array<MetricKind>({
     {"normal_p95", k_normal_group, "95th percentile", "deg", lower,
      "95 % of the angles are at most this value", of_normals<&NormalMetrics::percentile_95>},
     {"normal_max", k_normal_group, "Maximum angle", "deg", lower, "between the normals",
-     of_normals<&NormalMetrics::max>, place_of_layer<&LayerMetrics::normals>},
+     of_normals<&NormalMetrics::max>, position_of_layer<&LayerMetrics::normals>},
     {"ids", k_id_group, "Equal ids", "%", higher, "pixels that show the same point in both", equal_ids},
     {"alpha_mean", k_alpha_group, "Mean absolute difference", "", lower, "of the channels A; the peak is 1",
      of_alpha<&AlphaMetrics::mean_abs>},
     {"alpha_max", k_alpha_group, "Maximum difference", "", lower, "the peak is 1",
-     of_alpha<&AlphaMetrics::max_abs>, place_of_layer<&LayerMetrics::alpha>},
+     of_alpha<&AlphaMetrics::max_abs>, position_of_layer<&LayerMetrics::alpha>},
     {"changed", k_changes, "Changed pixels", "%", lower, "of the compared pixels; requires --changes",
      changed},
     {"regions", k_changes, "Regions", "", lower, "of changed pixels; requires --changes", regions},
@@ -224,7 +224,7 @@ std::vector<Metric> metrics_of(const Comparison& comparison) {
   std::vector<Metric> metrics;
   for (const MetricKind& kind : k_kinds)
     if (const Value value = kind.value(comparison))
-      metrics.push_back({&kind, *value, kind.place != nullptr ? kind.place(comparison) : std::nullopt});
+      metrics.push_back({&kind, *value, kind.position != nullptr ? kind.position(comparison) : std::nullopt});
   return metrics;
 }
 

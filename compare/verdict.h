@@ -19,7 +19,7 @@ constexpr std::string_view k_depth_group = "Depth", k_normal_group = "Normals", 
                            k_alpha_group = "Alpha";
 
 /// A pixel, from the top left of the compared part.
-struct MetricPlace {
+struct MetricPosition {
   int x = 0, y = 0;
 };
 
@@ -34,7 +34,7 @@ struct MetricKind {
   /// Its value; empty where the pictures do not have what it is made of.
   std::optional<double> (*value)(const Comparison& comparison);
   /// Of a largest difference, where it is; null for other figures, empty where nothing differs.
-  std::optional<MetricPlace> (*place)(const Comparison& comparison) = nullptr;
+  std::optional<MetricPosition> (*position)(const Comparison& comparison) = nullptr;
 };
 
 /// All figures, in the order of tables.
@@ -47,7 +47,7 @@ const MetricKind* find_metric(std::string_view name);
 struct Metric {
   const MetricKind* kind;
   double value;
-  std::optional<MetricPlace> place{};
+  std::optional<MetricPosition> position{};
 };
 
 /// "FLIP, mean" of colours, "Depth: RMSE" of others: what it is called outside of tables.

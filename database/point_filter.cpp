@@ -19,14 +19,14 @@ bool meets(const Interval& limits, const Interval& reach) {
 }
 
 /// The conditions on distances, of a point or of those in a box.
-template <class Place>
-bool meets_distances(const PointFilter& filter, const Place& place) {
+template <class Position>
+bool meets_distances(const PointFilter& filter, const Position& position) {
   const auto meets_line = [&](const LineCondition& line) {
-    const auto at = project(line.ray, place);
+    const auto at = project(line.ray, position);
     return meets(line.distance, at.distance) && meets(line.t, at.t);
   };
   const auto meets_plane = [&](const PlaneCondition& plane) {
-    return meets(plane.distance, signed_distance(plane.plane, place));
+    return meets(plane.distance, signed_distance(plane.plane, position));
   };
   return std::ranges::all_of(filter.lines, meets_line) && std::ranges::all_of(filter.planes, meets_plane);
 }

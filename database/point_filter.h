@@ -21,7 +21,7 @@ struct CloudPart {
   std::uint64_t chunks_read = 0, chunk_count = 0;
 };
 
-/// dist_ray and place along the ray of a point (octree/distance.h: project), each in a closed interval.
+/// dist_ray and position along the ray of a point (octree/distance.h: project), each in a closed interval.
 struct LineCondition {
   Ray ray;
   Interval distance{};

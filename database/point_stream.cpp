@@ -23,7 +23,7 @@
 namespace alidade::database {
 namespace {
 
-/// Where a place lies along the Morton curve.
+/// Where a offset lies along the Morton curve.
 WideMortonKey morton_key_of(const LatticePosition& position) {
   constexpr std::uint32_t k_lowest = 0x80000000u;
   return wide_morton_key(static_cast<std::uint32_t>(position.x) ^ k_lowest,
@@ -31,7 +31,7 @@ WideMortonKey morton_key_of(const LatticePosition& position) {
                          static_cast<std::uint32_t>(position.z) ^ k_lowest);
 }
 
-/// The rows of a cloud along that curve, which is the same for all clouds; rows at one place as they were.
+/// The rows of a cloud along that curve, which is the same for all clouds; rows at one offset as they were.
 /// Requires fewer than 2^32. Memory at the peak: 36 bytes per row.
 std::vector<std::uint32_t> morton_order(const std::vector<LatticePosition>& positions) {
   if (positions.empty()) return {};
@@ -57,27 +57,27 @@ std::size_t record_size(const std::vector<ValueBlob>& blobs) {
 
 /// The columns of these rows, one behind the other.
 void put_block(const PointCloud& piece, const std::vector<ValueBlob>& blobs,
-               std::span<const std::uint32_t> rows, std::byte* place) {
+               std::span<const std::uint32_t> rows, std::byte* offset) {
   const auto put = [&](const std::byte* values, std::size_t size) {
     for (const std::uint32_t row : rows) {
-      std::memcpy(place, values + row * size, size);
-      place += size;
+      std::memcpy(offset, values + row * size, size);
+      offset += size;
     }
   };
   put(reinterpret_cast<const std::byte*>(piece.positions.data()), sizeof(LatticePosition));
-  std::memcpy(place, rows.data(), rows.size_bytes());
-  place += rows.size_bytes();
+  std::memcpy(offset, rows.data(), rows.size_bytes());
+  offset += rows.size_bytes();
   for (const ValueBlob& blob : blobs) put(blob.values, blob.size);
 }
 
 /// Copies `size` bytes per point, or k_size unless that is 0, which the compiler then does without a call.
 template <std::size_t k_size>
-void gather(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* place) {
+void gather(const PickedPoints& points, std::size_t blob, std::size_t size, std::byte* offset) {
   if constexpr (k_size != 0) size = k_size;
   for (const auto& [block, row] : points.picks) {
     if (const std::byte* const values = block->blobs[blob].values)
-      std::memcpy(place, values + row * size, size);
-    place += size;
+      std::memcpy(offset, values + row * size, size);
+    offset += size;
   }
 }
 
@@ -93,11 +93,11 @@ auto gatherer(std::size_t size) {
 /// Spreads values of the rows concerned, `count` to a point.
 void spread_values(const ColorSpread& spread, const PickedPoints& points, std::size_t count,
                    std::vector<std::byte>& bytes) {
-  std::byte* place = bytes.data();
+  std::byte* offset = bytes.data();
   for (const auto& [block, row] : points.picks) {
     const bool is_concerned = spread.concerns(block->id(row));
-    for (std::size_t i = 0; i < count; ++i, place += sizeof(std::uint16_t)) {
-      if (is_concerned) store(place, ColorSpread::spread(load<std::uint16_t>(place)));
+    for (std::size_t i = 0; i < count; ++i, offset += sizeof(std::uint16_t)) {
+      if (is_concerned) store(offset, ColorSpread::spread(load<std::uint16_t>(offset)));
     }
   }
 }
@@ -145,19 +145,19 @@ void ScratchFile::append(std::span<const std::byte> bytes) {
   }
 }
 
-void ScratchFile::read(std::uint64_t place, std::span<std::byte> into) const {
+void ScratchFile::read(std::uint64_t offset, std::span<std::byte> into) const {
   while (!into.empty()) {
-    const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(place));
+    const ::ssize_t count = ::pread(descriptor_, into.data(), into.size(), static_cast<::off_t>(offset));
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) fail("cannot read a temporary file in this folder");
     into = into.subspan(static_cast<std::size_t>(count));
-    place += static_cast<std::uint64_t>(count);
+    offset += static_cast<std::uint64_t>(count);
   }
 }
 
 void PointStream::write_run(const PointCloud& piece) {
   const AttributeColumns columns = columns_of(piece);
-  Run run{.first_id = size_, .count = piece.size(), .place = file_.size(), .blobs = value_blobs(columns)};
+  Run run{.first_id = size_, .count = piece.size(), .offset = file_.size(), .blobs = value_blobs(columns)};
   const std::vector<std::uint32_t> order = morton_order(piece.positions);
   const std::size_t record = record_size(run.blobs);
   const std::size_t lot = k_block_points * k_blocks_per_write;
@@ -219,10 +219,10 @@ void PointStream::load_block(Run& run) {
   const std::size_t record = record_size(run.blobs);
   auto block = std::make_shared<PointBlock>();
   block->memory.resize(count * record);
-  file_.read(run.place + first * record, block->memory);
+  file_.read(run.offset + first * record, block->memory);
   block->first_id = run.first_id;
-  const std::byte* place = block->memory.data();
-  const auto take = [&](std::size_t size) { return std::exchange(place, place + size * count); };
+  const std::byte* offset = block->memory.data();
+  const auto take = [&](std::size_t size) { return std::exchange(offset, offset + size * count); };
   block->positions = reinterpret_cast<const LatticePosition*>(take(sizeof(LatticePosition)));
   block->rows = reinterpret_cast<const std::uint32_t*>(take(sizeof(std::uint32_t)));
   block->blobs = blobs_;

@@ -39,18 +39,20 @@ std::vector<ValueBlob> value_blobs(const AttributeColumns& columns);
 struct PointBlock {
   const LatticePosition* positions = nullptr;
   std::uint64_t first_id = 0;
-  const std::uint32_t* rows = nullptr;  ///< the id of a point is first_id + its row; null: + its place
+  const std::uint32_t* rows = nullptr;  ///< the id of a point is first_id + its row; null: + its offset
   std::vector<ValueBlob> blobs{};       ///< those without values stand for zeros
   std::vector<std::byte> memory{};      ///< where all that lies, if it is the block's own
 
-  std::uint64_t id(std::uint32_t place) const { return first_id + (rows == nullptr ? place : rows[place]); }
+  std::uint64_t id(std::uint32_t offset) const {
+    return first_id + (rows == nullptr ? offset : rows[offset]);
+  }
 };
 
 /// Points of several blocks, in some order.
 struct PickedPoints {
   struct Pick {
     const PointBlock* block;
-    std::uint32_t place;  ///< in the block
+    std::uint32_t offset;  ///< in the block
   };
   std::vector<Pick> picks;
   std::vector<std::shared_ptr<const PointBlock>> blocks;  ///< that the picks point to
@@ -70,7 +72,7 @@ class ScratchFile {
   /// Bytes written so far.
   std::uint64_t size() const { return size_; }
   /// Copies bytes that were written. Errors: reading failed.
-  void read(std::uint64_t place, std::span<std::byte> into) const;
+  void read(std::uint64_t offset, std::span<std::byte> into) const;
 
  private:
   void open();
@@ -82,7 +84,7 @@ class ScratchFile {
 };
 
 /// Brings points along a Morton curve that come in pieces, of which memory holds one: pieces are sorted, put
-/// into a file without a name, and merged. Points of one place come by id. The order depends on the points
+/// into a file without a name, and merged. Points of one offset come by id. The order depends on the points
 /// alone, neither on the pieces nor on the number of threads.
 class PointStream {
  public:
@@ -112,7 +114,7 @@ class PointStream {
   /// A sorted piece in the file: blocks of k_block_points, the last one maybe shorter; of each the positions,
   /// the rows, then the blobs.
   struct Run {
-    std::uint64_t first_id = 0, count = 0, place = 0;
+    std::uint64_t first_id = 0, count = 0, offset = 0;
     std::vector<ValueBlob> blobs;
     // Where merging is.
     std::uint64_t next_block = 0;

@@ -9,7 +9,7 @@ namespace alidade::database {
 /// `text` between two marks, those within it doubled: what is in it cannot end it.
 inline std::string sql_quoted(std::string_view text, char mark) {
   std::string quoted(1, mark);
-  for (const char letter : text) quoted.append(letter == mark ? 2 : 1, letter);
+  for (const char character : text) quoted.append(character == mark ? 2 : 1, character);
   return quoted + mark;
 }
 

@@ -18,7 +18,7 @@
 namespace alidade::database {
 namespace {
 
-/// Names of columns that every table has, in small letters; those of PostgreSQL last.
+/// Names of columns that every table has, in small characters; those of PostgreSQL last.
 const std::set<std::string> k_taken = {"id",   "x",    "y",    "z",    "ox",   "oy",      "oz",
                                        "dx",   "dy",   "dz",   "dist", "t",    "_chunk",  "rowid",
                                        "ctid", "cmin", "cmax", "xmin", "xmax", "tableoid"};
@@ -28,25 +28,25 @@ constexpr std::size_t k_most_bytes = 63;
 
 /// SQL takes names for equal that differ in ASCII capitals only.
 std::string small(std::string name) {
-  std::ranges::transform(name, name.begin(), [](unsigned char letter) {
-    return static_cast<char>(letter < 0x80 ? std::tolower(letter) : letter);
+  std::ranges::transform(name, name.begin(), [](unsigned char character) {
+    return static_cast<char>(character < 0x80 ? std::tolower(character) : character);
   });
   return name;
 }
 
-/// At most so many bytes of a name, and no part of a letter (UTF-8).
+/// At most so many bytes of a name, and no part of a character (UTF-8).
 std::string cut(const std::string& name, std::size_t most) {
   if (name.size() <= most) return name;
   while (most > 0 && (static_cast<unsigned char>(name[most]) & 0xc0) == 0x80) --most;
   return name.substr(0, most);
 }
 
-/// What every database, script and terminal takes for the same letters: control characters and bytes that are
+/// What every database, script and terminal takes for the same characters: control characters and bytes that are
 /// no UTF-8 become '_'. SQL ends names at a byte of 0.
 std::string readable(const std::string& name) {
   std::string text;
   for (std::string_view rest(name.c_str()); !rest.empty();) {
-    const std::size_t size = utf8_letter_size(rest);
+    const std::size_t size = utf8_character_size(rest);
     const auto first = static_cast<unsigned char>(rest.front());
     if (size == 0 || first < 0x20 || first == 0x7f)
       text += '_';
@@ -136,14 +136,14 @@ std::vector<StoredColumn> stored_columns(const PointCloud& cloud) {
     const AttributeParts parts = attribute_parts(attribute);
     const int size = scalar_size(parts.type), count = static_cast<int>(parts.names.size());
     ++blob;
-    int place = 0;
+    int byte = 0;
     for (const char* const part : parts.names) {
       columns.push_back({.name = names.free_name(part),
                          .blob = blob,
                          .size = size * count,
-                         .place = place,
+                         .byte = byte,
                          .type = parts.type});
-      place += size;
+      byte += size;
     }
   });
   for (const ExtraDimension& dimension : cloud.extra_dimensions) {

@@ -15,12 +15,12 @@
 namespace alidade::database {
 
 /// What a column of a cloud's table is, beside x, y, z, and where its values lie in a pointcloud table: in
-/// blob `blob` of every chunk, `size` bytes per point, of which the column's number is those at `place`.
+/// blob `blob` of every chunk, `size` bytes per point, of which the column's number is those at `offset`.
 struct StoredColumn {
   std::string name;
   int blob = 0;
-  int size = 0;   ///< bytes per point of the blob
-  int place = 0;  ///< byte within these
+  int size = 0;  ///< bytes per point of the blob
+  int byte = 0;  ///< of the first of these bytes, within a point
   ScalarType type = ScalarType::uint8;
   double scale = 1.0, offset = 0.0;  ///< value = offset + scale * number, unless 1 and 0
   /// The number that stands for none: NULL. As ExtraDimension's: widened to 8 bytes.

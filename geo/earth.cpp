@@ -10,10 +10,10 @@
 namespace alidade::geo {
 namespace {
 
-std::optional<glm::dvec2> transformed(const GdalTransformation& transformation, glm::dvec2 place) {
-  if (OCTTransform(transformation.get(), 1, &place.x, &place.y, nullptr) == 0) return {};
-  if (!std::isfinite(place.x) || !std::isfinite(place.y)) return {};
-  return place;
+std::optional<glm::dvec2> transformed(const GdalTransformation& transformation, glm::dvec2 position) {
+  if (OCTTransform(transformation.get(), 1, &position.x, &position.y, nullptr) == 0) return {};
+  if (!std::isfinite(position.x) || !std::isfinite(position.y)) return {};
+  return position;
 }
 
 double rounded(double degrees) {
@@ -22,7 +22,7 @@ double rounded(double degrees) {
 
 }  // namespace
 
-std::optional<GroundPlace> ground_place(const Crs& crs, const glm::dvec2& place) {
+std::optional<GroundPosition> ground_position(const Crs& crs, const glm::dvec2& position) {
   constexpr double k_step = 1e-4;
   const QuietGdal quiet;
   const GdalReference map = plane_reference(crs), globe = globe_reference();
@@ -31,27 +31,27 @@ std::optional<GroundPlace> ground_place(const Crs& crs, const glm::dvec2& place)
                            to_map = transformation_between(globe, map);
   if (!to_globe || !to_map) return {};
 
-  const auto there = transformed(to_globe, place);
+  const auto there = transformed(to_globe, position);
   if (!there || std::fabs(there->y) > 90.0) return {};
   const auto north = transformed(to_map, {there->x, std::min(there->y + k_step, 90.0)});
   const auto south = transformed(to_map, {there->x, std::max(there->y - k_step, -90.0)});
   if (!north || !south || *north == *south) return {};
   const glm::dvec2 northward = *north - *south;
-  return GroundPlace{there->y, there->x,
-                     -std::atan2(northward.x, northward.y) * 180.0 / std::numbers::pi + 0.0};
+  return GroundPosition{there->y, there->x,
+                        -std::atan2(northward.x, northward.y) * 180.0 / std::numbers::pi + 0.0};
 }
 
-std::optional<std::vector<glm::dvec3>> lon_lat(const Crs& crs, std::span<const glm::dvec3> places) {
+std::optional<std::vector<glm::dvec3>> lon_lat(const Crs& crs, std::span<const glm::dvec3> positions) {
   const QuietGdal quiet;
   const GdalReference map = plane_reference(crs), globe = globe_reference();
   if (!map || !globe) return std::nullopt;
   const GdalTransformation transformation = transformation_between(map, globe);
   if (!transformation) return std::nullopt;
-  std::vector<glm::dvec3> answers(places.begin(), places.end());
-  for (glm::dvec3& place : answers) {
-    const auto there = transformed(transformation, {place.x, place.y});
+  std::vector<glm::dvec3> answers(positions.begin(), positions.end());
+  for (glm::dvec3& position : answers) {
+    const auto there = transformed(transformation, {position.x, position.y});
     if (!there || std::fabs(there->y) > 90.0) return std::nullopt;
-    place = {rounded(there->x), rounded(there->y), place.z};
+    position = {rounded(there->x), rounded(there->y), position.z};
   }
   return answers;
 }

@@ -14,7 +14,7 @@
 namespace alidade::geo {
 namespace {
 
-/// Leaves x and y of a system, x before y whatever its axes. Heights do not move a place, and their grids may
+/// Leaves x and y of a system, x before y whatever its axes. Heights do not move a position, and their grids may
 /// not be installed.
 void make_plane(const GdalReference& reference) {
   OSRStripVertical(reference.get());
@@ -29,7 +29,7 @@ class TiffBytes {
     const auto bytes = std::as_bytes(std::span(&value, 1));
     bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
   }
-  /// An entry of the directory: tag, type (2 text, 3 short, 4 long, 12 double), count, value or its place.
+  /// An entry of the directory: tag, type (2 text, 3 short, 4 long, 12 double), count, value or its position.
   void entry(std::uint16_t tag, std::uint16_t type, std::size_t count, std::size_t value) {
     add(tag);
     add(type);
@@ -72,7 +72,7 @@ std::vector<std::byte> tiff_with_keys(const Crs& crs) {
   tiff.add(std::uint64_t{0});
   for (const std::uint16_t key : crs.geotiff_keys) tiff.add(key);
   for (const double number : numbers) tiff.add(number);
-  for (const char letter : text) tiff.add(letter);
+  for (const char character : text) tiff.add(character);
   return std::move(tiff.bytes());
 }
 
@@ -176,15 +176,15 @@ GdalTransformation transformation_to_cloud(const std::string& own, const Observe
   return transformation;
 }
 
-glm::dvec2 transformed(const glm::dvec2& place, const GdalTransformation& transformation,
+glm::dvec2 transformed(const glm::dvec2& position, const GdalTransformation& transformation,
                        const std::string& source) {
   const QuietGdal quiet;
-  glm::dvec2 image = place;
+  glm::dvec2 image = position;
   if (OCTTransform(transformation.get(), 1, &image.x, &image.y, nullptr) == 0 || !std::isfinite(image.x) ||
       !std::isfinite(image.y)) {
     throw Error({.file = source,
                  .problem = "cannot transform a position to the cloud's reference system",
-                 .found = fmt::format("{}, {}", place.x, place.y)});
+                 .found = fmt::format("{}, {}", position.x, position.y)});
   }
   return image;
 }

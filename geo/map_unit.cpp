@@ -48,7 +48,7 @@ std::string unit_of_wkt(const std::string& wkt) {
   return geographic ? "m" : "";
 }
 
-/// EPSG code of the unit that GeoTIFF keys give in place.
+/// EPSG code of the unit that GeoTIFF keys give in position.
 std::optional<int> unit_key(const Crs& crs, std::uint16_t key) {
   for (std::size_t i = 4; i + 3 < crs.geotiff_keys.size(); i += 4) {
     if (crs.geotiff_keys[i] == key && crs.geotiff_keys[i + 1] == 0) return crs.geotiff_keys[i + 3];

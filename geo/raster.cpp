@@ -60,9 +60,9 @@ RasterGrid grid_over(const Bounds& area, double cell_size) {
           static_cast<int>(y.count())};
 }
 
-std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& place) {
-  const double x = (place.x - grid.north_west.x) / grid.cell_size,
-               y = (grid.north_west.y - place.y) / grid.cell_size;
+std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& position) {
+  const double x = (position.x - grid.north_west.x) / grid.cell_size,
+               y = (grid.north_west.y - position.y) / grid.cell_size;
   if (!(x >= 0.0 && x <= grid.columns && y >= 0.0 && y <= grid.rows)) return std::nullopt;
   return glm::ivec2(std::min(static_cast<int>(x), grid.columns - 1),
                     std::min(static_cast<int>(y), grid.rows - 1));
@@ -86,7 +86,7 @@ void check_map_memory(const RasterGrid& grid, int bands) {
 // Apart from the writing, so that who only checks the name does not load GDAL.
 
 void check_raster_name(const std::filesystem::path& file) {
-  const std::string extension = file_ending(file);
+  const std::string extension = file_extension(file);
   if (extension == ".tif" || extension == ".tiff") return;
   throw Error({.file = file.string(),
                .problem = "unsupported map format",

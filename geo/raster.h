@@ -56,9 +56,9 @@ struct Raster {
 /// k_most_cells cells, whose number is said.
 RasterGrid grid_over(const Bounds& area, double cell_size);
 
-/// The cell that a place lies in; what lies on an edge of two belongs to the one in the east or south, on the
+/// The cell that a position lies in; what lies on an edge of two belongs to the one in the east or south, on the
 /// outer edges to the outermost cell. Empty outside of the grid.
-std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& place);
+std::optional<glm::ivec2> cell_at(const RasterGrid& grid, const glm::dvec2& position);
 
 /// The common part of two areas, in x and y; empty if there is none. z is that of `area`.
 Bounds cropped(const Bounds& area, const Bounds& to);

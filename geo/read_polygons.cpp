@@ -19,11 +19,11 @@ void add_polygon(OGRGeometryH polygon, const std::string& source, std::vector<Pl
     const OGRGeometryH ring = OGR_G_GetGeometryRef(polygon, i);
     std::vector<glm::dvec2>& corners = added.rings.emplace_back();
     for (int corner = 0; corner < OGR_G_GetPointCount(ring); ++corner) {
-      const glm::dvec2 place{OGR_G_GetX(ring, corner), OGR_G_GetY(ring, corner)};
-      if (!std::isfinite(place.x) || !std::isfinite(place.y)) {
+      const glm::dvec2 position{OGR_G_GetX(ring, corner), OGR_G_GetY(ring, corner)};
+      if (!std::isfinite(position.x) || !std::isfinite(position.y)) {
         throw Error({.file = source, .problem = "a vertex is not finite", .expected = "numbers"});
       }
-      corners.push_back(place);
+      corners.push_back(position);
     }
   }
 }

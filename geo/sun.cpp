@@ -29,7 +29,7 @@ double wrapped(double degrees) {
   return rest < 0.0 ? rest + 360.0 : rest;
 }
 
-/// A place on the ecliptic of date, radians, and its distance in astronomical units.
+/// A position on the ecliptic of date, radians, and its distance in astronomical units.
 struct Ecliptic {
   double longitude = 0.0, latitude = 0.0, distance = 0.0;
 };
@@ -52,7 +52,7 @@ Ecliptic earth_of_date(double julian_ephemeris_day) {
 
 /// From the Earth's centre to the observer, metres: x on the equator below the observer's meridian, y east, z
 /// north.
-glm::dvec3 place_of(const SunObserver& observer) {
+glm::dvec3 position_of(const SunObserver& observer) {
   constexpr double k_equatorial_radius = 6378137.0, k_flattening = 1.0 / 298.257223563;
   constexpr double k_eccentricity_sq = k_flattening * (2.0 - k_flattening);
   const double sine = std::sin(observer.latitude * k_degree), cosine = std::cos(observer.latitude * k_degree);
@@ -130,7 +130,7 @@ SunPosition sun_position(const Moment& moment, const SunObserver& observer,
   const double hour_angle = sidereal * k_degree - right_ascension;
   // Seen from the Earth's centre, and from there to the observer: this is the parallax.
   const glm::dvec3 direction(on_equator * std::cos(hour_angle), -on_equator * std::sin(hour_angle), north);
-  const glm::dvec3 seen = earth.distance * k_astronomical_unit * direction - place_of(observer);
+  const glm::dvec3 seen = earth.distance * k_astronomical_unit * direction - position_of(observer);
 
   const double sine = std::sin(observer.latitude * k_degree), cosine = std::cos(observer.latitude * k_degree);
   const double to_north = cosine * seen.z - sine * seen.x, upward = cosine * seen.x + sine * seen.z;
@@ -184,8 +184,8 @@ Rgb clear_sky_irradiance(double elevation, double pressure) {
 }
 
 PlacedSun place_sun(const SunByTime& by_time, const std::optional<SceneMap>& map) {
-  std::optional<GroundPlace> ground;
-  if (map && !map->crs.empty()) ground = ground_place(map->crs, map->center);
+  std::optional<GroundPosition> ground;
+  if (map && !map->crs.empty()) ground = ground_position(map->crs, map->center);
   if (!ground && !(by_time.latitude && by_time.longitude)) {
     throw Error({.problem = "the sun position requires latitude and longitude",
                  .expected =

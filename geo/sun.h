@@ -19,7 +19,7 @@ struct Sun {
   double angular_diameter = 0.53;    ///< degrees, [0, 180); 0 = parallel light
 };
 
-/// A sun that stands where date and place say. place_sun() makes a Sun of it, once the cloud is known.
+/// A sun that stands where date and position say. place_sun() makes a Sun of it, once the cloud is known.
 struct SunByTime {
   Moment moment;
   std::optional<double> latitude{}, longitude{};  ///< degrees; both or none: those of the cloud
@@ -51,7 +51,7 @@ struct SunPosition {
 /// the difference (below 0.9 s since 1972) between UTC and the turning of the Earth; far from them the
 /// turning itself is an estimate, see delta_t(). The Earth's orbit is VSOP87 as libnova has it; precession,
 /// nutation, aberration, sidereal time as in Meeus, Astronomical Algorithms, 1998, chapters 12, 21, 22, 25;
-/// parallax from the observer's place on the WGS 84 ellipsoid; refraction as in NREL's algorithm, none where
+/// parallax from the observer's position on the WGS 84 ellipsoid; refraction as in NREL's algorithm, none where
 /// the upper limb is below the horizon. `terrestrial_minus_universal`: seconds; delta_t() of the year if
 /// empty. Not from several threads at once: libnova remembers its last answers.
 SunPosition sun_position(const Moment& moment, const SunObserver& observer,
@@ -80,7 +80,7 @@ struct SceneMap {
   glm::dvec2 center;  ///< where in it the scene is: the middle of the cloud
 };
 
-/// A sun whose place in the sky has been computed.
+/// A sun whose position in the sky has been computed.
 struct PlacedSun {
   Sun sun;  ///< azimuth counts from +y, as everywhere in scenes; azimuth and elevation rounded to 1e-6
             ///< degrees

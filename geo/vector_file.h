@@ -49,7 +49,7 @@ class VectorFeature {
   std::optional<std::vector<VectorPoint>> points() const;
   /// "Polygon", or "no geometry".
   std::string geometry_type() const;
-  /// The field of that name, whatever the case of its letters; empty if the layer has none.
+  /// The field of that name, whatever the case of its characters; empty if the layer has none.
   std::optional<VectorField> field(std::string_view name) const;
 
  private:

@@ -39,7 +39,7 @@ class Canvas {
   void frame(const PixelBox& box, const Rgb8& color);
 
  private:
-  std::size_t place(int x, int y) const;
+  std::size_t position(int x, int y) const;
 
   int width_, height_;
   std::vector<std::uint8_t> bytes_;

@@ -69,9 +69,9 @@ std::string_view name(ColorMap map) {
   return k_color_maps[static_cast<std::size_t>(map)].name;
 }
 
-glm::dvec3 map_color(ColorMap map, double place) {
+glm::dvec3 map_color(ColorMap map, double position) {
   const std::span<const glm::dvec3> values = control_values(map);
-  const double inside = place > 0.0 ? std::min(place, 1.0) : 0.0;
+  const double inside = position > 0.0 ? std::min(position, 1.0) : 0.0;
   const double step = inside * static_cast<double>(values.size() - 1);
   const std::size_t index = std::min(static_cast<std::size_t>(step), values.size() - 2);
   const double share = step - static_cast<double>(index);

@@ -251,8 +251,9 @@ ColoredPoints by_scale(const PointColoring& coloring, const PointValues& values)
     scale.range = percentiles_of(values, extent, coloring.percentiles);
   }
   ColoredPoints points;
-  points.colors = colors_by(
-      values, [&](double value) { return to_color16(map_color(scale.map, place_in(scale.range, value))); });
+  points.colors = colors_by(values, [&](double value) {
+    return to_color16(map_color(scale.map, position_in(scale.range, value)));
+  });
   points.key.missing_count = values.count - extent.count;
   points.key.scale = scale;
   return points;
@@ -293,7 +294,7 @@ ColoredPoints by_returns(const PointColoring& coloring, const PointValues& value
   const ValueExtent extent = extent_of(values);
   const ColorMap map = coloring.map.value_or(usual_map(coloring.by));
   const ValueRange range = coloring.range.value_or(extent.range);
-  const auto color_of = [&](double value) { return to_color16(map_color(map, place_in(range, value))); };
+  const auto color_of = [&](double value) { return to_color16(map_color(map, position_in(range, value))); };
   const std::array<std::uint64_t, 256> counts = counts_of(values);
   ColoredPoints points;
   points.colors = colors_by(values, color_of);

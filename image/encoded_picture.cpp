@@ -72,7 +72,8 @@ BytePicture shrunk(const BytePicture& picture, int longest_side) {
 }
 
 std::string base64(std::span<const unsigned char> bytes) {
-  constexpr std::string_view k_letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr std::string_view k_characters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((bytes.size() + 2) / 3 * 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -80,8 +81,8 @@ std::string base64(std::span<const unsigned char> bytes) {
     std::uint32_t three = std::uint32_t{bytes[i]} << 16;
     if (left > 1) three |= std::uint32_t{bytes[i + 1]} << 8;
     if (left > 2) three |= bytes[i + 2];
-    for (std::size_t letter = 0; letter < 4; ++letter)
-      text += letter <= left ? k_letters[three >> (18 - 6 * letter) & 63] : '=';
+    for (std::size_t character = 0; character < 4; ++character)
+      text += character <= left ? k_characters[three >> (18 - 6 * character) & 63] : '=';
   }
   return text;
 }

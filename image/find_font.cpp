@@ -8,20 +8,20 @@
 
 namespace alidade::image {
 
-std::span<const std::filesystem::path> font_places() {
-  static const std::array<std::filesystem::path, 5> places = {
+std::span<const std::filesystem::path> font_files() {
+  static const std::array<std::filesystem::path, 5> positions = {
       "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
       "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf",
       "/usr/local/share/fonts/DejaVuSans.ttf"};
-  return places;
+  return positions;
 }
 
-std::filesystem::path find_font(std::span<const std::filesystem::path> places) {
-  for (const std::filesystem::path& place : places) {
+std::filesystem::path find_font(std::span<const std::filesystem::path> positions) {
+  for (const std::filesystem::path& position : positions) {
     std::error_code error;
-    if (std::filesystem::is_regular_file(place, error)) return place;
+    if (std::filesystem::is_regular_file(position, error)) return position;
   }
-  throw Error({.file = places.empty() ? "" : places.front().string(),
+  throw Error({.file = positions.empty() ? "" : positions.front().string(),
                .problem = "missing font for the legend",
                .expected = "DejaVu Sans (Debian: fonts-dejavu-core)"});
 }

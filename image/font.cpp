@@ -16,9 +16,9 @@ namespace {
 
 constexpr char32_t k_replacement = 0xFFFD;
 
-/// The letters of UTF-8; the replacement character for every byte that is none.
-std::vector<char32_t> letters_of(std::string_view text) {
-  std::vector<char32_t> letters;
+/// The characters of UTF-8; the replacement character for every byte that is none.
+std::vector<char32_t> characters_of(std::string_view text) {
+  std::vector<char32_t> characters;
   for (std::size_t i = 0; i < text.size();) {
     const auto byte = [&](std::size_t k) { return static_cast<std::uint8_t>(text[k]); };
     const std::uint8_t first = byte(i);
@@ -27,16 +27,16 @@ std::vector<char32_t> letters_of(std::string_view text) {
                                : first >> 4 == 14 ? 3
                                : first >> 3 == 30 ? 4
                                                   : 0;
-    char32_t letter = length == 1 ? first : first & (0x7Fu >> length);
+    char32_t character = length == 1 ? first : first & (0x7Fu >> length);
     bool whole = length > 0 && i + length <= text.size();
     for (std::size_t k = 1; whole && k < length; ++k) {
       whole = byte(i + k) >> 6 == 2;
-      letter = letter << 6 | (byte(i + k) & 0x3Fu);
+      character = character << 6 | (byte(i + k) & 0x3Fu);
     }
-    letters.push_back(whole ? letter : k_replacement);
+    characters.push_back(whole ? character : k_replacement);
     i += whole ? length : 1;
   }
-  return letters;
+  return characters;
 }
 
 }  // namespace
@@ -50,20 +50,20 @@ struct Font::Face {
     if (library != nullptr) FT_Done_FreeType(library);
   }
 
-  /// Calls visit(glyph, place where it begins) for every letter, and returns the place behind the last.
+  /// Calls visit(glyph, position where it begins) for every character, and returns the position behind the last.
   template <class Visit>
   int for_each_glyph(std::string_view text, int size, const Visit& visit) const {
     assert(size >= 1);
     FT_Set_Pixel_Sizes(face, 0, static_cast<FT_UInt>(size));
     constexpr int k_unit_bits = 6;
-    int place = 0;
-    for (const char32_t letter : letters_of(text)) {
-      // The light hints keep stems crisp from top to bottom and do not move letters sideways.
-      if (FT_Load_Char(face, letter, FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) != 0) continue;
-      visit(*face->glyph, place);
-      place += static_cast<int>(face->glyph->advance.x >> k_unit_bits);
+    int position = 0;
+    for (const char32_t character : characters_of(text)) {
+      // The light hints keep stems crisp from top to bottom and do not move characters sideways.
+      if (FT_Load_Char(face, character, FT_LOAD_RENDER | FT_LOAD_TARGET_LIGHT) != 0) continue;
+      visit(*face->glyph, position);
+      position += static_cast<int>(face->glyph->advance.x >> k_unit_bits);
     }
-    return place;
+    return position;
   }
 };
 
@@ -89,8 +89,8 @@ TextExtent Font::measure(std::string_view text, int size) const {
 
 void Font::draw(Canvas& canvas, int x, int baseline, std::string_view text, int size,
                 const Rgb8& color) const {
-  face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int place) {
-    const int left = x + place + glyph.bitmap_left, top = baseline - glyph.bitmap_top;
+  face_->for_each_glyph(text, size, [&](const FT_GlyphSlotRec_& glyph, int position) {
+    const int left = x + position + glyph.bitmap_left, top = baseline - glyph.bitmap_top;
     for (int row = 0; row < static_cast<int>(glyph.bitmap.rows); ++row) {
       const unsigned char* const covers = glyph.bitmap.buffer + row * glyph.bitmap.pitch;
       for (int column = 0; column < static_cast<int>(glyph.bitmap.width); ++column)

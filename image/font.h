@@ -10,18 +10,18 @@
 
 namespace alidade::image {
 
-/// Where Linux distributions keep DejaVu Sans, the first of them Debian's place.
-std::span<const std::filesystem::path> font_places();
+/// Where Linux distributions keep DejaVu Sans, the first of them Debian's position.
+std::span<const std::filesystem::path> font_files();
 
-/// The font of legends: the first of the places that is a file. Errors: none is; the message names the
+/// The font of legends: the first of the positions that is a file. Errors: none is; the message names the
 /// package that brings one.
-std::filesystem::path find_font(std::span<const std::filesystem::path> places = font_places());
+std::filesystem::path find_font(std::span<const std::filesystem::path> positions = font_files());
 
-/// What a line of text takes, in pixels from the place on the baseline where it begins.
+/// What a line of text takes, in pixels from the position on the baseline where it begins.
 struct TextExtent {
-  int width = 0;    ///< to the place where the next letter would stand
-  int ascent = 0;   ///< of the highest letter, up
-  int descent = 0;  ///< of the lowest letter, down
+  int width = 0;    ///< to the position where the next character would stand
+  int ascent = 0;   ///< of the highest character, up
+  int descent = 0;  ///< of the lowest character, down
 };
 
 /// A font, through FreeType. Texts are UTF-8, one line, without kerning; what is no UTF-8 or not in the font
@@ -37,7 +37,7 @@ class Font {
 
   /// `size`: pixels of the em square, which is about the distance of lines; at least 1.
   TextExtent measure(std::string_view text, int size) const;
-  /// The first letter stands at x on the row `baseline`, the last above it.
+  /// The first character stands at x on the row `baseline`, the last above it.
   void draw(Canvas& canvas, int x, int baseline, std::string_view text, int size, const Rgb8& color) const;
 
  private:

@@ -81,7 +81,7 @@ float value_of(const Film& film, std::size_t pixel, const Channel& channel, cons
       return film.distance[pixel];
     case Layer::normal:
       return film.normal[pixel][i];
-    // A pixel without a surface stays 0 0 0; infinite depth tells it from a real place.
+    // A pixel without a surface stays 0 0 0; infinite depth tells it from a real offset.
     case Layer::position:
       return film.id[pixel] == 0 ? 0.0f : static_cast<float>(film.position[pixel][i] - offset[i]);
     case Layer::albedo:
@@ -95,9 +95,9 @@ float value_of(const Film& film, std::size_t pixel, const Channel& channel, cons
 }
 
 template <typename Value>
-std::size_t put(std::span<std::byte> bytes, std::size_t place, const Value& value) {
-  std::memcpy(bytes.data() + place, &value, sizeof value);
-  return place + sizeof value;
+std::size_t put(std::span<std::byte> bytes, std::size_t offset, const Value& value) {
+  std::memcpy(bytes.data() + offset, &value, sizeof value);
+  return offset + sizeof value;
 }
 
 }  // namespace
@@ -145,21 +145,21 @@ std::size_t pixel_bytes(std::span<const Channel> channels) {
 void pack_row(const Film& film, int y, std::span<const Channel> channels, const glm::dvec3& offset,
               std::span<std::byte> bytes) {
   assert(bytes.size() == pixel_bytes(channels) * static_cast<std::size_t>(film.width));
-  std::size_t place = 0;
+  std::size_t byte = 0;
   for (int x = 0; x < film.width; ++x) {
     const std::size_t pixel = film.index(x, y);
     for (const Channel& channel : channels) {
       if (channel.type == ChannelType::unsigned_integer) {
-        place = put(bytes, place, film.id[pixel]);
+        byte = put(bytes, byte, film.id[pixel]);
         continue;
       }
       const float value = value_of(film, pixel, channel, offset);
       if (channel.type == ChannelType::single_float) {
-        place = put(bytes, place, value);
+        byte = put(bytes, byte, value);
       } else {
         // Brighter than a half can say (a view into the sun): the brightest, since infinity spoils every
         // later filter.
-        place = put(bytes, place, Imath::half(std::clamp(value, -k_largest_half, k_largest_half)));
+        byte = put(bytes, byte, Imath::half(std::clamp(value, -k_largest_half, k_largest_half)));
       }
     }
   }
@@ -210,10 +210,10 @@ void write_display(const Film& film, const OutputSettings& output, const ImageFa
   const double scale = exposure_scale(output.exposure);
   write_rows(format == ImageFormat::png ? "png" : "jpeg", output.file, file, spec,
              [&](int y, std::span<std::byte> bytes) {
-               std::size_t place = 0;
+               std::size_t offset = 0;
                for (int x = 0; x < film.width; ++x) {
                  const Rgb& color = film.color[film.index(x, y)];
-                 for (int i = 0; i < 3; ++i) bytes[place++] = std::byte{srgb_code(color[i] * scale)};
+                 for (int i = 0; i < 3; ++i) bytes[offset++] = std::byte{srgb_code(color[i] * scale)};
                }
              });
 }

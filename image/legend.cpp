@@ -74,7 +74,7 @@ namespace {
 /// "1 234 567".
 std::string grouped(std::uint64_t count) {
   std::string text = std::to_string(count);
-  for (std::size_t place = text.size(); place > 3; place -= 3) text.insert(place - 3, 1, ' ');
+  for (std::size_t position = text.size(); position > 3; position -= 3) text.insert(position - 3, 1, ' ');
   return text;
 }
 
@@ -134,7 +134,7 @@ class Layouter {
           shown.high > shown.low ? (shown.high - tick.value) / (shown.high - shown.low) : 0.5;
       const int y = top + static_cast<int>(std::lround(below_top * (height - 1)));
       layout_.ticks.push_back({tick.value + scale.origin, y});
-      add_ending(tick.label, label_end, y);
+      add_extension(tick.label, label_end, y);
     }
     y_ = layout_.bar.bottom + digit_height_ / 2 + em_;
   }
@@ -155,11 +155,11 @@ class Layouter {
     for (const Swatch& row : rows) {
       layout_.swatches.push_back({{margin_, y_, margin_ + side, y_ + side}, row.color});
       const int middle = y_ + side / 2;
-      add_ending(row.number, number_end, middle);
+      add_extension(row.number, number_end, middle);
       add_text(row.label, label_x, middle + digit_height_ / 2, em_);
       if (row.count) {
-        add_ending(grouped(*row.count), count_end, middle);
-        add_ending(share_text(*row.count, total), share_end, middle);
+        add_extension(grouped(*row.count), count_end, middle);
+        add_extension(share_text(*row.count, total), share_end, middle);
       }
       y_ += em_ * 8 / 5;
     }
@@ -192,7 +192,7 @@ class Layouter {
   }
 
   /// A text that ends at x, its digits around the row y.
-  void add_ending(const std::string& text, int x, int y) {
+  void add_extension(const std::string& text, int x, int y) {
     add_text(text, x - width_of(text), y + digit_height_ / 2, em_);
   }
 
@@ -261,8 +261,8 @@ void draw_bar(const ColorScale& scale, const LegendLayout& layout, Canvas& canva
   const PixelBox& bar = layout.bar;
   const bool constant = !(scale.range.high > scale.range.low);
   for (int y = bar.top; y < bar.bottom; ++y) {
-    const double place = constant ? 0.5 : static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
-    canvas.fill({bar.left, y, bar.right, y + 1}, to_rgb8(to_color16(map_color(scale.map, place))));
+    const double position = constant ? 0.5 : static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
+    canvas.fill({bar.left, y, bar.right, y + 1}, to_rgb8(to_color16(map_color(scale.map, position))));
   }
   canvas.frame(around(bar), k_line);
   const int length = std::max(layout.font_size / 3, 2);

@@ -221,7 +221,7 @@ ValueRange percentiles_of(const PointValues& values, const ValueExtent& extent,
   return {from_ordered_bits(searches[0].prefix), from_ordered_bits(searches[1].prefix)};
 }
 
-double place_in(const ValueRange& range, double value) {
+double position_in(const ValueRange& range, double value) {
   if (std::isnan(value)) return value;
   if (!(range.high > range.low)) return 0.5;
   return std::clamp((value - range.low) / (range.high - range.low), 0.0, 1.0);

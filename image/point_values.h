@@ -62,8 +62,8 @@ ValueExtent extent_of(const PointValues& values);
 ValueRange percentiles_of(const PointValues& values, const ValueExtent& extent,
                           const ValueRange& percentiles);
 
-/// Place of a value between the ends of a range: 0 at the low end and below, 1 at the high one and above, one
+/// Position of a value between the ends of a range: 0 at the low end and below, 1 at the high one and above, one
 /// half where both are equal; NaN for NaN.
-double place_in(const ValueRange& range, double value);
+double position_in(const ValueRange& range, double value);
 
 }  // namespace alidade::image

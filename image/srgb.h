@@ -25,10 +25,10 @@ class CurveTable {
   /// `value` is clamped to 0 .. 1; NaN counts as 0.
   float at(float value) const {
     constexpr float k_steps = 65535.0f;
-    const float place = value > 0.0f ? (value < 1.0f ? value * k_steps : k_steps) : 0.0f;
-    const int step = static_cast<int>(place);
+    const float position = value > 0.0f ? (value < 1.0f ? value * k_steps : k_steps) : 0.0f;
+    const int step = static_cast<int>(position);
     const float low = values_[static_cast<std::size_t>(step)];
-    return low + (place - static_cast<float>(step)) * (values_[static_cast<std::size_t>(step) + 1] - low);
+    return low + (position - static_cast<float>(step)) * (values_[static_cast<std::size_t>(step) + 1] - low);
   }
 
  private:

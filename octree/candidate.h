@@ -41,9 +41,9 @@ inline std::optional<Hit> evaluate(const Ray& ray, const RayQuery& query, double
   if (!(projection.distance <= radius && projection.t >= ray.t_min && projection.t <= ray.t_max)) {
     return std::nullopt;
   }
-  const double entry_place = entry(projection, radius);
-  if (!(entry_place >= query.entry_min)) return std::nullopt;
-  const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
+  const double entry_position = entry(projection, radius);
+  if (!(entry_position >= query.entry_min)) return std::nullopt;
+  const Hit hit{point_id, position, projection.t, projection.distance, entry_position};
   return admitted(query.filter, hit, query_index, radius);
 }
 
@@ -60,9 +60,9 @@ inline std::optional<Hit> evaluate(const Cone& cone, const ConeQuery& query, con
   if (!(projection.distance <= limit && projection.t >= cone.axis.t_min && projection.t <= cone.axis.t_max)) {
     return std::nullopt;
   }
-  const double entry_place = entry(projection, limit);
-  if (std::isnan(entry_place)) return std::nullopt;
-  const Hit hit{point_id, position, projection.t, projection.distance, entry_place};
+  const double entry_position = entry(projection, limit);
+  if (std::isnan(entry_position)) return std::nullopt;
+  const Hit hit{point_id, position, projection.t, projection.distance, entry_position};
   return admitted(query.filter, hit, query_index);
 }
 

@@ -28,9 +28,9 @@ void check_radius(double radius) {
   require(radius >= 0.0, "radius out of range", "at least 0", radius);
 }
 
-void check_place(const glm::dvec3& place, const char* what) {
-  if (!is_finite(place))
-    throw Error({.problem = fmt::format("{} is not finite", what), .found = text_of(place)});
+void check_position(const glm::dvec3& position, const char* what) {
+  if (!is_finite(position))
+    throw Error({.problem = fmt::format("{} is not finite", what), .found = text_of(position)});
 }
 
 /// NaN and infinite components do not pass either.
@@ -89,7 +89,7 @@ void check_without_radius(const PointQuery& query) {
 }
 
 void check(const Ray& ray) {
-  check_place(ray.origin, "origin");
+  check_position(ray.origin, "origin");
   check_unit(ray.direction, "direction");
   check_interval(ray.t_min, ray.t_max);
 }
@@ -108,7 +108,7 @@ void check(const Path& path) {
                  .found = fmt::format("{}", path.vertex_t.size())});
   }
   check_interval(path.t_min, path.t_max);
-  for (const glm::dvec3& vertex : path.vertices) check_place(vertex, "vertex");
+  for (const glm::dvec3& vertex : path.vertices) check_position(vertex, "vertex");
   bool follows = path.vertex_t[0] == 0.0;
   for (std::size_t i = 0; follows && i + 1 < path.vertices.size(); ++i) {
     const double length = length_of(path.vertices[i + 1] - path.vertices[i]);
@@ -121,7 +121,7 @@ void check(const Path& path) {
 
 void check(const HalfSpaces& region) {
   for (const Plane& plane : region.planes) {
-    check_place(plane.point, "point of a plane");
+    check_position(plane.point, "point of a plane");
     check_unit(plane.normal, "normal of a plane");
   }
 }
@@ -134,7 +134,7 @@ void check(const Bounds& box) {
 }
 
 void check(const glm::dvec3& point) {
-  check_place(point, "point");
+  check_position(point, "point");
 }
 
 void check_against(const Octree& octree, int max_level, double spacing_factor) {

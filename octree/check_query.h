@@ -19,7 +19,7 @@
 
 namespace alidade {
 
-/// A place or direction as messages show it.
+/// A position or direction as messages show it.
 std::string text_of(const glm::dvec3& v);
 
 /// Errors: k = 0; radius negative or NaN; spacing_factor negative or not finite; entry_min NaN;

@@ -18,10 +18,10 @@ namespace {
 
 struct SortedPoint {
   std::uint64_t key;
-  std::uint32_t place;
+  std::uint32_t index;
 
   bool operator<(const SortedPoint& other) const {
-    return key != other.key ? key < other.key : place < other.place;
+    return key != other.key ? key < other.key : index < other.index;
   }
 };
 
@@ -63,8 +63,8 @@ BoxedPoints::BoxedPoints(std::vector<LatticePosition> positions, std::vector<std
   positions_.reserve(positions.size());
   rows_.reserve(rows.size());
   for (const SortedPoint& point : morton_order(positions)) {
-    positions_.push_back(positions[point.place]);
-    rows_.push_back(rows[point.place]);
+    positions_.push_back(positions[point.index]);
+    rows_.push_back(rows[point.index]);
   }
   boxes_.push_back(boxes_around(positions_, k_block_points));
   while (boxes_.back().size() > k_fan_out) boxes_.push_back(boxes_around(boxes_.back(), k_fan_out));
@@ -81,7 +81,7 @@ struct CopcCache::Slot {
   std::mutex decoding;  ///< held by the thread that decodes the node
   // The rest belongs to mutex_.
   std::shared_ptr<const BoxedPoints> points;
-  std::list<std::uint32_t>::iterator place_in_kept;
+  std::list<std::uint32_t>::iterator index_in_kept;
   bool was_met = false;
 };
 
@@ -114,7 +114,7 @@ CopcReads CopcCache::reads() const {
 std::shared_ptr<const BoxedPoints> CopcCache::find(std::uint32_t node) const {
   const std::lock_guard lock(mutex_);
   const Slot& slot = slots_[node];
-  if (slot.points) kept_.splice(kept_.begin(), kept_, slot.place_in_kept);
+  if (slot.points) kept_.splice(kept_.begin(), kept_, slot.index_in_kept);
   return slot.points;
 }
 
@@ -131,7 +131,7 @@ void CopcCache::keep(std::uint32_t node, std::shared_ptr<const BoxedPoints> poin
   }
   kept_bytes_ += points->byte_count();
   kept_.push_front(node);
-  slot.place_in_kept = kept_.begin();
+  slot.index_in_kept = kept_.begin();
   slot.points = std::move(points);
   while (kept_bytes_ > options_.byte_count && kept_.size() > 1) {
     Slot& oldest = slots_[kept_.back()];
@@ -150,12 +150,12 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
   const Bounds bounds = file_.bounds(node);
   const Lattice& lattice = file_.header().lattice;
   const std::size_t point_size = file_.header().point_size;
-  constexpr std::size_t k_classification_place = 16;  // of formats 6 to 8
+  constexpr std::size_t k_classification_index = 16;  // of formats 6 to 8
   const auto fail = [&](std::optional<std::uint64_t> row, std::string problem, std::string expected,
                         std::string found) {
     const std::string chunk = fmt::format("COPC node {}", node.key.name());
     throw Error({.file = file_.name(),
-                 .place = row ? fmt::format("{}, point {}", chunk, node.first_row + *row) : chunk,
+                 .location = row ? fmt::format("{}, point {}", chunk, node.first_row + *row) : chunk,
                  .problem = std::move(problem),
                  .expected = std::move(expected),
                  .found = std::move(found)});
@@ -175,7 +175,7 @@ std::shared_ptr<const BoxedPoints> CopcCache::decode(std::uint32_t number) const
               fail(first + i, "the point is outside the cube of its node",
                    "a position from " + text_of(bounds.min) + " to " + text_of(bounds.max), text_of(world));
             }
-            const auto point_class = load<std::uint8_t>(records + k_classification_place);
+            const auto point_class = load<std::uint8_t>(records + k_classification_index);
             if (options_.classes && !options_.classes->test(point_class)) continue;
             positions.push_back(position);
             rows.push_back(static_cast<std::uint32_t>(first + i));

@@ -9,7 +9,7 @@
 #include "octree/targets.h"
 
 // The formulas of the paper (Teuscher et al. 2026, section 3.2), for a point and for all points of a box.
-// This is the only place where they stand: brute force, the index and every outer layer decide with these
+// This is the only code where they stand: brute force, the index and every outer layer decide with these
 // functions, so their answers are the same bits. Floating-point contraction must be off wherever this header
 // is compiled, otherwise a fused multiply-add rounds differently from machine to machine.
 //
@@ -20,7 +20,7 @@ namespace alidade {
 
 /// Where a point lies relative to a ray. All lengths in metres (the unit of the CRS).
 struct RayProjection {
-  double t = 0.0;         ///< place of the orthogonal projection on the ray (eq. 2)
+  double t = 0.0;         ///< position of the orthogonal projection on the ray (eq. 2)
   double distance = 0.0;  ///< orthogonal distance to the ray's line (eq. 1)
 };
 

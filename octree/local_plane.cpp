@@ -99,8 +99,8 @@ LocalPlane fit_plane(const simd::Moments& moments, double reach) {
 
 }  // namespace
 
-LocalPlane local_plane(const Octree& octree, const glm::dvec3& place, double reach) {
-  return fit_plane(simd::moment_sums(octree.instruction_set()).around(octree.view(), place, reach), reach);
+LocalPlane local_plane(const Octree& octree, const glm::dvec3& position, double reach) {
+  return fit_plane(simd::moment_sums(octree.instruction_set()).around(octree.view(), position, reach), reach);
 }
 
 LocalPlane local_plane(std::span<const glm::dvec3> offsets, double reach) {

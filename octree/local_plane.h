@@ -8,22 +8,22 @@
 
 namespace alidade {
 
-/// The surface that the points around a place lie on.
+/// The surface that the points around a position lie on.
 struct LocalPlane {
   glm::dvec3 normal{0.0, 0.0, 1.0};  ///< unit; which of the two sides is not told
   double trust = 0.0;                ///< 0: no surface here (foliage, lone points) .. 1: a plane
-  double height = 0.0;               ///< of the place above the plane, along the normal, metres
+  double height = 0.0;               ///< of the position above the plane, along the normal, metres
   double thickness = 0.0;            ///< standard deviation of the points from the plane, metres
-  /// Distance of the points' mean from the place along the plane, metres: small in the midst of a surface.
+  /// Distance of the points' mean from the position along the plane, metres: small in the midst of a surface.
   double off_center = 0.0;
 };
 
-/// Fits a plane to the points within `reach` metres of a place, nearer ones weighing more. Requires reach >
+/// Fits a plane to the points within `reach` metres of a position, nearer ones weighing more. Requires reach >
 /// 0. The same bits on every instruction set. Cost: 1 to 10 microseconds, grows with the number of points.
 /// Source: Hoppe et al., Surface Reconstruction from Unorganized Points, 1992.
-LocalPlane local_plane(const Octree& octree, const glm::dvec3& place, double reach);
+LocalPlane local_plane(const Octree& octree, const glm::dvec3& position, double reach);
 
-/// The same of these points alone, given as offsets from the place.
+/// The same of these points alone, given as offsets from the position.
 LocalPlane local_plane(std::span<const glm::dvec3> offsets, double reach);
 
 }  // namespace alidade

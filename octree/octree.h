@@ -31,7 +31,7 @@ namespace alidade {
 /// slots are used. Their cells are disjoint and stand in Morton order. Exceptions: points that are too many
 /// for a leaf but stand in a cell that is not split further are divided by number, in Morton order; and in a
 /// layered octree the first slot may be a leaf with a sample of the points of the whole cell. At level 8,
-/// slots with equal boxes hold points of one place only, in any organisation; the lowest ids are in the first
+/// slots with equal boxes hold points of one position only, in any organisation; the lowest ids are in the first
 /// of them.
 ///
 /// From frames of level 16 (k_exact_frame_level) on, the points below a node stand one after another: those
@@ -102,8 +102,8 @@ enum class Organisation : std::uint8_t {
   layered,   ///< every node holds a sample of the points in its cell, coarse to fine
 };
 
-/// The flat arrays of an octree, as traversals read them. A *place* is a point's number in the order of the
-/// leaves; its id, the row in the cloud, is point_id(view, place).
+/// The flat arrays of an octree, as traversals read them. A *storage index* is a point's number in the order of the
+/// leaves; its id, the row in the cloud, is point_id(view, storage index).
 struct TreeView {
   Lattice lattice;
   LatticePosition base{0};  ///< lattice position of the root frame's corner
@@ -115,18 +115,18 @@ struct TreeView {
   int level_count = 0;
   Bounds bounds;                ///< of the points, world
   const Node* nodes = nullptr;  ///< the root is nodes[0]
-  /// Leaf of c points that starts at place p: coordinates[3p .. 3p + 3c) = c x, c y, c z: steps from the
+  /// Leaf of c points that starts at storage index p: coordinates[3p .. 3p + 3c) = c x, c y, c z: steps from the
   /// corner of its parent node's frame, divided by 2^coordinate_shift(level). Readable for
   /// k_coordinate_padding values past the end.
   const std::uint16_t* coordinates = nullptr;
-  /// Row in the cloud by place; null if the cloud's rows stand in the order of the places.
+  /// Row in the cloud by storage index; null if the cloud's rows stand in the order of the storage indices.
   const std::uint32_t* ids = nullptr;
   /// Exact positions of the points in leaves under frames above level 16, whose coordinates are not exact;
-  /// null if there are none. These points stand at the places from first_exact on: positions[place -
+  /// null if there are none. These points stand at the storage indices from first_exact on: positions[storage index -
   /// first_exact].
   const LatticePosition* positions = nullptr;
   std::uint32_t first_exact = 0;  ///< meaningless without positions
-  /// Spacing of the point at each place (octree/spacing.h), and the greatest below each slot of each
+  /// Spacing of the point at each storage index (octree/spacing.h), and the greatest below each slot of each
   /// node, 0 in empty ones: slot s of node n at 8 n + s. The upper halves of floats, metres. Both null if
   /// nobody measured them. `spacings` is readable for k_coordinate_padding values past the end.
   const std::uint16_t* spacings = nullptr;
@@ -157,9 +157,9 @@ inline void append_tree_checksums(const TreeView& tree, std::vector<std::uint64_
 
 constexpr int k_coordinate_padding = 32;
 
-/// The id of the point at a place.
-inline std::uint64_t point_id(const TreeView& tree, std::uint32_t place) {
-  return tree.ids ? tree.ids[place] : place;
+/// The id of the point at a storage index.
+inline std::uint64_t point_id(const TreeView& tree, std::uint32_t index) {
+  return tree.ids ? tree.ids[index] : index;
 }
 
 /// What 16 bits of a spacing stand for, metres; infinity is possible.
@@ -172,9 +172,9 @@ inline const std::uint16_t* slot_spacings(const TreeView& tree, std::uint32_t no
   return tree.slot_spacings ? tree.slot_spacings + std::size_t{k_node_width} * node : nullptr;
 }
 
-/// Spacing of the point at a place. Requires spacings.
-inline double spacing_at(const TreeView& tree, std::uint32_t place) {
-  return spacing_of(tree.spacings[place]);
+/// Spacing of the point at a storage index. Requires spacings.
+inline double spacing_at(const TreeView& tree, std::uint32_t index) {
+  return spacing_of(tree.spacings[index]);
 }
 
 /// Up to frames of this level, 16 bits hold the steps from a frame's corner.

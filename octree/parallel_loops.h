@@ -14,7 +14,7 @@
 namespace alidade {
 
 /// body(0) .. body(count - 1) in parallel, begun in this order: whoever is free takes the next. For work that
-/// uses up memory along the way, of which only a few places at a time should be in use.
+/// uses up memory along the way, of which only a few positions at a time should be in use.
 template <class Body>
 void for_each_in_order(std::size_t count, const Body& body) {
   std::atomic<std::size_t> next = 0;

@@ -43,7 +43,7 @@ inline std::vector<Segment> segments_of(const Path& path) {
   return segments;
 }
 
-/// Nearest place of a segment (t from its first vertex) and the distance to it.
+/// Nearest position of a segment (t from its first vertex) and the distance to it.
 inline RayProjection project(const Segment& segment, const glm::dvec3& point) {
   const RayProjection on_line = project(segment.line, point);
   if (on_line.t <= 0.0) return {0.0, distance(segment.line.origin, point)};
@@ -68,7 +68,7 @@ inline RayReach project(const Segment& segment, const Bounds& box) {
   return reach;
 }
 
-/// Nearest place of a path: the definition. Distance NaN if no segment's can be computed.
+/// Nearest position of a path: the definition. Distance NaN if no segment's can be computed.
 inline PathProjection project(std::span<const Segment> segments, const glm::dvec3& point) {
   PathProjection nearest;
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -89,7 +89,7 @@ class PathIndex {
   /// Same bits as project(segments_of(path), point). Cost: logarithmic for paths that are no tangle.
   PathProjection project(const glm::dvec3& point) const;
 
-  /// Bounds for the points of a box on the distance to the path and on t of the nearest place, as project()
+  /// Bounds for the points of a box on the distance to the path and on t of the nearest position, as project()
   /// gives them. Segments that are farther than `cutoff` are left out; if all are, distance.low is infinite.
   /// distance.high is unused.
   RayReach reach(const Bounds& box, double cutoff) const;

@@ -69,11 +69,12 @@ std::array<double, k_directions> reaches(const Octree& octree, const glm::dvec3&
   for (const PointHit& point : find(octree, position, PointQuery{.radius = k_reach * spacing})) {
     const glm::dvec3 offset = point.position - position;
     if (std::fabs(glm::dot(offset, surface.normal) + surface.height) > thickness) continue;
-    const glm::dvec2 place(glm::dot(offset, axes.first) / spacing, glm::dot(offset, axes.second) / spacing);
+    const glm::dvec2 position(glm::dot(offset, axes.first) / spacing,
+                              glm::dot(offset, axes.second) / spacing);
     for (int i = 0; i < k_directions; ++i) {
       const glm::dvec2& direction = directions()[i];
-      const double beside = std::fabs(place.x * direction.y - place.y * direction.x);
-      const double along = place.x * direction.x + place.y * direction.y;
+      const double beside = std::fabs(position.x * direction.y - position.y * direction.x);
+      const double along = position.x * direction.x + position.y * direction.y;
       farthest[i] = beside < k_half_width ? std::max(farthest[i], along) : farthest[i];
     }
   }
@@ -156,16 +157,16 @@ std::uint32_t pack(const PointSurface& surface, double unit) {
          nearest_length(std::fabs(surface.height) / unit) << 5 | length_above(surface.thickness / unit);
 }
 
-/// Heights of two sheets above a place, along a normal. Metres.
+/// Heights of two sheets above a position, along a normal. Metres.
 struct Sheets {
   double lower = 0.0, upper = 0.0;
 };
 
-/// Of the points around a place, told from the moments of their heights; empty if they look like one sheet.
-std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& place, double reach,
+/// Of the points around a position, told from the moments of their heights; empty if they look like one sheet.
+std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& position, double reach,
                                  const LocalPlane& plane) {
   const simd::HeightSums sums = simd::moment_sums(octree.instruction_set())
-                                    .heights(octree.view(), place, reach, glm::vec3(plane.normal),
+                                    .heights(octree.view(), position, reach, glm::vec3(plane.normal),
                                              static_cast<float>(-plane.height / reach));
   const double mean = sums.powers[0] / sums.weight;
   const double second = sums.powers[1] / sums.weight, third = sums.powers[2] / sums.weight,
@@ -186,22 +187,22 @@ std::optional<Sheets> two_sheets(const Octree& octree, const glm::dvec3& place, 
   return Sheets{middle + half * (skewness - root), middle + half * (skewness + root)};
 }
 
-/// The plane of the sheet that the place stands on, where there are two; otherwise `plane`.
-LocalPlane choose_sheet(const Octree& octree, const glm::dvec3& place, double reach,
+/// The plane of the sheet that the position stands on, where there are two; otherwise `plane`.
+LocalPlane choose_sheet(const Octree& octree, const glm::dvec3& position, double reach,
                         const LocalPlane& plane) {
-  const std::optional<Sheets> sheets = two_sheets(octree, place, reach, plane);
+  const std::optional<Sheets> sheets = two_sheets(octree, position, reach, plane);
   if (!sheets) return plane;
   const double gap = sheets->upper - sheets->lower;
   const bool on_upper = std::fabs(sheets->upper) < std::fabs(sheets->lower);
   LocalPlane sheet = plane;
   sheet.height = -(on_upper ? sheets->upper : sheets->lower);
-  const std::vector<PointHit> around = find(octree, place, PointQuery{.radius = reach});
+  const std::vector<PointHit> around = find(octree, position, PointQuery{.radius = reach});
   std::vector<glm::dvec3> offsets;
   // The first plane leans towards both sheets, the second hardly.
   for (int pass = 0; pass < 2; ++pass) {
     offsets.clear();
     for (const PointHit& point : around) {
-      const glm::dvec3 offset = point.position - place;
+      const glm::dvec3 offset = point.position - position;
       if (std::fabs(glm::dot(offset, sheet.normal) + sheet.height) < 0.5 * gap) offsets.push_back(offset);
     }
     sheet = local_plane(offsets, reach);
@@ -222,15 +223,15 @@ bool off_sheet(const LocalPlane& plane, double reach) {
 /// The surface of a point off the sheet of its neighbours: that of the others, as on the ground at the foot
 /// of a wall with many more points; or one of its own beside the sheet. None where it stands far off with few
 /// others, like a bird above a field: its distance to its neighbours would make a wide disc of it.
-PointSurface surface_beside(const Octree& octree, const glm::dvec3& place, double spacing, double reach,
+PointSurface surface_beside(const Octree& octree, const glm::dvec3& position, double spacing, double reach,
                             const LocalPlane& sheet) {
   constexpr double k_far = 0.5;  // spacings
   // A third of what a sheet with this spacing has within reach; one that ends here has half.
   const double few = k_surface_neighbours / 3.0 * (reach / spacing) * (reach / spacing);
   std::vector<glm::dvec3> others;
-  for (const PointHit& point : find(octree, place, PointQuery{.radius = reach})) {
+  for (const PointHit& point : find(octree, position, PointQuery{.radius = reach})) {
     LocalPlane from_sheet = sheet;
-    const glm::dvec3 offset = point.position - place;
+    const glm::dvec3 offset = point.position - position;
     from_sheet.height += glm::dot(offset, sheet.normal);
     if (off_sheet(from_sheet, reach)) others.push_back(offset);
   }
@@ -248,18 +249,18 @@ struct FittedSurface {
   bool may_end = true;  ///< whether an edge of the sheet may be near
 };
 
-FittedSurface fit_surface(const Octree& octree, const glm::dvec3& place, double spacing) {
+FittedSurface fit_surface(const Octree& octree, const glm::dvec3& position, double spacing) {
   constexpr double k_reaches[] = {2.5, 1.5, 1.1, 5.0};
   // Near an edge the mean of a sheet's points lies farther inward, in reaches, than it does by chance.
   constexpr double k_centered = 0.1;
   if (!std::isfinite(spacing)) return {};
   for (const double factor : k_reaches) {
     const double reach = factor * spacing;
-    const LocalPlane fitted = local_plane(octree, place, reach);
+    const LocalPlane fitted = local_plane(octree, position, reach);
     if (fitted.trust < k_least_trust) continue;
     // Few points look like two sheets by chance.
-    const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(octree, place, reach, fitted);
-    if (off_sheet(plane, reach)) return {surface_beside(octree, place, spacing, reach, plane)};
+    const LocalPlane plane = factor < k_reaches[0] ? fitted : choose_sheet(octree, position, reach, fitted);
+    if (off_sheet(plane, reach)) return {surface_beside(octree, position, spacing, reach, plane)};
     const bool may_end = factor != k_reaches[0] || plane.off_center > k_centered * reach;
     return {{true, plane.normal, plane.height, plane.thickness}, may_end};
   }
@@ -285,14 +286,14 @@ Octree with_surfaces(const Octree& octree, const Progress& progress) {
   for_each_leaf_in_parallel(tree, progress, [&] {
     return [&](const Leaf& leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const glm::dvec3 place = to_world(tree.lattice, position_of(tree, leaf, i));
-        const double spacing = spacing_at(tree, leaf.place + i);
-        const std::uint64_t id = point_id(tree, leaf.place + i);
-        const FittedSurface fitted = fit_surface(octree, place, spacing);
+        const glm::dvec3 position = to_world(tree.lattice, position_of(tree, leaf, i));
+        const double spacing = spacing_at(tree, leaf.first + i);
+        const std::uint64_t id = point_id(tree, leaf.first + i);
+        const FittedSurface fitted = fit_surface(octree, position, spacing);
         const std::uint32_t packed = pack(fitted.surface, tree.surface_unit);
         made->points[id] = packed;
         made->edges[id] =
-            fitted.may_end ? fit_sheet_edge(octree, place, spacing, unpack(packed, tree.surface_unit)) : 0;
+            fitted.may_end ? fit_sheet_edge(octree, position, spacing, unpack(packed, tree.surface_unit)) : 0;
       }
     };
   });

@@ -20,8 +20,8 @@ namespace alidade {
 inline glm::uvec2 pack_normal(const glm::dvec3& normal, double steps) {
   const glm::dvec3 n = normal / (std::fabs(normal.x) + std::fabs(normal.y) + std::fabs(normal.z));
   const double sign = n.z < 0.0 ? -1.0 : 1.0;
-  const auto step = [&](double place) {
-    return static_cast<std::uint32_t>((0.5 + 0.5 * place) * steps + 0.5);
+  const auto step = [&](double position) {
+    return static_cast<std::uint32_t>((0.5 + 0.5 * position) * steps + 0.5);
   };
   return {step(sign * (n.x + n.y)), step(sign * (n.x - n.y))};
 }

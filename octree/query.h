@@ -25,7 +25,7 @@ namespace alidade {
 struct Hit {
   std::uint64_t point_id = 0;  ///< row of the cloud
   glm::dvec3 position{0.0};    ///< of the point, world coordinates
-  double t = 0.0;              ///< place of the point's projection on the ray, metres
+  double t = 0.0;              ///< position of the point's projection on the ray, metres
   double distance = 0.0;       ///< of the point to the ray's line, metres
   /// Where the ray enters the sphere around the point whose radius is the query's (for a cone: the limit at
   /// t), metres; -infinity if the radius is infinite.
@@ -50,7 +50,7 @@ struct PathHit {
   glm::dvec3 position{0.0};
   /// The nearest one, from vertex `segment` to the next; of equally near ones the first.
   std::size_t segment = 0;
-  double t = 0.0;         ///< place of the nearest point of the path, metres from its first vertex
+  double t = 0.0;         ///< position of the nearest point of the path, metres from its first vertex
   double distance = 0.0;  ///< to the nearest point of the path, metres
 
   bool operator==(const PathHit&) const = default;
@@ -86,7 +86,7 @@ class Octree;
 /// What orders the points along a ray, cone or path.
 enum class Measure {
   distance,  ///< to the line of the ray or to the path
-  t,         ///< place of the projection (the paper's "closest")
+  t,         ///< position of the projection (the paper's "closest")
   entry,     ///< where the ray enters the sphere around the point, see Hit::entry; not for paths
 };
 
@@ -120,7 +120,7 @@ struct RayQuery {
   double spacing_factor = 0.0;
   /// At most so many points: the first ones by the measure. `closest` is k = 1 whatever stands here.
   std::size_t k = k_all;
-  /// Only spheres that the ray enters at or after this place (entry >= entry_min). The default admits spheres
+  /// Only spheres that the ray enters at or after this position (entry >= entry_min). The default admits spheres
   /// the ray starts in, whose entry lies before t_min. A renderer sets a small positive value: rays that
   /// leave a surface then never hit it again.
   double entry_min = -std::numeric_limits<double>::infinity();

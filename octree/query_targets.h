@@ -15,7 +15,7 @@
 namespace alidade {
 
 /// By what a tree tells its points apart.
-enum class PointNaming { id, place };
+enum class PointNaming { id, index };
 
 /// An octree as tree_query.h walks it: inner nodes by their frames, leaves as nodes of their own.
 template <PointNaming naming>
@@ -40,8 +40,8 @@ class OctreeAsTree {
   void for_each_point(const Node& node, const Visit& visit) const {
     if (node.inner) return;
     for (std::uint32_t i = 0; i < node.leaf.count; ++i) {
-      const std::uint32_t place = node.leaf.place + i;
-      if (!visit(naming == PointNaming::place ? place : point_id(view_, place),
+      const std::uint32_t index = node.leaf.first + i;
+      if (!visit(naming == PointNaming::index ? index : point_id(view_, index),
                  to_world(view_.lattice, position_of(view_, node.leaf, i))))
         return;
     }
@@ -71,8 +71,8 @@ class OctreeAsTree {
 };
 
 using OctreeTree = OctreeAsTree<PointNaming::id>;
-/// For targets that ask what is stored by place.
-using OctreePlaces = OctreeAsTree<PointNaming::place>;
+/// For targets that need values stored by storage index.
+using OctreeByIndex = OctreeAsTree<PointNaming::index>;
 
 // The targets of octree/query.h as tree_query.h takes them: how near, where and in which order the points of
 // a box can be. Each keeps references to target and query, which must outlive it, and takes them as checked.
@@ -144,17 +144,17 @@ class AlongTarget : public TargetOn<T> {
 using RayTarget = AlongTarget<Ray>;
 using ConeTarget = AlongTarget<Cone>;
 
-/// A ray that meets points with radii of their own (RayQuery::spacing_factor), told by their places. No
+/// A ray that meets points with radii of their own (RayQuery::spacing_factor), passed by storage index. No
 /// point's radius is above the query's.
 class OwnRadiusTarget : public RayTarget {
  public:
   OwnRadiusTarget(const TreeView& tree, const Ray& ray, const RayQuery& query, std::size_t query_index = 0)
       : AlongTarget(ray, query, query_index), tree_(tree) {}
 
-  std::optional<Hit> evaluate(const glm::dvec3& position, std::uint64_t place) const {
-    const auto tree_place = static_cast<std::uint32_t>(place);
-    return alidade::evaluate(target_, query_, own_radius(query_, spacing_at(tree_, tree_place)), position,
-                             point_id(tree_, tree_place), query_index_);
+  std::optional<Hit> evaluate(const glm::dvec3& position, std::uint64_t index) const {
+    const auto stored = static_cast<std::uint32_t>(index);
+    return alidade::evaluate(target_, query_, own_radius(query_, spacing_at(tree_, stored)), position,
+                             point_id(tree_, stored), query_index_);
   }
 
  private:
@@ -211,7 +211,7 @@ class BoxTarget : public TargetOn<Bounds> {
  public:
   using TargetOn::TargetOn;
 
-  /// Distance: 1 if the boxes have no place in common, otherwise 0.
+  /// Distance: 1 if the boxes have no position in common, otherwise 0.
   Reach reach(const Bounds& box, DistanceBound bound) const {
     bool apart = false;
     for (int axis = 0; axis < 3; ++axis)
@@ -251,13 +251,13 @@ typename TreeTarget<T>::type make_target(const T& target, const QueryOf<T>& quer
 }
 
 /// Calls use(tree, target) with an octree and a target as Algorithm 1 (octree/tree_query.h) takes them for
-/// this query. Points with radii of their own are told by their places.
+/// this query. Points with radii of their own are passed by storage index.
 template <class Target, class Query, class Use>
 auto with_tree_target(const TreeView& view, const Target& target, const Query& query, std::size_t query_index,
                       const Use& use) {
   if constexpr (std::is_same_v<Target, Ray>) {
     if (query.spacing_factor > 0.0)
-      return use(OctreePlaces(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
+      return use(OctreeByIndex(view, query.max_level), OwnRadiusTarget(view, target, query, query_index));
   }
   return use(OctreeTree(view, query.max_level), make_target(target, query, query_index));
 }

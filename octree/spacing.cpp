@@ -26,26 +26,26 @@ namespace {
 // open, and their 90th percentile is sqrt(ln 10 / (pi n)); so the factor f leaves open 10^(-f^2), here 0.3 %.
 constexpr double k_radius_factor = 1.6;
 
-/// Finds the n-th nearest of the points that stand at another place.
+/// Finds the n-th nearest of the points that stand at another position.
 class Neighbours {
  public:
   Neighbours(const Octree& octree, int number, int max_level = k_all_levels)
       : octree_(octree), number_(static_cast<std::size_t>(number)), max_level_(max_level) {}
 
-  /// Distance to it from the place of a point; infinite if there are fewer.
-  double spacing(const glm::dvec3& place) {
+  /// Distance to it from the position of a point; infinite if there are fewer.
+  double spacing(const glm::dvec3& position) {
     // The point itself comes first. Where it has twins, they must not crowd out the others.
-    if (const auto found = others(place, {.k = number_ + 1, .max_level = max_level_})) return *found;
+    if (const auto found = others(position, {.k = number_ + 1, .max_level = max_level_})) return *found;
     const auto elsewhere = [](const Candidate& candidate) { return candidate.distance > 0.0; };
-    return others(place, {.k = number_, .max_level = max_level_, .filter = elsewhere})
+    return others(position, {.k = number_, .max_level = max_level_, .filter = elsewhere})
         .value_or(std::numeric_limits<double>::infinity());
   }
 
  private:
   /// Distance of the n-th point elsewhere among the first k.
-  std::optional<double> others(const glm::dvec3& place, const PointQuery& query) {
+  std::optional<double> others(const glm::dvec3& position, const PointQuery& query) {
     nearest_.clear();
-    find_into(octree_, place, query, query.k, 0, nearest_);
+    find_into(octree_, position, query, query.k, 0, nearest_);
     const auto first = std::ranges::find_if(nearest_, [](const PointHit& hit) { return hit.distance > 0.0; });
     if (static_cast<std::size_t>(nearest_.end() - first) < number_) return std::nullopt;
     return (first + static_cast<std::ptrdiff_t>(number_ - 1))->distance;
@@ -75,12 +75,12 @@ class SpacingMeter {
   void measure(const Leaf& leaf, std::uint16_t* spacings) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const LatticePosition position = position_of(tree_, leaf, i);
-      // Points of one place mostly stand one after another.
+      // Points of one position mostly stand one after another.
       if (!known_ || position != last_)
         bits_ = spacing_bits(neighbours_.spacing(to_world(tree_.lattice, position)));
       known_ = true;
       last_ = position;
-      spacings[leaf.place + i] = bits_;
+      spacings[leaf.first + i] = bits_;
     }
   }
 
@@ -109,7 +109,7 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
   for_each_leaf(tree, [&](const Leaf& leaf) {
     if (leaf.depth > max_level) return;
     // Points of some levels do not stand one after another; they are counted as they come.
-    const std::uint64_t first = all_levels ? leaf.place : seen;
+    const std::uint64_t first = all_levels ? leaf.first : seen;
     for (std::uint64_t number = (first + stride - 1) / stride * stride; number < first + leaf.count;
          number += stride) {
       samples.push_back(
@@ -122,7 +122,7 @@ std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sampl
 
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count, int max_level) {
   std::vector<glm::dvec3> samples = sample_positions(octree, sample_count, max_level);
-  // A search passes over all points at its own place; so each place is searched once, however many points it
+  // A search passes over all points at its own position; so each position is searched once, however many points it
   // holds.
   std::ranges::sort(samples, before);
   std::vector<std::size_t> firsts;
@@ -202,8 +202,8 @@ double sphere_radius(const RayQuery& query, const Hit& hit) {
 
 std::vector<double> spacings_in_order(const TreeView& tree) {
   std::vector<double> spacings(tree.point_count);
-  for (std::uint32_t place = 0; place < tree.point_count; ++place)
-    spacings[point_id(tree, place)] = spacing_at(tree, place);
+  for (std::uint32_t position = 0; position < tree.point_count; ++position)
+    spacings[point_id(tree, position)] = spacing_at(tree, position);
   return spacings;
 }
 

@@ -15,7 +15,7 @@
 namespace alidade {
 
 /// World positions of at most `sample_count` points (and at least half as many where there are), taken evenly
-/// in octree order, so every place counts by its number of points. Deterministic. Cost: one pass over the
+/// in octree order, so every position counts by its number of points. Deterministic. Cost: one pass over the
 /// leaves. max_level: only points of the levels 0 to max_level (of a layered octree).
 std::vector<glm::dvec3> sample_positions(const Octree& octree, std::size_t sample_count,
                                          int max_level = k_all_levels);
@@ -29,8 +29,8 @@ struct Spacing {
 };
 
 /// Measures nearest-neighbour spacing on up to `sample_count` points taken evenly in octree order (so every
-/// place counts by its number of points). Points at the same place are no neighbours of each other. A cloud
-/// of fewer than two distinct places gives zeros. Deterministic. Cost: microseconds per sample. max_level: of
+/// position counts by its number of points). Points at the same position are no neighbours of each other. A cloud
+/// of fewer than two distinct positions gives zeros. Deterministic. Cost: microseconds per sample. max_level: of
 /// the cloud that these levels of a layered octree make.
 Spacing measure_spacing(const Octree& octree, std::size_t sample_count = 20000, int max_level = k_all_levels);
 
@@ -45,7 +45,7 @@ double automatic_radius(const Octree& octree, int max_level = k_all_levels);
 //   const auto hit = closest(octree, ray, {.radius = 0.5, .spacing_factor = 1.0});
 //
 // The spacing of a point is the distance to its n-th nearest neighbour: of the points that stand at another
-// place, nearest first, the n-th; infinite if there are fewer. It is rounded up to eight significant bits (by
+// position, nearest first, the n-th; infinite if there are fewer. It is rounded up to eight significant bits (by
 // at most 0.8 %), and that number is what all queries take as the spacing.
 
 constexpr int k_most_spacing_neighbours = 64;
@@ -73,7 +73,7 @@ inline std::array<std::uint16_t, k_node_width> greatest_spacings(const TreeView&
                                                                  const std::uint16_t* slot_spacings,
                                                                  std::uint32_t index) {
   const Node& node = tree.nodes[index];
-  std::uint32_t place = node.first_point;
+  std::uint32_t position = node.first_point;
   std::uint64_t child = node.first_child;
   std::array<std::uint16_t, k_node_width> greatest{};
   for (int slot = 0; slot < k_node_width; ++slot) {
@@ -83,8 +83,8 @@ inline std::array<std::uint16_t, k_node_width> greatest_spacings(const TreeView&
       const std::uint16_t* below = slot_spacings + k_node_width * child++;
       greatest[slot] = *std::max_element(below, below + k_node_width);
     } else if (is_leaf(kind)) {
-      greatest[slot] = *std::max_element(tree.spacings + place, tree.spacings + place + kind);
-      place += kind;
+      greatest[slot] = *std::max_element(tree.spacings + position, tree.spacings + position + kind);
+      position += kind;
     }
   }
   return greatest;

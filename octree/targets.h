@@ -51,7 +51,7 @@ struct HalfSpaces {
 /// The slab of `thickness` metres on the positive side of a plane. Errors: thickness negative or not finite.
 HalfSpaces make_slab(const Plane& plane, double thickness);
 
-/// A trajectory: straight segments from vertex to vertex. Places on it are told by t, the length of the way
+/// A trajectory: straight segments from vertex to vertex. Positions on it are told by t, the length of the way
 /// from the first vertex, in metres.
 struct Path {
   std::vector<glm::dvec3> vertices;                         ///< two or more; consecutive ones differ

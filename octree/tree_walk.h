@@ -19,9 +19,9 @@ struct Frame {
   int depth = 0;                          ///< of the node, the root's being 0: the level of its points
 };
 
-/// A leaf: `count` points from `place` on, below a frame.
+/// A leaf: `count` points from storage index `first` on, below a frame.
 struct Leaf {
-  std::uint32_t place = 0;
+  std::uint32_t first = 0;
   std::uint32_t count = 0;
   std::array<std::uint32_t, 3> corner{};
   int depth = 0;  ///< of the node: the level of its points (TreeView::level_count)
@@ -48,7 +48,7 @@ inline Frame child_frame(const TreeView& tree, const Frame& frame, int slot) {
 inline Leaf child_leaf(const TreeView& tree, const Frame& frame, int slot) {
   const Node& node = tree.nodes[frame.node];
   Leaf leaf{node.first_point, node.kind[slot], frame.corner, frame.depth};
-  for (int s = 0; s < slot; ++s) leaf.place += is_leaf(node.kind[s]) ? node.kind[s] : 0;
+  for (int s = 0; s < slot; ++s) leaf.first += is_leaf(node.kind[s]) ? node.kind[s] : 0;
   return leaf;
 }
 
@@ -87,9 +87,9 @@ inline Bounds child_bounds(const TreeView& tree, const Frame& frame, int slot) {
 
 /// Lattice position of the i-th point of a leaf.
 inline LatticePosition position_of(const TreeView& tree, const Leaf& leaf, std::uint32_t i) {
-  if (tree.positions && leaf.place >= tree.first_exact)
-    return tree.positions[leaf.place - tree.first_exact + i];
-  const std::uint16_t* coordinates = tree.coordinates + std::size_t{3} * leaf.place;
+  if (tree.positions && leaf.first >= tree.first_exact)
+    return tree.positions[leaf.first - tree.first_exact + i];
+  const std::uint16_t* coordinates = tree.coordinates + std::size_t{3} * leaf.first;
   LatticePosition position;
   for (int axis = 0; axis < 3; ++axis) {
     position[axis] = static_cast<std::int32_t>(static_cast<std::uint32_t>(tree.base[axis]) +
@@ -120,7 +120,7 @@ inline std::vector<LatticePosition> positions_in_order(const TreeView& tree) {
   std::vector<LatticePosition> positions(tree.point_count);
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i)
-      positions[point_id(tree, leaf.place + i)] = position_of(tree, leaf, i);
+      positions[point_id(tree, leaf.first + i)] = position_of(tree, leaf, i);
   });
   return positions;
 }

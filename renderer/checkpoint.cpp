@@ -27,7 +27,7 @@ struct CheckpointHead {
   std::uint64_t samples_taken = 0;
   double seconds = 0.0;
   std::uint32_t samples = 0;  ///< per pixel, in the end
-  PictureIdentity identity;
+  PictureFingerprint identity;
   std::uint64_t head_bytes = 0;  ///< where the rest begins
 };
 
@@ -153,7 +153,7 @@ class BlockWriter {
 
 class BlockReader {
  public:
-  BlockReader(InputFile& file, std::uint64_t place) : file_(file), place_(place) {}
+  BlockReader(InputFile& file, std::uint64_t position) : file_(file), position_(position) {}
 
   void take(std::span<std::byte> into) {
     while (!into.empty()) {
@@ -174,15 +174,15 @@ class BlockReader {
   void fetch() {
     if (used_ > 0) blocks_.sum_block();
     // One byte at least: beyond the file's end this is the error of a file that ends early.
-    const std::uint64_t left = std::max<std::uint64_t>(file_.size() - std::min(place_, file_.size()), 1);
+    const std::uint64_t left = std::max<std::uint64_t>(file_.size() - std::min(position_, file_.size()), 1);
     blocks_.block().resize(static_cast<std::size_t>(std::min<std::uint64_t>(left, k_checksum_block)));
-    file_.read_at(place_, blocks_.block());
-    place_ += blocks_.block().size();
+    file_.read_at(position_, blocks_.block());
+    position_ += blocks_.block().size();
     used_ = 0;
   }
 
   InputFile& file_;
-  std::uint64_t place_;
+  std::uint64_t position_;
   Blocks blocks_;
   std::size_t used_ = 0;
 };
@@ -206,7 +206,7 @@ void read_tiles(BlockReader& reader, const InputFile& file, int samples, Picture
   }
 }
 
-void check_head(const InputFile& file, const CheckpointHead& head, const PictureIdentity& identity,
+void check_head(const InputFile& file, const CheckpointHead& head, const PictureFingerprint& identity,
                 int samples, const PictureState& state) {
   check_identity(head.identity, identity, file.name());
   // The identity says all this as well; what follows must not rely on a text.
@@ -228,7 +228,7 @@ void check_head(const InputFile& file, const CheckpointHead& head, const Picture
 
 }  // namespace
 
-void write_checkpoint(const std::filesystem::path& path, const PictureIdentity& identity, int samples,
+void write_checkpoint(const std::filesystem::path& path, const PictureFingerprint& identity, int samples,
                       const PictureState& state, double seconds) {
   CheckpointHead head;
   head.width = static_cast<std::uint32_t>(state.grid.width());
@@ -256,7 +256,7 @@ void write_checkpoint(const std::filesystem::path& path, const PictureIdentity& 
   file.commit();
 }
 
-void read_checkpoint(InputFile file, const PictureIdentity& identity, int samples, PictureState& state) {
+void read_checkpoint(InputFile file, const PictureFingerprint& identity, int samples, PictureState& state) {
   const CheckpointHead head = read_head(file);
   check_head(file, head, identity, samples, state);
   BlockReader reader(file, head.head_bytes);

@@ -34,14 +34,14 @@ namespace alidade::renderer {
 
 /// Writes the state; the file appears whole or not at all, an earlier one stays until then. Nobody may change
 /// the state meanwhile. Memory: 2 MiB. Errors: those of OutputFile, above all a full disk.
-void write_checkpoint(const std::filesystem::path& file, const PictureIdentity& identity, int samples,
+void write_checkpoint(const std::filesystem::path& file, const PictureFingerprint& identity, int samples,
                       const PictureState& state, double seconds);
 
 /// Reads a state back. `state` must have been made for the picture that is asked for; it is only of use if
 /// nothing is thrown. `samples` is the number per pixel asked for. Errors: not a checkpoint; another byte
 /// order, version or picture, naming the first thing that differs; a file cut short, too long or damaged.
 /// Memory: the identity, at most the file's size, and 1 MiB.
-void read_checkpoint(InputFile file, const PictureIdentity& identity, int samples, PictureState& state);
+void read_checkpoint(InputFile file, const PictureFingerprint& identity, int samples, PictureState& state);
 
 /// Whether a file begins as checkpoints do, of whatever version. Errors: those of InputFile.
 bool is_checkpoint(const std::filesystem::path& file);

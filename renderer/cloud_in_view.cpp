@@ -19,7 +19,7 @@ namespace {
 
 /// Where a ray stands in the camera's own axes, seen at distance 1 before the camera: its direction there, or
 /// for parallel rays its origin. Empty behind a right angle.
-std::optional<glm::dvec2> place_at_one(const Ray& ray, const camera::CameraPose& pose, bool is_parallel) {
+std::optional<glm::dvec2> position_at_one(const Ray& ray, const camera::CameraPose& pose, bool is_parallel) {
   const glm::dvec3 way = is_parallel ? ray.origin - pose.position : ray.direction;
   const glm::dvec2 beside(glm::dot(way, pose.right), glm::dot(way, pose.down));
   if (is_parallel) return beside;
@@ -32,7 +32,7 @@ std::optional<glm::dvec2> place_at_one(const Ray& ray, const camera::CameraPose&
 }  // namespace
 
 HalfSpaces view_planes(const camera::Camera& camera) {
-  constexpr int k_sides = 16, k_places_per_side = 64;
+  constexpr int k_sides = 16, k_positions_per_side = 64;
   const bool is_parallel = std::holds_alternative<camera::OrthographicLens>(camera.lens);
   const bool is_straight = is_parallel || std::holds_alternative<camera::PinholeLens>(camera.lens);
   const camera::CameraPose& pose = camera.pose;
@@ -44,19 +44,20 @@ HalfSpaces view_planes(const camera::Camera& camera) {
     const double angle = 2.0 * std::numbers::pi * side / k_sides;
     sides[static_cast<std::size_t>(side)] = {std::cos(angle), std::sin(angle)};
   }
-  for (int i = 0; i <= k_places_per_side; ++i) {
-    const double share = static_cast<double>(i) / k_places_per_side;
+  for (int i = 0; i <= k_positions_per_side; ++i) {
+    const double share = static_cast<double>(i) / k_positions_per_side;
     const double x = share * camera.width, y = share * camera.height;
     for (const glm::dvec2 film : {glm::dvec2(x, 0.0), glm::dvec2(x, camera.height), glm::dvec2(0.0, y),
                                   glm::dvec2(camera.width, y)}) {
       const std::optional<Ray> ray = projection.ray(film);
-      const std::optional<glm::dvec2> place = ray ? place_at_one(*ray, pose, is_parallel) : std::nullopt;
-      if (!place) return {};
+      const std::optional<glm::dvec2> position =
+          ray ? position_at_one(*ray, pose, is_parallel) : std::nullopt;
+      if (!position) return {};
       for (std::size_t side = 0; side < k_sides; ++side)
-        reach[side] = std::max(reach[side], glm::dot(*place, sides[side]));
+        reach[side] = std::max(reach[side], glm::dot(*position, sides[side]));
     }
   }
-  // Between two places looked at, a bent border may reach further; and numbers are rounded.
+  // Between two positions looked at, a bent border may reach further; and numbers are rounded.
   const double slack = is_straight ? 1e-9 : 0.02;
   HalfSpaces planes;
   for (std::size_t side = 0; side < k_sides; ++side) {
@@ -88,15 +89,15 @@ class ViewCone {
  private:
   /// The widest angle along the border of the image; everything if the lens does not see all of it.
   static double half_angle(const camera::Camera& camera) {
-    constexpr int k_places_per_side = 32;
+    constexpr int k_positions_per_side = 32;
     const camera::Projection projection(camera);
     double widest = 0.0;
-    for (int i = 0; i <= k_places_per_side; ++i) {
-      const double share = static_cast<double>(i) / k_places_per_side;
+    for (int i = 0; i <= k_positions_per_side; ++i) {
+      const double share = static_cast<double>(i) / k_positions_per_side;
       const double x = share * camera.width, y = share * camera.height;
-      for (const glm::dvec2 place : {glm::dvec2(x, 0.0), glm::dvec2(x, camera.height), glm::dvec2(0.0, y),
-                                     glm::dvec2(camera.width, y)}) {
-        const std::optional<Ray> ray = projection.ray(place);
+      for (const glm::dvec2 position : {glm::dvec2(x, 0.0), glm::dvec2(x, camera.height), glm::dvec2(0.0, y),
+                                        glm::dvec2(camera.width, y)}) {
+        const std::optional<Ray> ray = projection.ray(position);
         if (!ray) return std::numbers::pi;
         widest =
             std::max(widest, std::acos(std::clamp(glm::dot(ray->direction, camera.pose.forward), -1.0, 1.0)));
@@ -109,8 +110,8 @@ class ViewCone {
   double half_angle_;
 };
 
-double distance_to(const Bounds& box, const glm::dvec3& place) {
-  return glm::distance(place, glm::clamp(place, box.min, box.max));
+double distance_to(const Bounds& box, const glm::dvec3& position) {
+  return glm::distance(position, glm::clamp(position, box.min, box.max));
 }
 
 struct Candidate {

@@ -14,7 +14,7 @@ constexpr int k_first_roulette_vertex = 3;
 struct Trail {
   double pdf = 0.0;              ///< of the last direction; 0 when it was specular or the camera's
   bool scattered = false;        ///< whether there was anything but mirrors and glass
-  glm::dvec3 scattered_at{0.0};  ///< the last such place
+  glm::dvec3 scattered_at{0.0};  ///< the last such position
   double scattered_pdf = 0.0;    ///< of the direction chosen there
   double roughness = 0.0;        ///< the largest so far, at most k_diffuse_roughness
 };
@@ -32,7 +32,7 @@ double roughness_of(const Material& material) {
   return metal == nullptr ? k_diffuse_roughness : std::min(metal->roughness, k_diffuse_roughness);
 }
 
-/// A place on a path, with what light scattered there needs.
+/// A position on a path, with what light scattered there needs.
 struct Vertex {
   Surface surface;
   Material material;
@@ -64,7 +64,7 @@ struct Vertex {
 /// Weight of sun or sky found by a ray against the same sampled, for its chance over that of the sample:
 /// power heuristic, so that what a diffuse surface hardly ever finds is left to the samples. 1 minus it is
 /// the other weight.
-float found_weight(double chance) {
+float mis_weight(double chance) {
   const double chance_sq = chance * chance;
   return static_cast<float>(chance_sq / (1.0 + chance_sq));
 }
@@ -94,12 +94,12 @@ struct LightRays {
   }
 };
 
-void ask_sun(const SunDisc& sun, std::size_t path, const Vertex& vertex, const Rgb& throughput,
-             Sampler& sampler, LightRays& asked) {
+void sample_sun(const SunDisc& sun, std::size_t path, const Vertex& vertex, const Rgb& throughput,
+                Sampler& sampler, LightRays& asked) {
   const glm::dvec3 direction = sun.sample(sampler.next_2d());
   const glm::dvec3 incoming = vertex.basis.to_local(direction);
   const double found_chance = sun.solid_angle() * pdf(vertex.material, vertex.outgoing, incoming);
-  const Rgb light = sun.sample_weight() * vertex.eval(incoming) * (1.0f - found_weight(found_chance));
+  const Rgb light = sun.sample_weight() * vertex.eval(incoming) * (1.0f - mis_weight(found_chance));
   if (light != Rgb(0.0f)) asked.add(path, vertex, direction, incoming, throughput * light);
 }
 
@@ -111,7 +111,7 @@ void ask_sky(const SkyImage& sky, std::size_t path, const Vertex& vertex, const 
   const double found_chance = pdf(vertex.material, vertex.outgoing, incoming) / chosen.pdf;
   // In double: the parts may be too large or small for float, their ratio is not.
   const Rgb weight(glm::dvec3(chosen.radiance) / chosen.pdf);
-  const Rgb light = weight * vertex.eval(incoming) * (1.0f - found_weight(found_chance));
+  const Rgb light = weight * vertex.eval(incoming) * (1.0f - mis_weight(found_chance));
   if (light != Rgb(0.0f)) asked.add(path, vertex, chosen.direction, incoming, throughput * light);
 }
 
@@ -128,7 +128,7 @@ void ask_lamp(const Lights& lights, std::size_t path, const Vertex& vertex, cons
 }
 
 /// Share that counts of a light found by way of mirrors and glass after scattering: the square of the chance
-/// to find it straight from the scattering place, which fills this share of the hemisphere there.
+/// to find it straight from the scattering position, which fills this share of the hemisphere there.
 float bundled_share(double visible_share, const Trail& trail) {
   const double chance = std::min(1.0, visible_share * std::max(1.0, 2.0 * k_pi * trail.scattered_pdf));
   return static_cast<float>(chance * chance);
@@ -146,7 +146,7 @@ float lamp_share(const Lights& lights, const Intersection& intersection, const T
 float sun_share(const SunDisc& sun, const Trail& trail) {
   if (!trail.scattered) return 1.0f;
   if (trail.pdf == 0.0) return bundled_share(sun.solid_angle() / (2.0 * k_pi), trail);
-  return found_weight(sun.solid_angle() * trail.pdf);
+  return mis_weight(sun.solid_angle() * trail.pdf);
 }
 
 /// The same for the sky of a picture.
@@ -155,7 +155,7 @@ float sky_share(const SkyImage& sky, const glm::dvec3& direction, const Trail& t
   const double sampled = sky.pdf(direction);
   if (sampled == 0.0) return 1.0f;
   if (trail.pdf == 0.0) return bundled_share(k_spot_density / (2.0 * k_pi * sampled), trail);
-  return found_weight(trail.pdf / sampled);
+  return mis_weight(trail.pdf / sampled);
 }
 
 /// All that trace_paths has under way.
@@ -240,7 +240,7 @@ class PathTracer {
     const glm::dvec2 u = sampler.next_2d();
     const double u_choice = sampler.next_1d(), u_roulette = sampler.next_1d();
     if (!is_specular(vertex.material)) {
-      if (lights_.sun()) ask_sun(*lights_.sun(), path, vertex, way.throughput, sampler, to_sun_);
+      if (lights_.sun()) sample_sun(*lights_.sun(), path, vertex, way.throughput, sampler, to_sun_);
       if (lights_.has_spheres()) ask_lamp(lights_, path, vertex, way.throughput, sampler, to_lamps_);
       if (lights_.sky_image() != nullptr)
         ask_sky(*lights_.sky_image(), path, vertex, way.throughput, sampler, to_sky_);

@@ -74,7 +74,7 @@ class SunDisc {
 // the chance (at most 1) that the scattering direction had of meeting the light straight: its visible_share
 // times the density there over that of an even hemisphere. That leaves out the caustics of all small lights
 // on diffuse surfaces, and keeps lights all around and those seen in sharp metal. Of a sky from a picture the
-// bright spots are such small lights: a place that is sampled k_spot_density times as densely as an even
+// bright spots are such small lights: a position that is sampled k_spot_density times as densely as an even
 // hemisphere, or less, counts in full, so broad skies lose nothing; beyond it the share falls with the
 // density.
 

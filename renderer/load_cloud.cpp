@@ -51,14 +51,16 @@ void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Prog
   cloud.octree = with_spacings(cloud.octree, adapted->neighbours, progress);
 }
 
-std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& place, int max_level) {
+std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& position,
+                                          int max_level) {
   if (cloud.spacing_factor == 0.0) {
-    const auto around = find(cloud.octree, place, {.radius = cloud.radius, .k = 1, .max_level = max_level});
+    const auto around =
+        find(cloud.octree, position, {.radius = cloud.radius, .k = 1, .max_level = max_level});
     if (around.empty()) return std::nullopt;
     return SphereAround{around.front().point_id, cloud.radius, around.front().distance};
   }
-  // Every line through the place enters the spheres that the place lies in.
-  const Ray line = make_ray(place, {0.0, 0.0, 1.0}, -cloud.radius, cloud.radius);
+  // Every line through the position enters the spheres that the position lies in.
+  const Ray line = make_ray(position, {0.0, 0.0, 1.0}, -cloud.radius, cloud.radius);
   std::optional<SphereAround> nearest;
   const RayQuery query{
       .radius = cloud.radius, .spacing_factor = cloud.spacing_factor, .max_level = max_level};
@@ -80,8 +82,8 @@ image::PointValues heights(const TreeView& tree) {
             const double z = to_world(tree.lattice, position_of(tree, leaf, i)).z;
             values[i] = std::fabs(z) <= image::k_largest_value ? z : std::numeric_limits<double>::quiet_NaN();
           }
-          image::ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.place, .ids = {}};
-          if (tree.ids != nullptr) block.ids = {tree.ids + leaf.place, leaf.count};
+          image::ValueBlock block{.values = {values.data(), leaf.count}, .first_id = leaf.first, .ids = {}};
+          if (tree.ids != nullptr) block.ids = {tree.ids + leaf.first, leaf.count};
           visit(block);
         };
         for_each_leaf_in_parallel(tree, Progress(), [&] { return visit_leaf; });
@@ -169,7 +171,7 @@ LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const Cloud
 
 LoadedCloud load_cloud(const CloudSettings& settings, const CloudInputs& inputs, const Progress& progress,
                        const Progress& measuring) {
-  // Reading counts the work; what follows is asked whether to go on, at the place where reading ended.
+  // Reading counts the work; what follows is asked whether to go on, at the position where reading ended.
   std::uint64_t done = 0, total = 0;
   const Progress reading = [&](std::uint64_t bytes, std::uint64_t all_bytes) {
     done = bytes;

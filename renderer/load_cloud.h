@@ -66,15 +66,16 @@ LoadedCloud index_cloud(PointCloud&& cloud, AttributeSet attributes, const Cloud
 /// some levels.
 void choose_radius(const CloudSettings& settings, LoadedCloud& cloud, const Progress& progress = {});
 
-/// A point in whose sphere a place lies.
+/// A point in whose sphere a position lies.
 struct SphereAround {
   std::uint64_t point_id = 0;
   double radius = 0.0;    ///< of its sphere, metres
-  double distance = 0.0;  ///< of the place from its centre
+  double distance = 0.0;  ///< of the position from its centre
 };
 
 /// The nearest such point; max_level as in RayQuery.
-std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& place, int max_level);
+std::optional<SphereAround> sphere_around(const LoadedCloud& cloud, const glm::dvec3& position,
+                                          int max_level);
 
 /// World z of every point, to be coloured by. The tree must outlive it.
 image::PointValues heights(const TreeView& tree);

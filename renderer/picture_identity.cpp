@@ -23,7 +23,7 @@ class Text {
   void add(const std::string& text) { add_word(fmt::format("{}:{}", text.size(), text)); }
   void add(const std::filesystem::path& path) { add(path.string()); }
   void add(const Rgb& color) { add_all(double{color.r}, double{color.g}, double{color.b}); }
-  void add(const glm::dvec3& place) { add_all(place.x, place.y, place.z); }
+  void add(const glm::dvec3& position) { add_all(position.x, position.y, position.z); }
 
   template <class Enum>
   requires std::is_enum_v<Enum>
@@ -185,10 +185,11 @@ std::string file_names(const CloudSettings& settings) {
 
 }  // namespace
 
-PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, const RenderOptions& options) {
+PictureFingerprint picture_identity(const Scene& scene, const LoadedCloud* cloud,
+                                    const RenderOptions& options) {
   // Taken apart as the scene is (renderer/picture_identity.cpp): a new setting must be written here, too.
   const auto& [samples, max_bounces, seed, mode, ao_distance] = scene.render;
-  PictureIdentity identity{
+  PictureFingerprint identity{
       {"picture", options.checkpoint ? options.checkpoint->picture : ""},
       {"picture version", std::to_string(k_picture_version)},
       {"seed", std::to_string(seed)},
@@ -211,7 +212,7 @@ PictureIdentity picture_identity(const Scene& scene, const LoadedCloud* cloud, c
     add("bounds of the points", bounds_text(cloud->octree.bounds()));
     add("points and colours", cloud_checksum(*cloud));
   }
-  const PictureIdentity rest{
+  const PictureFingerprint rest{
       {"range of ambient occlusion", fmt::format("{:.17g} {:.17g}", ao_distance.value_or(0.0),
                                                  ambient_occlusion_distance(scene.render, cloud))},
       {"target noise", noise_text(options, scene)},

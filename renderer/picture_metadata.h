@@ -30,11 +30,11 @@ struct ImageMetadata {
 std::vector<std::pair<std::string, std::string>> metadata_texts(const ImageMetadata& metadata);
 
 /// Positions in an image are float, too coarse for coordinates like 5325000. They are therefore stored
-/// relative to this point: the camera's place rounded to 10 km along each axis. It is 0 0 0 for sites around
+/// relative to this point: the camera's position rounded to 10 km along each axis. It is 0 0 0 for sites around
 /// the origin, and the same for cameras near each other.
 glm::dvec3 position_offset(const camera::Camera& camera);
 
-/// What an image file of this name says: the place on the ground only in a GeoTIFF. Errors then: those of
+/// What an image file of this name says: the position on the ground only in a GeoTIFF. Errors then: those of
 /// ground_transform().
 image::ImageFacts image_facts(const ImageMetadata& metadata, const image::OutputSettings& output);
 

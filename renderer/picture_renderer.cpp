@@ -25,7 +25,7 @@ Clock::time_point after(Clock::time_point now, double seconds) {
 }  // namespace
 
 RenderWatch::RenderWatch(const RenderOptions& options, const PictureState& state, int samples,
-                         PictureIdentity identity)
+                         PictureFingerprint identity)
     : options_(options), state_(state), samples_(samples), identity_(std::move(identity)) {
   if (options_.checkpoint) next_checkpoint_ = after(start_, options_.checkpoint->interval);
   done_ = state_.sample_count();

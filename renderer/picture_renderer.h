@@ -25,7 +25,8 @@ class RenderWatch {
  public:
   /// The options and the state must outlive it. `identity` is that of the picture, for checkpoints; `samples`
   /// those per pixel. Time begins now.
-  RenderWatch(const RenderOptions& options, const PictureState& state, int samples, PictureIdentity identity);
+  RenderWatch(const RenderOptions& options, const PictureState& state, int samples,
+              PictureFingerprint identity);
 
   /// To be held while samples are added to the state.
   std::shared_lock<std::shared_mutex> adding() { return std::shared_lock(gate_); }
@@ -62,7 +63,7 @@ class RenderWatch {
   const RenderOptions& options_;
   const PictureState& state_;
   const int samples_;
-  const PictureIdentity identity_;
+  const PictureFingerprint identity_;
   const Clock::time_point start_ = Clock::now();
   std::shared_mutex gate_;  ///< shared: the state grows; alone: it is looked at
   std::mutex mutex_;        ///< of all below

@@ -24,7 +24,7 @@ struct SumBand {
 };
 
 /// Squared differences between the mean of the first 2^(j+1) samples and that of the first 2^j, summed over
-/// the channels and pixels of a tile; j is the place in the array. k_max_samples is 2^24.
+/// the channels and pixels of a tile; j is the position in the array. k_max_samples is 2^24.
 using LevelSums = std::array<double, 24>;
 
 /// How far a tile has come.

@@ -139,19 +139,19 @@ Moment read_date_time(const JsonNode& node) {
     return parse_date_time(node.text());
   } catch (const Error& error) {
     const Error::Parts& parts = error.parts();
-    // An Error of the node itself has its file and place already.
+    // An Error of the node itself has its file and position already.
     if (!parts.file.empty()) throw;
     node.fail(parts.problem, parts.expected, parts.found);
   }
 }
 
-/// Keys of a sun that is given by its place in the sky, and of one that is given by date and place.
+/// Keys of a sun that is given by its position in the sky, and of one that is given by date and position.
 constexpr std::array<std::string_view, 2> k_by_angles{"azimuth", "elevation"};
-constexpr std::array<std::string_view, 5> k_by_place{"latitude", "longitude", "height", "pressure",
-                                                     "temperature"};
+constexpr std::array<std::string_view, 5> k_by_position{"latitude", "longitude", "height", "pressure",
+                                                        "temperature"};
 
 geo::Sun read_sun_by_angles(const JsonFields& fields) {
-  for (const std::string_view key : k_by_place) {
+  for (const std::string_view key : k_by_position) {
     if (const auto found = fields.find(key))
       found->fail("a sun with a location but without a time", "\"date_time\" beside it", "none");
   }

@@ -69,7 +69,7 @@ RenderStatistics statistics_of(const PictureState& state, const Scene& scene, co
 
 }  // namespace
 
-void check_camera_place(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud) {
+void check_camera_position(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud) {
   if (std::holds_alternative<camera::OrthographicLens>(camera.lens)) return;
   const bool all_levels = !scene.cloud || scene.cloud->max_level >= k_max_level;
   const int max_level = all_levels ? k_all_levels : scene.cloud->max_level;
@@ -89,7 +89,7 @@ image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOpt
   check_options(scene, options);
   const camera::Camera& camera = *scene.camera;
   camera::check_camera(camera);
-  if (cloud != nullptr) check_camera_place(camera, scene, *cloud);
+  if (cloud != nullptr) check_camera_position(camera, scene, *cloud);
   const camera::Projection projection(camera);
   World world(scene, cloud);
   world.watch_rays(options.watch_rays);
@@ -99,7 +99,7 @@ image::Film render(const Scene& scene, const LoadedCloud* cloud, const RenderOpt
   const double floor = noise_floor(scene.output.exposure);
 
   PictureState state(camera.width, camera.height, keeps_noise(options));
-  PictureIdentity identity;
+  PictureFingerprint identity;
   if (options.checkpoint) {
     identity = picture_identity(scene, cloud, options);
     const std::filesystem::path& file = options.checkpoint->file;

@@ -84,15 +84,15 @@ struct RenderStatistics {
 };
 
 /// Errors: the camera stands inside the sphere of a point (its number is told). Parallel rays have no such
-/// place.
-void check_camera_place(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud);
+/// position.
+void check_camera_position(const camera::Camera& camera, const Scene& scene, const LoadedCloud& cloud);
 
-/// Path-traces the scene (its camera must be set, and pass check_camera() and check_camera_place()). `cloud`
+/// Path-traces the scene (its camera must be set, and pass check_camera() and check_camera_position()). `cloud`
 /// may be null for scenes of objects alone. Runs on as many threads as the caller's oneTBB arena allows; the
 /// film's bytes do not depend on their number, nor on the instruction set.
 ///
 /// Memory beside scene and cloud: 28 bytes per pixel, 52 with the sums for noise, then 16 for colour and
-/// alpha and 12 for the variance, which take the place of the sums; what film.h says for each further layer;
+/// alpha and 12 for the variance, which replace the sums; what film.h says for each further layer;
 /// and a few megabytes per thread.
 ///
 /// Errors: no camera; a number outside its range; of checkpoints: damage, another picture, a failed write.

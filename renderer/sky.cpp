@@ -16,7 +16,7 @@ double luminance(const Rgb& color) {
   return 0.2126 * double{color.r} + 0.7152 * double{color.g} + 0.0722 * double{color.b};
 }
 
-/// The first place whose sum lies above `target`, and how far into its step the target lies, [0, 1).
+/// The first position whose sum lies above `target`, and how far into its step the target lies, [0, 1).
 struct Chosen {
   int index = 0;
   double inside = 0.0;
@@ -32,7 +32,7 @@ Chosen choose(const double* sums, int count, double u) {
   return {index, std::clamp(inside, 0.0, 1.0 - 0x1p-32)};
 }
 
-/// A place in [0, 1] whose density goes in a straight line from one value to the other.
+/// A position in [0, 1] whose density goes in a straight line from one value to the other.
 double sample_line(double u, double from, double to) {
   const double end = from + std::sqrt(from * from + u * (to * to - from * from));
   return end > 0.0 ? std::fmin(u * (from + to) / end, 1.0) : u;
@@ -77,7 +77,7 @@ const Rgb& SkyImage::value(int column, int row) const {
                         static_cast<std::size_t>(there)];
 }
 
-SkyImage::Place SkyImage::place_of(const glm::dvec3& direction) const {
+SkyImage::Position SkyImage::position_of(const glm::dvec3& direction) const {
   const double azimuth = angle_of(direction.x, direction.y) / (2.0 * k_pi);
   const double level = std::sqrt(direction.x * direction.x + direction.y * direction.y);
   const double elevation = angle_of(direction.z, level);
@@ -85,22 +85,22 @@ SkyImage::Place SkyImage::place_of(const glm::dvec3& direction) const {
   const double turn = azimuth - turns_ + 0.5 - 0.5 / pixels_.width;
   const double x = (turn - std::floor(turn)) * pixels_.width;
   const double y = (0.5 - elevation / k_pi) * pixels_.height + 0.5;
-  Place place;
-  place.column = std::min(static_cast<int>(x), pixels_.width - 1);
-  place.row = std::clamp(static_cast<int>(y), 0, pixels_.height);
-  place.x = std::fmin(x - place.column, 1.0);
-  const double top = sines_[static_cast<std::size_t>(place.row)],
-               bottom = sines_[static_cast<std::size_t>(place.row) + 1];
-  place.y = std::clamp((top - direction.z) / (top - bottom), 0.0, 1.0);
-  return place;
+  Position position;
+  position.column = std::min(static_cast<int>(x), pixels_.width - 1);
+  position.row = std::clamp(static_cast<int>(y), 0, pixels_.height);
+  position.x = std::fmin(x - position.column, 1.0);
+  const double top = sines_[static_cast<std::size_t>(position.row)],
+               bottom = sines_[static_cast<std::size_t>(position.row) + 1];
+  position.y = std::clamp((top - direction.z) / (top - bottom), 0.0, 1.0);
+  return position;
 }
 
-Rgb SkyImage::interpolated(const Place& place) const {
-  const auto x = static_cast<float>(place.x), y = static_cast<float>(place.y);
+Rgb SkyImage::interpolated(const Position& position) const {
+  const auto x = static_cast<float>(position.x), y = static_cast<float>(position.y);
   const auto along = [&](int row) {
-    return value(place.column, row) * (1.0f - x) + value(place.column + 1, row) * x;
+    return value(position.column, row) * (1.0f - x) + value(position.column + 1, row) * x;
   };
-  return along(place.row - 1) * (1.0f - y) + along(place.row) * y;
+  return along(position.row - 1) * (1.0f - y) + along(position.row) * y;
 }
 
 double SkyImage::pdf_of(const Rgb& radiance) const {
@@ -115,17 +115,17 @@ SkySample SkyImage::sample(const glm::dvec2& u) const {
                top_right = luminance(value(column.index + 1, row.index - 1)),
                bottom_left = luminance(value(column.index, row.index)),
                bottom_right = luminance(value(column.index + 1, row.index));
-  Place place{.column = column.index, .row = row.index};
-  place.y = sample_line(row.inside, top_left + top_right, bottom_left + bottom_right);
-  place.x = sample_line(column.inside, between(top_left, bottom_left, place.y),
-                        between(top_right, bottom_right, place.y));
+  Position position{.column = column.index, .row = row.index};
+  position.y = sample_line(row.inside, top_left + top_right, bottom_left + bottom_right);
+  position.x = sample_line(column.inside, between(top_left, bottom_left, position.y),
+                           between(top_right, bottom_right, position.y));
 
   const double sine = between(sines_[static_cast<std::size_t>(row.index)],
-                              sines_[static_cast<std::size_t>(row.index) + 1], place.y);
+                              sines_[static_cast<std::size_t>(row.index) + 1], position.y);
   const double level = std::sqrt(std::fmax(0.0, 1.0 - sine * sine));
   const SineCosine azimuth =
-      sine_cosine_of_turns((column.index + place.x + 0.5) / pixels_.width - 0.5 + turns_);
-  const Rgb radiance_there = interpolated(place);
+      sine_cosine_of_turns((column.index + position.x + 0.5) / pixels_.width - 0.5 + turns_);
+  const Rgb radiance_there = interpolated(position);
   return {{azimuth.sine * level, azimuth.cosine * level, sine}, radiance_there, pdf_of(radiance_there)};
 }
 

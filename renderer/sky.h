@@ -39,7 +39,7 @@ class SkyImage {
   const image::SkyPixels& pixels() const { return pixels_; }
 
   /// Radiance that comes along a unit direction towards the sky.
-  Rgb radiance(const glm::dvec3& direction) const { return interpolated(place_of(direction)); }
+  Rgb radiance(const glm::dvec3& direction) const { return interpolated(position_of(direction)); }
 
   /// Whether all of it is black, so that there is nothing to sample.
   bool is_black() const { return !(total_ > 0.0); }
@@ -51,16 +51,16 @@ class SkyImage {
   double pdf(const glm::dvec3& direction) const { return pdf_of(radiance(direction)); }
 
  private:
-  /// A cell, which four middles of pixels bound, and a place in it, [0, 1] from left to right and from top to
+  /// A cell, which four middles of pixels bound, and a position in it, [0, 1] from left to right and from top to
   /// bottom. Its left column is that of its number, its rows are the one above and that of its number; the
   /// first and last row of cells reach from the outermost middles to the poles.
-  struct Place {
+  struct Position {
     int column = 0, row = 0;
     double x = 0.0, y = 0.0;
   };
 
-  Place place_of(const glm::dvec3& direction) const;
-  Rgb interpolated(const Place& place) const;
+  Position position_of(const glm::dvec3& direction) const;
+  Rgb interpolated(const Position& position) const;
   double pdf_of(const Rgb& radiance) const;
   const Rgb& value(int column, int row) const;
 

@@ -186,7 +186,7 @@ void World::nearest(std::span<const Ray> rays, std::span<const Departure> depart
                 .radius = departure.radius};
       }
     } else if (cloud_) {
-      // The interval limits projections, which lie up to a radius behind the place of entry.
+      // The interval limits projections, which lie up to a radius behind the position of entry.
       asked.push_back({rays[i].origin, rays[i].direction, 0.0, best.t + cloud_->query.radius});
       numbers.push_back(i);
     }

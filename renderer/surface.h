@@ -51,7 +51,7 @@ struct CloudGeometry {
   Material material;
 };
 
-/// Place in Surface::index space that a ray has just left, so that it does not meet it again.
+/// Position in Surface::index space that a ray has just left, so that it does not meet it again.
 struct Departure {
   enum class From { air, object, point } from = From::air;
   std::uint64_t index = 0;  ///< of the object, or point id
@@ -69,7 +69,7 @@ struct Intersection {
   double radius = 0.0;      ///< of its sphere
 };
 
-/// The hit place, ready for shading.
+/// The hit position, ready for shading.
 struct Surface {
   glm::dvec3 position{0.0};
   glm::dvec3 departure{0.0};  ///< where rays leave: `position`, but above the bumps of a smooth surface

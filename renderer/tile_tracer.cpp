@@ -39,21 +39,21 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
   std::size_t count = 0;
   for (const TileSamples& tile : work) count += tile.count();
   std::vector<CameraPath> paths;
-  std::vector<std::size_t> places;
+  std::vector<std::size_t> positions;
   paths.reserve(count);
-  places.reserve(count);
-  std::size_t place = 0;
+  positions.reserve(count);
+  std::size_t position = 0;
   for (const TileSamples& tile : work) {
     for (int y = tile.box.y_begin; y < tile.box.y_end; ++y) {
       for (int x = tile.box.x_begin; x < tile.box.x_end; ++x) {
-        for (std::uint32_t sample = tile.first; sample < tile.last; ++sample, ++place) {
+        for (std::uint32_t sample = tile.first; sample < tile.last; ++sample, ++position) {
           Sampler sampler(task.settings.seed, static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                           sample);
           const glm::dvec2 in_pixel = sampler.next_2d();
           const std::optional<Ray> ray = task.projection.ray({x + in_pixel.x, y + in_pixel.y});
           if (!ray) continue;
           paths.push_back({*ray, sampler});
-          places.push_back(place);
+          positions.push_back(position);
         }
       }
     }
@@ -62,7 +62,7 @@ std::vector<PathResult> sample_tiles(const RenderTask& task, std::span<const Til
   trace_samples(task.world, task.lights, task.settings, task.ao_distance, paths, traced);
   if (traced.size() == count) return traced;
   std::vector<PathResult> results(count);
-  for (std::size_t i = 0; i < traced.size(); ++i) results[places[i]] = traced[i];
+  for (std::size_t i = 0; i < traced.size(); ++i) results[positions[i]] = traced[i];
   return results;
 }
 

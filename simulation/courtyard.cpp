@@ -16,8 +16,8 @@ namespace {
 
 const Finish k_iron{.material = SiteMaterial::metal, .tint = {0.17, 0.18, 0.18}};
 
-void add_fountain(Objects& objects, const dvec2& place) {
-  const auto at = [&](double height) { return dvec3(place, height); };
+void add_fountain(Objects& objects, const dvec2& position) {
+  const auto at = [&](double height) { return dvec3(position, height); };
   const Finish stone{.material = SiteMaterial::stone, .tint = {0.72, 0.69, 0.63}, .seed = 101};
   const Finish water{.material = SiteMaterial::water, .seed = 102};
   objects.push_back({rod(at(-0.1), at(0.55), 2.55, 2.5), stone});
@@ -36,10 +36,10 @@ void add_fountain(Objects& objects, const dvec2& place) {
 }
 
 /// A slatted bench that faces `forward`.
-void add_bench(Objects& objects, const dvec2& place, const dvec2& forward) {
+void add_bench(Objects& objects, const dvec2& position, const dvec2& forward) {
   const Finish wood{.material = SiteMaterial::wood, .tint = {0.56, 0.39, 0.24}, .seed = 110};
   const auto at = [&](double ahead, double sideways, double height) {
-    return dvec3(place + ahead * forward + sideways * dvec2(-forward.y, forward.x), height);
+    return dvec3(position + ahead * forward + sideways * dvec2(-forward.y, forward.x), height);
   };
   for (const double ahead : {-0.2, -0.06, 0.08, 0.22})
     objects.push_back({turned_box(at(ahead, 0.0, 0.45), forward, {0.06, 0.9, 0.02}), wood});
@@ -52,8 +52,8 @@ void add_bench(Objects& objects, const dvec2& place, const dvec2& forward) {
   }
 }
 
-void add_lamp_post(Objects& objects, const dvec2& place) {
-  const auto at = [&](double height) { return dvec3(place, height); };
+void add_lamp_post(Objects& objects, const dvec2& position) {
+  const auto at = [&](double height) { return dvec3(position, height); };
   objects.push_back({rod(at(-0.1), at(0.7), 0.13, 0.10), k_iron});
   objects.push_back({rod(at(0.7), at(3.6), 0.065, 0.045), k_iron});
   objects.push_back({rod(at(3.6), at(3.72), 0.05, 0.16), k_iron});
@@ -64,10 +64,10 @@ void add_lamp_post(Objects& objects, const dvec2& place) {
   objects.push_back({shapes::Sphere{at(4.4), 0.06}, k_iron});
 }
 
-void add_barrel(Objects& objects, const dvec2& place) {
+void add_barrel(Objects& objects, const dvec2& position) {
   const Finish wood{.material = SiteMaterial::wood, .tint = {0.50, 0.36, 0.24}, .seed = 120};
   const Finish hoop{.material = SiteMaterial::metal, .tint = {0.30, 0.28, 0.26}};
-  const auto at = [&](double height) { return dvec3(place, height); };
+  const auto at = [&](double height) { return dvec3(position, height); };
   objects.push_back({rod(at(0.0), at(0.45), 0.30, 0.36), wood});
   objects.push_back({rod(at(0.45), at(0.90), 0.36, 0.30), wood});
   objects.push_back({shapes::Disc{at(0.87), k_up, 0.31, 0.0}, wood});
@@ -76,19 +76,20 @@ void add_barrel(Objects& objects, const dvec2& place) {
 }
 
 /// A stone ball on a low block.
-void add_stone_ball(Objects& objects, const dvec2& place) {
+void add_stone_ball(Objects& objects, const dvec2& position) {
   const Finish stone{.material = SiteMaterial::stone, .tint = {0.68, 0.66, 0.62}, .seed = 130};
   objects.push_back(
-      {upright_box({place.x - 0.36, place.y - 0.36, -0.1}, {place.x + 0.36, place.y + 0.36, 0.4}), stone});
-  objects.push_back({shapes::Sphere{{place.x, place.y, 0.78}, 0.40}, stone});
+      {upright_box({position.x - 0.36, position.y - 0.36, -0.1}, {position.x + 0.36, position.y + 0.36, 0.4}),
+       stone});
+  objects.push_back({shapes::Sphere{{position.x, position.y, 0.78}, 0.40}, stone});
 }
 
 /// The white sphere surveyors join their stations by, on a pole.
-void add_target(Objects& objects, const dvec2& place) {
-  objects.push_back({rod({place, 0.0}, {place, 1.3}, 0.02, 0.02),
+void add_target(Objects& objects, const dvec2& position) {
+  objects.push_back({rod({position, 0.0}, {position, 1.3}, 0.02, 0.02),
                      {.material = SiteMaterial::metal, .tint = {0.55, 0.55, 0.56}}});
   objects.push_back(
-      {shapes::Sphere{{place, 1.4}, 0.1}, {.material = SiteMaterial::target, .tint = dvec3(0.95)}});
+      {shapes::Sphere{{position, 1.4}, 0.1}, {.material = SiteMaterial::target, .tint = dvec3(0.95)}});
 }
 
 }  // namespace
@@ -99,31 +100,31 @@ void add_furniture(Objects& objects) {
   for (const dvec2 direction : {dvec2(1, 1), dvec2(-1, 1), dvec2(-1, -1), dvec2(1, -1)})
     add_bench(objects, dvec2(0.0, -0.5) + 6.0 * (k_diagonal * direction), -k_diagonal * direction);
   add_bench(objects, {-23.6, 2.0}, {1.0, 0.0});
-  for (const dvec2 place : {dvec2(-8.6, -13.0), dvec2(1.6, -13.0), dvec2(-8.0, 13.9), dvec2(8.0, 13.9),
-                            dvec2(-30.0, -31.2), dvec2(2.0, -31.2), dvec2(34.0, -31.2)})
-    add_lamp_post(objects, place);
-  for (const dvec2 place : {dvec2(-23.5, -11.6), dvec2(-22.9, -12.2), dvec2(-23.7, -12.5)})
-    add_barrel(objects, place);
+  for (const dvec2 position : {dvec2(-8.6, -13.0), dvec2(1.6, -13.0), dvec2(-8.0, 13.9), dvec2(8.0, 13.9),
+                               dvec2(-30.0, -31.2), dvec2(2.0, -31.2), dvec2(34.0, -31.2)})
+    add_lamp_post(objects, position);
+  for (const dvec2 position : {dvec2(-23.5, -11.6), dvec2(-22.9, -12.2), dvec2(-23.7, -12.5)})
+    add_barrel(objects, position);
   for (const double x : {-7.9, -2.1}) {
     add_stone_ball(objects, {x, -16.8});
     add_stone_ball(objects, {x, -26.8});
   }
-  for (const dvec2 place : {dvec2(5.6, 10.4), dvec2(-17.5, 0.5), dvec2(9.0, -6.0), dvec2(20.5, 1.6)})
-    add_target(objects, place);
+  for (const dvec2 position : {dvec2(5.6, 10.4), dvec2(-17.5, 0.5), dvec2(9.0, -6.0), dvec2(20.5, 1.6)})
+    add_target(objects, position);
 }
 
 namespace {
 
 /// A car's own frame: x ahead, y to the left, z up from the road.
 struct CarFrame {
-  dvec3 place;
+  dvec3 origin;
   dvec3 ahead, left;
 
   dvec3 direction(const dvec3& v) const { return v.x * ahead + v.y * left + dvec3(0, 0, v.z); }
-  dvec3 position(const dvec3& v) const { return place + direction(v); }
+  dvec3 position(const dvec3& v) const { return origin + direction(v); }
 };
 
-/// One side of the bodywork: through a place, facing along a normal of any length, both in the car's frame.
+/// One side of the bodywork: through a position, facing along a normal of any length, both in the car's frame.
 struct Side {
   dvec3 through, normal;
 };
@@ -155,8 +156,8 @@ void add_wheel(Objects& objects, const CarFrame& frame, double x, double side) {
   objects.push_back({shapes::Disc{at(0.893), outward, 0.395, 0.0}, dark(0.07)});
 }
 
-void add_car(Objects& objects, const dvec3& place, const dvec2& forward, const dvec3& tint) {
-  const CarFrame frame{place, dvec3(forward, 0.0), dvec3(-forward.y, forward.x, 0.0)};
+void add_car(Objects& objects, const dvec3& position, const dvec2& forward, const dvec3& tint) {
+  const CarFrame frame{position, dvec3(forward, 0.0), dvec3(-forward.y, forward.x, 0.0)};
   std::vector<Side> body = {{{0, 0, 0.24}, {0, 0, -1}},        {{0, 0, 0.93}, {0, 0, 1}},
                             {{2.18, 0, 0.5}, {1, 0, 0.10}},    {{2.18, 0, 0.45}, {0.8, 0, -0.6}},
                             {{1.05, 0, 0.93}, {0.11, 0, 1}},   {{2.08, 0, 0.76}, {0.7, 0, 0.7}},
@@ -275,13 +276,14 @@ ScanOptions courtyard_scan(std::uint64_t point_count, std::uint64_t seed) {
   options.point_count = point_count;
   options.seed = seed;
   // Seven in the yard, three in the street.
-  const glm::dvec2 places[] = {{-16.5, -1.5}, {-3.2, 9.5},    {8.0, 3.0},    {19.5, 9.8},   {18.2, -8.4},
-                               {5.2, -12.6},  {-11.9, -14.8}, {-5.0, -30.5}, {28.0, -38.0}, {-36.0, -36.5}};
+  const glm::dvec2 positions[] = {{-16.5, -1.5}, {-3.2, 9.5},   {8.0, 3.0},     {19.5, 9.8},
+                                  {18.2, -8.4},  {5.2, -12.6},  {-11.9, -14.8}, {-5.0, -30.5},
+                                  {28.0, -38.0}, {-36.0, -36.5}};
   const shapes::Ground ground = courtyard_parts::ground();
   constexpr double k_tripod = 1.7;
-  for (const glm::dvec2& place : places)
+  for (const glm::dvec2& position : positions)
     options.stations.push_back(
-        {k_origin + glm::dvec3(place, shapes::height_at(ground, place).height + k_tripod)});
+        {k_origin + glm::dvec3(position, shapes::height_at(ground, position).height + k_tripod)});
 
   constexpr double k_height = 60.0;
   // Straight down along x; then along y looking ahead, there and back, for the walls.

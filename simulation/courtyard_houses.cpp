@@ -52,21 +52,21 @@ WallPlan wall(const dvec2& left, const dvec2& right, double base, double top, co
       .left = left, .right = right, .base = base, .top = top, .tint = tint, .openings = std::move(openings)};
 }
 
-/// A dormer on a roof slope that falls to the south: its front stands at `place`, the roof behind it swallows
+/// A dormer on a roof slope that falls to the south: its front stands at `position`, the roof behind it swallows
 /// the rest.
-void add_dormer(Objects& objects, const dvec2& place, double bottom) {
+void add_dormer(Objects& objects, const dvec2& position, double bottom) {
   constexpr double k_half = 0.85, k_height = 1.5, k_depth = 3.0;
-  const double left = place.x - k_half, right = place.x + k_half, eaves = bottom + k_height;
-  WallPlan front = wall({left, place.y}, {right, place.y}, bottom, eaves, k_cream);
+  const double left = position.x - k_half, right = position.x + k_half, eaves = bottom + k_height;
+  WallPlan front = wall({left, position.y}, {right, position.y}, bottom, eaves, k_cream);
   front.openings = {{k_half, bottom + 0.25, {0.85, 1.1}}};
   front.plinth = bottom;
   front.cornice = false;
   add_wall(objects, front);
   for (const double x : {left, right})
-    objects.push_back({shapes::Panel{{x, place.y, bottom}, {0, 1, 0}, {0, 0, 1}, {k_depth, k_height}, {}},
+    objects.push_back({shapes::Panel{{x, position.y, bottom}, {0, 1, 0}, {0, 0, 1}, {k_depth, k_height}, {}},
                        {.material = SiteMaterial::plaster, .tint = k_cream}});
-  add_roof(objects, {{left, place.y},
-                     {right, place.y + k_depth},
+  add_roof(objects, {{left, position.y},
+                     {right, position.y + k_depth},
                      Ridge::along_y,
                      eaves,
                      eaves + 0.8,

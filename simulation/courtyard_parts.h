@@ -36,7 +36,7 @@ constexpr glm::dvec3 k_up(0.0, 0.0, 1.0);
 shapes::Box upright_box(const glm::dvec3& min, const glm::dvec3& max);
 /// Box turned about the vertical: its own x axis points along `forward` (level, length 1), z up.
 shapes::Box turned_box(const glm::dvec3& center, const glm::dvec2& forward, const glm::dvec3& half_size);
-/// Post, pipe or branch between two places.
+/// Post, pipe or branch between two positions.
 shapes::Frustum rod(const glm::dvec3& from, const glm::dvec3& to, double from_radius, double to_radius);
 
 // courtyard_walls.cpp
@@ -81,6 +81,6 @@ struct RoofPlan {
 };
 void add_roof(Objects& objects, const RoofPlan& plan);
 
-void add_chimney(Objects& objects, const glm::dvec2& place, double bottom, double top);
+void add_chimney(Objects& objects, const glm::dvec2& position, double bottom, double top);
 
 }  // namespace alidade::simulation::courtyard_parts

@@ -22,9 +22,9 @@ class Dice {
   dvec3 direction() {
     while (true) {
       const double x = between(-1, 1), y = between(-1, 1), z = between(-1, 1);
-      const dvec3 place(x, y, z);
-      const double length_sq = glm::dot(place, place);
-      if (length_sq <= 1.0 && length_sq > 1e-4) return glm::normalize(place);
+      const dvec3 position(x, y, z);
+      const double length_sq = glm::dot(position, position);
+      if (length_sq <= 1.0 && length_sq > 1e-4) return glm::normalize(position);
     }
   }
 
@@ -33,7 +33,7 @@ class Dice {
 };
 
 struct TreePlan {
-  dvec2 place{0.0};
+  dvec2 position{0.0};
   double height = 9.0, crown_radius = 3.0, trunk_radius = 0.22;
   int leaf_count = 2400;
   double leaf_radius = 0.15;
@@ -44,7 +44,7 @@ struct TreePlan {
 /// A trunk, some branches, and a crown of leaves in clumps, so that beams find their way between them.
 void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& ground) {
   Dice dice(plan.seed);
-  const dvec3 foot(plan.place, shapes::height_at(ground, plan.place).height);
+  const dvec3 foot(plan.position, shapes::height_at(ground, plan.position).height);
   const dvec3 crown = foot + dvec3(0, 0, 0.62 * plan.height);
   const dvec3 crown_radii(plan.crown_radius, plan.crown_radius, 0.36 * plan.height);
 
@@ -80,11 +80,11 @@ void add_tree(Objects& objects, const TreePlan& plan, const shapes::Ground& grou
     const dvec3 outward = dice.direction();
     // More leaves outside than inside.
     const double reach = std::max(dice.between(0.1, 1.0), dice.between(0.1, 1.0));
-    const dvec3 place = clump.center + clump.radius * reach * outward;
+    const dvec3 position = clump.center + clump.radius * reach * outward;
     const dvec3 facing = glm::normalize(outward + 0.9 * dice.direction() + dvec3(0, 0, 0.5));
-    const double height_share = (place.z - crown.z) / crown_radii.z;  // sunlit leaves on top are yellower
+    const double height_share = (position.z - crown.z) / crown_radii.z;  // sunlit leaves on top are yellower
     const dvec3 tint = plan.tint * (1.0 + 0.10 * height_share);
-    objects.push_back({shapes::Disc{place, facing, plan.leaf_radius * dice.between(0.7, 1.15), 0.0},
+    objects.push_back({shapes::Disc{position, facing, plan.leaf_radius * dice.between(0.7, 1.15), 0.0},
                        {.material = SiteMaterial::leaf, .tint = tint, .seed = dice.bits()}});
   }
 }
@@ -95,8 +95,8 @@ void add_hedge(Objects& objects, const dvec2& min, const dvec2& max, double heig
 }
 
 /// A clipped ball in a pot.
-void add_topiary(Objects& objects, const dvec2& place, double base) {
-  const dvec3 foot(place, base);
+void add_topiary(Objects& objects, const dvec2& position, double base) {
+  const dvec3 foot(position, base);
   const Finish clay{.material = SiteMaterial::trim, .tint = {0.66, 0.40, 0.29}};
   objects.push_back({rod(foot, foot + dvec3(0, 0, 0.5), 0.24, 0.34), clay});
   objects.push_back({shapes::Disc{foot + dvec3(0, 0, 0.46), {0, 0, 1}, 0.33, 0.0},

@@ -15,8 +15,8 @@ namespace {
 
 const Finish k_trim{.material = SiteMaterial::trim, .tint = {0.80, 0.755, 0.675}};
 
-std::uint32_t seed_of(const dvec3& place) {
-  return static_cast<std::uint32_t>(cell_noise(16.0 * (place.x + 7.0 * place.z), 16.0 * place.y, 5) *
+std::uint32_t seed_of(const dvec3& position) {
+  return static_cast<std::uint32_t>(cell_noise(16.0 * (position.x + 7.0 * position.z), 16.0 * position.y, 5) *
                                     4294967295.0);
 }
 
@@ -159,13 +159,13 @@ void add_roof(Objects& objects, const RoofPlan& plan) {
   }
 }
 
-void add_chimney(Objects& objects, const dvec2& place, double bottom, double top) {
-  objects.push_back(
-      {upright_box({place.x - 0.45, place.y - 0.35, bottom}, {place.x + 0.45, place.y + 0.35, top}),
-       {.material = SiteMaterial::brick, .tint = {0.56, 0.33, 0.26}, .seed = 3}});
-  objects.push_back(
-      {upright_box({place.x - 0.53, place.y - 0.43, top}, {place.x + 0.53, place.y + 0.43, top + 0.14}),
-       k_trim});
+void add_chimney(Objects& objects, const dvec2& position, double bottom, double top) {
+  objects.push_back({upright_box({position.x - 0.45, position.y - 0.35, bottom},
+                                 {position.x + 0.45, position.y + 0.35, top}),
+                     {.material = SiteMaterial::brick, .tint = {0.56, 0.33, 0.26}, .seed = 3}});
+  objects.push_back({upright_box({position.x - 0.53, position.y - 0.43, top},
+                                 {position.x + 0.53, position.y + 0.43, top + 0.14}),
+                     k_trim});
 }
 
 }  // namespace alidade::simulation::courtyard_parts

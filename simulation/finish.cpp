@@ -20,8 +20,8 @@ using glm::dvec3;
 
 /// Eases from 0 at `low` to 1 at `high`.
 double step_between(double low, double high, double x) {
-  const double place = std::clamp((x - low) / (high - low), 0.0, 1.0);
-  return place * place * (3.0 - 2.0 * place);
+  const double position = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return position * position * (3.0 - 2.0 * position);
 }
 
 dvec3 blend(const dvec3& from, const dvec3& to, double share) {
@@ -37,18 +37,18 @@ double fraction(double x) {
   return x - std::floor(x);
 }
 
-/// Rows of stones, each row shifted by half a stone: brightness of one stone and how much of the place is
+/// Rows of stones, each row shifted by half a stone: brightness of one stone and how much of the position is
 /// joint.
 struct Stone {
   double shade = 0.0;  ///< -1 .. 1, the same all over a stone
   double joint = 0.0;  ///< 0 on the stone, 1 in the joint
 };
 
-Stone stone_at(const dvec2& place, const dvec2& size, double joint_width, std::uint32_t seed) {
-  const double row = std::floor(place.y / size.y);
-  const double along = place.x / size.x + fraction(0.5 * row);
+Stone stone_at(const dvec2& position, const dvec2& size, double joint_width, std::uint32_t seed) {
+  const double row = std::floor(position.y / size.y);
+  const double along = position.x / size.x + fraction(0.5 * row);
   const double to_joint_x = (0.5 - std::fabs(fraction(along) - 0.5)) * size.x;
-  const double to_joint_y = (0.5 - std::fabs(fraction(place.y / size.y) - 0.5)) * size.y;
+  const double to_joint_y = (0.5 - std::fabs(fraction(position.y / size.y) - 0.5)) * size.y;
   return {2.0 * cell_noise(along, row, seed) - 1.0,
           1.0 - step_between(0.25 * joint_width, joint_width, std::min(to_joint_x, to_joint_y))};
 }
@@ -151,14 +151,13 @@ dvec3 window(const Finish& finish, const shapes::SurfacePoint& surface, const dv
   constexpr int k_back = 4;
   if (surface.face != k_back) return finish.tint * 0.93;
   constexpr double k_frame = 0.075, k_bar = 0.03;
-  const dvec2 place = surface.uv;
-  const double to_edge =
-      std::min(std::min(place.x, finish.size.x - place.x), std::min(place.y, finish.size.y - place.y));
-  const double to_mullion = std::fabs(place.x - 0.5 * finish.size.x);
-  const double to_transom = std::fabs(place.y - 0.68 * finish.size.y);
+  const dvec2 at = surface.uv;
+  const double to_edge = std::min(std::min(at.x, finish.size.x - at.x), std::min(at.y, finish.size.y - at.y));
+  const double to_mullion = std::fabs(at.x - 0.5 * finish.size.x);
+  const double to_transom = std::fabs(at.y - 0.68 * finish.size.y);
   if (to_edge < k_frame || to_mullion < k_bar + 0.02 || to_transom < k_bar) return {0.86, 0.85, 0.82};
   // Panes mirror a bit of sky, more towards the top; behind some a curtain shows.
-  const double up = place.y / finish.size.y;
+  const double up = at.y / finish.size.y;
   const dvec3 glass = blend(dvec3(0.13, 0.17, 0.22), dvec3(0.30, 0.38, 0.46), up * up) *
                       (1.0 + 0.2 * blotches(position, 0.8, finish.seed));
   const double drawn = 0.45 * unit_of(mix_bits(finish.seed));
@@ -169,11 +168,10 @@ dvec3 window(const Finish& finish, const shapes::SurfacePoint& surface, const dv
 dvec3 door(const Finish& finish, const shapes::SurfacePoint& surface, const dvec3& position) {
   constexpr int k_back = 4;
   if (surface.face != k_back) return {0.66, 0.62, 0.56};
-  const dvec2 place = surface.uv;
-  if (place.x < 0.09 || place.x > finish.size.x - 0.09 || place.y > finish.size.y - 0.09)
-    return finish.tint * 0.72;
-  if (std::fabs(place.x - 0.5 * finish.size.x) < 0.02) return finish.tint * 0.45;
-  const double groove = std::fabs(fraction(place.x / 0.16) - 0.5);
+  const dvec2 at = surface.uv;
+  if (at.x < 0.09 || at.x > finish.size.x - 0.09 || at.y > finish.size.y - 0.09) return finish.tint * 0.72;
+  if (std::fabs(at.x - 0.5 * finish.size.x) < 0.02) return finish.tint * 0.45;
+  const double groove = std::fabs(fraction(at.x / 0.16) - 0.5);
   return finish.tint * (groove > 0.46 ? 0.7 : 1.0) *
          (1.0 + 0.08 * blotches({position.x, position.y, 0.2 * position.z}, 0.05, finish.seed));
 }

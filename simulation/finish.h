@@ -44,7 +44,7 @@ struct Finish {
   std::uint32_t seed = 0;  ///< tells like shapes apart
 };
 
-/// Colour at one place, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor only,
+/// Colour at one position, display-referred (sRGB), 0 .. 1. Made from hash noise with +, -, *, / and floor only,
 /// so it is the same bits on every machine.
 glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, const glm::dvec3& position);
 
@@ -53,7 +53,7 @@ glm::dvec3 color_of(const Finish& finish, const shapes::SurfacePoint& surface, c
 std::uint8_t classification_of(const Finish& finish, const shapes::SurfacePoint& surface,
                                const glm::dvec3& position);
 
-/// Share of a near-infrared laser's light that the place sends back, 0 .. 1: from its colour, higher for
+/// Share of a near-infrared laser's light that the position sends back, 0 .. 1: from its colour, higher for
 /// leaves and grass.
 double reflectance_of(SiteMaterial material, const glm::dvec3& color);
 

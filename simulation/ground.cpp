@@ -94,7 +94,7 @@ std::optional<double> intersect_ground(const Ground& ground, const Ray& whole_ra
 
   if (ray.direction.z != 0.0 && in_core(ground, ray.position(ray.t_min))) {
     const double level = -ray.origin.z / ray.direction.z;
-    // The core is convex: between two places over it the ground is the plane.
+    // The core is convex: between two positions over it the ground is the plane.
     if (level >= ray.t_min && in_core(ground, ray.position(level))) {
       if (level <= ray.t_max) return level;
       return std::nullopt;

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-// Numbers that look random but belong to a place or a counter. Integer hashing and exact double operations
+// Numbers that look random but belong to a position or a counter. Integer hashing and exact double operations
 // only.
 
 namespace alidade::simulation {
@@ -39,12 +39,12 @@ inline double cell_noise(double x, double y, std::uint32_t seed) {
       mix_bits(cell_of(x) * 0x8cb92ba72f3d8dd7u ^ mix_bits(cell_of(y) + (std::uint64_t{seed} << 32))));
 }
 
-/// Smooth noise in [0, 1): random values at integer places, eased between them.
-inline double smooth_noise(const glm::dvec3& place, std::uint32_t seed) {
-  const double x = place.x - std::floor(place.x), y = place.y - std::floor(place.y),
-               z = place.z - std::floor(place.z);
+/// Smooth noise in [0, 1): random values at integer positions, eased between them.
+inline double smooth_noise(const glm::dvec3& position, std::uint32_t seed) {
+  const double x = position.x - std::floor(position.x), y = position.y - std::floor(position.y),
+               z = position.z - std::floor(position.z);
   const double u = x * x * (3.0 - 2.0 * x), v = y * y * (3.0 - 2.0 * y), w = z * z * (3.0 - 2.0 * z);
-  const std::uint64_t column = cell_of(place.x), row = cell_of(place.y), level = cell_of(place.z);
+  const std::uint64_t column = cell_of(position.x), row = cell_of(position.y), level = cell_of(position.z);
   const auto corner = [&](std::uint64_t dx, std::uint64_t dy, std::uint64_t dz) {
     const std::uint64_t bits =
         mix_bits((column + dx) * 0x8cb92ba72f3d8dd7u ^ (row + dy) * 0xabc98388fb8fac03u ^

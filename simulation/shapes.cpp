@@ -16,7 +16,7 @@ bool within(const Ray& ray, double t) {
   return t >= ray.t_min && t <= ray.t_max;
 }
 
-/// The smaller of two ordered places that lies in the ray's interval.
+/// The smaller of two ordered positions that lies in the ray's interval.
 std::optional<double> first_within(const Ray& ray, double near, double far) {
   if (within(ray, near)) return near;
   if (within(ray, far)) return far;
@@ -56,10 +56,10 @@ Crossing cross_box(const Box& box, const Ray& ray) {
 }
 
 /// Where the ray meets a plane.
-std::optional<double> cross_plane(const glm::dvec3& place, const glm::dvec3& normal, const Ray& ray) {
+std::optional<double> cross_plane(const glm::dvec3& position, const glm::dvec3& normal, const Ray& ray) {
   const double slope = glm::dot(ray.direction, normal);
   if (slope == 0.0) return std::nullopt;
-  const double t = glm::dot(place - ray.origin, normal) / slope;
+  const double t = glm::dot(position - ray.origin, normal) / slope;
   return within(ray, t) ? std::optional(t) : std::nullopt;
 }
 
@@ -99,8 +99,8 @@ std::optional<double> intersect_shape(const Frustum& frustum, const Ray& ray) {
   double far = a != 0.0 ? q / a : near;
   if (near > far) std::swap(near, far);
   for (const double t : {near, far}) {
-    const double place = height + t * climb;
-    if (!within(ray, t) || place < 0.0 || place > frustum.length) continue;
+    const double position = height + t * climb;
+    if (!within(ray, t) || position < 0.0 || position > frustum.length) continue;
     if (glm::dot(from_base + t * ray.direction, frustum.keep) < 0.0) continue;
     return t;
   }
@@ -214,15 +214,15 @@ SurfacePoint surface_of(const Disc& disc, const glm::dvec3& position) {
 
 /// A niche is a box without +z, seen from within.
 SurfacePoint surface_of(const Box& box, const glm::dvec3& position, bool is_niche = false) {
-  const glm::dvec3 place = (position - box.center) * box.axes;
-  const double gaps[] = {std::fabs(box.half_size.x - std::fabs(place.x)),
-                         std::fabs(box.half_size.y - std::fabs(place.y)),
-                         std::fabs(box.half_size.z - (is_niche ? -place.z : std::fabs(place.z)))};
+  const glm::dvec3 local = (position - box.center) * box.axes;
+  const double gaps[] = {std::fabs(box.half_size.x - std::fabs(local.x)),
+                         std::fabs(box.half_size.y - std::fabs(local.y)),
+                         std::fabs(box.half_size.z - (is_niche ? -local.z : std::fabs(local.z)))};
   const int axis = static_cast<int>(std::min_element(gaps, gaps + 3) - gaps);
-  const bool positive = !(is_niche && axis == 2) && place[axis] > 0.0;
+  const bool positive = !(is_niche && axis == 2) && local[axis] > 0.0;
   const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
   return {positive != is_niche ? box.axes[axis] : -box.axes[axis],
-          {place[first] + box.half_size[first], place[second] + box.half_size[second]},
+          {local[first] + box.half_size[first], local[second] + box.half_size[second]},
           2 * axis + (positive ? 1 : 0)};
 }
 
@@ -252,16 +252,16 @@ SurfacePoint surface_of(const ConvexSolid& solid, const glm::dvec3& position) {
 }
 
 SurfacePoint surface_of(const Ground& ground, const glm::dvec3& position) {
-  const glm::dvec2 place(position.x, position.y);
-  const GroundHeight height = height_at(ground, place);
+  const glm::dvec2 plan(position.x, position.y);
+  const GroundHeight height = height_at(ground, plan);
   int face = 0;
   for (const Patch& patch : ground.patches) {
-    const glm::dvec2 offset = (place - patch.center) / patch.half_size;
+    const glm::dvec2 offset = (plan - patch.center) / patch.half_size;
     const bool covers = patch.round ? glm::dot(offset, offset) <= 1.0
                                     : std::fabs(offset.x) <= 1.0 && std::fabs(offset.y) <= 1.0;
     if (covers) face = patch.face;
   }
-  return {glm::normalize(glm::dvec3(-height.slope.x, -height.slope.y, 1.0)), place, face};
+  return {glm::normalize(glm::dvec3(-height.slope.x, -height.slope.y, 1.0)), plan, face};
 }
 
 /// Around a flat circle.

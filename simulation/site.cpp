@@ -35,7 +35,7 @@ struct Nearest {
   std::uint32_t object = 0;
 };
 
-/// Takes `object` if it is met before `nearest`, or at the same place and stands before it in the list.
+/// Takes `object` if it is met before `nearest`, or at the same position and stands before it in the list.
 void offer(std::optional<Nearest>& nearest, const SiteObject& object, std::uint32_t index, const Ray& local) {
   Ray shortened = local;
   if (nearest) shortened.t_max = nearest->t;
@@ -97,8 +97,8 @@ struct ShapeTree::Builder {
     if (!(size[axis] > 0.0) || depth >= k_depth_for_halves) return halves();
 
     const auto bin_of = [&](std::uint32_t item) {
-      const double place = (boxes[item].center()[axis] - centers.min[axis]) / size[axis] * k_bin_count;
-      return std::min(static_cast<int>(place), k_bin_count - 1);
+      const double position = (boxes[item].center()[axis] - centers.min[axis]) / size[axis] * k_bin_count;
+      return std::min(static_cast<int>(position), k_bin_count - 1);
     };
     std::array<Bounds, k_bin_count> bins;
     std::array<std::size_t, k_bin_count> counts{};

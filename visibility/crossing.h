@@ -19,14 +19,14 @@ constexpr double k_disc_share = 0.92, k_sphere_share = 0.5;
 // Points without a surface among discs, mostly at edges, are spheres that need to close little.
 constexpr double k_lone_share = 0.35;
 
-/// Place where a line meets the plane of a point's disc, whatever the disc's width and the line's ends;
+/// Position where a line meets the plane of a point's disc, whatever the disc's width and the line's ends;
 /// metres from its start. Empty for a line in the plane.
-inline std::optional<double> meeting_place(const SightLine& line, const glm::dvec3& center,
-                                           const glm::dvec3& normal) {
+inline std::optional<double> meeting_position(const SightLine& line, const glm::dvec3& center,
+                                              const glm::dvec3& normal) {
   const double slope = glm::dot(line.direction, normal);
-  const double place = glm::dot(center - line.from.position, normal) / slope;
-  if (slope == 0.0 || !std::isfinite(place)) return std::nullopt;
-  return place;
+  const double position = glm::dot(center - line.from.position, normal) / slope;
+  if (slope == 0.0 || !std::isfinite(position)) return std::nullopt;
+  return position;
 }
 
 /// Whether a disc is part of the surface that an end lies on.
@@ -76,9 +76,9 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
     return candidate.t;
   }
   const glm::dvec3 center = candidate.position - surface.height * surface.normal;
-  const std::optional<double> place = meeting_place(line, center, surface.normal);
-  if (!place || !(*place >= 0.0 && *place <= line.length)) return std::nullopt;
-  const glm::dvec3 offset = line.from.position + *place * line.direction - candidate.position;
+  const std::optional<double> position = meeting_position(line, center, surface.normal);
+  if (!position || !(*position >= 0.0 && *position <= line.length)) return std::nullopt;
+  const glm::dvec3 offset = line.from.position + *position * line.direction - candidate.position;
   if (!(glm::dot(offset, offset) <= candidate.radius * candidate.radius)) return std::nullopt;
   // Radii that are given are those of whole discs, and of widest ones spacings are not told by the radius.
   if (!occluders.options().radius && candidate.radius < occluders.largest_radius()) {
@@ -89,7 +89,7 @@ inline std::optional<double> crossing(const Occluders& occluders, const SightLin
   if (is_own(line.from, candidate.position, candidate.radius, center, surface.normal)) return std::nullopt;
   if (!endless && is_own(line.to, candidate.position, candidate.radius, center, surface.normal))
     return std::nullopt;
-  return place;
+  return position;
 }
 
 }  // namespace alidade::visibility

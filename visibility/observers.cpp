@@ -21,7 +21,7 @@ namespace {
 
 constexpr double k_full_turn = 360.0;
 
-/// Up to here a place is good to a tenth of a millimetre.
+/// Up to here a position is good to a tenth of a millimetre.
 constexpr double k_largest_coordinate = 1e12;
 
 /// Unit vector (east, north) of an azimuth.
@@ -125,7 +125,7 @@ GivenObserver parse_observer(const std::string& text) {
     if (!number || !std::isfinite(*number)) fail();
     numbers[i] = *number;
   }
-  given.place = {numbers[0], numbers[1]};
+  given.position = {numbers[0], numbers[1]};
   if (cells.size() == 3) given.z = numbers[2];
   return given;
 }
@@ -145,13 +145,13 @@ std::vector<Observer> place_observers(std::span<const GivenObserver> given, cons
     observer.elevation_max = one.elevation_max.value_or(defaults.elevation_max);
     observer.max_distance = one.max_distance.value_or(defaults.max_distance);
     check_view(one.source, observer);
-    const std::optional<double> foot = one.z ? one.z : ground(one.place);
+    const std::optional<double> foot = one.z ? one.z : ground(one.position);
     if (!foot) {
       refuse(one.source, "no points of the cloud below the observer", "a position inside the cloud, or a z",
-             fmt::format("{}, {}", one.place.x, one.place.y));
+             fmt::format("{}, {}", one.position.x, one.position.y));
     }
     observer.stands_on_ground = !one.z;
-    observer.position = glm::dvec3(one.place, *foot + observer.height);
+    observer.position = glm::dvec3(one.position, *foot + observer.height);
     const glm::dvec3& eye = observer.position;
     for (const double coordinate : {eye.x, eye.y, eye.z}) {
       if (std::fabs(coordinate) <= k_largest_coordinate) continue;
@@ -181,11 +181,12 @@ std::vector<GivenObserver> observer_grid(const Bounds& extent, double width, con
   const auto total = static_cast<std::uint64_t>(columns * rows);
   for (std::uint64_t row = 0; row < static_cast<std::uint64_t>(rows); ++row) {
     for (std::uint64_t column = 0; column < static_cast<std::uint64_t>(columns); ++column) {
-      const glm::dvec2 place(corner.x + (static_cast<double>(column) + 0.5) * width,
-                             corner.y + (static_cast<double>(row) + 0.5) * width);
-      if (!ground(place)) continue;
-      observers.push_back(
-          {.source = "--observer-grid", .name = fmt::format("{}-{}", row + 1, column + 1), .place = place});
+      const glm::dvec2 position(corner.x + (static_cast<double>(column) + 0.5) * width,
+                                corner.y + (static_cast<double>(row) + 0.5) * width);
+      if (!ground(position)) continue;
+      observers.push_back({.source = "--observer-grid",
+                           .name = fmt::format("{}-{}", row + 1, column + 1),
+                           .position = position});
     }
     report(progress, (row + 1) * static_cast<std::uint64_t>(columns), total);
   }
@@ -200,21 +201,21 @@ namespace {
 constexpr double k_never_far = 100.0;
 
 /// Distance to a box, 0 inside.
-double distance_to(const Bounds& box, const glm::dvec3& place) {
+double distance_to(const Bounds& box, const glm::dvec3& position) {
   double sum = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double outside = std::max({box.min[axis] - place[axis], place[axis] - box.max[axis], 0.0});
+    const double outside = std::max({box.min[axis] - position[axis], position[axis] - box.max[axis], 0.0});
     sum += outside * outside;
   }
   return std::sqrt(sum);
 }
 
-/// Whether there are points near a place in plan, and all of them above it.
-bool is_below_all(const Octree& octree, const glm::dvec3& place) {
+/// Whether there are points near a position in plan, and all of them above it.
+bool is_below_all(const Octree& octree, const glm::dvec3& position) {
   constexpr double k_far = std::numeric_limits<double>::infinity(), k_largest_reach = 16.0;
   for (double reach = 1.0; reach <= k_largest_reach; reach *= 2.0) {
-    Bounds column{.min = {place.x - reach, place.y - reach, -k_far},
-                  .max = {place.x + reach, place.y + reach, place.z}};
+    Bounds column{.min = {position.x - reach, position.y - reach, -k_far},
+                  .max = {position.x + reach, position.y + reach, position.z}};
     if (count(octree, column, {.k = 1}) > 0) return false;
     column.max.z = k_far;
     if (count(octree, column, {.k = 1}) > 0) return true;

@@ -59,7 +59,7 @@ class FieldOfView {
 struct GivenObserver {
   std::string source;  ///< where it was written, for messages: "observers.csv:3"
   std::string name{};
-  glm::dvec2 place{0.0};
+  glm::dvec2 position{0.0};
   std::optional<double> z{};  ///< of the foot; empty: the ground
   std::optional<double> height{}, azimuth_min{}, azimuth_max{}, elevation_min{}, elevation_max{},
       max_distance{};
@@ -77,13 +77,13 @@ struct ObserverDefaults {
   double max_distance = std::numeric_limits<double>::infinity();
 };
 
-/// Height of the ground below a place; empty where there is none.
-using GroundHeight = std::function<std::optional<double>(const glm::dvec2& place)>;
+/// Height of the ground below a position; empty where there is none.
+using GroundHeight = std::function<std::optional<double>(const glm::dvec2& position)>;
 
 /// Reads "X,Y,Z" or "X,Y". Errors: anything else, numbers that are not finite.
 GivenObserver parse_observer(const std::string& text);
 
-/// Gives every observer its place: z as given or that of the ground, plus the height; what is empty comes
+/// Gives every observer its position: z as given or that of the ground, plus the height; what is empty comes
 /// from `defaults`. Nameless ones are called "observer N", from 1. `ground` is asked only for those without
 /// z. Errors, naming the source: a number that is not finite (max_distance may be infinite), a coordinate
 /// beyond 1e12, a height or distance below 0, elevations outside [-90, 90] or upside down, azimuths outside
@@ -91,7 +91,7 @@ GivenObserver parse_observer(const std::string& text);
 std::vector<Observer> place_observers(std::span<const GivenObserver> given, const ObserverDefaults& defaults,
                                       const GroundHeight& ground);
 
-/// A grid has at most so many places.
+/// A grid has at most so many positions.
 constexpr double k_most_grid_observers = 1e6;
 
 /// Candidates for observers: the middles of square cells of this width that cover the extent and share its

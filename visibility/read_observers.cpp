@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view k_form =
     "x,y[,z][,name][,height][,azimuth_min][,azimuth_max][,elevation_min][,elevation_max][,max_distance]";
 
-/// What a column means: x, y and name by themselves, the others by their place in k_observer_fields.
+/// What a column means: x, y and name by themselves, the others by their position in k_observer_fields.
 constexpr std::size_t k_x = k_observer_fields.size(), k_y = k_x + 1, k_name = k_x + 2;
 
 std::optional<std::size_t> meaning_of(std::string_view name) {
@@ -33,7 +33,7 @@ std::optional<std::size_t> meaning_of(std::string_view name) {
 
 double number_in(const CsvTable& table, std::string_view cell, std::string_view column) {
   const std::optional<double> number = parse_number(cell);
-  // Only a distance may be infinite, which check is made where observers get their place.
+  // Only a distance may be infinite, which check is made where observers get their position.
   if (!number || std::isnan(*number))
     table.fail(fmt::format("{} is not a number", column), "a number", cell.empty() ? "nothing" : quote(cell));
   return *number;
@@ -47,9 +47,9 @@ GivenObserver read_row(const CsvTable& table) {
     if (column == k_name)
       given.name = cell;
     else if (column == k_x)
-      given.place.x = number_in(table, cell, "x");
+      given.position.x = number_in(table, cell, "x");
     else if (column == k_y)
-      given.place.y = number_in(table, cell, "y");
+      given.position.y = number_in(table, cell, "y");
     else if (const ObserverField& field = k_observer_fields[column]; !cell.empty())
       given.*field.value = number_in(table, cell, field.name);
   }
@@ -82,7 +82,7 @@ void to_cloud_reference(std::vector<GivenObserver>& observers, const std::string
       geo::transformation_to_cloud(own, reference, observers.front().source);
   if (!transformation) return;
   for (GivenObserver& observer : observers)
-    observer.place = geo::transformed(observer.place, transformation, observer.source);
+    observer.position = geo::transformed(observer.position, transformation, observer.source);
 }
 
 namespace {
@@ -124,7 +124,7 @@ void add_feature(const geo::VectorFeature& feature, const std::filesystem::path&
           {.file = observer.source, .problem = "point without coordinates", .expected = "finite numbers"});
     }
     GivenObserver& added = observers.emplace_back(observer);
-    added.place = point.position;
+    added.position = point.position;
     if (point.z) added.z = *point.z;
   }
 }
@@ -145,8 +145,8 @@ std::vector<GivenObserver> read_vector_observers(const std::filesystem::path& pa
 
 std::vector<GivenObserver> read_observers(const std::filesystem::path& path,
                                           const geo::ObserverReference& reference) {
-  const std::string ending = file_ending(path);
-  if (ending != ".csv" && ending != ".txt") return read_vector_observers(path, reference);
+  const std::string extension = file_extension(path);
+  if (extension != ".csv" && extension != ".txt") return read_vector_observers(path, reference);
   std::vector<GivenObserver> observers = read_observer_table(path);
   if (!reference.given.empty()) to_cloud_reference(observers, "", reference);
   return observers;

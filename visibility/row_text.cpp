@@ -13,9 +13,9 @@ std::string text_of(const Row& value) {
 std::string quoted_where_needed(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string quoted = "\"";
-  for (const char letter : text) {
-    quoted += letter;
-    if (letter == '"') quoted += letter;
+  for (const char character : text) {
+    quoted += character;
+    if (character == '"') quoted += character;
   }
   return quoted + "\"";
 }
@@ -30,10 +30,10 @@ std::string cell_of(const Row& value) {
 }  // namespace
 
 std::optional<RowForm> row_form(const std::filesystem::path& file) {
-  const std::string ending = file_ending(file);
-  if (ending == ".csv") return RowForm::csv;
-  if (ending == ".json") return RowForm::json;
-  if (ending == ".geojson") return RowForm::geojson;
+  const std::string extension = file_extension(file);
+  if (extension == ".csv") return RowForm::csv;
+  if (extension == ".json") return RowForm::json;
+  if (extension == ".geojson") return RowForm::geojson;
   return std::nullopt;
 }
 
@@ -92,12 +92,13 @@ Row geojson_head(const RowFileHead& head, bool on_earth) {
   return members;
 }
 
-Row geojson_feature(std::span<const glm::dvec3> places, const Row& properties) {
+Row geojson_feature(std::span<const glm::dvec3> positions, const Row& properties) {
   Row coordinates = Row::array();
-  for (const glm::dvec3& place : places) coordinates.push_back(Row::array({place.x, place.y, place.z}));
+  for (const glm::dvec3& position : positions)
+    coordinates.push_back(Row::array({position.x, position.y, position.z}));
   Row geometry = Row::object();
-  geometry["type"] = places.size() == 1 ? "Point" : "LineString";
-  geometry["coordinates"] = places.size() == 1 ? coordinates[0] : coordinates;
+  geometry["type"] = positions.size() == 1 ? "Point" : "LineString";
+  geometry["coordinates"] = positions.size() == 1 ? coordinates[0] : coordinates;
   Row feature = Row::object();
   feature["type"] = "Feature";
   feature["geometry"] = geometry;

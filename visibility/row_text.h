@@ -43,7 +43,7 @@ Row members_of(const RowFileHead& head);
 /// The members of a FeatureCollection, with a word on its coordinates, which are on Earth or not.
 Row geojson_head(const RowFileHead& head, bool on_earth);
 
-/// "Point" for one place, "LineString" for more.
-Row geojson_feature(std::span<const glm::dvec3> places, const Row& properties);
+/// "Point" for one position, "LineString" for more.
+Row geojson_feature(std::span<const glm::dvec3> positions, const Row& properties);
 
 }  // namespace alidade::visibility

@@ -109,7 +109,8 @@ Blocker blocker_of(const Occluders& occluders, const SightLine& line, const Hit&
   if (!occluders.has_surfaces()) return blocker;
   const PointSurface surface = surface_of(occluders.octree().view(), hit.point_id);
   if (surface.exists) {
-    blocker.distance = *meeting_place(line, hit.position - surface.height * surface.normal, surface.normal);
+    blocker.distance =
+        *meeting_position(line, hit.position - surface.height * surface.normal, surface.normal);
   }
   return blocker;
 }

@@ -15,7 +15,7 @@
 
 namespace alidade::visibility {
 
-/// Direction of the i-th of places that spread evenly around a middle, in turns, [0, 1): each is turned by
+/// Direction of the i-th of positions that spread evenly around a middle, in turns, [0, 1): each is turned by
 /// the golden angle, (3 - sqrt 5) / 2 of a turn, from the one before. Source: Vogel, A better way to
 /// construct the sunflower head, 1979.
 inline double golden_turns(int i) {
@@ -91,7 +91,7 @@ class Occluders {
 struct SightEnd {
   glm::dvec3 position{0.0};
   /// Discs with their point within own_reach (metres), or 3 of their radii if these are more, whose plane
-  /// passes within own_thickness (metres) of the position are the surface that the end lies on. 0: a place in
+  /// passes within own_thickness (metres) of the position are the surface that the end lies on. 0: a position in
   /// the air.
   double own_reach = 0.0, own_thickness = 0.0;
 };
@@ -103,7 +103,7 @@ struct SightLine {
   double length = std::numeric_limits<double>::infinity();  ///< metres
 };
 
-/// Errors: ends not finite. Ends at one place are a line of length 0, which nothing blocks.
+/// Errors: ends not finite. Ends at one position are a line of length 0, which nothing blocks.
 SightLine sight_line(const SightEnd& from, const SightEnd& to);
 
 /// Everything in one direction, up to a length in metres. Errors: as make_ray; length negative or NaN.
@@ -118,9 +118,9 @@ SightLine sight_ray(const SightEnd& from, const glm::dvec3& direction,
 SightEnd end_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                       const glm::dvec3& seen_from);
 
-/// A place on or a little above the ground or a roof as an end: the surface of the nearest point, as far as
-/// it passes near the place, is its own. Where no point is within the radius of the widest sphere, or the
-/// nearest has no surface, a place in the air. Cost: a microsecond.
+/// A position on or a little above the ground or a roof as an end: the surface of the nearest point, as far as
+/// it passes near the position, is its own. Where no point is within the radius of the widest sphere, or the
+/// nearest has no surface, a position in the air. Cost: a microsecond.
 SightEnd end_near_surface(const Occluders& occluders, const glm::dvec3& position);
 
 /// What blocks a line.

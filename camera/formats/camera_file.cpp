@@ -87,10 +87,10 @@ std::string_view FieldWalk::rest() {
 
 namespace {
 
-std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t place, std::size_t count) {
+std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t position, std::size_t count) {
   std::uint64_t number = 0;
   for (std::size_t i = 0; i < count; ++i)
-    number = number << 8 | std::to_integer<std::uint64_t>(bytes[place + i]);
+    number = number << 8 | std::to_integer<std::uint64_t>(bytes[position + i]);
   return number;
 }
 
@@ -111,17 +111,17 @@ std::optional<ImageFileSize> jpeg_size(InputFile& file) {
   if (beginning.size() < 2 || number_at(beginning, 0, 2) != 0xFFD8) return std::nullopt;
   // Photos carry thumbnails and profiles before the frame, of some megabytes at most.
   constexpr std::uint64_t k_farthest_frame = 64u << 20;
-  for (std::uint64_t place = 2; place < k_farthest_frame;) {
-    const std::span<const std::byte> bytes = file.view_up_to(place, 9);
+  for (std::uint64_t position = 2; position < k_farthest_frame;) {
+    const std::span<const std::byte> bytes = file.view_up_to(position, 9);
     if (bytes.size() < 9 || number_at(bytes, 0, 1) != 0xFF) return std::nullopt;
     const std::uint64_t marker = number_at(bytes, 1, 1);
     if (is_frame(marker)) return ImageFileSize{number_at(bytes, 7, 2), number_at(bytes, 5, 2)};
     if (marker == 0xFF) {
-      place += 1;  // a filling byte
+      position += 1;  // a filling byte
     } else if (marker == 0xDA || marker == 0xD9) {
       return std::nullopt;  // the picture or its end, without a frame before
     } else {
-      place += 2 + number_at(bytes, 2, 2);
+      position += 2 + number_at(bytes, 2, 2);
     }
   }
   return std::nullopt;

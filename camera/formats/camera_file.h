@@ -46,7 +46,7 @@ std::span<const ColmapModel> colmap_models();
 Camera camera_of_colmap(const ColmapModel& model, std::uint64_t width, std::uint64_t height,
                         std::span<const double> parameters);
 
-/// A camera's JSON with the error of `work` told at its place.
+/// A camera's JSON with the error of `work` told at its position.
 template <typename Work>
 auto at_node(const JsonNode& node, const Work& work) {
   try {
@@ -71,7 +71,7 @@ class LineWalk {
   std::uint64_t number_ = 0;
 };
 
-/// Takes a line apart at blanks, tabs and commas. Errors, without file and place: a field that is missing or
+/// Takes a line apart at blanks, tabs and commas. Errors, without file and position: a field that is missing or
 /// not what it should be.
 class FieldWalk {
  public:

@@ -138,7 +138,7 @@ struct ColmapImage {
   std::string name;
 };
 
-/// Joins the images of a COLMAP model with their cameras. Errors, without file and place: an id that stands
+/// Joins the images of a COLMAP model with their cameras. Errors, without file and position: an id that stands
 /// twice, an image of an absent camera, a rotation or translation that is none, a name that is empty.
 class ColmapImages {
  public:
@@ -196,11 +196,11 @@ class Reader {
 
   /// A count of records of at least so many bytes each, which must all fit into what is left of the file.
   std::uint64_t take_count(std::size_t smallest_record, const char* what) {
-    const std::uint64_t place = cursor_.place(), count = take<std::uint64_t>();
-    const std::uint64_t left = file_.size() - cursor_.place();
+    const std::uint64_t offset = cursor_.offset(), count = take<std::uint64_t>();
+    const std::uint64_t left = file_.size() - cursor_.offset();
     if (count > left / smallest_record) {
       throw Error({.file = file_.name(),
-                   .place = fmt::format("byte {}", place),
+                   .location = fmt::format("byte {}", offset),
                    .problem = fmt::format("the number of {} exceeds the file", what),
                    .expected = fmt::format("at most {}", left / smallest_record),
                    .found = fmt::format("{}", count)});
@@ -209,13 +209,13 @@ class Reader {
   }
 
   std::string take_name() {
-    const std::uint64_t place = cursor_.place();
+    const std::uint64_t offset = cursor_.offset();
     std::string name;
-    for (char letter = take<char>(); letter != '\0'; letter = take<char>()) {
-      name += letter;
+    for (char character = take<char>(); character != '\0'; character = take<char>()) {
+      name += character;
       if (name.size() > k_longest_name) {
         throw Error({.file = file_.name(),
-                     .place = fmt::format("byte {}", place),
+                     .location = fmt::format("byte {}", offset),
                      .problem = "unterminated name",
                      .expected = fmt::format("at most {} bytes and a byte 0", k_longest_name)});
       }
@@ -225,28 +225,28 @@ class Reader {
 
   void skip(std::uint64_t bytes) { cursor_.skip(bytes); }
 
-  /// Tells where the record began in errors of `work` that name no place.
+  /// Tells where the record began in errors of `work` that name no position.
   template <typename Work>
   void record(const Work& work) {
-    const std::uint64_t place = cursor_.place();
+    const std::uint64_t offset = cursor_.offset();
     try {
       work();
     } catch (const Error& error) {
       if (!error.parts().file.empty()) throw;
       Error::Parts parts = error.parts();
       parts.file = file_.name();
-      parts.place = fmt::format("byte {}", place);
+      parts.location = fmt::format("byte {}", offset);
       throw Error(parts);
     }
   }
 
   void expect_end() const {
-    if (cursor_.place() == file_.size()) return;
+    if (cursor_.offset() == file_.size()) return;
     throw Error({.file = file_.name(),
-                 .place = fmt::format("byte {}", cursor_.place()),
+                 .location = fmt::format("byte {}", cursor_.offset()),
                  .problem = "extra bytes after the last record",
                  .expected = "the end of the file",
-                 .found = fmt::format("{} bytes", file_.size() - cursor_.place())});
+                 .found = fmt::format("{} bytes", file_.size() - cursor_.offset())});
   }
 
  private:
@@ -308,7 +308,7 @@ void at_line(const std::string& file, const LineWalk& lines, const Work& work) {
     if (!error.parts().file.empty()) throw;
     Error::Parts parts = error.parts();
     parts.file = file;
-    parts.place = fmt::format("line {}", lines.number());
+    parts.location = fmt::format("line {}", lines.number());
     throw Error(parts);
   }
 }

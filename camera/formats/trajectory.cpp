@@ -44,15 +44,15 @@ using Columns = std::array<std::size_t, k_columns.size()>;
 Columns read_header(std::string_view line) {
   Columns columns;
   columns.fill(k_not_there);
-  std::size_t place = 0;
-  for (FieldWalk fields(line); !fields.at_end(); ++place) {
+  std::size_t position = 0;
+  for (FieldWalk fields(line); !fields.at_end(); ++position) {
     const std::string_view word = fields.word("column");
     const auto known = std::ranges::find(k_columns, word);
     if (known == k_columns.end()) continue;  // further columns are the user's
     std::size_t& column = columns[static_cast<std::size_t>(known - k_columns.begin())];
     if (column != k_not_there)
       throw Error({.problem = fmt::format("duplicate column '{}'", word), .expected = "unique columns"});
-    column = place;
+    column = position;
   }
   for (std::size_t i = 0; i < k_name; ++i) {
     if (columns[i] == k_not_there) {
@@ -83,16 +83,16 @@ NamedCamera read_row(std::string_view line, const Columns& columns, const Conven
     numbers[i] = number_of(cell(i), std::string(k_columns[i]).c_str());
   const auto rotation = rotation_from_quaternion({numbers[4], numbers[5], numbers[6], numbers[7]});
   if (!rotation) throw Error({.problem = "quaternion is zero", .expected = "a nonzero quaternion"});
-  const glm::dvec3 place(numbers[1], numbers[2], numbers[3]);
-  if (!(std::fabs(place.x) <= 1e12 && std::fabs(place.y) <= 1e12 && std::fabs(place.z) <= 1e12))
+  const glm::dvec3 position(numbers[1], numbers[2], numbers[3]);
+  if (!(std::fabs(position.x) <= 1e12 && std::fabs(position.y) <= 1e12 && std::fabs(position.z) <= 1e12))
     throw Error({.problem = "position out of range", .expected = "coordinates within +-1e12"});
 
   NamedCamera named{std::string(columns[k_name] == k_not_there ? cell(0) : cell(k_name)), lens};
   CameraPose& pose = named.camera.pose;
   if (*conventions.camera_to_world) {
-    pose = {.position = place, .right = (*rotation)[0], .down = (*rotation)[1], .forward = (*rotation)[2]};
+    pose = {.position = position, .right = (*rotation)[0], .down = (*rotation)[1], .forward = (*rotation)[2]};
   } else {
-    pose = pose_from_world_to_camera(*rotation, place);
+    pose = pose_from_world_to_camera(*rotation, position);
   }
   if (conventions.axes == AxisConvention::opengl) {
     pose.down = -pose.down;
@@ -133,7 +133,7 @@ CameraSet read_trajectory(std::string_view text, const std::string& name, const 
   } catch (const Error& error) {
     Error::Parts parts = error.parts();
     parts.file = name;
-    parts.place = fmt::format("line {}", lines.number());
+    parts.location = fmt::format("line {}", lines.number());
     throw Error(parts);
   }
   return set;

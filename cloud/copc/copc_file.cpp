@@ -36,7 +36,7 @@ LazLayout read_layout(const std::string& file_name, const LasHeader& header, con
     not_copc(file_name, "LAS 1.4 with point format 6, 7 or 8",
              fmt::format("LAS 1.{} with point format {}", header.version_minor, header.point_format));
   }
-  const LazLayout layout = parse_laszip_record(records.laszip->data, file_name, records.laszip->place,
+  const LazLayout layout = parse_laszip_record(records.laszip->data, file_name, records.laszip->offset,
                                                header.point_format, header.point_size);
   if (layout.compressor != LazCompressor::layered || layout.chunk_size != 0) {
     not_copc(file_name, "layered chunks of variable size",
@@ -114,20 +114,20 @@ CopcFile::CopcFile(InputFile file)
       header_(read_las_header(file_, warnings_)),
       records_(read_las_records(file_, header_, warnings_)),
       layout_(read_layout(file_.name(), header_, records_)),
-      info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->place)),
+      info_(parse_copc_info(records_.copc_info->data, file_.name(), records_.copc_info->offset)),
       hierarchy_(read_copc_hierarchy(file_, info_, find_chunks(file_, header_, layout_, warnings_))) {}
 
 void CopcFile::read_chunk(const CopcNode& node, std::vector<std::byte>& bytes) const {
   bytes.resize(static_cast<std::size_t>(node.chunk.byte_count));
   const std::lock_guard lock(mutex_);
-  file_.read_at(node.chunk.place, bytes);
+  file_.read_at(node.chunk.offset, bytes);
 }
 
 Bounds CopcFile::bounds(const CopcNode& node) const {
   Bounds bounds = copc_cube(info_, node.key);
   const int levels_below = k_deepest_copc_level + 1 - node.key.level;
   for (int axis = 0; axis < 3; ++axis) {
-    // A cube's faces are sums of three numbers, each rounded: a few units in the last place of the largest.
+    // A cube's faces are sums of three numbers, each rounded: a few units in the last offset of the largest.
     const double largest = std::abs(info_.centre[axis]) + 2 * info_.half_size;
     const double rounding = 8 * std::numeric_limits<double>::epsilon() * largest * levels_below;
     const double margin = header_.lattice.scale[axis] + rounding;

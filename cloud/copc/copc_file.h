@@ -59,7 +59,7 @@ class CopcFile {
 /// Some nodes of a COPC file.
 struct ChosenNodes {
   const CopcFile* file = nullptr;
-  std::vector<std::uint32_t> nodes;  ///< places in its hierarchy, none twice
+  std::vector<std::uint32_t> nodes;  ///< offsets in its hierarchy, none twice
 };
 
 /// Reads the points of these nodes, file by file in the order given, node by node: a part of what

@@ -13,8 +13,9 @@
 
 namespace alidade {
 
-CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name, std::uint64_t place) {
-  const HeaderFields fields(data, file_name, place);
+CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name,
+                         std::uint64_t offset) {
+  const HeaderFields fields(data, file_name, offset);
   constexpr std::size_t k_size = 160;
   fields.require(data.size() == k_size, 0, "wrong size of the COPC record", fmt::format("{} bytes", k_size),
                  data.size());
@@ -43,7 +44,7 @@ constexpr std::uint64_t k_entry_size = 32;
 constexpr std::int32_t k_page_entry = -1;  // the point count of an entry that points to another page
 
 struct Page {
-  std::uint64_t place, size;
+  std::uint64_t offset, size;
 };
 
 /// What the pages say, checked on its own.
@@ -65,21 +66,22 @@ class Entries {
   /// Checks a page that the bytes at `from` point to; it is read later.
   void announce(const Page& page, std::uint64_t from) {
     const std::string said = from == 0 ? "the COPC record" : fmt::format("byte {}", from);
-    const bool inside = page.place <= file_.size() && page.size <= file_.size() - page.place;
+    const bool inside = page.offset <= file_.size() && page.size <= file_.size() - page.offset;
     if (!inside || page.size == 0 || page.size % k_entry_size != 0) {
-      fail_at_byte(
-          file_.name(), page.place, fmt::format("invalid page of the COPC hierarchy, referenced by {}", said),
-          fmt::format("a multiple of {} bytes inside the file", k_entry_size), std::to_string(page.size));
+      fail_at_byte(file_.name(), page.offset,
+                   fmt::format("invalid page of the COPC hierarchy, referenced by {}", said),
+                   fmt::format("a multiple of {} bytes inside the file", k_entry_size),
+                   std::to_string(page.size));
     }
-    if (!places_.insert(page.place).second) {
-      fail_at_byte(file_.name(), page.place,
+    if (!offsets_.insert(page.offset).second) {
+      fail_at_byte(file_.name(), page.offset,
                    fmt::format("duplicate page of the COPC hierarchy, referenced again by {}", said),
                    "one reference", "another");
     }
     // Pages that overlap could be many more than the file has room for.
     bytes_ += page.size;
     if (bytes_ > file_.size()) {
-      fail_at_byte(file_.name(), page.place, "the pages of the COPC hierarchy exceed the file",
+      fail_at_byte(file_.name(), page.offset, "the pages of the COPC hierarchy exceed the file",
                    fmt::format("at most {}", file_.size()), std::to_string(bytes_));
     }
     pages_.push_back(page);
@@ -89,13 +91,13 @@ class Entries {
     constexpr std::uint64_t k_block_size = 2048 * k_entry_size;
     for (std::uint64_t done = 0; done < page.size; done += block_.size()) {
       block_.resize(static_cast<std::size_t>(std::min(k_block_size, page.size - done)));
-      file_.read_at(page.place + done, block_);
+      file_.read_at(page.offset + done, block_);
       for (std::size_t at = 0; at < block_.size(); at += k_entry_size)
-        read_entry(block_.data() + at, page.place + done + at);
+        read_entry(block_.data() + at, page.offset + done + at);
     }
   }
 
-  void read_entry(const std::byte* at, std::uint64_t place) {
+  void read_entry(const std::byte* at, std::uint64_t offset) {
     const CopcKey key{load<std::int32_t>(at), load<std::int32_t>(at + 4), load<std::int32_t>(at + 8),
                       load<std::int32_t>(at + 12)};
     const std::uint64_t target = load<std::uint64_t>(at + 16);
@@ -104,22 +106,22 @@ class Entries {
     const std::int64_t end = level_exists ? std::int64_t{1} << key.level : 0;
     const auto on_level = [end](std::int32_t number) { return number >= 0 && number < end; };
     if (!level_exists || !on_level(key.x) || !on_level(key.y) || !on_level(key.z)) {
-      fail_at_byte(file_.name(), place, "invalid key in the COPC hierarchy",
+      fail_at_byte(file_.name(), offset, "invalid key in the COPC hierarchy",
                    fmt::format("a level from 0 to {} and indices on it", k_deepest_copc_level), key.name());
     }
     if (count < k_page_entry) {
-      fail_at_byte(file_.name(), place + 28,
+      fail_at_byte(file_.name(), offset + 28,
                    fmt::format("invalid number of points of COPC node {}", key.name()), "-1 or more",
                    std::to_string(count));
     }
     if (count == k_page_entry) {
-      announce({target, static_cast<std::uint64_t>(std::max(size, 0))}, place);
+      announce({target, static_cast<std::uint64_t>(std::max(size, 0))}, offset);
       return;
     }
     LazChunk& chunk = nodes_[key];
     if (count == 0) return;
     if (chunk.point_count != 0) {
-      fail_at_byte(file_.name(), place, fmt::format("duplicate node {} in the COPC hierarchy", key.name()),
+      fail_at_byte(file_.name(), offset, fmt::format("duplicate node {} in the COPC hierarchy", key.name()),
                    "one with points", fmt::format("{} and {} points", chunk.point_count, count));
     }
     chunk = {target, static_cast<std::uint64_t>(std::max(size, 0)), static_cast<std::uint64_t>(count)};
@@ -127,7 +129,7 @@ class Entries {
 
   InputFile& file_;
   std::vector<Page> pages_;  ///< still to be read
-  std::set<std::uint64_t> places_;
+  std::set<std::uint64_t> offsets_;
   std::uint64_t bytes_ = 0;
   std::vector<std::byte> block_;  ///< of a page
   std::map<CopcKey, LazChunk> nodes_;
@@ -166,15 +168,15 @@ void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, s
   for (CopcNode& node : nodes) {
     if (node.chunk.point_count > 0) in_file.push_back(&node);
   }
-  std::ranges::sort(in_file, {}, [](const CopcNode* node) { return node->chunk.place; });
+  std::ranges::sort(in_file, {}, [](const CopcNode* node) { return node->chunk.offset; });
   std::uint64_t row = 0;
   for (std::size_t i = 0; i < in_file.size(); ++i) {
     if (i >= chunks.size() || in_file[i]->chunk != chunks[i]) {
       const LazChunk& chunk = in_file[i]->chunk;
-      fail_at_byte(file_name, chunk.place,
+      fail_at_byte(file_name, chunk.offset,
                    fmt::format("COPC node {} does not match a chunk of the file", in_file[i]->key.name()),
                    i < chunks.size() ? fmt::format("{} points in {} bytes at byte {}", chunks[i].point_count,
-                                                   chunks[i].byte_count, chunks[i].place)
+                                                   chunks[i].byte_count, chunks[i].offset)
                                      : "no further chunk",
                    fmt::format("{} points in {} bytes", chunk.point_count, chunk.byte_count));
     }
@@ -182,7 +184,7 @@ void find_rows(const std::string& file_name, std::span<const LazChunk> chunks, s
     row += chunks[i].point_count;
   }
   if (in_file.size() < chunks.size()) {
-    fail_at_byte(file_name, chunks[in_file.size()].place,
+    fail_at_byte(file_name, chunks[in_file.size()].offset,
                  "the COPC hierarchy does not reference a chunk of the file",
                  fmt::format("{} nodes with points", chunks.size()), std::to_string(in_file.size()));
   }

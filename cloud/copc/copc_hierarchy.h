@@ -28,7 +28,7 @@ struct CopcInfo {
 
 /// Reads the record's data. Errors: another size, numbers that are not finite or not positive, a cube whose
 /// corners are no finite numbers.
-CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name, std::uint64_t place);
+CopcInfo parse_copc_info(std::span<const std::byte> data, const std::string& file_name, std::uint64_t offset);
 
 inline constexpr int k_deepest_copc_level = 30;
 
@@ -57,7 +57,7 @@ struct CopcNode {
 /// The octree of a COPC file. Every point of the file belongs to exactly one node.
 struct CopcHierarchy {
   std::vector<CopcNode> nodes;  ///< level by level; the root is the first
-  /// Places in `nodes`: one node's children behind the other's. A node is the child of the smallest cube
+  /// Offsets in `nodes`: one node's children behind the other's. A node is the child of the smallest cube
   /// around it that is a node: of its parent, unless the file leaves that out.
   std::vector<std::uint32_t> children;
 

@@ -24,7 +24,7 @@ std::string read_xml(E57Pages& pages) {
   }
   std::string text;
   text.reserve(static_cast<std::size_t>(header.xml_length));
-  pages.visit(header.xml_place, header.xml_length, [&](std::span<const std::byte> bytes) {
+  pages.visit(header.xml_offset, header.xml_length, [&](std::span<const std::byte> bytes) {
     text.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   });
   text.resize(text.find_last_not_of(std::string_view(" \t\r\n\0", 5)) + 1);
@@ -49,7 +49,7 @@ void parse(const E57Pages& pages, std::string& text, pugi::xml_document& xml) {
   }
 }
 
-/// Two scans in one place would let a small file claim any number of points.
+/// Two scans in one function would let a small file claim any number of points.
 void check_overlap(const E57Pages& pages, const std::vector<E57Scan>& scans) {
   std::vector<std::size_t> order(scans.size());
   std::iota(order.begin(), order.end(), 0);

@@ -22,8 +22,8 @@ namespace alidade {
 class E57Oddities {
  public:
   void add(const std::string& kind, const std::string& clause) {
-    const auto [place, is_first] = kinds_.try_emplace(kind, Kind{clause});
-    if (!is_first) ++place->second.more;
+    const auto [offset, is_first] = kinds_.try_emplace(kind, Kind{clause});
+    if (!is_first) ++offset->second.more;
   }
 
   /// Sorted by kind.
@@ -65,7 +65,7 @@ struct E57Field {
   int bits() const;
 };
 
-/// From the axes of a scan or image to those of the file: rotation * place + translation.
+/// From the axes of a scan or image to those of the file: rotation * offset + translation.
 struct E57Pose {
   glm::dmat3 rotation{1.0};
   glm::dvec3 translation{0.0};
@@ -92,7 +92,7 @@ struct E57Scan {
 
 /// A file inside the file.
 struct E57Blob {
-  std::uint64_t place = 0;  ///< of its first byte, without checksums
+  std::uint64_t offset = 0;  ///< of its first byte, without checksums
   std::uint64_t length = 0;
 };
 
@@ -143,7 +143,7 @@ class E57File {
 
   /// Gives the bytes of a file inside the file to `take`, piece by piece. Errors: a damaged page.
   void read_blob(const E57Blob& blob, const std::function<void(std::span<const std::byte>)>& take) {
-    pages_.visit(blob.place, blob.length, take);
+    pages_.visit(blob.offset, blob.length, take);
   }
 
  private:

@@ -79,15 +79,15 @@ E57Pages::E57Pages(InputFile file) : file_(std::move(file)) {
   header_.xml_length = load<std::uint64_t>(bytes.data() + 32);
   const auto xml_offset = load<std::uint64_t>(bytes.data() + 24);
   view(0, k_header_bytes);
-  header_.xml_place = place_of(xml_offset, "header", "the XML");
-  if (header_.xml_length == 0 || header_.xml_length > size() - header_.xml_place) {
-    fail("header", "the XML exceeds the file", fmt::format("1 to {} bytes", size() - header_.xml_place),
+  header_.xml_offset = offset_of(xml_offset, "header", "the XML");
+  if (header_.xml_length == 0 || header_.xml_length > size() - header_.xml_offset) {
+    fail("header", "the XML exceeds the file", fmt::format("1 to {} bytes", size() - header_.xml_offset),
          std::to_string(header_.xml_length));
   }
 }
 
-std::uint64_t E57Pages::place_of(std::uint64_t physical, const std::string& where,
-                                 const std::string& what) const {
+std::uint64_t E57Pages::offset_of(std::uint64_t physical, const std::string& where,
+                                  const std::string& what) const {
   if (physical >= file_.size()) {
     fail(where, what + " begins after the end of the file", fmt::format("less than {}", file_.size()),
          std::to_string(physical));
@@ -97,28 +97,28 @@ std::uint64_t E57Pages::place_of(std::uint64_t physical, const std::string& wher
   return physical / k_e57_page * k_e57_payload + physical % k_e57_page;
 }
 
-std::span<const std::byte> E57Pages::view(std::uint64_t place, std::size_t count) {
-  if (place > size() || count > size() - place) {
-    fail(fmt::format("page {}", place / k_e57_payload), "truncated file", fmt::format("{} more bytes", count),
-         std::to_string(size() - std::min(place, size())));
+std::span<const std::byte> E57Pages::view(std::uint64_t offset, std::size_t count) {
+  if (offset > size() || count > size() - offset) {
+    fail(fmt::format("page {}", offset / k_e57_payload), "truncated file",
+         fmt::format("{} more bytes", count), std::to_string(size() - std::min(offset, size())));
   }
   if (count == 0) return {};
-  const std::uint64_t window_place = window_page_ * k_e57_payload;
-  if (place < window_place || place + count > window_place + window_.size()) {
-    const std::uint64_t first = place / k_e57_payload;
-    const std::uint64_t needed = (place + count - 1) / k_e57_payload - first + 1;
+  const std::uint64_t window_offset = window_page_ * k_e57_payload;
+  if (offset < window_offset || offset + count > window_offset + window_.size()) {
+    const std::uint64_t first = offset / k_e57_payload;
+    const std::uint64_t needed = (offset + count - 1) / k_e57_payload - first + 1;
     const std::uint64_t left = file_.size() / k_e57_page - first;
     fill(first, std::min(std::max(needed, k_window_pages), left));
   }
-  return std::span(window_).subspan(static_cast<std::size_t>(place - window_page_ * k_e57_payload), count);
+  return std::span(window_).subspan(static_cast<std::size_t>(offset - window_page_ * k_e57_payload), count);
 }
 
-void E57Pages::visit(std::uint64_t place, std::uint64_t count,
+void E57Pages::visit(std::uint64_t offset, std::uint64_t count,
                      const std::function<void(std::span<const std::byte>)>& take) {
   constexpr std::uint64_t k_piece = 1 << 18;
   for (std::uint64_t done = 0; done < count;) {
     const std::uint64_t next = std::min(count - done, k_piece);
-    take(view(place + done, static_cast<std::size_t>(next)));
+    take(view(offset + done, static_cast<std::size_t>(next)));
     done += next;
   }
 }

@@ -23,12 +23,12 @@ inline constexpr std::uint64_t k_e57_payload = 1020;
 /// What the first 48 bytes of an E57 file say beside its signature.
 struct E57Header {
   std::uint32_t version_major = 1, version_minor = 0;
-  std::uint64_t xml_place = 0;   ///< byte of the file
+  std::uint64_t xml_offset = 0;  ///< byte of the file
   std::uint64_t xml_length = 0;  ///< without checksums
 };
 
 /// The bytes of an E57 file without the checksums between them: page after page, each compared with its
-/// CRC-32C when it is read. Places in E57 files count the checksums ("physical"), lengths do not; here places
+/// CRC-32C when it is read. Offsets in E57 files count the checksums ("physical"), lengths do not; here offsets
 /// are those among the bytes without checksums, unless a name says otherwise. Not thread safe.
 class E57Pages {
  public:
@@ -43,18 +43,18 @@ class E57Pages {
   /// Bytes with checksums.
   std::uint64_t file_size() const { return file_.size(); }
 
-  /// The place of a byte of the file. Errors: it belongs to a checksum or lies behind the end; `where` is the
-  /// place and `what` the subject of the message.
-  std::uint64_t place_of(std::uint64_t physical, const std::string& where, const std::string& what) const;
+  /// The offset of a byte of the file. Errors: it belongs to a checksum or lies behind the end; `where` is the
+  /// offset and `what` the subject of the message.
+  std::uint64_t offset_of(std::uint64_t physical, const std::string& where, const std::string& what) const;
 
-  /// The bytes [place, place + count), valid until the next call. Errors: they are not all there; a page's
+  /// The bytes [offset, offset + count), valid until the next call. Errors: they are not all there; a page's
   /// checksum is wrong, which names the page, counted from 0. Memory: the largest `count` asked for and some
   /// pages. Cost: who goes forward has each page read and compared once.
-  std::span<const std::byte> view(std::uint64_t place, std::size_t count);
+  std::span<const std::byte> view(std::uint64_t offset, std::size_t count);
 
-  /// Gives `count` bytes from `place` on to `take`, in pieces, so that a large file inside the file needs
+  /// Gives `count` bytes from `offset` on to `take`, in pieces, so that a large file inside the file needs
   /// little memory. Errors: those of view().
-  void visit(std::uint64_t place, std::uint64_t count,
+  void visit(std::uint64_t offset, std::uint64_t count,
              const std::function<void(std::span<const std::byte>)>& take);
 
   /// Gives back file handle and buffer until the next view().

@@ -44,13 +44,13 @@ constexpr std::array<NamedRole, k_e57_role_count> k_roles = {{
     {"normalZ", Attribute::normal},
 }};
 
-constexpr std::size_t place_of(E57Role role) {
+constexpr std::size_t offset_of(E57Role role) {
   return static_cast<std::size_t>(role);
 }
 
 /// The role of a field by its name; k_e57_role_count for none.
 std::size_t role_of(const E57Field& field) {
-  constexpr std::size_t k_first_of_extensions = place_of(E57Role::normal_x);
+  constexpr std::size_t k_first_of_extensions = offset_of(E57Role::normal_x);
   if (field.kind == E57FieldKind::text) return k_e57_role_count;
   const std::size_t colon = field.name.rfind(':');
   const bool is_extension = colon != std::string::npos;
@@ -78,8 +78,8 @@ constexpr std::array<std::array<E57Role, 2>, 5> k_flags = {{{E57Role::cartesian_
 constexpr double k_nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double k_largest_angle = 1 << 30;
 
-bool is_finite(const glm::dvec3& place) {
-  return std::isfinite(place.x) && std::isfinite(place.y) && std::isfinite(place.z);
+bool is_finite(const glm::dvec3& offset) {
+  return std::isfinite(offset.x) && std::isfinite(offset.y) && std::isfinite(offset.z);
 }
 
 /// Some writers store states as floats: 0, 1, and 2 for everything else.
@@ -98,12 +98,12 @@ glm::dvec3 from_spherical(double range, double azimuth, double elevation) {
 }
 
 /// Sums in a fixed order, so that compilers agree.
-glm::dvec3 to_file(const E57Pose& pose, const glm::dvec3& place) {
-  if (!pose.is_rotated) return place + pose.translation;
+glm::dvec3 to_file(const E57Pose& pose, const glm::dvec3& offset) {
+  if (!pose.is_rotated) return offset + pose.translation;
   glm::dvec3 result;
   for (int axis = 0; axis < 3; ++axis) {
-    result[axis] = pose.rotation[0][axis] * place.x + pose.rotation[1][axis] * place.y +
-                   pose.rotation[2][axis] * place.z + pose.translation[axis];
+    result[axis] = pose.rotation[0][axis] * offset.x + pose.rotation[1][axis] * offset.y +
+                   pose.rotation[2][axis] * offset.z + pose.translation[axis];
   }
   return result;
 }
@@ -125,11 +125,11 @@ E57Roles::E57Roles(const E57Scan& scan) {
   for (const auto& triple : k_triples) {
     const bool complete = std::ranges::all_of(triple, [&](E57Role role) { return has(role); });
     for (const E57Role role : triple) {
-      if (!complete) fields_[place_of(role)].reset();
+      if (!complete) fields_[offset_of(role)].reset();
     }
   }
   for (const auto& [flag, subject] : k_flags) {
-    if (!has(subject)) fields_[place_of(flag)].reset();
+    if (!has(subject)) fields_[offset_of(flag)].reset();
   }
   for (std::size_t i = 0; i < scan.fields.size(); ++i) {
     if (std::ranges::find(fields_, std::optional(i)) == fields_.end()) unread_.push_back(scan.fields[i].name);
@@ -164,9 +164,9 @@ void E57PointReader::visit(E57Pages& pages, const std::string& where, AttributeS
     E57Points points;
     for (std::size_t role = 0; role < k_e57_role_count; ++role) {
       const auto field = roles_.field(static_cast<E57Role>(role));
-      const auto place = field ? std::ranges::find(fields, *field) : fields.end();
-      if (place != fields.end())
-        points.columns[role] = columns[static_cast<std::size_t>(place - fields.begin())].data();
+      const auto offset = field ? std::ranges::find(fields, *field) : fields.end();
+      if (offset != fields.end())
+        points.columns[role] = columns[static_cast<std::size_t>(offset - fields.begin())].data();
     }
     positions.resize(count);
     for (std::size_t i = 0; i < count; ++i) positions[i] = position_of(points, i);
@@ -178,24 +178,24 @@ void E57PointReader::visit(E57Pages& pages, const std::string& where, AttributeS
 glm::dvec3 E57PointReader::position_of(const E57Points& points, std::size_t i) {
   const int cartesian = roles_.has_cartesian() ? state_of(points, E57Role::cartesian_state, i) : 2;
   const int spherical = roles_.has_spherical() ? state_of(points, E57Role::spherical_state, i) : 2;
-  glm::dvec3 place(k_nan);
+  glm::dvec3 offset(k_nan);
   if (cartesian == 0) {
-    place = {points.value(E57Role::x, i), points.value(E57Role::y, i), points.value(E57Role::z, i)};
+    offset = {points.value(E57Role::x, i), points.value(E57Role::y, i), points.value(E57Role::z, i)};
   } else if (spherical == 0) {
-    place = from_spherical(points.value(E57Role::range, i), points.value(E57Role::azimuth, i),
-                           points.value(E57Role::elevation, i));
+    offset = from_spherical(points.value(E57Role::range, i), points.value(E57Role::azimuth, i),
+                            points.value(E57Role::elevation, i));
   } else {
     ++(cartesian == 1 || spherical == 1 ? left_out_.directions : left_out_.unknown);
-    return place;
+    return offset;
   }
-  const glm::dvec3 world = scan_.pose ? to_file(*scan_.pose, place) : place;
+  const glm::dvec3 world = scan_.pose ? to_file(*scan_.pose, offset) : offset;
   if (!is_finite(world)) {
     ++left_out_.not_finite;
     return glm::dvec3(k_nan);
   }
   if (cartesian == 0) {
     met_cartesian_ = true;
-    for (int axis = 0; axis < 3; ++axis) largest_[axis] = std::max(largest_[axis], std::abs(place[axis]));
+    for (int axis = 0; axis < 3; ++axis) largest_[axis] = std::max(largest_[axis], std::abs(offset[axis]));
   } else {
     met_spherical_ = true;
     reach_ = std::max(reach_, std::abs(points.value(E57Role::range, i)));

@@ -74,7 +74,7 @@ void BitQueue::take(std::span<std::uint64_t> numbers) {
 
 E57Records::E57Records(E57Pages& pages, const E57Scan& scan, std::string where,
                        std::span<const std::size_t> wanted)
-    : pages_(pages), scan_(scan), where_(std::move(where)), place_(scan.first_packet) {
+    : pages_(pages), scan_(scan), where_(std::move(where)), offset_(scan.first_packet) {
   for (const std::size_t field : wanted) streams_.push_back({field, BitQueue(scan.fields[field].bits())});
 }
 
@@ -101,19 +101,19 @@ void E57Records::visit(const Visitor& visitor) {
 /// Reads the next packet; false at the end of the section.
 bool E57Records::next_packet() {
   constexpr std::size_t k_smallest = 4;
-  const std::uint64_t left = scan_.end - place_;
+  const std::uint64_t left = scan_.end - offset_;
   if (left == 0) return false;
   ++packet_;
   if (left < k_smallest) fail("the section ends inside a packet", "4 bytes at least", std::to_string(left));
-  const std::span<const std::byte> head = pages_.view(place_, k_smallest);
+  const std::span<const std::byte> head = pages_.view(offset_, k_smallest);
   const unsigned kind = load<std::uint8_t>(head.data());
   const std::size_t length = load<std::uint16_t>(head.data() + 2) + std::size_t{1};
   if (kind > k_empty_packet) fail("unknown packet type", "0, 1 or 2", std::to_string(kind));
   if (length % 4 != 0) fail("invalid packet length", "a multiple of 4", std::to_string(length));
   if (length > left)
     fail("the packet exceeds its section", fmt::format("at most {} bytes", left), std::to_string(length));
-  if (kind == k_data_packet) take_pieces(pages_.view(place_, length));
-  place_ += length;
+  if (kind == k_data_packet) take_pieces(pages_.view(offset_, length));
+  offset_ += length;
   return true;
 }
 

@@ -69,7 +69,7 @@ class E57Records {
   const E57Scan& scan_;
   std::string where_;
   std::vector<Stream> streams_;
-  std::uint64_t place_;       ///< of the next packet
+  std::uint64_t offset_;      ///< of the next packet
   std::uint64_t packet_ = 0;  ///< number of the one last read
 };
 

@@ -114,7 +114,7 @@ E57Limits read_limits(const E57Node& parent, const std::string& name) {
 /// Finds the section of the scan's records and checks that it could hold them.
 void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
   const std::string& where = points.where();
-  scan.begin = pages.place_of(points.require_count_attribute("fileOffset"), where, "the section of points");
+  scan.begin = pages.offset_of(points.require_count_attribute("fileOffset"), where, "the section of points");
   if (k_section_header_bytes > pages.size() - scan.begin)
     pages.fail(where, "truncated file", "the header of the section of points");
   const std::span<const std::byte> header = pages.view(scan.begin, k_section_header_bytes);
@@ -126,7 +126,7 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
                fmt::format("32 to {} bytes", pages.size() - scan.begin), std::to_string(length));
   }
   scan.end = scan.begin + length;
-  scan.first_packet = pages.place_of(data, where, "the first packet");
+  scan.first_packet = pages.offset_of(data, where, "the first packet");
   if (scan.first_packet < scan.begin + k_section_header_bytes || scan.first_packet > scan.end)
     pages.fail(where, "the first packet is outside the section of points",
                fmt::format("{} to {}", scan.begin + k_section_header_bytes, scan.end),
@@ -144,10 +144,10 @@ void locate_section(const E57Node& points, E57Pages& pages, E57Scan& scan) {
 
 constexpr std::uint64_t k_blob_header_bytes = 16;
 
-E57Blob read_blob_place(const E57Node& node, E57Pages& pages) {
+E57Blob read_blob_offset(const E57Node& node, E57Pages& pages) {
   const std::uint64_t length = node.require_count_attribute("length");
   const std::uint64_t begin =
-      pages.place_of(node.require_count_attribute("fileOffset"), node.where(), "the " + node.name());
+      pages.offset_of(node.require_count_attribute("fileOffset"), node.where(), "the " + node.name());
   const std::uint64_t room = pages.size() - begin;
   if (room < k_blob_header_bytes || length > room - k_blob_header_bytes)
     node.fail("exceeds the file", fmt::format("at most {} bytes", room), std::to_string(length));
@@ -157,14 +157,14 @@ E57Blob read_blob_place(const E57Node& node, E57Pages& pages) {
   if (id != 0) node.fail("missing section", "0", std::to_string(id));
   // Writers differ in whether the section's length counts its header.
   if (length > section) node.fail("exceeds its section", std::to_string(section), std::to_string(length));
-  return {.place = begin + k_blob_header_bytes, .length = length};
+  return {.offset = begin + k_blob_header_bytes, .length = length};
 }
 
 std::string extension_of(const E57Blob& blob, E57Pages& pages) {
   constexpr std::string_view k_png = "\x89PNG\r\n\x1a\n", k_jpeg = "\xFF\xD8\xFF";
   const std::size_t looked_at =
       blob.length < k_png.size() ? static_cast<std::size_t>(blob.length) : k_png.size();
-  const std::span<const std::byte> bytes = pages.view(blob.place, looked_at);
+  const std::span<const std::byte> bytes = pages.view(blob.offset, looked_at);
   const std::string_view start(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   return start.starts_with(k_png) ? "png" : start.starts_with(k_jpeg) ? "jpg" : "bin";
 }
@@ -177,9 +177,9 @@ std::optional<E57Picture> read_picture(const E57Node& node, E57Projection projec
   if (!jpeg && !png) return std::nullopt;
   E57Picture picture;
   picture.projection = projection;
-  picture.blob = read_blob_place(jpeg ? jpeg : png, pages);
+  picture.blob = read_blob_offset(jpeg ? jpeg : png, pages);
   picture.extension = extension_of(picture.blob, pages);
-  if (const E57Node mask = node.child("imageMask")) picture.mask = read_blob_place(mask, pages);
+  if (const E57Node mask = node.child("imageMask")) picture.mask = read_blob_offset(mask, pages);
   picture.width = node.child("imageWidth").count();
   picture.height = node.child("imageHeight").count();
   picture.focal_length = node.child("focalLength").number_or(0.0);
@@ -310,7 +310,7 @@ E57Scan read_e57_scan(const E57Node& parent, E57Pages& pages, E57Oddities& oddit
     if (!names.insert(field.name).second)
       points.fail("duplicate field name", "unique names", quote(field.name));
   }
-  // Writers leave anything in the place of a section without records.
+  // Writers leave anything in the offset of a section without records.
   if (scan.record_count > 0) locate_section(points, pages, scan);
   return scan;
 }

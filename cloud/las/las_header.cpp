@@ -23,13 +23,13 @@ constexpr std::uint8_t k_compressed_bits = 0xc0;  // of the point format: how LA
 Lattice read_lattice(const HeaderFields& fields) {
   Lattice lattice;
   for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t step = 8 * static_cast<std::size_t>(axis), scale_place = 131 + step,
-                      offset_place = 155 + step;
-    const double scale = fields.get<double>(scale_place), offset = fields.get<double>(offset_place);
-    fields.require(std::isfinite(scale) && scale > 0, scale_place,
+    const std::size_t step = 8 * static_cast<std::size_t>(axis), scale_field = 131 + step,
+                      offset_field = 155 + step;
+    const double scale = fields.get<double>(scale_field), offset = fields.get<double>(offset_field);
+    fields.require(std::isfinite(scale) && scale > 0, scale_field,
                    fmt::format("invalid scale of the {} coordinates", "xyz"[axis]), "a positive number",
                    scale);
-    fields.require(std::isfinite(std::abs(offset) + scale * 2147483648.0), offset_place,
+    fields.require(std::isfinite(std::abs(offset) + scale * 2147483648.0), offset_field,
                    fmt::format("invalid offset of the {} coordinates", "xyz"[axis]), "a finite number",
                    offset);
     lattice.scale[axis] = scale;
@@ -50,7 +50,7 @@ Bounds read_bounds(const HeaderFields& fields) {
   return bounds;
 }
 
-std::size_t place_of_count(const LasHeader& header) {
+std::size_t offset_of_count(const LasHeader& header) {
   return header.version_minor >= 4 ? 247 : 107;
 }
 
@@ -67,8 +67,8 @@ void read_point_count(LasHeader& header, const InputFile& file, const HeaderFiel
     }
   }
   if (header.compressed) {
-    const std::uint64_t stream_bytes = file.size() - header.points_place;
-    fields.require(header.point_count <= most_laz_points(stream_bytes), place_of_count(header),
+    const std::uint64_t stream_bytes = file.size() - header.points_offset;
+    fields.require(header.point_count <= most_laz_points(stream_bytes), offset_of_count(header),
                    "the number of points exceeds the file",
                    fmt::format("at most {} in {} bytes", most_laz_points(stream_bytes), stream_bytes),
                    header.point_count);
@@ -110,11 +110,11 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   header.creation_day = fields.get<std::uint16_t>(90);
   header.creation_year = fields.get<std::uint16_t>(92);
 
-  header.points_place = fields.get<std::uint32_t>(96);
-  fields.require(header.points_place >= header.header_size && header.points_place <= file.size(), 96,
+  header.points_offset = fields.get<std::uint32_t>(96);
+  fields.require(header.points_offset >= header.header_size && header.points_offset <= file.size(), 96,
                  "invalid offset of the points",
                  fmt::format("an offset from {} to {}", header.header_size, file.size()),
-                 header.points_place);
+                 header.points_offset);
   header.record_count = fields.get<std::uint32_t>(100);
   const auto point_format = fields.get<std::uint8_t>(104);
   header.compressed = (point_format & k_compressed_bits) != 0;
@@ -130,30 +130,30 @@ LasHeader read_las_header(InputFile& file, std::vector<std::string>& warnings, D
   read_point_count(header, file, fields, warnings, damage);
 
   if (header.version_minor >= 4) {
-    header.extended_records_place = fields.get<std::uint64_t>(235);
+    header.extended_records_offset = fields.get<std::uint64_t>(235);
     header.extended_record_count = fields.get<std::uint32_t>(243);
     // They stood behind the points that are gone.
     if (header.lost_count > 0 && header.extended_record_count > 0) {
       warnings.push_back(fmt::format("{}: the extended records after the points are lost", file.name()));
       header.extended_record_count = 0;
     }
-    fields.require(header.extended_record_count == 0 || header.extended_records_place >= header.points_end(),
+    fields.require(header.extended_record_count == 0 || header.extended_records_offset >= header.points_end(),
                    235, "invalid offset of the extended records",
                    fmt::format("an offset of at least {}", header.points_end()),
-                   header.extended_records_place);
+                   header.extended_records_offset);
   }
   return header;
 }
 
 void keep_points_inside(const InputFile& file, LasHeader& header, Damage damage) {
-  const std::uint64_t room = (file.size() - header.points_place) / header.point_size;
+  const std::uint64_t room = (file.size() - header.points_offset) / header.point_size;
   if (header.point_count <= room) return;
   if (damage == Damage::refuse) {
     throw DamagedFile({.file = file.name(),
-                       .place = fmt::format("byte {}", place_of_count(header)),
+                       .location = fmt::format("byte {}", offset_of_count(header)),
                        .problem = "truncated file: it ends before its last point",
                        .expected = fmt::format("{} points of {} bytes at byte {}", header.point_count,
-                                               header.point_size, header.points_place),
+                                               header.point_size, header.points_offset),
                        .found = fmt::format("{}", room)});
   }
   header.lost_count = header.point_count - room;
@@ -175,7 +175,7 @@ std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& head
   store(bytes + 90, header.creation_day);
   store(bytes + 92, header.creation_year);
   store<std::uint16_t>(bytes + 94, k_las_header_size);
-  store(bytes + 96, header.points_place);
+  store(bytes + 96, header.points_offset);
   store(bytes + 100, header.record_count);
   store(bytes + 104, static_cast<std::uint8_t>(header.point_format | (header.compressed ? k_laz_mark : 0)));
   store(bytes + 105, header.point_size);
@@ -186,7 +186,7 @@ std::array<std::byte, k_las_header_size> encode_las_header(const LasHeader& head
     store(bytes + 179 + 16 * axis, empty ? 0.0 : header.bounds.max[axis]);
     store(bytes + 187 + 16 * axis, empty ? 0.0 : header.bounds.min[axis]);
   }
-  store(bytes + 235, header.extended_records_place);
+  store(bytes + 235, header.extended_records_offset);
   store(bytes + 243, header.extended_record_count);
   store(bytes + 247, header.point_count);
   store(bytes + 255, header.points_by_return);

@@ -67,8 +67,8 @@ struct LasHeader {
   std::uint16_t creation_day = 0;  ///< of the year, 1 = 1 January; 0 = unknown
   std::uint16_t creation_year = 0;
   std::uint16_t header_size = k_las_header_size;
-  std::uint32_t points_place = 0;  ///< byte of the first point
-  std::uint32_t record_count = 0;  ///< variable length records between header and points
+  std::uint32_t points_offset = 0;  ///< byte of the first point
+  std::uint32_t record_count = 0;   ///< variable length records between header and points
   int point_format = 6;
   bool compressed = false;        ///< LAZ: the record "laszip encoded" says how
   std::uint16_t point_size = 30;  ///< bytes per point, with extra bytes; of LAZ, once unpacked
@@ -77,13 +77,13 @@ struct LasHeader {
   std::array<std::uint64_t, 15> points_by_return{};  ///< not read, only written
   Lattice lattice;
   Bounds bounds;  ///< as stated, which many files do wrongly; empty if that is no box
-  std::uint64_t extended_records_place = 0;
+  std::uint64_t extended_records_offset = 0;
   std::uint32_t extended_record_count = 0;
 
   const LasPointLayout& layout() const { return k_las_point_layouts[static_cast<std::size_t>(point_format)]; }
   /// Behind the last byte of the points. Of compressed points only that they cannot end before.
   std::uint64_t points_end() const {
-    return compressed ? points_place : points_place + point_count * point_size;
+    return compressed ? points_offset : points_offset + point_count * point_size;
   }
 };
 

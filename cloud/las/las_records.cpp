@@ -17,54 +17,54 @@ constexpr std::uint16_t k_copc_info_id = 1;
 constexpr int k_longest_undocumented = 255;  ///< bytes that one entry of the extra-bytes record can describe
 
 /// A record's header and where its data stand.
-struct RecordPlace {
+struct RecordLocation {
   std::string user_id;
   std::uint16_t record_id;
   std::string description;
-  std::uint64_t place;
+  std::uint64_t offset;
   std::uint64_t size;
   bool extended;
 
   bool is(const char* user, std::uint16_t record) const { return record_id == record && user_id == user; }
 };
 
-/// Reads the header of the record at `place`; its data must end at `end` or before.
-RecordPlace read_record_header(InputFile& file, std::uint64_t place, std::uint64_t end, bool extended) {
+/// Reads the header of the record at `offset`; its data must end at `end` or before.
+RecordLocation read_record_header(InputFile& file, std::uint64_t offset, std::uint64_t end, bool extended) {
   const std::size_t header_size = extended ? 60 : k_las_record_head;
   const auto fail = [&](std::uint64_t wanted) {
-    fail_at_byte(file.name(), place, "a variable length record exceeds its section",
-                 fmt::format("at most {} bytes up to byte {}", end - std::min(place, end), end),
+    fail_at_byte(file.name(), offset, "a variable length record exceeds its section",
+                 fmt::format("at most {} bytes up to byte {}", end - std::min(offset, end), end),
                  std::to_string(wanted));
   };
-  if (place > end || end - place < header_size) fail(header_size);
-  const std::byte* const at = file.view(place, header_size).data();
-  RecordPlace record{.user_id = las_text(at + 2, 16),
-                     .record_id = load<std::uint16_t>(at + 18),
-                     .description = las_text(at + (extended ? 28 : 22), 32),
-                     .place = place + header_size,
-                     .size = extended ? load<std::uint64_t>(at + 20) : load<std::uint16_t>(at + 20),
-                     .extended = extended};
-  if (record.size > end - record.place) fail(record.size);
+  if (offset > end || end - offset < header_size) fail(header_size);
+  const std::byte* const at = file.view(offset, header_size).data();
+  RecordLocation record{.user_id = las_text(at + 2, 16),
+                        .record_id = load<std::uint16_t>(at + 18),
+                        .description = las_text(at + (extended ? 28 : 22), 32),
+                        .offset = offset + header_size,
+                        .size = extended ? load<std::uint64_t>(at + 20) : load<std::uint16_t>(at + 20),
+                        .extended = extended};
+  if (record.size > end - record.offset) fail(record.size);
   return record;
 }
 
 void take_laszip(StorageRecord record, const InputFile& file, std::optional<StorageRecord>& known) {
   if (known && known->data != record.data) {
-    fail_at_byte(file.name(), record.place,
-                 fmt::format("the laszip record differs from the one at byte {}", known->place));
+    fail_at_byte(file.name(), record.offset,
+                 fmt::format("the laszip record differs from the one at byte {}", known->offset));
   }
   if (!known) known = std::move(record);
 }
 
 template <class T = std::uint8_t>
-std::vector<T> read_values(InputFile& file, const RecordPlace& record) {
+std::vector<T> read_values(InputFile& file, const RecordLocation& record) {
   std::vector<T> values(static_cast<std::size_t>(record.size / sizeof(T)));
-  file.read_at(record.place, std::as_writable_bytes(std::span(values)));
+  file.read_at(record.offset, std::as_writable_bytes(std::span(values)));
   return values;
 }
 
 /// The text of a WKT record; empty, with `problem` set, if it is none.
-std::string read_wkt(InputFile& file, const RecordPlace& record, bool& problem) {
+std::string read_wkt(InputFile& file, const RecordLocation& record, bool& problem) {
   const std::vector<std::uint8_t> data = read_values(file, record);
   std::string wkt(data.begin(), std::find(data.begin(), data.end(), 0));
   problem = !wkt.empty() && wkt.find('[') == std::string::npos;
@@ -136,7 +136,7 @@ std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
   std::vector<ExtraDimension> dimensions;
   const std::byte* const bytes = reinterpret_cast<const std::byte*>(data.data());
   int described = 0;
-  for (std::size_t place = 0; place + k_extra_bytes_entry <= data.size(); place += k_extra_bytes_entry) {
+  for (std::size_t offset = 0; offset + k_extra_bytes_entry <= data.size(); offset += k_extra_bytes_entry) {
     if (dimensions.size() == k_most_extra_dimensions) {
       warnings.push_back(
           fmt::format("{}: the extra-bytes record describes more than {} dimensions; the others are kept as "
@@ -144,7 +144,7 @@ std::vector<ExtraDimension> read_extra_dimensions(const std::string& file_name,
                       file_name, k_most_extra_dimensions));
       break;
     }
-    const ExtraDimension& dimension = dimensions.emplace_back(read_extra_bytes_entry(bytes + place));
+    const ExtraDimension& dimension = dimensions.emplace_back(read_extra_bytes_entry(bytes + offset));
     described += dimension.byte_count;
     if (dimension.byte_count == 0 || described > extra_bytes) {
       warnings.push_back(fmt::format(
@@ -203,7 +203,7 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
   LasRecords result;
   std::vector<std::uint8_t> extra_bytes_data;
   std::string liblas_wkt;
-  const auto take = [&](const RecordPlace& record) {
+  const auto take = [&](const RecordLocation& record) {
     if (record.is("LASF_Projection", 2112)) {
       bool problem = false;
       std::string wkt = read_wkt(file, record, problem);
@@ -222,13 +222,13 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     } else if (record.is("LASF_Spec", 65535)) {
       warnings.push_back(fmt::format("{}: wave packets are skipped", file.name()));
     } else if (record.is(k_laszip_user_id, k_laszip_record_id)) {
-      take_laszip({record.place, read_values<std::byte>(file, record)}, file, result.laszip);
+      take_laszip({record.offset, read_values<std::byte>(file, record)}, file, result.laszip);
     } else if (record.user_id == k_copc_user_id) {
-      const bool first = record.place == k_las_header_size + k_las_record_head;
+      const bool first = record.offset == k_las_header_size + k_las_record_head;
       if (first && record.record_id == k_copc_info_id)
-        result.copc_info = {record.place, read_values<std::byte>(file, record)};
+        result.copc_info = {record.offset, read_values<std::byte>(file, record)};
     } else {
-      // libLAS wrote WKT before the standard had a place for it. The record is handed on too.
+      // libLAS wrote WKT before the standard had a offset for it. The record is handed on too.
       bool problem = false;
       if (record.is("liblas", 2112)) liblas_wkt = read_wkt(file, record, problem);
       result.others.push_back({.user_id = record.user_id,
@@ -239,24 +239,24 @@ LasRecords read_las_records(InputFile& file, const LasHeader& header, std::vecto
     }
   };
 
-  std::uint64_t place = header.header_size;
+  std::uint64_t offset = header.header_size;
   for (std::uint32_t i = 0; i < header.record_count; ++i) {
-    const RecordPlace record = read_record_header(file, place, header.points_place, false);
+    const RecordLocation record = read_record_header(file, offset, header.points_offset, false);
     take(record);
-    place = record.place + record.size;
+    offset = record.offset + record.size;
   }
-  place = header.extended_records_place;
+  offset = header.extended_records_offset;
   for (std::uint32_t i = 0; i < header.extended_record_count; ++i) {
-    std::optional<RecordPlace> record;
+    std::optional<RecordLocation> record;
     try {
-      record = read_record_header(file, place, file.size(), true);
+      record = read_record_header(file, offset, file.size(), true);
     } catch (const Error& error) {
       if (damage == Damage::refuse) throw DamagedFile(error.parts());
       warnings.push_back(fmt::format("{}; this record and those after it are skipped", error.what()));
       break;
     }
     take(*record);
-    place = record->place + record->size;
+    offset = record->offset + record->size;
   }
 
   if (result.crs.wkt.empty()) result.crs.wkt = std::move(liblas_wkt);
@@ -276,11 +276,11 @@ std::optional<LazLayout> read_packing(const InputFile& file, LasHeader& header, 
   if (!header.compressed) return std::nullopt;
   if (!records.laszip) {
     throw Error({.file = file.name(),
-                 .place = "byte 104",
+                 .location = "byte 104",
                  .problem = "compressed points without a laszip record",
                  .expected = fmt::format("a record '{}' {}", k_laszip_user_id, k_laszip_record_id)});
   }
-  LazLayout layout = parse_laszip_record(records.laszip->data, file.name(), records.laszip->place,
+  LazLayout layout = parse_laszip_record(records.laszip->data, file.name(), records.laszip->offset,
                                          header.point_format, header.point_size);
   if (layout.compressor != LazCompressor::none) return layout;
   header.compressed = false;

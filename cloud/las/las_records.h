@@ -17,7 +17,7 @@ namespace alidade {
 
 /// A record that tells how points are stored.
 struct StorageRecord {
-  std::uint64_t place = 0;  ///< of its data in the file
+  std::uint64_t offset = 0;  ///< of its data in the file
   std::vector<std::byte> data;
 };
 

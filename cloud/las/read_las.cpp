@@ -19,10 +19,10 @@ namespace alidade {
 namespace {
 
 /// column[row] = value(point) for all points of a block, where `point` is the address of a record's
-/// `place`-th byte.
+/// `offset`-th byte.
 template <class Column, class Value>
-void fill(const RecordBlock& block, int place, Column& column, Value value) {
-  const std::byte* at = block.bytes + place;
+void fill(const RecordBlock& block, int offset, Column& column, Value value) {
+  const std::byte* at = block.bytes + offset;
   for (std::size_t i = 0; i < block.count; ++i, at += block.point_size)
     column[block.first_row + i] = value(at);
 }
@@ -164,7 +164,7 @@ class LasReader final : public CloudReader {
   std::vector<LostPoints> lost() const override {
     if (header_.lost_count == 0) return lost_;
     return {{.count = header_.lost_count,
-             .place = fmt::format("byte {}", file_.size()),
+             .location = fmt::format("byte {}", file_.size()),
              .problem = "truncated file: it ends before its last point"}};
   }
 
@@ -175,16 +175,16 @@ class LasReader final : public CloudReader {
                   const Progress& progress) {
     const std::size_t point_size = header_.point_size;
     const std::size_t step = std::max<std::size_t>(k_block_bytes / point_size, 1);
-    std::uint64_t place = header_.points_place;
-    while (place < header_.points_end()) {
-      const std::uint64_t left = (header_.points_end() - place) / point_size;
+    std::uint64_t offset = header_.points_offset;
+    while (offset < header_.points_end()) {
+      const std::uint64_t left = (header_.points_end() - offset) / point_size;
       const std::size_t count =
           room_in_piece(cloud, choice.kept, std::min<std::uint64_t>(step, left), pieces);
-      const RecordBlock block{file_.view(place, count * point_size).data(), point_size, count, cloud.size()};
+      const RecordBlock block{file_.view(offset, count * point_size).data(), point_size, count, cloud.size()};
       append_rows(cloud, choice.kept, count);
       columns_.take(block, choice, cloud);
-      place += count * point_size;
-      report(progress, place, file_.size());
+      offset += count * point_size;
+      report(progress, offset, file_.size());
     }
   }
 
@@ -205,13 +205,13 @@ LasColumns::LasColumns(std::string file_name, const LasHeader& header,
                        const std::vector<ExtraDimension>& extra_dimensions)
     : file_name_(std::move(file_name)), lattice_(header.lattice), layout_(header.layout()) {
   const std::optional<std::size_t> normal = find_normal(extra_dimensions);
-  int place = layout_.size;
+  int offset = layout_.size;
   for (std::size_t i = 0; i < extra_dimensions.size(); ++i) {
     const ExtraDimension& dimension = extra_dimensions[i];
-    if (normal && i == *normal) normal_place_ = place;
+    if (normal && i == *normal) normal_offset_ = offset;
     const bool part_of_normal = normal && i >= *normal && i < *normal + 3;
-    if (!part_of_normal) extra_dimensions_.push_back({dimension, place});
-    place += dimension.byte_count;
+    if (!part_of_normal) extra_dimensions_.push_back({dimension, offset});
+    offset += dimension.byte_count;
   }
 }
 
@@ -222,7 +222,7 @@ AttributeSet LasColumns::attributes() const {
   if (layout_.gps_time >= 0) set = set | Attribute::gps_time;
   if (layout_.color >= 0) set = set | Attribute::color;
   if (layout_.near_infrared >= 0) set = set | Attribute::near_infrared;
-  if (normal_place_) set = set | Attribute::normal;
+  if (normal_offset_) set = set | Attribute::normal;
   if (!extra_dimensions_.empty()) set = set | Attribute::extra_dimensions;
   return set;
 }
@@ -245,14 +245,14 @@ void LasColumns::take(const RecordBlock& block, const Choice& choice, PointCloud
     const std::size_t bytes = static_cast<std::size_t>(column.byte_count);
     for (std::size_t row = 0; row < block.count; ++row) {
       std::memcpy(column.values.data() + (block.first_row + row) * bytes,
-                  block.bytes + row * block.point_size + extra_dimensions_[i].place, bytes);
+                  block.bytes + row * block.point_size + extra_dimensions_[i].offset, bytes);
     }
   }
 }
 
 void LasColumns::take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const {
-  const auto keep = [&](Attribute attribute, int place, auto& column, auto value) {
-    if (kept.contains(attribute)) fill(block, place, column, value);
+  const auto keep = [&](Attribute attribute, int offset, auto& column, auto value) {
+    if (kept.contains(attribute)) fill(block, offset, column, value);
   };
   keep(Attribute::intensity, 12, cloud.intensities, k_plain<std::uint16_t>);
   if (layout_.legacy) {
@@ -271,7 +271,7 @@ void LasColumns::take_attributes(const RecordBlock& block, AttributeSet kept, Po
   keep(Attribute::gps_time, layout_.gps_time, cloud.gps_times, k_plain<double>);
   keep(Attribute::color, layout_.color, cloud.colors, k_plain<Color16>);
   keep(Attribute::near_infrared, layout_.near_infrared, cloud.near_infrared, k_plain<std::uint16_t>);
-  keep(Attribute::normal, normal_place_.value_or(0), cloud.normals, k_plain<glm::vec3>);
+  keep(Attribute::normal, normal_offset_.value_or(0), cloud.normals, k_plain<glm::vec3>);
 }
 
 std::unique_ptr<CloudReader> open_las(InputFile file, Damage damage) {

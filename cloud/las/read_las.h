@@ -46,7 +46,7 @@ class LasColumns {
  private:
   struct PlacedDimension {
     ExtraDimension description;
-    int place;  ///< byte within a point
+    int offset;  ///< byte within a point
   };
 
   void take_attributes(const RecordBlock& block, AttributeSet kept, PointCloud& cloud) const;
@@ -55,7 +55,7 @@ class LasColumns {
   Lattice lattice_;
   LasPointLayout layout_;
   std::vector<PlacedDimension> extra_dimensions_;
-  std::optional<int> normal_place_;
+  std::optional<int> normal_offset_;
 };
 
 }  // namespace alidade

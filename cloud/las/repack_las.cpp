@@ -24,8 +24,8 @@ namespace {
 constexpr std::size_t k_repacked_bytes = 1 << 20;
 
 // Fields of the header: LAS Specification 1.4 R15, table 3.
-constexpr std::size_t k_points_place = 96, k_record_count = 100, k_point_format = 104;
-constexpr std::size_t k_wave_packets_place = 227, k_extended_records_place = 235;
+constexpr std::size_t k_points_offset = 96, k_record_count = 100, k_point_format = 104;
+constexpr std::size_t k_wave_packets_offset = 227, k_extended_records_offset = 235;
 constexpr std::byte k_laz_format_mark{0x80}, k_laz_format_marks{0xc0};
 
 /// A LAS or LAZ file with all that it says about its points.
@@ -50,55 +50,55 @@ struct Source {
   std::uint64_t points_end() {
     if (!packing) return header.points_end();
     const std::uint64_t extended =
-        header.extended_record_count > 0 ? header.extended_records_place : file.size();
-    if (extended < header.points_place + k_laz_table_place_bytes) return extended;
+        header.extended_record_count > 0 ? header.extended_records_offset : file.size();
+    if (extended < header.points_offset + k_laz_table_offset_bytes) return extended;
     std::string missing;
     const auto chunks = packing->compressor == LazCompressor::pointwise
                             ? std::nullopt
                             : read_chunk_table(file, header, *packing, missing);
     // Without a table only the extended records tell where something else begins.
     if (!chunks) return extended;
-    const std::uint64_t table = chunks->empty() ? header.points_place + k_laz_table_place_bytes
-                                                : chunks->back().place + chunks->back().byte_count;
-    const auto place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
-    // A writer that could not go back wrote the place of the table behind it.
-    const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (place == -1 ? 8 : 0);
+    const std::uint64_t table = chunks->empty() ? header.points_offset + k_laz_table_offset_bytes
+                                                : chunks->back().offset + chunks->back().byte_count;
+    const auto offset = load<std::int64_t>(file.view(header.points_offset, k_laz_table_offset_bytes).data());
+    // A writer that could not go back wrote the offset of the table behind it.
+    const std::uint64_t end = table + encode_chunk_table(*chunks, *packing).size() + (offset == -1 ? 8 : 0);
     return std::min(end, extended);
   }
 };
 
-/// Takes the records "laszip encoded" out of header and records; returns the place behind the last record.
+/// Takes the records "laszip encoded" out of header and records; returns the offset behind the last record.
 std::size_t take_out_laszip(std::vector<std::byte>& head, const LasHeader& header) {
   std::uint32_t count = header.record_count;
-  std::size_t place = header.header_size;
+  std::size_t offset = header.header_size;
   for (std::uint32_t i = 0; i < header.record_count; ++i) {
-    const std::size_t size = k_las_record_head + load<std::uint16_t>(head.data() + place + 20);
-    const bool laszip = las_text(head.data() + place + 2, 16) == k_laszip_user_id &&
-                        load<std::uint16_t>(head.data() + place + 18) == k_laszip_record_id;
+    const std::size_t size = k_las_record_head + load<std::uint16_t>(head.data() + offset + 20);
+    const bool laszip = las_text(head.data() + offset + 2, 16) == k_laszip_user_id &&
+                        load<std::uint16_t>(head.data() + offset + 18) == k_laszip_record_id;
     if (!laszip) {
-      place += size;
+      offset += size;
       continue;
     }
-    const auto begin = head.begin() + static_cast<std::ptrdiff_t>(place);
+    const auto begin = head.begin() + static_cast<std::ptrdiff_t>(offset);
     head.erase(begin, begin + static_cast<std::ptrdiff_t>(size));
     --count;
   }
   store(head.data() + k_record_count, count);
-  return place;
+  return offset;
 }
 
-void put_in_laszip(std::vector<std::byte>& head, std::size_t place, const LazLayout& layout) {
+void put_in_laszip(std::vector<std::byte>& head, std::size_t offset, const LazLayout& layout) {
   const VariableLengthRecord record = laszip_record(layout);
   std::vector<std::byte> bytes = las_record_head(record, false);
   const std::span<const std::byte> data = std::as_bytes(std::span(record.data));
   bytes.insert(bytes.end(), data.begin(), data.end());
-  head.insert(head.begin() + static_cast<std::ptrdiff_t>(place), bytes.begin(), bytes.end());
+  head.insert(head.begin() + static_cast<std::ptrdiff_t>(offset), bytes.begin(), bytes.end());
   store(head.data() + k_record_count, load<std::uint32_t>(head.data() + k_record_count) + 1);
 }
 
-/// Everything before the points as it is to be written, but for the places behind the points.
+/// Everything before the points as it is to be written, but for the offsets behind the points.
 std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>& packing) {
-  std::vector<std::byte> head(source.header.points_place);
+  std::vector<std::byte> head(source.header.points_offset);
   source.file.read_at(0, head);
   const std::size_t records_end = take_out_laszip(head, source.header);
   head[k_point_format] &= ~k_laz_format_marks;
@@ -112,7 +112,7 @@ std::vector<std::byte> make_head(Source& source, const std::optional<LazLayout>&
                  .expected = "less than 4 GiB",
                  .found = fmt::format("{} bytes", head.size())});
   }
-  store(head.data() + k_points_place, static_cast<std::uint32_t>(head.size()));
+  store(head.data() + k_points_offset, static_cast<std::uint32_t>(head.size()));
   return head;
 }
 
@@ -127,8 +127,8 @@ class OrderedRecords final : public LazSink {
     records_.resize(static_cast<std::size_t>(count) * record_size_);
   }
   void take(const std::byte* records, std::size_t count, std::uint64_t first_row) override {
-    const auto place = static_cast<std::size_t>(first_row - first_row_) * record_size_;
-    std::copy_n(records, count * record_size_, records_.begin() + static_cast<std::ptrdiff_t>(place));
+    const auto offset = static_cast<std::size_t>(first_row - first_row_) * record_size_;
+    std::copy_n(records, count * record_size_, records_.begin() + static_cast<std::ptrdiff_t>(offset));
   }
   void flush() {
     output_.write(records_);
@@ -155,29 +155,30 @@ void copy_points(Source& source, RecordOutput& output, const Progress& progress)
   const std::size_t size = source.header.point_size;
   const std::uint64_t end = source.header.points_end();
   const std::uint64_t step = std::max<std::uint64_t>(k_repacked_bytes / size, 1) * size;
-  for (std::uint64_t place = source.header.points_place; place < end; place += step) {
-    const auto count = static_cast<std::size_t>(std::min(step, end - place));
-    output.write(source.file.view(place, count));
-    report(progress, place + count, source.file.size());
+  for (std::uint64_t offset = source.header.points_offset; offset < end; offset += step) {
+    const auto count = static_cast<std::size_t>(std::min(step, end - offset));
+    output.write(source.file.view(offset, count));
+    report(progress, offset + count, source.file.size());
   }
 }
 
-void copy_bytes(Source& source, std::uint64_t place, OutputFile& file) {
-  for (; place < source.file.size(); place += k_repacked_bytes) {
-    const auto count = std::min<std::uint64_t>(k_repacked_bytes, source.file.size() - place);
-    file.write(source.file.view(place, static_cast<std::size_t>(count)));
+void copy_bytes(Source& source, std::uint64_t offset, OutputFile& file) {
+  for (; offset < source.file.size(); offset += k_repacked_bytes) {
+    const auto count = std::min<std::uint64_t>(k_repacked_bytes, source.file.size() - offset);
+    file.write(source.file.view(offset, static_cast<std::size_t>(count)));
   }
 }
 
-/// Moves the places that lie behind the points along with what stands there.
-void move_places(std::vector<std::byte>& head, const LasHeader& header, std::uint64_t from,
-                 std::uint64_t to) {
+/// Moves the offsets that lie behind the points along with what stands there.
+void move_offsets(std::vector<std::byte>& head, const LasHeader& header, std::uint64_t from,
+                  std::uint64_t to) {
   const auto move = [&](std::size_t field) {
-    const auto place = load<std::uint64_t>(head.data() + field);
-    if (place >= from) store(head.data() + field, place - from + to);
+    const auto offset = load<std::uint64_t>(head.data() + field);
+    if (offset >= from) store(head.data() + field, offset - from + to);
   };
-  if (header.version_minor >= 3 && header.header_size >= k_wave_packets_place + 8) move(k_wave_packets_place);
-  if (header.extended_record_count > 0) move(k_extended_records_place);
+  if (header.version_minor >= 3 && header.header_size >= k_wave_packets_offset + 8)
+    move(k_wave_packets_offset);
+  if (header.extended_record_count > 0) move(k_extended_records_offset);
 }
 
 }  // namespace
@@ -210,7 +211,7 @@ RepackedFile repack_las(const std::filesystem::path& input, const std::filesyste
   copy_points(source, records, options.progress);
   records.finish();
   const std::uint64_t end = source.points_end();
-  move_places(head, source.header, end, file.size());
+  move_offsets(head, source.header, end, file.size());
   copy_bytes(source, end, file);
   file.write_at(0, head);
   report(options.progress, source.file.size(), source.file.size());

@@ -28,12 +28,12 @@ struct RepackedFile {
 /// version, header, variable length records, point format and every byte of the point data records stay what
 /// they are, and what stands between records and points and behind the points does too, extended records and
 /// wave packets among them. What has to differ: the record "laszip encoded" behind the other records, the
-/// mark of LAZ in the point format, the number of records, and the places of points, extended records and
+/// mark of LAZ in the point format, the number of records, and the offsets of points, extended records and
 /// wave packets. So LAS packed and unpacked again is the same, byte for byte. LAZ packed again comes out as
 /// LasWriter packs. Of LAZ without a chunk table only extended records are kept of what is behind the points.
 ///
 /// Errors: whatever a reader of the file refuses; COPC; more extra bytes than k_most_laz_extra_bytes; records
-/// too long for their places to be told in 32 bits; those of OutputFile. Memory: records before the points;
+/// too long for their offsets to be told in 32 bits; those of OutputFile. Memory: records before the points;
 /// of LAZ 64 MB of unpacked points, or its largest chunk packed and unpacked if that is more;
 /// LazPointWriter's.
 RepackedFile repack_las(const std::filesystem::path& input, const std::filesystem::path& output,

@@ -67,8 +67,8 @@ struct LasWriter::State {
   void encode(const PointCloud& batch, std::size_t first, std::size_t count) {
     const std::size_t size = header.point_size;
     block.assign(count * size, std::byte{0});
-    const auto put_at = [&](int place, const auto& column, auto value) {
-      if (place >= 0) put(column, first, count, block.data() + place, size, value);
+    const auto put_at = [&](int offset, const auto& column, auto value) {
+      if (offset >= 0) put(column, first, count, block.data() + offset, size, value);
     };
     put_at(0, batch.positions, k_as_it_is);
     put_at(12, batch.intensities, k_as_it_is);
@@ -92,7 +92,7 @@ struct LasWriter::State {
       const ExtraDimension& dimension = extra_dimensions[i];
       const std::size_t bytes = static_cast<std::size_t>(dimension.byte_count);
       const auto same = [&](const ExtraDimension& other) { return same_meaning(other, dimension); };
-      // Dimensions of one name are told apart by their place.
+      // Dimensions of one name are told apart by their offset.
       const auto& given = batch.extra_dimensions;
       const auto source = i < given.size() && same(given[i]) ? given.begin() + static_cast<std::ptrdiff_t>(i)
                                                              : std::find_if(given.begin(), given.end(), same);
@@ -182,7 +182,7 @@ LasWriter::LasWriter(const std::filesystem::path& path, const PointCloud& like, 
                  .expected = "less than 4 GiB",
                  .found = fmt::format("{} bytes", file.size())});
   }
-  header.points_place = static_cast<std::uint32_t>(file.size());
+  header.points_offset = static_cast<std::uint32_t>(file.size());
   state_->points.emplace(file, packing);
 }
 
@@ -210,7 +210,7 @@ void LasWriter::finish() {
     header.bounds.grow(to_world(header.lattice, state.extent.low));
     header.bounds.grow(to_world(header.lattice, state.extent.high));
   }
-  if (!state.extended_records.empty()) header.extended_records_place = state.file.size();
+  if (!state.extended_records.empty()) header.extended_records_offset = state.file.size();
   header.extended_record_count = static_cast<std::uint32_t>(state.extended_records.size());
   for (const VariableLengthRecord& record : state.extended_records)
     write_las_record(state.file, record, true);
@@ -219,7 +219,7 @@ void LasWriter::finish() {
 }
 
 bool is_laz_name(const std::filesystem::path& path) {
-  return file_ending(path) == ".laz";
+  return file_extension(path) == ".laz";
 }
 
 void write_las(const std::filesystem::path& path, const PointCloud& cloud, const LasWriteOptions& options) {

@@ -49,7 +49,7 @@ class LasWriter {
   std::unique_ptr<State> state_;
 };
 
-/// Whether a file of this name is written as LAZ: it ends in .laz, in letters of any case.
+/// Whether a file of this name is written as LAZ: it ends in .laz, in characters of any case.
 bool is_laz_name(const std::filesystem::path& path);
 
 /// Writes a whole cloud: all its attributes, scale, offset, CRS, records, extra dimensions. Point order is

@@ -10,7 +10,7 @@
 #include "cloud/laz/layered_codec.h"
 #include "cloud/laz/value_coders.h"
 
-// Source: the chunk table as laszip 2 and 3 write it. At the place of the points stands the place of the
+// Source: the chunk table as laszip 2 and 3 write it. At the offset of the points stands the offset of the
 // table, -1 if its writer could not go back; then the last eight bytes before extended records or the end of
 // the file hold it.
 
@@ -21,26 +21,26 @@ constexpr std::uint64_t k_table_head_bytes = 8;
 constexpr std::uint64_t k_stream_start_bytes = 4;  // what every arithmetic stream begins with
 
 std::uint64_t first_chunk(const LasHeader& header) {
-  return header.points_place + k_laz_table_place_bytes;
+  return header.points_offset + k_laz_table_offset_bytes;
 }
 
 /// Where the table stands; 0 if nobody says.
 std::uint64_t find_table(InputFile& file, const LasHeader& header) {
   if (file.size() < first_chunk(header)) return 0;
-  std::int64_t place = load<std::int64_t>(file.view(header.points_place, k_laz_table_place_bytes).data());
-  if (place == -1) {
-    for (const std::uint64_t end : {file.size(), header.extended_records_place}) {
-      if (end < first_chunk(header) + k_laz_table_place_bytes || end > file.size()) continue;
-      place = load<std::int64_t>(file.view(end - k_laz_table_place_bytes, k_laz_table_place_bytes).data());
-      const bool inside = place >= static_cast<std::int64_t>(first_chunk(header)) &&
-                          static_cast<std::uint64_t>(place) + k_table_head_bytes <= end;
-      if (inside) return static_cast<std::uint64_t>(place);
+  std::int64_t offset = load<std::int64_t>(file.view(header.points_offset, k_laz_table_offset_bytes).data());
+  if (offset == -1) {
+    for (const std::uint64_t end : {file.size(), header.extended_records_offset}) {
+      if (end < first_chunk(header) + k_laz_table_offset_bytes || end > file.size()) continue;
+      offset = load<std::int64_t>(file.view(end - k_laz_table_offset_bytes, k_laz_table_offset_bytes).data());
+      const bool inside = offset >= static_cast<std::int64_t>(first_chunk(header)) &&
+                          static_cast<std::uint64_t>(offset) + k_table_head_bytes <= end;
+      if (inside) return static_cast<std::uint64_t>(offset);
     }
     return 0;
   }
-  // A writer that was interrupted leaves a place that no table can have.
-  if (place <= static_cast<std::int64_t>(header.points_place)) return 0;
-  return static_cast<std::uint64_t>(place);
+  // A writer that was interrupted leaves a offset that no table can have.
+  if (offset <= static_cast<std::int64_t>(header.points_offset)) return 0;
+  return static_cast<std::uint64_t>(offset);
 }
 
 /// Sums of the table against what header and file allow.
@@ -109,7 +109,7 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
     return std::nullopt;
   }
   if (table < first_chunk(header)) {
-    fail_at_byte(file.name(), header.points_place, "invalid offset of the chunk table",
+    fail_at_byte(file.name(), header.points_offset, "invalid offset of the chunk table",
                  fmt::format("byte {} or later", first_chunk(header)), std::to_string(table));
   }
   if (table > file.size() || file.size() - table < k_table_head_bytes) {
@@ -141,8 +141,8 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
   if (count > 0) {
     // Two numbers of 32 bits take less than twelve bytes, each in their worst case.
     constexpr std::uint64_t k_most_bytes = 24;
-    const std::uint64_t place = table + k_table_head_bytes;
-    const auto bytes = file.view_up_to(place, count * k_most_bytes + 16);
+    const std::uint64_t offset = table + k_table_head_bytes;
+    const auto bytes = file.view_up_to(offset, count * k_most_bytes + 16);
     if (bytes.size() < k_stream_start_bytes) {
       missing = "truncated chunk table";
       return std::nullopt;
@@ -168,28 +168,28 @@ std::optional<std::vector<LazChunk>> read_chunk_table(InputFile& file, const Las
 WalkedChunks walk_layered_chunks(InputFile& file, const LasHeader& header, const LazLayout& layout) {
   LayeredChunkHead head(layout);
   WalkedChunks walked;
-  std::uint64_t place = first_chunk(header), points_left = header.point_count;
+  std::uint64_t offset = first_chunk(header), points_left = header.point_count;
   try {
     while (points_left > 0) {
       const std::size_t number = walked.chunks.size();
       try {
-        head.read(file.view(place, head.size()));
+        head.read(file.view(offset, head.size()));
       } catch (const CorruptChunk& problem) {
-        fail_at_byte(file.name(), place, fmt::format("chunk {}: {}", number, problem.what()));
+        fail_at_byte(file.name(), offset, fmt::format("chunk {}: {}", number, problem.what()));
       }
-      const LazChunk chunk{place, head.chunk_size(), head.point_count()};
-      if (chunk.byte_count > file.size() - place) {
-        fail_at_byte(file.name(), place, fmt::format("chunk {} exceeds the file", number),
-                     fmt::format("at most {} bytes", file.size() - place), std::to_string(chunk.byte_count));
+      const LazChunk chunk{offset, head.chunk_size(), head.point_count()};
+      if (chunk.byte_count > file.size() - offset) {
+        fail_at_byte(file.name(), offset, fmt::format("chunk {} exceeds the file", number),
+                     fmt::format("at most {} bytes", file.size() - offset), std::to_string(chunk.byte_count));
       }
       const std::uint64_t most = std::min(points_left, most_laz_points(chunk.byte_count));
       if (chunk.point_count > most) {
-        fail_at_byte(file.name(), place + layout.record_size(),
+        fail_at_byte(file.name(), offset + layout.record_size(),
                      fmt::format("invalid number of points of chunk {}", number),
                      fmt::format("1 to {}", most), std::to_string(chunk.point_count));
       }
       points_left -= chunk.point_count;
-      place += chunk.byte_count;
+      offset += chunk.byte_count;
       walked.chunks.push_back(chunk);
     }
   } catch (const Error& error) {

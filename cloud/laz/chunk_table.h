@@ -17,15 +17,15 @@ namespace alidade {
 
 /// One chunk of a LAZ file.
 struct LazChunk {
-  std::uint64_t place = 0;  ///< first byte in the file
+  std::uint64_t offset = 0;  ///< first byte in the file
   std::uint64_t byte_count = 0;
   std::uint64_t point_count = 0;
 
   bool operator==(const LazChunk&) const = default;
 };
 
-/// Bytes before the first chunk that tell the place of the chunk table.
-inline constexpr std::size_t k_laz_table_place_bytes = 8;
+/// Bytes before the first chunk that tell the offset of the chunk table.
+inline constexpr std::size_t k_laz_table_offset_bytes = 8;
 
 /// Most points that so many bytes can stand for: whatever the points are, each costs one symbol of 64 or more
 /// and three of 33 (two of compressor 3), none of which is ever more probable than 1 - (symbols - 1) / 2^15.

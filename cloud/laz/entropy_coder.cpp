@@ -77,13 +77,13 @@ void SymbolModel::adapt() {
   left_ = cycle_;
 }
 
-void SymbolModelSet::prepare(Place& place) {
-  if (place.model == nullptr) {
-    place.model = std::make_unique<SymbolModel>(symbols_);
+void SymbolModelSet::prepare(Offset& offset) {
+  if (offset.model == nullptr) {
+    offset.model = std::make_unique<SymbolModel>(symbols_);
   } else {
-    place.model->reset();
+    offset.model->reset();
   }
-  place.generation = generation_;
+  offset.generation = generation_;
 }
 
 void ArithmeticEncoder::carry() {

@@ -111,30 +111,30 @@ class SymbolModel {
 class SymbolModelSet {
  public:
   /// Requires what SymbolModel requires of `symbols`.
-  SymbolModelSet(std::size_t contexts, int symbols) : symbols_(symbols), places_(contexts) {}
+  SymbolModelSet(std::size_t contexts, int symbols) : symbols_(symbols), offsets_(contexts) {}
 
   /// The model of a context, which must be one.
   SymbolModel& operator[](std::size_t context) {
-    Place& place = places_[context];
-    if (place.generation != generation_) [[unlikely]]
-      prepare(place);
-    return *place.model;
+    Offset& offset = offsets_[context];
+    if (offset.generation != generation_) [[unlikely]]
+      prepare(offset);
+    return *offset.model;
   }
 
   /// All models are fresh again.
   void reset() { ++generation_; }
 
  private:
-  struct Place {
+  struct Offset {
     std::unique_ptr<SymbolModel> model;
     std::uint64_t generation = 0;  // in which the model was last made fresh
   };
 
-  void prepare(Place& place);
+  void prepare(Offset& offset);
 
   int symbols_;
   std::uint64_t generation_ = 1;
-  std::vector<Place> places_;
+  std::vector<Offset> offsets_;
 };
 
 /// Reads one stream of LAZ's arithmetic coder: numbers in an interval of 32 bits, which is narrowed by the

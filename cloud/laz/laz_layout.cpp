@@ -18,12 +18,12 @@ std::size_t LazLayout::record_size() const {
   return size;
 }
 
-void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name, std::string place) {
+void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name, std::string location) {
   for (const LazItem& item : layout.items) {
     const bool is_extra = item.kind == LazItemKind::byte || item.kind == LazItemKind::byte14;
     if (!is_extra || item.size <= k_most_laz_extra_bytes) continue;
     throw Error({.file = file_name,
-                 .place = std::move(place),
+                 .location = std::move(location),
                  .problem = "too many extra bytes per point for LAZ",
                  .expected = "at most " + std::to_string(k_most_laz_extra_bytes),
                  .found = std::to_string(item.size)});
@@ -62,7 +62,7 @@ LazLayout standard_laz_layout(int point_format, std::size_t record_size, std::ui
 
 namespace {
 
-constexpr std::size_t k_items_place = 34;
+constexpr std::size_t k_items_offset = 34;
 constexpr std::size_t k_item_bytes = 6;
 constexpr std::size_t k_most_items = 5;
 constexpr std::uint32_t k_variable_chunks = 0xffffffff;
@@ -93,10 +93,10 @@ std::string written(const std::vector<LazItem>& items) {
 }  // namespace
 
 LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string& file_name,
-                              std::uint64_t place, int point_format, std::size_t point_size) {
-  const HeaderFields fields(data, file_name, place);
-  fields.require(data.size() >= k_items_place, 0, "truncated laszip record",
-                 fmt::format("at least {} bytes", k_items_place), data.size());
+                              std::uint64_t offset, int point_format, std::size_t point_size) {
+  const HeaderFields fields(data, file_name, offset);
+  fields.require(data.size() >= k_items_offset, 0, "truncated laszip record",
+                 fmt::format("at least {} bytes", k_items_offset), data.size());
   LazLayout layout;
   const int compressor = fields.get<std::uint16_t>(0);
   fields.require(compressor <= 3, 0, "unsupported compressor", "0 to 3", compressor);
@@ -110,27 +110,27 @@ LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string
   const std::size_t count = fields.get<std::uint16_t>(32);
   fields.require(count >= 1 && count <= k_most_items, 32, "invalid number of items",
                  fmt::format("1 to {}", k_most_items), count);
-  fields.require(data.size() == k_items_place + count * k_item_bytes, 32, "wrong size of the laszip record",
-                 fmt::format("{} bytes for {} items", k_items_place + count * k_item_bytes, count),
+  fields.require(data.size() == k_items_offset + count * k_item_bytes, 32, "wrong size of the laszip record",
+                 fmt::format("{} bytes for {} items", k_items_offset + count * k_item_bytes, count),
                  data.size());
 
   const LazLayout standard = standard_laz_layout(point_format, point_size);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = k_items_place + i * k_item_bytes;
+    const std::size_t at = k_items_offset + i * k_item_bytes;
     layout.items.push_back({static_cast<LazItemKind>(fields.get<std::uint16_t>(at)),
                             fields.get<std::uint16_t>(at + 2), fields.get<std::uint16_t>(at + 4)});
   }
   const bool as_format = std::ranges::equal(
       layout.items, standard.items,
       [](const LazItem& a, const LazItem& b) { return a.kind == b.kind && a.size == b.size; });
-  fields.require(as_format, k_items_place,
+  fields.require(as_format, k_items_offset,
                  fmt::format("the items of the laszip record do not match point format {} with {} bytes",
                              point_format, point_size),
                  written(standard.items), written(layout.items));
   for (std::size_t i = 0; i < count; ++i) {
     const auto [oldest, newest] = versions_of(layout.items[i].kind);
     const int version = layout.items[i].version;
-    fields.require(version >= oldest && version <= newest, k_items_place + i * k_item_bytes + 4,
+    fields.require(version >= oldest && version <= newest, k_items_offset + i * k_item_bytes + 4,
                    fmt::format("unsupported version of item {}", static_cast<int>(layout.items[i].kind)),
                    fmt::format("{} to {}", oldest, newest), version);
   }
@@ -138,7 +138,7 @@ LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string
   fields.require(layered == (standard.compressor == LazCompressor::layered), 0,
                  fmt::format("the compressor does not support point format {}", point_format),
                  layered ? "1 or 2" : "3", compressor);
-  check_laz_extra_bytes(layout, file_name, fmt::format("byte {}", place + k_items_place));
+  check_laz_extra_bytes(layout, file_name, fmt::format("byte {}", offset + k_items_offset));
   return layout;
 }
 
@@ -147,7 +147,7 @@ VariableLengthRecord laszip_record(const LazLayout& layout) {
       .user_id = k_laszip_user_id,
       .record_id = k_laszip_record_id,
       .description = "how the points are compressed",
-      .data = std::vector<std::uint8_t>(k_items_place + k_item_bytes * layout.items.size()),
+      .data = std::vector<std::uint8_t>(k_items_offset + k_item_bytes * layout.items.size()),
       .extended = false};
   const std::span<std::byte> data = std::as_writable_bytes(std::span(record.data));
   std::byte* const at = data.data();
@@ -160,7 +160,7 @@ VariableLengthRecord laszip_record(const LazLayout& layout) {
   store<std::int64_t>(at + 24, -1);
   store(at + 32, static_cast<std::uint16_t>(layout.items.size()));
   for (std::size_t i = 0; i < layout.items.size(); ++i) {
-    std::byte* const item = at + k_items_place + k_item_bytes * i;
+    std::byte* const item = at + k_items_offset + k_item_bytes * i;
     store(item, layout.items[i].kind);
     store(item + 2, layout.items[i].size);
     store(item + 4, layout.items[i].version);

@@ -63,8 +63,8 @@ inline constexpr std::uint32_t k_laz_chunk_size = 50000;
 /// without a limit a small file could take ten times as much of every thread.
 inline constexpr std::size_t k_most_laz_extra_bytes = 8192;
 
-/// Errors: a point has more extra bytes than that. They name `file_name` and, unless it is empty, `place`.
-void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name, std::string place = {});
+/// Errors: a point has more extra bytes than that. They name `file_name` and, unless it is empty, `offset`.
+void check_laz_extra_bytes(const LazLayout& layout, const std::string& file_name, std::string location = {});
 
 /// The packing that is written today for a point data record format: compressor 2 with items of version 2 for
 /// formats 0-5, compressor 3 with items of version 3 for formats 6-10; wave packets of formats 4 and 5 have
@@ -114,7 +114,7 @@ constexpr LazLayers LazLayers::positions() {
 }
 
 /// What a LAZ decoder throws when a chunk cannot have been written by any encoder. It knows neither file nor
-/// place: whoever reads the file turns it into an Error that names file, chunk and point.
+/// offset: whoever reads the file turns it into an Error that names file, chunk and point.
 struct CorruptChunk : std::runtime_error {
   /// `problem` is one clause in lower case, without full stop; `point` counts from 0 within the chunk and is
   /// empty if no point is concerned.
@@ -130,10 +130,10 @@ inline constexpr std::uint16_t k_laszip_record_id = 22204;
 /// What the data of a record "laszip encoded" say. The items are checked: they are those of the point format
 /// in their order, cover a record of `point_size` bytes, and have versions of rules that exist; old formats
 /// are pointwise and new ones layered. With compressor none, nothing but the compressor is looked at.
-/// Errors: whatever else, and more than k_most_laz_extra_bytes; they name `file_name` and `place`, where the
+/// Errors: whatever else, and more than k_most_laz_extra_bytes; they name `file_name` and `offset`, where the
 /// data stand in the file.
 LazLayout parse_laszip_record(std::span<const std::byte> data, const std::string& file_name,
-                              std::uint64_t place, int point_format, std::size_t point_size);
+                              std::uint64_t offset, int point_format, std::size_t point_size);
 
 /// The variable length record "laszip encoded" 22204, which tells how points are packed.
 VariableLengthRecord laszip_record(const LazLayout& layout);

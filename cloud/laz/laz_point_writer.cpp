@@ -26,7 +26,7 @@ struct LazPointWriter::State {
   LazLayout layout;
   std::size_t record_size = layout.record_size();
   std::size_t chunk_bytes = record_size * layout.chunk_size;  ///< of records, not packed
-  std::uint64_t first_place = file.size();
+  std::uint64_t first_offset = file.size();
   std::size_t batch_bytes;       ///< of a whole number of chunks
   std::vector<std::byte> batch;  ///< records that wait to be packed
   std::vector<LazChunk> chunks;
@@ -51,7 +51,7 @@ struct LazPointWriter::State {
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t bytes = std::min(chunk_bytes, batch.size() - i * chunk_bytes);
       chunks.push_back(
-          {.place = file.size(), .byte_count = packed[i].size(), .point_count = bytes / record_size});
+          {.offset = file.size(), .byte_count = packed[i].size(), .point_count = bytes / record_size});
       file.write(packed[i]);
     }
     batch.clear();
@@ -61,7 +61,7 @@ struct LazPointWriter::State {
 LazPointWriter::LazPointWriter(OutputFile& file, const LazLayout& layout)
     : state_(std::make_unique<State>(file, layout)) {
   assert(layout.chunk_size > 0);
-  // The place of the table, which is known at the end.
+  // The offset of the table, which is known at the end.
   file.write(std::array<std::byte, 8>{});
 }
 
@@ -82,10 +82,10 @@ void LazPointWriter::write(std::span<const std::byte> records) {
 void LazPointWriter::finish() {
   State& state = *state_;
   state.write_batch();
-  std::array<std::byte, 8> table_place;
-  store(table_place.data(), state.file.size());
+  std::array<std::byte, 8> table_offset;
+  store(table_offset.data(), state.file.size());
   state.file.write(encode_chunk_table(state.chunks, state.layout));
-  state.file.write_at(state.first_place, table_place);
+  state.file.write_at(state.first_offset, table_offset);
 }
 
 }  // namespace alidade

@@ -11,7 +11,7 @@
 
 namespace alidade {
 
-/// Writes the points of a LAZ file: the place of the chunk table, the chunks, which are packed in parallel,
+/// Writes the points of a LAZ file: the offset of the chunk table, the chunks, which are packed in parallel,
 /// and the table. The bytes do not depend on the number of threads, nor on the pieces that records come in.
 ///
 /// Memory: the records of two chunks per thread and what they are packed into, but no more than 64 MB of
@@ -28,7 +28,7 @@ class LazPointWriter {
   /// Appends a whole number of point data records. Errors: as OutputFile.
   void write(std::span<const std::byte> records);
 
-  /// Packs what is left, and writes the table and its place. Call once, last.
+  /// Packs what is left, and writes the table and its offset. Call once, last.
   void finish();
 
  private:

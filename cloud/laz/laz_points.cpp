@@ -44,7 +44,7 @@ class ChunkUnpacker {
         sink_(sink),
         progress_(progress, file.size()),
         decoders_([&layout, wanted] { return ChunkDecoder(layout, wanted); }) {
-    progress_.add(header.points_place);
+    progress_.add(header.points_offset);
   }
 
   /// Unpacks chunks that lie one behind the other.
@@ -64,7 +64,7 @@ class ChunkUnpacker {
       }
       const std::span<const LazChunk> batch = chunks.subspan(begin, end - begin);
       bytes_.resize(static_cast<std::size_t>(byte_count));
-      file_.read_at(batch[0].place, bytes_);
+      file_.read_at(batch[0].offset, bytes_);
       if (point_count > most_points) {
         std::size_t used = 0;
         read_large(bytes_, point_count, true, used);
@@ -83,18 +83,18 @@ class ChunkUnpacker {
   /// Unpacks pointwise chunks whose ends nobody knows.
   std::vector<LostPoints> read_in_sequence() {
     const bool one_stream = layout_.compressor == LazCompressor::pointwise;
-    std::uint64_t place = header_.points_place + (one_stream ? 0 : k_laz_table_place_bytes);
+    std::uint64_t offset = header_.points_offset + (one_stream ? 0 : k_laz_table_offset_bytes);
     while (points_done_ < header_.point_count) {
       const std::uint64_t left = header_.point_count - points_done_;
       const std::uint64_t point_count = one_stream ? left : std::min<std::uint64_t>(layout_.chunk_size, left);
-      const std::uint64_t room = file_.size() - std::min(place, file_.size());
+      const std::uint64_t room = file_.size() - std::min(offset, file_.size());
       bytes_.resize(static_cast<std::size_t>(std::min(room, longest_chunk(layout_, point_count))));
-      if (!bytes_.empty()) file_.read_at(place, bytes_);
+      if (!bytes_.empty()) file_.read_at(offset, bytes_);
       std::size_t used = 0;
       read_large(bytes_, point_count, false, used);
       ++chunks_done_;
       points_done_ += point_count;
-      place += used;
+      offset += used;
       if (lost_.empty()) continue;
       // Where the next chunk begins, only this one could have told.
       lost_.back().count += header_.point_count - points_done_;
@@ -186,19 +186,19 @@ class ChunkUnpacker {
   }
 
   std::span<const std::byte> bytes_of(std::span<const LazChunk> batch, std::size_t i) const {
-    return std::span(bytes_).subspan(static_cast<std::size_t>(batch[i].place - batch[0].place),
+    return std::span(bytes_).subspan(static_cast<std::size_t>(batch[i].offset - batch[0].offset),
                                      static_cast<std::size_t>(batch[i].byte_count));
   }
 
   /// A chunk of which `lost` points cannot be had.
   void meet(const CorruptChunk& problem, std::size_t chunk, std::uint64_t first_point, std::uint64_t lost) {
-    std::string place = fmt::format("chunk {}", chunk);
-    if (problem.point) place += fmt::format(", point {}", first_point + *problem.point);
+    std::string location = fmt::format("chunk {}", chunk);
+    if (problem.point) location += fmt::format(", point {}", first_point + *problem.point);
     std::string text = fmt::format("corrupt compressed points: {}", problem.what());
     if (damage_ == Damage::refuse) {
-      throw DamagedFile({.file = file_.name(), .place = std::move(place), .problem = std::move(text)});
+      throw DamagedFile({.file = file_.name(), .location = std::move(location), .problem = std::move(text)});
     }
-    lost_.push_back({lost, std::move(place), std::move(text)});
+    lost_.push_back({lost, std::move(location), std::move(text)});
   }
 
   InputFile& file_;
@@ -238,14 +238,14 @@ LazPoints::LazPoints(InputFile& file, const LasHeader& header, const LazLayout& 
     in_sequence_ = true;
   } else {
     // Nothing in the file says where a chunk of points ends.
-    const std::string place = fmt::format("byte {}", header_.points_place);
+    const std::string location = fmt::format("byte {}", header_.points_offset);
     if (damage == Damage::refuse) {
       throw DamagedFile({.file = file_.name(),
-                         .place = place,
+                         .location = location,
                          .problem = missing,
                          .expected = "a chunk table, because the chunks have variable size"});
     }
-    lost_.push_back({header_.point_count, place, missing});
+    lost_.push_back({header_.point_count, location, missing});
   }
 }
 
@@ -256,7 +256,7 @@ void LazPoints::walk(Damage damage) {
   if (damage == Damage::refuse) throw DamagedFile(walked.problem->parts());
   std::uint64_t left = header_.point_count;
   for (const LazChunk& chunk : chunks_) left -= chunk.point_count;
-  lost_.push_back({left, walked.problem->parts().place, walked.problem->parts().problem});
+  lost_.push_back({left, walked.problem->parts().location, walked.problem->parts().problem});
 }
 
 std::vector<LostPoints> LazPoints::read(const LazLayers& wanted, LazSink& sink, const Progress& progress) {

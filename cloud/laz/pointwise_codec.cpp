@@ -114,10 +114,10 @@ constexpr std::size_t k_shortest_stream = 4;  // that of no points
 /// The items of a layout in their order. Errors: CorruptChunk, if pointwise streams have no such items.
 std::vector<PlacedItem> make_pointwise_items(const LazLayout& layout) {
   std::vector<PlacedItem> items;
-  std::size_t place = 0;
+  std::size_t offset = 0;
   for (const LazItem& item : layout.items) {
-    items.push_back({.place = place, .rules = make_pointwise_item(item)});
-    place += item.size;
+    items.push_back({.offset = offset, .rules = make_pointwise_item(item)});
+    offset += item.size;
   }
   return items;
 }
@@ -145,13 +145,13 @@ void PointwiseDecoder::decode(std::span<std::byte> records) {
   std::byte* const end = record + records.size();
   if (point_ == 0 && record != end) {
     std::memcpy(record, chunk_.data(), record_size_);
-    for (const PlacedItem& item : items_) item.rules->start(record + item.place);
+    for (const PlacedItem& item : items_) item.rules->start(record + item.offset);
     if (stream_.failed()) throw_corrupt();
     record += record_size_;
     ++point_;
   }
   for (; record != end; record += record_size_, ++point_) {
-    for (const PlacedItem& item : items_) item.rules->decode(stream_, record + item.place);
+    for (const PlacedItem& item : items_) item.rules->decode(stream_, record + item.offset);
     if (stream_.failed()) throw_corrupt();
   }
 }
@@ -171,10 +171,10 @@ PointwiseEncoder::PointwiseEncoder(const LazLayout& layout)
 
 std::vector<std::byte> PointwiseEncoder::encode(std::span<const std::byte> records) {
   assert(!records.empty() && records.size() % record_size_ == 0);
-  for (const PlacedItem& item : items_) item.rules->start(records.data() + item.place);
+  for (const PlacedItem& item : items_) item.rules->start(records.data() + item.offset);
   ArithmeticEncoder encoder;
   for (std::size_t at = record_size_; at < records.size(); at += record_size_)
-    for (const PlacedItem& item : items_) item.rules->encode(encoder, records.data() + at + item.place);
+    for (const PlacedItem& item : items_) item.rules->encode(encoder, records.data() + at + item.offset);
   const std::vector<std::byte> stream = encoder.finish();
   std::vector<std::byte> chunk(record_size_ + stream.size());
   std::copy_n(records.data(), record_size_, chunk.data());

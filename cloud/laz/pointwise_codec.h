@@ -27,7 +27,7 @@ class PointwiseItem {
 };
 
 struct PlacedItem {
-  std::size_t place;  ///< in the record, bytes
+  std::size_t offset;  ///< in the record, bytes
   std::unique_ptr<PointwiseItem> rules;
 };
 

@@ -52,7 +52,7 @@ int predicted_blue(const Bytes& previous, const Bytes& color, std::size_t half) 
 }
 
 // Where the fields stand in the record, in bytes.
-constexpr std::size_t k_place = 1;          // u64
+constexpr std::size_t k_offset = 1;         // u64
 constexpr std::size_t k_packet_size = 9;    // u32
 constexpr std::size_t k_return_point = 13;  // f32
 constexpr std::size_t k_direction = 17;     // 3 f32
@@ -121,14 +121,14 @@ bool ColorModels::encode(ArithmeticEncoder& encoder, const std::byte* previous, 
 }
 
 WavePacketModels::WavePacketModels()
-    : descriptor_index_(256), place_(32, 1), size_(32, 1), return_point_(32, 1), direction_(32, 3) {
+    : descriptor_index_(256), offset_(32, 1), size_(32, 1), return_point_(32, 1), direction_(32, 3) {
   for (int i = 0; i < 4; ++i) moves_.emplace_back(4);
 }
 
 void WavePacketModels::reset() {
   descriptor_index_.reset();
   for (SymbolModel& model : moves_) model.reset();
-  place_.reset();
+  offset_.reset();
   size_.reset();
   return_point_.reset();
   direction_.reset();
@@ -140,9 +140,9 @@ template <class Coder>
 void WavePacketModels::code(Coder& coder, std::byte* last, const std::byte* packet) {
   last[0] = static_cast<std::byte>(
       code_byte(coder, descriptor_index_, Coder::template value<std::uint8_t>(packet)));
-  std::uint64_t place = load<std::uint64_t>(last + k_place);
-  const std::uint64_t next_place = Coder::template value<std::uint64_t>(packet + k_place);
-  const std::uint64_t wide = next_place - place;
+  std::uint64_t offset = load<std::uint64_t>(last + k_offset);
+  const std::uint64_t next_offset = Coder::template value<std::uint64_t>(packet + k_offset);
+  const std::uint64_t wide = next_offset - offset;
   const std::int32_t difference = static_cast<std::int32_t>(wide);
   const std::uint32_t last_size = load<std::uint32_t>(last + k_packet_size);
   const Move move = widened(difference) != wide ? Move::anywhere
@@ -150,13 +150,13 @@ void WavePacketModels::code(Coder& coder, std::byte* last, const std::byte* pack
                     : wide == last_size         ? Move::by_packet_size
                                                 : Move::by_difference;
   last_move_ = coder.symbol(moves_[last_move_], move);
-  if (last_move_ == Move::by_packet_size) place += last_size;
+  if (last_move_ == Move::by_packet_size) offset += last_size;
   if (last_move_ == Move::by_difference) {
-    last_difference_ = coder.integer(place_, last_difference_, difference);
-    place += widened(last_difference_);
+    last_difference_ = coder.integer(offset_, last_difference_, difference);
+    offset += widened(last_difference_);
   }
-  if (last_move_ == Move::anywhere) place = coder.raw64(next_place);
-  store(last + k_place, place);
+  if (last_move_ == Move::anywhere) offset = coder.raw64(next_offset);
+  store(last + k_offset, offset);
   const auto code_integer = [&](std::size_t at, IntegerCompressor& compressor, int context) {
     const std::int32_t next = Coder::template value<std::int32_t>(packet + at);
     store(last + at, coder.integer(compressor, load<std::int32_t>(last + at), next, context));

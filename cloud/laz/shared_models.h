@@ -259,10 +259,10 @@ class ColorModels {
   unsigned code(Coder& coder, const Bytes& previous, Bytes& next);
 
   SymbolModel used_;
-  std::vector<SymbolModel> bytes_;  // by place in the record
+  std::vector<SymbolModel> bytes_;  // by offset in the record
 };
 
-/// Codes wave packets of LAZ streams, in the old and the new formats alike: descriptor index, place of the
+/// Codes wave packets of LAZ streams, in the old and the new formats alike: descriptor index, offset of the
 /// waveform, which often follows the previous one, its size, and four floats as the integers of their bits.
 /// A wave packet is the 29 bytes of a point data record.
 class WavePacketModels {
@@ -286,13 +286,13 @@ class WavePacketModels {
   void code(Coder& coder, std::byte* last, const std::byte* packet);
 
   SymbolModel descriptor_index_;
-  std::vector<SymbolModel> moves_;  // by the last move: how the place changes
-  IntegerCompressor place_;
+  std::vector<SymbolModel> moves_;  // by the last move: how the offset changes
+  IntegerCompressor offset_;
   IntegerCompressor size_;
   IntegerCompressor return_point_;
   IntegerCompressor direction_;  // context: x, y, z
   unsigned last_move_ = 0;
-  std::int32_t last_difference_ = 0;  // of places, when it was last written
+  std::int32_t last_difference_ = 0;  // of offsets, when it was last written
 };
 
 }  // namespace alidade

@@ -51,11 +51,11 @@ using Words = std::vector<std::string_view>;
 /// Most bytes per point that are believed; keeps products of sizes within 64 bits.
 constexpr std::uint64_t k_largest_point = 1 << 20;
 
-std::optional<ScalarType> scalar_type(char letter, std::uint64_t size) {
-  constexpr std::string_view k_letters = " UIUIUIUIFF";  // in the order of the types
-  for (std::size_t i = 1; i < k_letters.size(); ++i) {
+std::optional<ScalarType> scalar_type(char character, std::uint64_t size) {
+  constexpr std::string_view k_characters = " UIUIUIUIFF";  // in the order of the types
+  for (std::size_t i = 1; i < k_characters.size(); ++i) {
     const auto type = static_cast<ScalarType>(i);
-    if (k_letters[i] == letter && static_cast<std::uint64_t>(scalar_size(type)) == size) return type;
+    if (k_characters[i] == character && static_cast<std::uint64_t>(scalar_size(type)) == size) return type;
   }
   return std::nullopt;
 }
@@ -192,13 +192,13 @@ PcdHeader read_pcd_header(InputFile& input, Damage damage) {
   header.format = require_pcd_format(scanner, words);
   take_fields(scanner, lines, header);
   take_point_count(scanner, lines, header);
-  header.data_place = scanner.place();
+  header.data_offset = scanner.offset();
   header.line_count = scanner.line_number();
   // The sizes of compressed points stand before the data.
   const bool is_text = header.format == PcdFormat::ascii;
   if (header.format != PcdFormat::binary_compressed)
     check_room(input,
-               {.place = header.data_place,
+               {.offset = header.data_offset,
                 .count = header.point_count,
                 .smallest_row = is_text ? header.value_count() : header.point_size(),
                 .is_text = is_text},

@@ -40,8 +40,8 @@ struct PcdHeader {
   std::vector<PcdField> fields;
   std::uint64_t point_count = 0;
   PcdFormat format = PcdFormat::ascii;
-  std::uint64_t data_place = 0;  ///< first byte after the header
-  std::uint64_t line_count = 0;  ///< lines of the header
+  std::uint64_t data_offset = 0;  ///< first byte after the header
+  std::uint64_t line_count = 0;   ///< lines of the header
 
   /// Bytes of a point in a binary file.
   std::uint64_t point_size() const;

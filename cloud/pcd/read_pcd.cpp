@@ -72,21 +72,21 @@ class PcdReader final : public TableReader {
   }
 
  private:
-  Cell read_cell(const std::byte* place, std::size_t column) const {
+  Cell read_cell(const std::byte* offset, std::size_t column) const {
     const ScalarType type = columns()[column].type;
     if (columns()[column].role == ColumnRole::packed_color)
-      return {0.0, load<std::uint32_t>(place, std::endian::little)};
-    return cell_from(place, type, std::endian::little);
+      return {0.0, load<std::uint32_t>(offset, std::endian::little)};
+    return cell_from(offset, type, std::endian::little);
   }
 
   void visit_binary(const RowVisitor& visit, const Progress& progress) {
-    ByteCursor cursor(input_, header_.data_place);
+    ByteCursor cursor(input_, header_.data_offset);
     const std::size_t point_size = static_cast<std::size_t>(header_.point_size());
     visit_points(header_.point_count, cursor, visit, progress, [&](std::vector<Cell>& row) {
-      const std::byte* place = cursor.take(point_size);
+      const std::byte* offset = cursor.take(point_size);
       for (std::size_t i = 0; i < row.size(); ++i) {
-        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(place, i);
-        place += header_.fields[i].size();
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(offset, i);
+        offset += header_.fields[i].size();
       }
     });
   }
@@ -96,18 +96,18 @@ class PcdReader final : public TableReader {
   void visit_compressed(const RowVisitor& visit, const Progress& progress) {
     const std::vector<std::byte> data = decompress();
     const std::size_t count = data.empty() ? 0 : static_cast<std::size_t>(header_.point_count);
-    std::vector<const std::byte*> places;
+    std::vector<const std::byte*> offsets;
     const std::byte* start = data.data();
     for (const PcdField& field : header_.fields) {
-      places.push_back(start);
+      offsets.push_back(start);
       start += static_cast<std::size_t>(field.size()) * count;
     }
     std::vector<Cell> row(header_.fields.size());
     for (std::size_t point = 0; point < count; ++point) {
       if (point % k_rows_per_report == 0) report(progress, input_.size() / count * point, input_.size());
       for (std::size_t i = 0; i < row.size(); ++i) {
-        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(places[i], i);
-        places[i] += header_.fields[i].size();
+        if (columns()[i].role != ColumnRole::ignored) row[i] = read_cell(offsets[i], i);
+        offsets[i] += header_.fields[i].size();
       }
       visit(row);
     }
@@ -115,31 +115,31 @@ class PcdReader final : public TableReader {
 
   std::vector<std::byte> decompress() {
     if (header_.point_count == 0) return {};
-    ByteCursor cursor(input_, header_.data_place);
+    ByteCursor cursor(input_, header_.data_offset);
     const std::byte* const sizes = cursor.take(8);
     const std::uint32_t packed = load<std::uint32_t>(sizes, std::endian::little);
     const std::uint32_t unpacked = load<std::uint32_t>(sizes + 4, std::endian::little);
-    const std::string place = "byte " + std::to_string(header_.data_place);
-    if (packed > input_.size() - cursor.place())
-      fail(place, "truncated compressed points", std::to_string(packed) + " bytes",
-           std::to_string(input_.size() - cursor.place()));
+    const std::string location = "byte " + std::to_string(header_.data_offset);
+    if (packed > input_.size() - cursor.offset())
+      fail(location, "truncated compressed points", std::to_string(packed) + " bytes",
+           std::to_string(input_.size() - cursor.offset()));
     const std::uint64_t point_size = header_.point_size();
     if (point_size == 0 || unpacked % point_size != 0 || unpacked / point_size != header_.point_count)
-      fail(place, "wrong size of the uncompressed points",
+      fail(location, "wrong size of the uncompressed points",
            std::to_string(header_.point_count) + " points of " + std::to_string(point_size) + " bytes",
            std::to_string(unpacked) + " bytes");
     if (unpacked / k_lzf_largest_ratio > packed)
-      fail(place, "too few compressed bytes for the points",
+      fail(location, "too few compressed bytes for the points",
            "at least " + std::to_string(unpacked / k_lzf_largest_ratio), std::to_string(packed));
     std::vector<std::byte> data(unpacked);
     if (!decode_lzf({cursor.take(packed), packed}, data))
-      fail("byte " + std::to_string(header_.data_place + 8), "corrupt compressed points");
+      fail("byte " + std::to_string(header_.data_offset + 8), "corrupt compressed points");
     input_.rest();  // gives back the compressed bytes
     return data;
   }
 
   void visit_text(const RowVisitor& visit, const Progress& progress) {
-    TextScanner scanner(input_, header_.data_place, header_.line_count);
+    TextScanner scanner(input_, header_.data_offset, header_.line_count);
     written_.emplace(columns());
     std::uint64_t point = 0;
     visit_points(header_.point_count, scanner, visit, progress, [&](std::vector<Cell>& row) {

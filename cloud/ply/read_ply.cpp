@@ -49,9 +49,9 @@ struct PlyElement {
 struct PlyHeader {
   PlyFormat format = PlyFormat::ascii;
   std::vector<PlyElement> elements;
-  std::size_t vertex = 0;        ///< place of the element "vertex"
-  std::uint64_t data_place = 0;  ///< first byte after the header
-  std::uint64_t line_count = 0;  ///< lines of the header
+  std::size_t vertex = 0;         ///< offset of the element "vertex"
+  std::uint64_t data_offset = 0;  ///< first byte after the header
+  std::uint64_t line_count = 0;   ///< lines of the header
 };
 
 using Words = std::vector<std::string_view>;
@@ -133,7 +133,7 @@ void check_count(const InputFile& input, const PlyHeader& header, Damage damage)
   const PlyElement& vertex = header.elements[header.vertex];
   const bool is_text = header.format == PlyFormat::ascii;
   check_room(input,
-             {.place = header.data_place,
+             {.offset = header.data_offset,
               .count = vertex.count,
               .smallest_row = is_text ? vertex.properties.size() : vertex.smallest_size(),
               .is_text = is_text,
@@ -176,7 +176,7 @@ PlyHeader read_ply_header(InputFile& input, Damage damage) {
     }
   }
   if (!has_format) scanner.fail("missing format line", "format ascii 1.0 or another");
-  header.data_place = scanner.place();
+  header.data_offset = scanner.offset();
   header.line_count = scanner.line_number();
   find_vertex(scanner, header);
   check_count(input, header, damage);
@@ -213,7 +213,7 @@ class PlyReader final : public TableReader {
   void visit_binary(const RowVisitor& visit, const Progress& progress) {
     const std::endian order =
         header_.format == PlyFormat::binary_big_endian ? std::endian::big : std::endian::little;
-    ByteCursor cursor(input_, header_.data_place);
+    ByteCursor cursor(input_, header_.data_offset);
     for (std::size_t i = 0; i < header_.vertex; ++i) skip_binary(header_.elements[i], cursor, order);
 
     const std::vector<PlyProperty>& properties = vertex().properties;
@@ -232,12 +232,12 @@ class PlyReader final : public TableReader {
   void skip_binary(const PlyElement& element, ByteCursor& cursor, std::endian order) const {
     const std::uint64_t size = element.smallest_size();
     if (size == 0 || element.count == 0) return;
-    const std::uint64_t place = cursor.place();
-    if (element.count > (input_.size() - place) / size) {
-      fail("byte " + std::to_string(place),
+    const std::uint64_t offset = cursor.offset();
+    if (element.count > (input_.size() - offset) / size) {
+      fail("byte " + std::to_string(offset),
            "truncated file: too short for its element " + quote(element.name),
            std::to_string(element.count) + " of at least " + std::to_string(size) + " bytes",
-           std::to_string(input_.size() - place) + " bytes");
+           std::to_string(input_.size() - offset) + " bytes");
     }
     if (!element.has_lists()) {
       cursor.skip(element.count * size);
@@ -255,13 +255,13 @@ class PlyReader final : public TableReader {
   }
 
   void skip_list(const PlyProperty& property, ByteCursor& cursor, std::endian order) const {
-    const std::uint64_t place = cursor.place();
+    const std::uint64_t offset = cursor.offset();
     const Cell count = cell_from(cursor.take(static_cast<std::size_t>(scalar_size(property.count_type))),
                                  property.count_type, order);
     const std::uint64_t size = static_cast<std::uint64_t>(scalar_size(property.type));
-    const std::uint64_t left = input_.size() - cursor.place();
+    const std::uint64_t left = input_.size() - cursor.offset();
     if (!(count.number >= 0.0 && count.number <= static_cast<double>(left / size))) {
-      fail("byte " + std::to_string(place), "a list of " + quote(property.name) + " has an invalid length",
+      fail("byte " + std::to_string(offset), "a list of " + quote(property.name) + " has an invalid length",
            "0 to " + std::to_string(left / size),
            std::to_string(static_cast<std::int64_t>(std::clamp(count.number, -9e18, 9e18))));
     }
@@ -269,7 +269,7 @@ class PlyReader final : public TableReader {
   }
 
   void visit_text(const RowVisitor& visit, const Progress& progress) {
-    TextScanner scanner(input_, header_.data_place, header_.line_count);
+    TextScanner scanner(input_, header_.data_offset, header_.line_count);
     written_.emplace(columns());
     for (std::size_t i = 0; i < header_.vertex; ++i) {
       const PlyElement& element = header_.elements[i];

@@ -37,7 +37,7 @@ struct TextLayout {
   char separator = ' ';  ///< ' ' stands for any blanks and tabs
   std::vector<TableColumn> columns;
   bool has_names = false;            ///< columns have the file's own names; words in extra columns become NaN
-  std::uint64_t data_place = 0;      ///< first byte of the points or of the first count line
+  std::uint64_t data_offset = 0;     ///< first byte of the points or of the first count line
   std::uint64_t line_count = 0;      ///< lines before that
   std::vector<std::string> remarks;  ///< what was assumed, as clauses
 };
@@ -186,7 +186,7 @@ bool has_place(const std::vector<TableColumn>& columns) {
   return find_role(columns, ColumnRole::x) && find_role(columns, ColumnRole::y);
 }
 
-/// The points from the scanner's place on; count lines of PTS files are passed over. Rows of another width
+/// The points from the scanner's offset on; count lines of PTS files are passed over. Rows of another width
 /// are left to the reader, which tells their line.
 Sample take_sample(TextScanner scanner, char separator, std::size_t& column_count) {
   Sample sample;
@@ -227,7 +227,7 @@ TextLayout read_text_layout(InputFile& input) {
   std::string comment;
   std::optional<std::string_view> line;
   while (true) {
-    layout.data_place = scanner.place();
+    layout.data_offset = scanner.offset();
     layout.line_count = scanner.line_number();
     line = scanner.next_line();
     if (!line) {
@@ -266,7 +266,7 @@ TextLayout read_text_layout(InputFile& input) {
       scanner.fail("neither a point nor a header with column names",
                    "numbers, or column names with x, y and z", quote(*line));
     layout.has_names = true;
-    layout.data_place = scanner.place();
+    layout.data_offset = scanner.offset();
     layout.line_count = scanner.line_number();
     std::size_t column_count = layout.columns.size();
     leave_out_words(layout, take_sample(scanner, layout.separator, column_count));
@@ -277,7 +277,7 @@ TextLayout read_text_layout(InputFile& input) {
   require_few_columns(scanner, words.size());
   std::size_t column_count = words.size();
   const Sample sample =
-      take_sample(TextScanner(input, layout.data_place, layout.line_count), layout.separator, column_count);
+      take_sample(TextScanner(input, layout.data_offset, layout.line_count), layout.separator, column_count);
   split_line(comment, separator_of(comment), words);
   if (words.size() == column_count) layout.columns = named_columns(words);
   layout.has_names = has_place(layout.columns);
@@ -300,14 +300,14 @@ class TextReader final : public TableReader {
 
  protected:
   void visit_rows(const RowVisitor& visit, const Progress& progress) override {
-    TextScanner scanner(input_, layout_.data_place, layout_.line_count);
+    TextScanner scanner(input_, layout_.data_offset, layout_.line_count);
     written_.emplace(columns());
     row_.assign(columns().size(), {});
     word_count_ = 0;
     const bool has_blocks = layout_.format == "PTS";
     std::uint64_t announced = 0;  // points that the last count line still promises
     while (const auto line = scanner.next_line()) {
-      if (scanner.line_number() % k_lines_per_report == 0) report(progress, scanner.place(), input_.size());
+      if (scanner.line_number() % k_lines_per_report == 0) report(progress, scanner.offset(), input_.size());
       if (is_comment_or_empty(*line)) continue;
       split_line(*line, layout_.separator, words_);
       if (has_blocks && announced == 0) {
@@ -337,7 +337,7 @@ class TextReader final : public TableReader {
                    "the count line of a further block or the end of the file",
                    std::to_string(words_.size()) + " words");
     // A value takes two bytes with the blank after it; the very last one may lack that.
-    const std::uint64_t room = (input_.size() - scanner.place() + 1) / (2 * columns().size());
+    const std::uint64_t room = (input_.size() - scanner.offset() + 1) / (2 * columns().size());
     if (*count > room && damage() == Damage::refuse)
       scanner.fail("truncated file: too short for the points of the count line",
                    "at most " + std::to_string(room), std::to_string(*count));

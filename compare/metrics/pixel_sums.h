@@ -193,9 +193,9 @@ struct DifferenceSums {
   std::uint64_t values = 0;
   Number sum = 0, sum_abs = 0, sum_squares = 0;
   Number most = 0;          ///< the largest size
-  std::size_t most_at = 0;  ///< its place, the first in reading order
+  std::size_t most_at = 0;  ///< its position, the first in reading order
 
-  void add(Number difference, std::size_t place) {
+  void add(Number difference, std::size_t position) {
     const Number size = difference < 0 ? -difference : difference;
     ++values;
     sum += difference;
@@ -203,7 +203,7 @@ struct DifferenceSums {
     sum_squares += difference * difference;
     if (size > most) {
       most = size;
-      most_at = place;
+      most_at = position;
     }
   }
 

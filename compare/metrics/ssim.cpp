@@ -101,11 +101,11 @@ void SsimTile::filter_rows() {
       squares[column] = x[column] * x[column] + y[column] * y[column];
       products[column] = x[column] * y[column];
     }
-    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(row) * k_most_width;
-    filter(x + k_ssim_reach, 1, width_, means_[0].data() + place);
-    filter(y + k_ssim_reach, 1, width_, means_[1].data() + place);
-    filter(squares + k_ssim_reach, 1, width_, means_[2].data() + place);
-    filter(products + k_ssim_reach, 1, width_, means_[3].data() + place);
+    const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row) * k_most_width;
+    filter(x + k_ssim_reach, 1, width_, means_[0].data() + offset);
+    filter(y + k_ssim_reach, 1, width_, means_[1].data() + offset);
+    filter(squares + k_ssim_reach, 1, width_, means_[2].data() + offset);
+    filter(products + k_ssim_reach, 1, width_, means_[3].data() + offset);
   }
 }
 
@@ -113,8 +113,8 @@ void SsimTile::similarities(int row, double* similarity, double* contrast) {
   constexpr double k_c1 = 0.01 * 0.01, k_c2 = 0.03 * 0.03;
   double means[4][k_most_width];
   for (std::size_t i = 0; i < 4; ++i) {
-    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(row + k_ssim_reach) * k_most_width;
-    filter(means_[i].data() + place, k_most_width, width_, means[i]);
+    const std::ptrdiff_t offset = static_cast<std::ptrdiff_t>(row + k_ssim_reach) * k_most_width;
+    filter(means_[i].data() + offset, k_most_width, width_, means[i]);
   }
   for (int x = 0; x < width_; ++x) {
     const double product = means[0][x] * means[1][x];

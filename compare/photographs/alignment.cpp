@@ -54,9 +54,9 @@ class ShiftScores {
       : reference_(reference), test_(test) {}
 
   double at(const Shift& shift) {
-    const auto [place, is_new] = known_.try_emplace(shift, 0.0);
-    if (is_new) place->second = score(shift);
-    return place->second;
+    const auto [position, is_new] = known_.try_emplace(shift, 0.0);
+    if (is_new) position->second = score(shift);
+    return position->second;
   }
 
  private:
@@ -191,7 +191,7 @@ Peak fit_peak(ShiftScores& scores, const Shift& shift) {
   return peak;
 }
 
-/// Score of the best shift that is another than the best one, not just a place on its slope; 0 if there is
+/// Score of the best shift that is another than the best one, not just a position on its slope; 0 if there is
 /// none.
 double best_rival(const std::vector<Candidate>& candidates) {
   constexpr Reach k_slope{3, 3};
@@ -257,8 +257,8 @@ Alignment align(const ComparedImage& reference, const ComparedImage& test, const
   std::vector<Candidate> candidates;
   Alignment alignment;
   for (int level = levels - 1; level >= 0; --level) {
-    const auto place = static_cast<std::size_t>(level);
-    ShiftScores scores(of_reference[place], of_test[place]);
+    const auto position = static_cast<std::size_t>(level);
+    ShiftScores scores(of_reference[position], of_test[position]);
     const Reach reach = reach_of(reference, options.largest_shift, level);
     if (level == levels - 1) {
       candidates = local_maxima(scores, reach);

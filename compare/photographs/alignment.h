@@ -33,14 +33,14 @@ struct Alignment {
 /// was scanned are no edges. Pixels without a neighbour that counts take no part.
 ///
 /// The search goes from coarse to fine over a pyramid of halved pictures: all shifts on the coarsest level,
-/// then uphill on each finer one from the best four places; sub-pixel from the parabola through the peak.
+/// then uphill on each finer one from the best four positions; sub-pixel from the parabola through the peak.
 /// Shifts that leave nothing of both pictures on each other are not tried. Sums are of whole numbers, so they
 /// are the same on any number of threads.
 ///
 /// Both pictures must have colours and the same size. Cost: about a second for 8 million pixels on two cores;
 /// 16 bytes per pixel. Errors: pictures so long and narrow that so many shifts would take minutes.
 /// Source: V. Argyriou, T. Vlachos, Estimation of sub-pixel motion using gradient cross-correlation,
-/// Electronics Letters 39 (2003).
+/// Electronics Characters 39 (2003).
 Alignment align(const ComparedImage& reference, const ComparedImage& test, const ImageMask& mask,
                 const AlignmentOptions& options = {});
 

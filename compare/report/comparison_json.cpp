@@ -191,7 +191,7 @@ void add_layers(Json& metrics, const Comparison& comparison) {
         metric.kind->group == k_id_group || metric.kind->group == k_alpha_group) {
       const std::string name(metric.kind->name);
       metrics[name] = json_number(metric.value);
-      if (metric.place) metrics[name + "_at"] = {metric.place->x, metric.place->y};
+      if (metric.position) metrics[name + "_at"] = {metric.position->x, metric.position->y};
     }
 }
 

@@ -53,8 +53,9 @@ std::string html_text(std::string_view text) {
 }
 
 std::string script_json(std::string json) {
-  for (std::size_t place = json.find('<'); place != std::string::npos; place = json.find('<', place))
-    json.replace(place, 1, "\\u003c");
+  for (std::size_t position = json.find('<'); position != std::string::npos;
+       position = json.find('<', position))
+    json.replace(position, 1, "\\u003c");
   return json;
 }
 

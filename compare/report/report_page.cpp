@@ -34,7 +34,7 @@ Json rows_json(const Comparison& comparison) {
              {"label", metric.kind->label},       {"full_label", full_label(*metric.kind)},
              {"unit", metric.kind->unit},         {"note", metric.kind->note},
              {"value", json_number(metric.value)}};
-    if (metric.place) row["at"] = {metric.place->x, metric.place->y};
+    if (metric.position) row["at"] = {metric.position->x, metric.position->y};
     rows.push_back(row);
   }
   return rows;

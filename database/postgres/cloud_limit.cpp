@@ -102,9 +102,9 @@ bool may_hold(const CloudLimit& limit, const Bounds& box) {
   }
   PointFilter filter;
   if (limit.kind == DistanceKind::ray)
-    filter.lines.push_back({.ray = Ray{.origin = line.place, .direction = line.unit}, .distance = limits});
+    filter.lines.push_back({.ray = Ray{.origin = line.position, .direction = line.unit}, .distance = limits});
   else
-    filter.planes.push_back({.plane = {line.place, line.unit}, .distance = limits});
+    filter.planes.push_back({.plane = {line.position, line.unit}, .distance = limits});
   return may_hold(filter, box);
 }
 

@@ -16,24 +16,24 @@ enum class DistanceKind : std::int64_t { ray = 1, plane = 2 };
 /// values of the SQL types cloud_ray and cloud_plane, byte for byte. Numbers as they were given are kept
 /// beside what was made of them: as text they come back as the same value.
 struct CloudLine {
-  glm::dvec3 place, direction;
+  glm::dvec3 position, direction;
   glm::dvec3 unit;  ///< direction with length 1
 };
 
 /// Errors: as make_ray() and make_plane().
-inline CloudLine make_line(DistanceKind kind, const glm::dvec3& place, const glm::dvec3& direction) {
-  const glm::dvec3 unit =
-      kind == DistanceKind::ray ? make_ray(place, direction).direction : make_plane(place, direction).normal;
-  return {place, direction, unit};
+inline CloudLine make_line(DistanceKind kind, const glm::dvec3& position, const glm::dvec3& direction) {
+  const glm::dvec3 unit = kind == DistanceKind::ray ? make_ray(position, direction).direction
+                                                    : make_plane(position, direction).normal;
+  return {position, direction, unit};
 }
 
 /// dist_ray or dist_plane of a point, or between what it lies for the points of a box. Where a point's is NaN,
 /// an end is NaN or high is infinite.
-template <class Place>
-auto distance(DistanceKind kind, const CloudLine& line, const Place& place) {
+template <class Position>
+auto distance(DistanceKind kind, const CloudLine& line, const Position& position) {
   if (kind == DistanceKind::ray)
-    return project(Ray{.origin = line.place, .direction = line.unit}, place).distance;
-  return signed_distance(Plane{line.place, line.unit}, place);
+    return project(Ray{.origin = line.position, .direction = line.unit}, position).distance;
+  return signed_distance(Plane{line.position, line.unit}, position);
 }
 
 enum class Comparison { less, less_equal, equal, greater_equal, greater };
@@ -52,7 +52,7 @@ CloudLimit make_limit(DistanceKind kind, const CloudLine& line, Comparison compa
 /// Whether a point keeps it.
 bool holds(const CloudLimit& limit, const glm::dvec3& point);
 
-/// False only if no point of the box keeps it. A box without limits holds points without a place, too.
+/// False only if no point of the box keeps it. A box without limits holds points without a position, too.
 bool may_hold(const CloudLimit& limit, const Bounds& box);
 
 /// False only if all points of the box keep it.

@@ -83,10 +83,10 @@ Node* simplify_distance(const SupportRequestSimplify& request, const char* line_
   if (list_length(written.args) != 9 || !OidIsValid(line) || !OidIsValid(point)) return nullptr;
   const Oid symbol = parts.symbol("<->", get_func_rettype(point), get_func_rettype(line));
   if (!OidIsValid(symbol)) return nullptr;
-  List* const place = list_copy_tail(written.args, 6);
+  List* const position = list_copy_tail(written.args, 6);
   List* const given = list_truncate(list_copy(written.args), 6);
   Node* const folded = eval_const_expressions(request.root, call(line, given));
-  Node* const distance = operation(symbol, FLOAT8OID, call(point, place), folded);
+  Node* const distance = operation(symbol, FLOAT8OID, call(point, position), folded);
   return reinterpret_cast<Node*>(makeRelabelType(reinterpret_cast<Expr*>(distance), written.funcresulttype,
                                                  -1, InvalidOid, COERCE_IMPLICIT_CAST));
 }

@@ -43,7 +43,7 @@ double share_of_sample(const CloudLimit& limit, const AttStatsSlot& sample) {
   return share;
 }
 
-/// Shares of the rows that keep the limit and of those without a place.
+/// Shares of the rows that keep the limit and of those without a position.
 struct Shares {
   double keeping, null;
 };

@@ -32,21 +32,22 @@ const char* skip_spaces(const char* text) {
 /// Reads "(1,2,3)", where spaces may stand, up to its end. `text` is what stands between `all` and its end;
 /// error messages name the type and all of the text.
 void read_numbers(const char* text, const char* all, const char* type, std::span<double> numbers) {
-  const char* place = skip_spaces(text);
+  const char* position = skip_spaces(text);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
-    if (*place != (i == 0 ? '(' : ',')) refuse_text(all, type);
+    if (*position != (i == 0 ? '(' : ',')) refuse_text(all, type);
     // PostgreSQL's own parser, which only reads, asks for text that may be changed.
     char* end = nullptr;
-    numbers[i] = float8in_internal(const_cast<char*>(place + 1), &end, type, all);
-    place = skip_spaces(end);
+    numbers[i] = float8in_internal(const_cast<char*>(position + 1), &end, type, all);
+    position = skip_spaces(end);
   }
-  if (*place != ')' || *skip_spaces(place + 1) != '\0') refuse_text(all, type);
+  if (*position != ')' || *skip_spaces(position + 1) != '\0') refuse_text(all, type);
 }
 
 using Six = std::array<double, 6>;
 
 Six numbers_of(const CloudLine& line) {
-  return {line.place.x, line.place.y, line.place.z, line.direction.x, line.direction.y, line.direction.z};
+  return {line.position.x,  line.position.y,  line.position.z,
+          line.direction.x, line.direction.y, line.direction.z};
 }
 
 /// The first six.

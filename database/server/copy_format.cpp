@@ -46,7 +46,7 @@ void append_null(std::vector<std::byte>& bytes) {
   append_number(std::int32_t{-1}, bytes);
 }
 
-/// numeric: digits to the base of 10,000 without zeros at the end, the power of the first one, sign, places
+/// numeric: digits to the base of 10,000 without zeros at the end, the power of the first one, sign, offsets
 /// behind the point.
 void append_numeric(std::uint64_t number, std::vector<std::byte>& bytes) {
   constexpr std::uint64_t k_base = 10000;
@@ -103,7 +103,7 @@ std::size_t CopyDecoder::take_head(std::span<const std::byte> bytes) {
   const auto flags = load<std::int32_t>(bytes.data() + k_signature.size(), std::endian::big);
   const auto more = load<std::int32_t>(bytes.data() + k_signature.size() + sizeof flags, std::endian::big);
   if (flags != 0 || more != 0) refuse_rows("a header without flags", "flags");
-  place_ = Place::rows;
+  offset_ = Offset::rows;
   return k_head;
 }
 
@@ -115,7 +115,7 @@ std::size_t CopyDecoder::take_row(std::span<const std::byte> bytes) {
   const auto count = load<std::int16_t>(bytes.data(), std::endian::big);
   at += sizeof count;
   if (count == -1) {
-    place_ = Place::end;
+    offset_ = Offset::end;
     return at;
   }
   if (count < 0 || static_cast<std::size_t>(count) != fields_.size())
@@ -142,9 +142,9 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
     bytes = left_;
   }
   while (!bytes.empty()) {
-    if (place_ == Place::end)
+    if (offset_ == Offset::end)
       refuse_rows("no data after the last row", std::to_string(bytes.size()) + " bytes");
-    const std::size_t taken = place_ == Place::head ? take_head(bytes) : take_row(bytes);
+    const std::size_t taken = offset_ == Offset::head ? take_head(bytes) : take_row(bytes);
     if (taken == 0) break;
     bytes = bytes.subspan(taken);
   }
@@ -153,7 +153,7 @@ void CopyDecoder::add(std::span<const std::byte> bytes) {
 }
 
 void CopyDecoder::finish() const {
-  if (place_ != Place::end) refuse_rows("an end marker after the last row", "none");
+  if (offset_ != Offset::end) refuse_rows("an end marker after the last row", "none");
 }
 
 CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)
@@ -163,7 +163,7 @@ CopyRows::CopyRows(std::vector<StoredColumn> columns, const Lattice& lattice)
 
 std::vector<std::byte> CopyRows::head() {
   std::vector<std::byte> bytes;
-  for (const char letter : k_signature) bytes.push_back(static_cast<std::byte>(letter));
+  for (const char character : k_signature) bytes.push_back(static_cast<std::byte>(character));
   append_number(std::int32_t{0}, bytes);  // flags
   append_number(std::int32_t{0}, bytes);  // length of what extends the head
   return bytes;
@@ -183,7 +183,7 @@ void CopyRows::append(const EncodedChunks& points, std::size_t i, std::vector<st
     const StoredColumn& column = columns_[number];
     const std::byte* const values = points.blobs[static_cast<std::size_t>(column.blob)].data();
     append_value(types_[number],
-                 stored_value(column, values + i * static_cast<std::size_t>(column.size) + column.place),
+                 stored_value(column, values + i * static_cast<std::size_t>(column.size) + column.byte),
                  bytes);
     if (number > 0) continue;
     for (int axis = 0; axis < 3; ++axis) append_field(position[axis], bytes);

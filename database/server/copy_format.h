@@ -34,11 +34,11 @@ class CopyDecoder {
   std::size_t take_head(std::span<const std::byte> bytes);
   std::size_t take_row(std::span<const std::byte> bytes);
 
-  enum class Place { head, rows, end };
+  enum class Offset { head, rows, end };
 
   std::vector<CopyField> fields_;
   TakeRow take_;
-  Place place_ = Place::head;
+  Offset offset_ = Offset::head;
   std::vector<std::byte> left_;  ///< of a row that has not come wholly
 };
 

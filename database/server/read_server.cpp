@@ -62,9 +62,9 @@ class RowPlacer {
     if (done_ == order_.count)
       server_.connection().fail("the server sent more rows than it counted", std::to_string(order_.count));
     if (done_ == first_ + room_) make_room();
-    const std::uint64_t place = order_.is_by_id ? place_by_id(row) : done_ - first_;
-    cloud_.positions[start_ + place] = position_of(row);
-    values_.put(start_ + place, row.values, [&] {
+    const std::uint64_t offset = order_.is_by_id ? row_by_id(row) : done_ - first_;
+    cloud_.positions[start_ + offset] = position_of(row);
+    values_.put(start_ + offset, row.values, [&] {
       return order_.is_by_id ? fmt::format("id {}", row.id) : fmt::format("row {}", row.number + 1);
     });
     ++done_;
@@ -90,14 +90,14 @@ class RowPlacer {
     is_there_.assign(order_.is_by_id ? room_ : 0, false);
   }
 
-  std::uint64_t place_by_id(const ServerRow& row) {
-    const std::uint64_t place = static_cast<std::uint64_t>(row.id) - first_;
-    if (place >= room_ || is_there_[place]) {
+  std::uint64_t row_by_id(const ServerRow& row) {
+    const std::uint64_t offset = static_cast<std::uint64_t>(row.id) - first_;
+    if (offset >= room_ || is_there_[offset]) {
       server_.connection().fail("ids do not match the rows",
                                 fmt::format("each id below {} once", order_.count), std::to_string(row.id));
     }
-    is_there_[place] = true;
-    return place;
+    is_there_[offset] = true;
+    return offset;
   }
 
   LatticePosition position_of(const ServerRow& row) const {
@@ -167,12 +167,12 @@ class ServerCloudReader final : public CloudReader {
   CoordinateSurvey survey(const Progress& progress) override {
     const ServerTable& table = server_.table();
     const ServerWait wait = reporting(progress);
-    const std::string place = " FILTER (WHERE " + table.has_place() + ")";
+    const std::string location = " FILTER (WHERE " + table.has_place() + ")";
     constexpr const char* k_axes[] = {"x", "y", "z"};
-    std::string sql = "SELECT count(*), count(*)" + place;
+    std::string sql = "SELECT count(*), count(*)" + location;
     for (const char* const axis : k_axes) {
       const std::string number = table.find(axis)->expression() + "::float8";
-      sql += ", min(" + number + ")" + place + ", max(" + number + ")" + place;
+      sql += ", min(" + number + ")" + location + ", max(" + number + ")" + location;
     }
     const ServerRows found = server_.connection().run(sql + " FROM " + table.quoted_name, {}, wait);
     CoordinateSurvey survey;
@@ -317,15 +317,15 @@ CloudPart read_server_part(const std::string& name, std::span<const PointFilter>
         const auto position = to_lattice(row_of_cloud.lattice, row.world);
         if (!position)
           server.connection().fail("a point exceeds the lattice", {}, {}, fmt::format("id {}", id));
-        const std::size_t place = part.ids.size();
-        if (place == part.cloud.size()) {
-          append_rows(part.cloud, kept, std::max<std::size_t>(place, 4096));
+        const std::size_t offset = part.ids.size();
+        if (offset == part.cloud.size()) {
+          append_rows(part.cloud, kept, std::max<std::size_t>(offset, 4096));
           values.find_columns();
           wait();
         }
         part.ids.push_back(id);
-        part.cloud.positions[place] = *position;
-        values.put(place, row.values, [&] { return fmt::format("id {}", id); });
+        part.cloud.positions[offset] = *position;
+        values.put(offset, row.values, [&] { return fmt::format("id {}", id); });
       },
       wait);
   part.cloud.resize(part.ids.size());

@@ -153,8 +153,8 @@ void CloudValues::find_columns() {
     }
     for_each_column(cloud_, cloud_, [&](Attribute attribute, auto& column, const auto&) {
       if (attribute != *target.source.attribute) return;
-      const std::size_t place = target.source.part * static_cast<std::size_t>(scalar_size(target.type));
-      target.values = reinterpret_cast<std::byte*>(column.data()) + place;
+      const std::size_t offset = target.source.part * static_cast<std::size_t>(scalar_size(target.type));
+      target.values = reinterpret_cast<std::byte*>(column.data()) + offset;
       target.stride = sizeof column.front();
     });
   }
@@ -189,9 +189,9 @@ bool CloudValues::put(const Target& target, std::size_t row, CopyField field) {
   return true;
 }
 
-void CloudValues::refuse(const Target& target, CopyField field, std::string place) {
+void CloudValues::refuse(const Target& target, CopyField field, std::string location) {
   const NumberColumn& column = target.source.column;
-  throw Error({.place = std::move(place),
+  throw Error({.location = std::move(location),
                .problem = fmt::format("{} out of the range of the attribute", column.name),
                .expected = is_real(target.type) ? "a 32-bit integer" : fmt::format("0 to {}", target.most),
                .found = fmt::format("{}", number_of(column, field))});

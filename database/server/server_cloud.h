@@ -49,11 +49,11 @@ class CloudValues {
   void find_columns();
 
   /// Fills a row with fields in the order of the columns. Errors: a value out of the attribute's range, told
-  /// with `place`().
-  template <class Place>
-  void put(std::size_t row, std::span<const CopyField> fields, const Place& place) {
+  /// with `offset`().
+  template <class Offset>
+  void put(std::size_t row, std::span<const CopyField> fields, const Offset& offset) {
     for (std::size_t i = 0; i < targets_.size(); ++i) {
-      if (!put(targets_[i], row, fields[i])) refuse(targets_[i], fields[i], place());
+      if (!put(targets_[i], row, fields[i])) refuse(targets_[i], fields[i], offset());
     }
   }
 
@@ -70,7 +70,7 @@ class CloudValues {
     double most = 0.0;  ///< of whole attributes
   };
   bool put(const Target& target, std::size_t row, CopyField field);
-  [[noreturn]] static void refuse(const Target& target, CopyField field, std::string place);
+  [[noreturn]] static void refuse(const Target& target, CopyField field, std::string location);
 
   PointCloud& cloud_;
   std::vector<Target> targets_;

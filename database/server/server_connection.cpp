@@ -83,10 +83,10 @@ const ServerLibrary& server_library() {
 /// One line, without what stands around it.
 std::string one_line(const char* text) {
   std::string line;
-  for (const char letter : std::string_view(text == nullptr ? "" : text)) {
-    const bool is_blank = static_cast<unsigned char>(letter) <= ' ';
+  for (const char character : std::string_view(text == nullptr ? "" : text)) {
+    const bool is_blank = static_cast<unsigned char>(character) <= ' ';
     if (!is_blank)
-      line += letter;
+      line += character;
     else if (!line.empty() && line.back() != ' ')
       line += ' ';
   }
@@ -127,9 +127,9 @@ bool ServerRows::is_null(std::size_t row, int column) const {
 }
 
 std::string ServerRows::text(std::size_t row, int column) const {
-  const int place = static_cast<int>(row);
-  return std::string(server_library().value(result_, place, column),
-                     static_cast<std::size_t>(server_library().length(result_, place, column)));
+  const int offset = static_cast<int>(row);
+  return std::string(server_library().value(result_, offset, column),
+                     static_cast<std::size_t>(server_library().length(result_, offset, column)));
 }
 
 double ServerRows::number(std::size_t row, int column) const {
@@ -182,9 +182,9 @@ ServerConnection::~ServerConnection() {
 }
 
 void ServerConnection::fail(std::string problem, std::string expected, std::string found,
-                            std::string place) const {
+                            std::string location) const {
   throw Error({.file = name_,
-               .place = std::move(place),
+               .location = std::move(location),
                .problem = std::move(problem),
                .expected = std::move(expected),
                .found = std::move(found)});

@@ -64,7 +64,7 @@ class ServerConnection {
   const std::string& name() const { return name_; }
   /// Throws an Error that names the table.
   [[noreturn]] void fail(std::string problem, std::string expected = {}, std::string found = {},
-                         std::string place = {}) const;
+                         std::string location = {}) const;
 
  private:
   void send(const std::string& sql, std::span<const std::string> values);

@@ -27,36 +27,36 @@ constexpr const char* k_form = "postgresql://HOST:PORT/DATABASE?table=NAME";
 std::string decoded(std::string_view text) {
   std::string result;
   for (std::size_t i = 0; i < text.size(); ++i) {
-    char letter = text[i];
-    if (letter == '%') {
+    char character = text[i];
+    if (character == '%') {
       unsigned value = 0;
       const std::string_view digits = text.substr(i + 1, 2);
       const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, 16);
       if (digits.size() != 2 || error != std::errc() || end != digits.data() + 2 || value == 0)
         refuse_name("the server name has a '%' without a character code", "%25 for a '%' itself");
-      letter = static_cast<char>(value);
+      character = static_cast<char>(value);
       i += 2;
     }
-    if (letter == '\0') refuse_name("the server name contains NUL");
-    result += letter;
+    if (character == '\0') refuse_name("the server name contains NUL");
+    result += character;
   }
   return result;
 }
 
 std::string encoded(std::string_view text) {
   std::string result;
-  for (const char letter : text) {
-    const auto byte = static_cast<unsigned char>(letter);
+  for (const char character : text) {
+    const auto byte = static_cast<unsigned char>(character);
     const bool is_plain = byte > 0x7f || std::isalnum(byte) != 0 ||
-                          std::string_view("-_.~/ '()*,;!$").find(letter) != std::string_view::npos;
-    result += is_plain ? std::string(1, letter) : fmt::format("%{:02X}", byte);
+                          std::string_view("-_.~/ '()*,;!$").find(character) != std::string_view::npos;
+    result += is_plain ? std::string(1, character) : fmt::format("%{:02X}", byte);
   }
   return result;
 }
 
 /// "password" and "sslpassword", and what newer versions may call so.
 bool is_secret(std::string word) {
-  std::ranges::transform(word, word.begin(), [](unsigned char letter) { return std::tolower(letter); });
+  std::ranges::transform(word, word.begin(), [](unsigned char character) { return std::tolower(character); });
   return word.find("password") != std::string::npos || word.find("secret") != std::string::npos;
 }
 
@@ -113,15 +113,15 @@ ServerName::ServerName(std::string_view text) {
     if (decoded(user).find(':') != std::string::npos) refuse_password();
     take("user", user);
   }
-  std::string_view place = split(words, '?');
-  const auto [host, port, is_address] = split_host(split(place, '/'));
+  std::string_view location = split(words, '?');
+  const auto [host, port, is_address] = split_host(split(location, '/'));
   if (port) {
     take("port", *port);
     if (!parse_port(parameter("port"))) refuse_name("the port is not a number from 1 to 65535");
   }
   if (!is_address) refuse_name("invalid host of a server");
   take("host", host);
-  take("dbname", place);
+  take("dbname", location);
   while (!words.empty()) {
     std::string_view value = split(words, '&');
     const std::string word = decoded(split(value, '='));

@@ -30,8 +30,8 @@ constexpr const char* k_never = "false";
 constexpr double k_infinity = std::numeric_limits<double>::infinity();
 
 /// The largest of some coordinates, none of them NaN.
-double reach(const glm::dvec3& place) {
-  return std::max({std::abs(place.x), std::abs(place.y), std::abs(place.z)});
+double reach(const glm::dvec3& offset) {
+  return std::max({std::abs(offset.x), std::abs(offset.y), std::abs(offset.z)});
 }
 
 /// Numbers are written such that reading gives the same ones.
@@ -106,8 +106,8 @@ std::string server_index(const std::string& quoted_name) {
 
 void check_server_table(const std::string& name) {
   constexpr std::size_t k_longest = 40;
-  const auto is_control = [](char letter) {
-    return static_cast<unsigned char>(letter) < 0x20 || letter == 0x7f;
+  const auto is_control = [](char character) {
+    return static_cast<unsigned char>(character) < 0x20 || character == 0x7f;
   };
   if (name.empty() || name.size() > k_longest || std::ranges::any_of(name, is_control) || !is_utf8(name)) {
     throw Error({.problem = "invalid table name",

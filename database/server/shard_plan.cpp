@@ -34,8 +34,8 @@ namespace {
 
 /// Neither what programs take for an option or a setting, nor what terminals take for a command.
 bool is_plain(std::string_view name) {
-  const auto is_strange = [](char letter) {
-    return static_cast<unsigned char>(letter) <= 0x20 || letter == 0x7f || letter == '=';
+  const auto is_strange = [](char character) {
+    return static_cast<unsigned char>(character) <= 0x20 || character == 0x7f || character == '=';
   };
   return !name.empty() && name.front() != '-' && std::ranges::none_of(name, is_strange);
 }
@@ -60,12 +60,14 @@ std::string box_check(const Bounds& box) {
 
 /// `word` as a shell takes it for a word, whatever is in it.
 std::string shell_word(const std::string& word) {
-  const auto is_plain = [](unsigned char letter) {
-    return std::isalnum(letter) != 0 || letter == '_' || letter == '-' || letter == '.' || letter == ':';
+  const auto is_plain = [](unsigned char character) {
+    return std::isalnum(character) != 0 || character == '_' || character == '-' || character == '.' ||
+           character == ':';
   };
   if (std::ranges::all_of(word, is_plain)) return word;
   std::string quoted = "'";
-  for (const char letter : word) quoted += letter == '\'' ? std::string("'\\''") : std::string(1, letter);
+  for (const char character : word)
+    quoted += character == '\'' ? std::string("'\\''") : std::string(1, character);
   return quoted + "'";
 }
 
@@ -74,7 +76,7 @@ std::string box_text(const Bounds& box) {
                      box.min.z, box.max.z);
 }
 
-/// "shard_1" for shard 0: the name of its files, without ending.
+/// "shard_1" for shard 0: the name of its files, without extension.
 std::string shard_name(std::size_t shard) {
   return fmt::format("shard_{}", shard + 1);
 }

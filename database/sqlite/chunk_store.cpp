@@ -70,15 +70,16 @@ BoxTree::BoxTree(sqlite3* database, const std::string& schema, const std::string
     counts_.push_back(count);
 }
 
-std::vector<ChunkPlace> BoxTree::chunks(const std::function<bool(const Bounds&)>& wanted) {
-  std::vector<ChunkPlace> found;
+std::vector<ChunkLocation> BoxTree::chunks(const std::function<bool(const Bounds&)>& wanted) {
+  std::vector<ChunkLocation> found;
   if (!counts_.empty()) visit(static_cast<int>(counts_.size()) - 1, 0, k_everywhere, wanted, found);
   return found;
 }
 
-std::optional<ChunkPlace> BoxTree::chunk(std::uint64_t id) {
+std::optional<ChunkLocation> BoxTree::chunk(std::uint64_t id) {
   if (counts_.empty() || id >= counts_[0]) return std::nullopt;
-  return ChunkPlace{id, read_page(0, id / k_fan_out, k_everywhere)[static_cast<std::size_t>(id % k_fan_out)]};
+  return ChunkLocation{id,
+                       read_page(0, id / k_fan_out, k_everywhere)[static_cast<std::size_t>(id % k_fan_out)]};
 }
 
 void BoxTree::refuse(int level, std::uint64_t page, std::string problem, std::string expected,
@@ -113,7 +114,7 @@ std::vector<Bounds> BoxTree::read_page(int level, std::uint64_t page, const Boun
 }
 
 void BoxTree::visit(int level, std::uint64_t page, const Bounds& around,
-                    const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkPlace>& found) {
+                    const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkLocation>& found) {
   std::uint64_t number = page * k_fan_out;
   for (const Bounds& box : read_page(level, page, around)) {
     const std::uint64_t below = number++;
@@ -143,15 +144,15 @@ void ChunkStore::refuse(std::uint64_t chunk, std::string problem, std::string ex
                  std::move(found)});
 }
 
-std::vector<ChunkPlace> ChunkStore::chunks(const PointFilter& filter, std::optional<std::uint64_t> only) {
+std::vector<ChunkLocation> ChunkStore::chunks(const PointFilter& filter, std::optional<std::uint64_t> only) {
   const auto wanted = [&](const Bounds& box) { return may_hold(filter, box); };
   if (!only) return boxes_.chunks(wanted);
-  const std::optional<ChunkPlace> place = boxes_.chunk(*only);
-  return place && wanted(place->box) ? std::vector{*place} : std::vector<ChunkPlace>();
+  const std::optional<ChunkLocation> offset = boxes_.chunk(*only);
+  return offset && wanted(offset->box) ? std::vector{*offset} : std::vector<ChunkLocation>();
 }
 
-std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkPlace& place) {
-  const std::uint64_t id = place.id;
+std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkLocation& offset) {
+  const std::uint64_t id = offset.id;
   positions_.bind(1, static_cast<std::int64_t>(id));
   if (!positions_.step()) {
     positions_.reset();
@@ -177,7 +178,7 @@ std::shared_ptr<StoredChunk> ChunkStore::read(const ChunkPlace& place) {
   LatticeExtent extent;
   for (const LatticePosition& position : chunk->positions) extent.grow(position);
   if (!chunk->positions.empty() &&
-      (to_world(lattice_, extent.low) != place.box.min || to_world(lattice_, extent.high) != place.box.max))
+      (to_world(lattice_, extent.low) != offset.box.min || to_world(lattice_, extent.high) != offset.box.max))
     refuse(id, "the points do not match their box", "the bounds of the points", "");
   return chunk;
 }
@@ -199,7 +200,7 @@ const std::byte* ChunkStore::bytes(StoredChunk& chunk, const StoredColumn& colum
            fmt::format("{} bytes for each of {} points", size, chunk.positions.size()),
            fmt::format("{} bytes", chunk.blobs[blob]->size()));
   }
-  return chunk.blobs[blob]->data() + row * size + static_cast<std::size_t>(column.place);
+  return chunk.blobs[blob]->data() + row * size + static_cast<std::size_t>(column.byte);
 }
 
 }  // namespace alidade::database

@@ -26,7 +26,7 @@ namespace alidade::database {
 void write_box_tree(sqlite3* database, const std::string& table_name, std::vector<Bounds> boxes);
 
 /// A chunk of a cloud and the box around its points.
-struct ChunkPlace {
+struct ChunkLocation {
   std::uint64_t id = 0;
   Bounds box;
 };
@@ -40,15 +40,15 @@ class BoxTree {
   /// The chunks for whose box, and the boxes around it, `wanted` is true; by id. Errors: pages that are
   /// missing or of another size; boxes that are none, or not inside that of their page. Cost: the pages that
   /// it has to look at.
-  std::vector<ChunkPlace> chunks(const std::function<bool(const Bounds&)>& wanted);
+  std::vector<ChunkLocation> chunks(const std::function<bool(const Bounds&)>& wanted);
 
   /// The chunk of this id, if there is one. Errors: as those of the others. Cost: one page.
-  std::optional<ChunkPlace> chunk(std::uint64_t id);
+  std::optional<ChunkLocation> chunk(std::uint64_t id);
 
  private:
   std::vector<Bounds> read_page(int level, std::uint64_t page, const Bounds& around);
   void visit(int level, std::uint64_t page, const Bounds& around,
-             const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkPlace>& found);
+             const std::function<bool(const Bounds&)>& wanted, std::vector<ChunkLocation>& found);
   [[noreturn]] void refuse(int level, std::uint64_t page, std::string problem, std::string expected,
                            std::string found) const;
 
@@ -74,9 +74,10 @@ class ChunkStore {
 
   /// Chunks that may have points for which the filter holds, by id; of all, or the only one to look at. Cost:
   /// as BoxTree's.
-  std::vector<ChunkPlace> chunks(const PointFilter& filter, std::optional<std::uint64_t> only = std::nullopt);
+  std::vector<ChunkLocation> chunks(const PointFilter& filter,
+                                    std::optional<std::uint64_t> only = std::nullopt);
 
-  std::shared_ptr<StoredChunk> read(const ChunkPlace& place);
+  std::shared_ptr<StoredChunk> read(const ChunkLocation& offset);
 
   /// The bytes of a point in the column's blob, which is read if it is not there yet.
   const std::byte* bytes(StoredChunk& chunk, const StoredColumn& column, std::size_t row);

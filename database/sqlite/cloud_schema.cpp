@@ -24,8 +24,8 @@ bool is_possible(const StoredColumn& column) {
     return false;
   constexpr int k_most_bytes = 1 << 17;
   const int size = column.type == ScalarType::bytes ? column.size : scalar_size(column.type);
-  return column.blob >= 0 && column.size > 0 && column.size < k_most_bytes && column.place >= 0 &&
-         column.place <= column.size - size && std::isfinite(column.scale) && std::isfinite(column.offset);
+  return column.blob >= 0 && column.size > 0 && column.size < k_most_bytes && column.byte >= 0 &&
+         column.byte <= column.size - size && std::isfinite(column.scale) && std::isfinite(column.offset);
 }
 
 template <class Values>
@@ -100,14 +100,14 @@ class Described {
         "column", "SELECT name, blob, size, place, type, scale, \"offset\", no_data FROM ", " ORDER BY id");
     while (entry.step()) {
       // Numbers that are too large are none of those that can be.
-      const auto small = [&](int place, std::int64_t most) {
-        const std::int64_t number = entry.whole(place);
+      const auto small = [&](int offset, std::int64_t most) {
+        const std::int64_t number = entry.whole(offset);
         return static_cast<int>(number >= 0 && number <= most ? number : -1);
       };
       StoredColumn column{.name = entry.text(0),
                           .blob = small(1, INT32_MAX),
                           .size = small(2, INT32_MAX),
-                          .place = small(3, INT32_MAX),
+                          .byte = small(3, INT32_MAX),
                           .type = static_cast<ScalarType>(small(4, static_cast<int>(ScalarType::float64))),
                           .scale = entry.number(5),
                           .offset = entry.number(6)};
@@ -117,7 +117,7 @@ class Described {
           refuse("column", "invalid nodata value", "8 bytes", column.name);
         std::memcpy(column.no_data->data(), mark.data(), mark.size());
       }
-      const auto is_number = [&](int place) { return entry.type(place) == SQLITE_FLOAT; };
+      const auto is_number = [&](int offset) { return entry.type(offset) == SQLITE_FLOAT; };
       if (entry.type(0) != SQLITE_TEXT || column.name.empty())
         refuse("column", "column without a name", "a name", entry.text(0));
       if (!is_possible(column) || !is_number(5) || !is_number(6))
@@ -178,7 +178,7 @@ void create_cloud_tables(sqlite3* database, const std::string& schema, const std
   Statement entry(database, "INSERT INTO " + name("column") + " VALUES(NULL,?,?,?,?,?,?,?,?)");
   for (const StoredColumn& column : cloud.columns) {
     entry.run_with(column.name, std::int64_t{column.blob}, std::int64_t{column.size},
-                   std::int64_t{column.place}, static_cast<std::int64_t>(column.type), column.scale,
+                   std::int64_t{column.byte}, static_cast<std::int64_t>(column.type), column.scale,
                    column.offset, column.no_data ? bytes_of(*column.no_data) : std::span<const std::byte>());
   }
   run(database, "CREATE TABLE " + name("chunk") + "(id INTEGER PRIMARY KEY, points INTEGER, positions BLOB)");

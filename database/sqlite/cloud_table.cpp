@@ -55,9 +55,9 @@ Cursor& cursor_of(sqlite3_vtab_cursor* base) {
   return *reinterpret_cast<Cursor*>(base);
 }
 
-void keep_message(char** place, const char* message) {
-  sqlite3_free(*place);
-  *place = sqlite3_mprintf("%s", message);
+void keep_message(char** offset, const char* message) {
+  sqlite3_free(*offset);
+  *offset = sqlite3_mprintf("%s", message);
 }
 
 /// Runs a callback of a table, whose message it keeps.
@@ -76,7 +76,7 @@ int connect(sqlite3* database, void* reads, int count, const char* const* words,
         const int result = sqlite3_declare_vtab(database, table->columns.declaration().c_str());
         if (result != SQLITE_OK) {
           throw SqliteError(result, {.file = file_of(database, table->schema),
-                                     .place = "table " + table->name + "_column",
+                                     .location = "table " + table->name + "_column",
                                      .problem = sqlite3_errmsg(database)});
         }
         // Its tables are read and nothing else is done, whatever a file says.

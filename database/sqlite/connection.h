@@ -78,17 +78,17 @@ class Statement {
   Statement(const Statement&) = delete;
   Statement& operator=(const Statement&) = delete;
 
-  Statement& bind(int place, std::int64_t value) {
-    return check(sqlite3_bind_int64(statement_, place, value));
+  Statement& bind(int index, std::int64_t value) {
+    return check(sqlite3_bind_int64(statement_, index, value));
   }
-  Statement& bind(int place, double value) { return check(sqlite3_bind_double(statement_, place, value)); }
-  Statement& bind(int place, const std::string& text) {
+  Statement& bind(int index, double value) { return check(sqlite3_bind_double(statement_, index, value)); }
+  Statement& bind(int index, const std::string& text) {
     return check(
-        sqlite3_bind_text64(statement_, place, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+        sqlite3_bind_text64(statement_, index, text.data(), text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
   }
   /// The bytes must stay until the next step(). Null bytes are NULL.
-  Statement& bind(int place, std::span<const std::byte> bytes) {
-    return check(sqlite3_bind_blob64(statement_, place, bytes.data(), bytes.size(), SQLITE_STATIC));
+  Statement& bind(int index, std::span<const std::byte> bytes) {
+    return check(sqlite3_bind_blob64(statement_, index, bytes.data(), bytes.size(), SQLITE_STATIC));
   }
   /// Whether there is another row.
   bool step() {
@@ -104,8 +104,8 @@ class Statement {
   /// The same with these for all parameters.
   template <class... Values>
   void run_with(const Values&... values) {
-    int place = 0;
-    (bind(++place, values), ...);
+    int index = 0;
+    (bind(++index, values), ...);
     run();
   }
   void reset() { sqlite3_reset(statement_); }

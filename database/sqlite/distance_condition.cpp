@@ -41,11 +41,11 @@ std::optional<std::size_t> operand_end(const TokenList& tokens, std::size_t begi
 }
 
 /// The comparison's sign as it reads with the distance in front; empty if it is none with limits.
-std::string comparison(const TokenList& tokens, std::size_t place, bool is_reversed) {
+std::string comparison(const TokenList& tokens, std::size_t index, bool is_reversed) {
   constexpr std::array<std::array<std::string_view, 2>, 6> k_signs = {
       {{"<", ">"}, {"<=", ">="}, {">", "<"}, {">=", "<="}, {"=", "="}, {"==", "="}}};
   for (const auto& [sign, reversed] : k_signs) {
-    if (tokens.is_sign(place, sign)) return std::string(is_reversed ? reversed : sign);
+    if (tokens.is_sign(index, sign)) return std::string(is_reversed ? reversed : sign);
   }
   return {};
 }
@@ -70,9 +70,9 @@ bool same_names(const TokenList& tokens, TokenRange a, TokenRange b) {
 }
 
 /// Fills in the call there. The reason why it cannot be used; empty if it can.
-std::string read_call(const TokenList& tokens, std::size_t place, DistanceCondition& condition) {
-  condition.function = plain_name(tokens.text(place));
-  std::vector<TokenRange> arguments = tokens.arguments(place + 1);
+std::string read_call(const TokenList& tokens, std::size_t index, DistanceCondition& condition) {
+  condition.function = plain_name(tokens.text(index));
+  std::vector<TokenRange> arguments = tokens.arguments(index + 1);
   if (arguments.size() != k_arguments) return condition.function + " does not have 9 arguments";
   std::optional<TokenRange> table;
   constexpr std::array<std::string_view, 3> k_names = {"x", "y", "z"};
@@ -105,16 +105,16 @@ constexpr const char* k_no_limit =
 
 }  // namespace
 
-bool is_distance(const TokenList& tokens, std::size_t place) {
-  if (!tokens.is_name(place) || !tokens.is_sign(place + 1, "(")) return false;
-  const std::string name = plain_name(tokens.text(place));
+bool is_distance(const TokenList& tokens, std::size_t index) {
+  if (!tokens.is_name(index) || !tokens.is_sign(index + 1, "(")) return false;
+  const std::string name = plain_name(tokens.text(index));
   return name == "dist_ray" || name == "dist_plane";
 }
 
-bool ends_condition(const TokenList& tokens, std::size_t place) {
-  return place >= tokens.size() || tokens.is_sign(place, ")") || tokens.is_sign(place, ",") ||
-         tokens.is_sign(place, ";") ||
-         tokens.is_one_of(place, {"and", "or", "where", "group", "having", "window", "order", "limit", "join",
+bool ends_condition(const TokenList& tokens, std::size_t index) {
+  return index >= tokens.size() || tokens.is_sign(index, ")") || tokens.is_sign(index, ",") ||
+         tokens.is_sign(index, ";") ||
+         tokens.is_one_of(index, {"and", "or", "where", "group", "having", "window", "order", "limit", "join",
                                   "left", "inner", "cross"});
 }
 
@@ -147,7 +147,7 @@ ConditionAnswer read_condition(const TokenList& tokens, std::size_t begin) {
     }
   }
   if (!ends_condition(tokens, end)) return refuse(k_no_limit);
-  condition.place = {begin, end};
+  condition.tokens = {begin, end};
   if (std::string reason = read_call(tokens, call, condition); !reason.empty())
     return refuse(std::move(reason));
   if (!std::ranges::all_of(limits, [&](TokenRange range) { return is_steady(tokens, range); }))

@@ -40,12 +40,12 @@ DistanceLimit decode_distance_limit(std::span<const std::byte> bytes) {
 
 void add(const DistanceLimit& limit, PointFilter& filter) {
   const auto& n = limit.numbers;
-  const glm::dvec3 place(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
+  const glm::dvec3 offset(n[0], n[1], n[2]), direction(n[3], n[4], n[5]);
   const Interval distance{n[6], n[7]};
   if (limit.kind == DistanceLimit::Kind::ray)
-    filter.lines.push_back({.ray = make_ray(place, direction), .distance = distance});
+    filter.lines.push_back({.ray = make_ray(offset, direction), .distance = distance});
   else if (limit.kind == DistanceLimit::Kind::plane)
-    filter.planes.push_back({.plane = make_plane(place, direction), .distance = distance});
+    filter.planes.push_back({.plane = make_plane(offset, direction), .distance = distance});
 }
 
 namespace {

@@ -62,7 +62,7 @@ std::optional<std::array<double, count>> numbers(std::span<sqlite3_value* const>
 struct DistanceLimit {
   enum class Kind : unsigned char { none, ray, plane };
   Kind kind = Kind::none;
-  /// Place and direction or normal, as they were given; least and largest distance, inclusive.
+  /// Offset and direction or normal, as they were given; least and largest distance, inclusive.
   std::array<double, 8> numbers{};
 };
 
@@ -83,7 +83,7 @@ void add(const DistanceLimit& limit, PointFilter& filter);
 ///     out depends on the plan: it must stand beside the condition on the distance that it is made of.
 /// Lengths in the unit of the coordinates; directions and normals of any length but zero. NULL for an
 /// argument gives NULL. Errors, in SQL: text or blobs for numbers, directions that are zero or not finite,
-/// places of the ray or plane that are not finite; the distance to a point that is not is NULL or infinite.
+/// offsets of the ray or plane that are not finite; the distance to a point that is not is NULL or infinite.
 /// Answers SQLite's code.
 int add_functions(sqlite3* database);
 

@@ -89,10 +89,10 @@ class Pruner {
     }
   }
 
-  Join read_join(std::size_t place) const {
+  Join read_join(std::size_t offset) const {
     Join join;
-    join.is_left = place > 0 && tokens_.is_one_of(place - 1, {"left", "outer"});
-    std::size_t i = place + 1;
+    join.is_left = offset > 0 && tokens_.is_one_of(offset - 1, {"left", "outer"});
+    std::size_t i = offset + 1;
     if (!tokens_.is_name(i)) return join;
     while (tokens_.is_sign(i + 1, ".") && tokens_.is_name(i + 2)) i += 2;
     join.table = tokens_.text(i++);
@@ -102,7 +102,7 @@ class Pruner {
     return join;
   }
 
-  /// Conditions between AND and OR. The place behind them.
+  /// Conditions between AND and OR. The offset behind them.
   std::size_t conditions(std::size_t i, const Join& join, int depth) {
     i = condition(i, join, depth);
     while (tokens_.is_one_of(i, {"and", "or"})) i = condition(i + 1, join, depth);
@@ -122,7 +122,7 @@ class Pruner {
     ConditionAnswer answer = read_condition(tokens_, i);
     if (answer.condition) {
       add_limit(*answer.condition, join);
-      return answer.condition->place.end;
+      return answer.condition->tokens.end;
     }
     note(answer.reason);
     const std::size_t end = skip_condition(i);
@@ -173,9 +173,9 @@ class Pruner {
     // 1e999 is SQL for infinity; no distance to a ray is below 0.
     limit += condition.least ? range_text(*condition.least) : is_ray ? "0" : "-1e999";
     limit += ", " + (condition.largest ? range_text(*condition.largest) : "1e999") + "))";
-    std::string& first = texts_[condition.place.begin];
+    std::string& first = texts_[condition.tokens.begin];
     first = std::string("(").append(first);
-    texts_[condition.place.end - 1] += limit + ")";
+    texts_[condition.tokens.end - 1] += limit + ")";
     has_limits_ = true;
   }
 
@@ -265,7 +265,7 @@ Prepared prepare(sqlite3* database, std::string_view sql, std::size_t begin, con
   if (given.result != SQLITE_OK) {
     const int byte = sqlite3_error_offset(database);
     throw Error({.file = file,
-                 .place = byte < 0 ? "" : text_place(sql, begin + static_cast<std::size_t>(byte)),
+                 .location = byte < 0 ? "" : text_location(sql, begin + static_cast<std::size_t>(byte)),
                  .problem = sqlite3_errmsg(database)});
   }
   Prepared prepared{.statement = std::move(given.statement), .size = given.size};

@@ -13,15 +13,15 @@ namespace alidade::database {
 
 PointCursor::PointCursor(ChunkStore& store, const CloudSchema& cloud, ScanFilter filter, RowOrder order)
     : store_(store), cloud_(cloud), filter_(std::move(filter.points)), order_(order) {
-  for (const ChunkPlace& place : store_.chunks(filter_, filter.only_chunk)) {
+  for (const ChunkLocation& offset : store_.chunks(filter_, filter.only_chunk)) {
     double least = 0.0;
     if (order_ != RowOrder::stored) {
-      const RayReach reach = project(filter_.lines.front().ray, place.box);
+      const RayReach reach = project(filter_.lines.front().ray, offset.box);
       least = order_ == RowOrder::t ? reach.t.low : reach.distance.low;
       // Where numbers overflow nothing is known.
       if (!(least >= -std::numeric_limits<double>::max())) least = -std::numeric_limits<double>::infinity();
     }
-    chunks_.push_back({least, place});
+    chunks_.push_back({least, offset});
   }
   std::ranges::stable_sort(chunks_, {}, &Next::least);
   next();
@@ -41,7 +41,7 @@ void PointCursor::next() {
 }
 
 std::shared_ptr<StoredChunk> PointCursor::read_next() {
-  std::shared_ptr<StoredChunk> chunk = store_.read(chunks_[next_chunk_++].place);
+  std::shared_ptr<StoredChunk> chunk = store_.read(chunks_[next_chunk_++].offset);
   ++reads_.chunks_read;
   reads_.points_read += chunk->positions.size();
   return chunk;
@@ -65,9 +65,9 @@ void PointCursor::next_in_order() {
          (found_.empty() || chunks_[next_chunk_].least <= found_.top().measure)) {
     const std::shared_ptr<StoredChunk> chunk = read_next();
     for (std::size_t row = 0; row < chunk->positions.size(); ++row) {
-      const glm::dvec3 place = to_world(cloud_.lattice, chunk->positions[row]);
-      if (holds(filter_, place))
-        found_.push({measure(project(filter_.lines.front().ray, place)), chunk, row});
+      const glm::dvec3 offset = to_world(cloud_.lattice, chunk->positions[row]);
+      if (holds(filter_, offset))
+        found_.push({measure(project(filter_.lines.front().ray, offset)), chunk, row});
     }
   }
   chunk_.reset();
@@ -79,7 +79,7 @@ void PointCursor::next_in_order() {
 
 namespace {
 
-// A plan's text is two letters for each value that the scan gets: what it limits, and how.
+// A plan's text is two characters for each value that the scan gets: what it limits, and how.
 constexpr char k_first_argument = 'A';  // to 'F'
 constexpr char k_axes[] = "xyz";
 constexpr char k_distance = 'd', k_t = 't', k_limit = 'w', k_chunk = 'c', k_row = 'r';
@@ -101,7 +101,7 @@ char comparison(unsigned char op) {
 }
 
 /// What a limited column is called in a plan; 0 if a limit on it is of no use.
-char letter(const TableColumns& columns, int column, bool has_ray) {
+char character(const TableColumns& columns, int column, bool has_ray) {
   if (column < 0) return 0;
   switch (columns.kind(column)) {
     case TableColumns::Kind::axis:
@@ -168,22 +168,22 @@ std::optional<ScanFilter> none() {
 
 /// Where the six arguments stand among the constraints.
 struct GivenArguments {
-  std::array<int, 6> places;  ///< -1 for those that are not given
+  std::array<int, 6> offsets;  ///< -1 for those that are not given
   bool is_complete = true, are_usable = true;
 
   GivenArguments(const TableColumns& columns, const sqlite3_index_info& info) {
-    places.fill(-1);
+    offsets.fill(-1);
     for (int i = 0; i < info.nConstraint; ++i) {
       const auto& constraint = info.aConstraint[i];
       if (constraint.iColumn < 0 || constraint.op != SQLITE_INDEX_CONSTRAINT_EQ ||
           columns.kind(constraint.iColumn) != TableColumns::Kind::argument)
         continue;
-      int& place = places[columns.argument(constraint.iColumn)];
-      if (place < 0 || constraint.usable) place = i;
+      int& offset = offsets[columns.argument(constraint.iColumn)];
+      if (offset < 0 || constraint.usable) offset = i;
     }
-    for (const int place : places) {
-      is_complete &= place >= 0;
-      are_usable &= place < 0 || info.aConstraint[place].usable;
+    for (const int offset : offsets) {
+      is_complete &= offset >= 0;
+      are_usable &= offset < 0 || info.aConstraint[offset].usable;
     }
   }
 };
@@ -234,7 +234,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
   };
   const bool has_ray = given.is_complete;
   for (std::size_t i = 0; has_ray && i < 6; ++i)
-    use(given.places[i], static_cast<char>(k_first_argument + static_cast<char>(i)), k_equal, true);
+    use(given.offsets[i], static_cast<char>(k_first_argument + static_cast<char>(i)), k_equal, true);
   double share = 1.0, cost = 100.0;
   for (int i = 0; i < info.nConstraint; ++i) {
     const auto& constraint = info.aConstraint[i];
@@ -258,7 +258,7 @@ int choose_plan(const TableColumns& columns, std::uint64_t point_count, sqlite3_
       share *= 0.01;
       continue;
     }
-    const char what = letter(columns, constraint.iColumn, has_ray), how = comparison(constraint.op);
+    const char what = character(columns, constraint.iColumn, has_ray), how = comparison(constraint.op);
     if (what == 0 || how == 0) continue;
     use(i, what, how, false);
     share *= how == k_equal ? 0.001 : what == k_distance && how == k_most ? 0.01 : 0.5;

@@ -22,7 +22,7 @@ namespace alidade::database {
 /// In which order rows come.
 enum class RowOrder {
   stored,    ///< by chunk, within it along the Morton curve
-  t,         ///< by the place on the line of the filter's first condition
+  t,         ///< by the offset on the line of the filter's first condition
   distance,  ///< by the distance to it
 };
 
@@ -64,7 +64,7 @@ class PointCursor {
   };
   struct Next {
     double least;  ///< of the measure of its points
-    ChunkPlace place;
+    ChunkLocation offset;
   };
 
   void next_stored();

@@ -9,24 +9,25 @@ namespace alidade::database {
 namespace {
 
 // Files of other systems begin with it, and so do their parts once they are joined. To SQLite it is blank
-// where a token would begin, and a letter in a name.
+// where a token would begin, and a character in a name.
 constexpr std::string_view k_byte_order_mark = "\xef\xbb\xbf";
 
-bool is_space(char letter) {
-  return letter == ' ' || (letter >= '\t' && letter <= '\r' && letter != '\v');
+bool is_space(char character) {
+  return character == ' ' || (character >= '\t' && character <= '\r' && character != '\v');
 }
-bool is_digit(char letter) {
-  return letter >= '0' && letter <= '9';
+bool is_digit(char character) {
+  return character >= '0' && character <= '9';
 }
-bool is_hex_digit(char letter) {
-  return is_digit(letter) || (letter >= 'a' && letter <= 'f') || (letter >= 'A' && letter <= 'F');
+bool is_hex_digit(char character) {
+  return is_digit(character) || (character >= 'a' && character <= 'f') ||
+         (character >= 'A' && character <= 'F');
 }
-bool starts_name(char letter) {
-  return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || letter == '_' ||
-         static_cast<unsigned char>(letter) >= 0x80;
+bool starts_name(char character) {
+  return (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z') ||
+         character == '_' || static_cast<unsigned char>(character) >= 0x80;
 }
-bool in_name(char letter) {
-  return starts_name(letter) || is_digit(letter) || letter == '$';
+bool in_name(char character) {
+  return starts_name(character) || is_digit(character) || character == '$';
 }
 
 class Scanner {
@@ -44,7 +45,7 @@ class Scanner {
   }
 
  private:
-  /// The letter `ahead` places on; 0 behind the end.
+  /// The character `ahead` offsets on; 0 behind the end.
   char peek(std::size_t ahead = 0) const { return at_ + ahead < sql_.size() ? sql_[at_ + ahead] : '\0'; }
 
   template <class Test>
@@ -71,19 +72,20 @@ class Scanner {
   }
 
   SqlTokenKind token() {
-    const char letter = peek();
-    if (letter == '\'') return quoted('\'', SqlTokenKind::text);
-    if (letter == '"' || letter == '`') return quoted(letter, SqlTokenKind::quoted_name);
-    if (letter == '[') return bracketed();
-    if ((letter == 'x' || letter == 'X') && peek(1) == '\'') return blob();
-    if (is_digit(letter) || (letter == '.' && is_digit(peek(1)))) return number();
-    if (letter == '?') {
+    const char character = peek();
+    if (character == '\'') return quoted('\'', SqlTokenKind::text);
+    if (character == '"' || character == '`') return quoted(character, SqlTokenKind::quoted_name);
+    if (character == '[') return bracketed();
+    if ((character == 'x' || character == 'X') && peek(1) == '\'') return blob();
+    if (is_digit(character) || (character == '.' && is_digit(peek(1)))) return number();
+    if (character == '?') {
       ++at_;
       skip_while(is_digit);
       return SqlTokenKind::parameter;
     }
-    if (letter == ':' || letter == '@' || letter == '$' || letter == '#') return named_parameter();
-    if (starts_name(letter)) {
+    if (character == ':' || character == '@' || character == '$' || character == '#')
+      return named_parameter();
+    if (starts_name(character)) {
       skip_while(in_name);
       return SqlTokenKind::word;
     }
@@ -138,15 +140,15 @@ class Scanner {
   /// SQLite lets names of parameters hold :: and end with something in parentheses, as Tcl writes them.
   SqlTokenKind named_parameter() {
     ++at_;
-    std::size_t letters = 0;
+    std::size_t characters = 0;
     while (at_ < sql_.size()) {
       if (in_name(peek())) {
-        ++letters;
+        ++characters;
         ++at_;
       } else if (peek() == ':' && peek(1) == ':') {
         at_ += 2;
-      } else if (peek() == '(' && letters > 0) {
-        skip_while([](char letter) { return letter != ')' && !is_space(letter); });
+      } else if (peek() == '(' && characters > 0) {
+        skip_while([](char character) { return character != ')' && !is_space(character); });
         if (peek() != ')') return SqlTokenKind::wrong;
         ++at_;
         break;
@@ -154,7 +156,7 @@ class Scanner {
         break;
       }
     }
-    return letters > 0 ? SqlTokenKind::parameter : SqlTokenKind::wrong;
+    return characters > 0 ? SqlTokenKind::parameter : SqlTokenKind::wrong;
   }
 
   SqlTokenKind sign() {
@@ -180,14 +182,14 @@ std::vector<SqlToken> sql_tokens(std::string_view sql) {
   return Scanner(sql).tokens();
 }
 
-std::string text_place(std::string_view text, std::size_t byte) {
+std::string text_location(std::string_view text, std::size_t byte) {
   const std::string_view before = text.substr(0, byte);
   const std::size_t line_begin = before.rfind('\n') + 1;  // 0 if there is no line before
-  const auto starts_letter = [](char letter) {
-    return (static_cast<unsigned char>(letter) & 0xc0u) != 0x80u;
+  const auto starts_character = [](char character) {
+    return (static_cast<unsigned char>(character) & 0xc0u) != 0x80u;
   };
   return fmt::format("{}:{}", 1 + std::ranges::count(before, '\n'),
-                     1 + std::ranges::count_if(before.substr(line_begin), starts_letter));
+                     1 + std::ranges::count_if(before.substr(line_begin), starts_character));
 }
 
 std::string plain_name(std::string_view text) {
@@ -196,9 +198,9 @@ std::string plain_name(std::string_view text) {
   const std::string_view inner = is_quoted && text.size() >= 2 ? text.substr(1, text.size() - 2) : text;
   std::string name;
   for (std::size_t i = 0; i < inner.size(); ++i) {
-    const char letter = inner[i];
-    name += letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
-    if (is_quoted && quote != '[' && letter == quote) ++i;
+    const char character = inner[i];
+    name += character >= 'A' && character <= 'Z' ? static_cast<char>(character - 'A' + 'a') : character;
+    if (is_quoted && quote != '[' && character == quote) ++i;
   }
   return name;
 }
@@ -217,20 +219,20 @@ TokenList::TokenList(std::string_view sql) : sql_(sql), tokens_(sql_tokens(sql))
   is_sound_ = is_sound_ && open.empty();
 }
 
-std::string_view TokenList::text(std::size_t place) const {
-  if (place >= size()) return {};
-  return sql_.substr(tokens_[place].begin, tokens_[place].end - tokens_[place].begin);
+std::string_view TokenList::text(std::size_t index) const {
+  if (index >= size()) return {};
+  return sql_.substr(tokens_[index].begin, tokens_[index].end - tokens_[index].begin);
 }
 
-bool TokenList::is_word(std::size_t place, std::string_view word) const {
-  return is(place, SqlTokenKind::word) && text(place).size() == word.size() &&
-         std::ranges::equal(text(place), word, [](char letter, char small) {
-           return (letter >= 'A' && letter <= 'Z' ? letter - 'A' + 'a' : letter) == small;
+bool TokenList::is_word(std::size_t index, std::string_view word) const {
+  return is(index, SqlTokenKind::word) && text(index).size() == word.size() &&
+         std::ranges::equal(text(index), word, [](char character, char small) {
+           return (character >= 'A' && character <= 'Z' ? character - 'A' + 'a' : character) == small;
          });
 }
 
-bool TokenList::is_one_of(std::size_t place, std::initializer_list<std::string_view> words) const {
-  return std::ranges::any_of(words, [&](std::string_view word) { return is_word(place, word); });
+bool TokenList::is_one_of(std::size_t index, std::initializer_list<std::string_view> words) const {
+  return std::ranges::any_of(words, [&](std::string_view word) { return is_word(index, word); });
 }
 
 std::vector<TokenRange> TokenList::arguments(std::size_t opening) const {

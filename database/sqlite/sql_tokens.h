@@ -32,9 +32,9 @@ struct SqlToken {
 std::vector<SqlToken> sql_tokens(std::string_view sql);
 
 /// Line and column of a byte, counted from 1: "2:14".
-std::string text_place(std::string_view text, std::size_t byte);
+std::string text_location(std::string_view text, std::size_t byte);
 
-/// A name as SQL compares it: without its quotes, ASCII letters small. `text` is that of a word or quoted
+/// A name as SQL compares it: without its quotes, ASCII characters small. `text` is that of a word or quoted
 /// name.
 std::string plain_name(std::string_view text);
 
@@ -43,28 +43,28 @@ struct TokenRange {
   std::size_t begin = 0, end = 0;
 };
 
-/// A statement's tokens, asked by place. Behind the last one nothing is a word or sign.
+/// A statement's tokens, asked by index. Behind the last one nothing is a word or sign.
 class TokenList {
  public:
   /// The text must outlive it.
   explicit TokenList(std::string_view sql);
 
   std::size_t size() const { return tokens_.size(); }
-  const SqlToken& operator[](std::size_t place) const { return tokens_[place]; }
-  std::string_view text(std::size_t place) const;
+  const SqlToken& operator[](std::size_t index) const { return tokens_[index]; }
+  std::string_view text(std::size_t index) const;
 
-  bool is(std::size_t place, SqlTokenKind kind) const {
-    return place < size() && tokens_[place].kind == kind;
+  bool is(std::size_t index, SqlTokenKind kind) const {
+    return index < size() && tokens_[index].kind == kind;
   }
-  bool is_sign(std::size_t place, std::string_view sign) const {
-    return is(place, SqlTokenKind::sign) && text(place) == sign;
+  bool is_sign(std::size_t index, std::string_view sign) const {
+    return is(index, SqlTokenKind::sign) && text(index) == sign;
   }
-  /// `word` in small letters.
-  bool is_word(std::size_t place, std::string_view word) const;
-  bool is_one_of(std::size_t place, std::initializer_list<std::string_view> words) const;
+  /// `word` in small characters.
+  bool is_word(std::size_t index, std::string_view word) const;
+  bool is_one_of(std::size_t index, std::initializer_list<std::string_view> words) const;
   /// A name, quoted or not; keywords are names here too.
-  bool is_name(std::size_t place) const {
-    return is(place, SqlTokenKind::word) || is(place, SqlTokenKind::quoted_name);
+  bool is_name(std::size_t index) const {
+    return is(index, SqlTokenKind::word) || is(index, SqlTokenKind::quoted_name);
   }
 
   /// Whether there is no wrong token and every parenthesis has its other.

@@ -116,7 +116,7 @@ void write_chunks(PointStream& points, const ChunkEncoding& encoding, ChunkWrite
     EncodedChunks chunks;
   };
   // Owned here, since the pipeline forgets what it holds when it is cancelled. They end in their order, so
-  // the one whose place is taken has been written.
+  // the one whose offset is taken has been written.
   std::vector<Group> groups(groups_at_once);
   std::size_t begun = 0;
   std::uint64_t done = 0;
@@ -204,7 +204,8 @@ void give_name(const std::filesystem::path& beside, const std::filesystem::path&
 
 void check_name(const std::string& table) {
   std::string small = table.substr(0, 7);
-  std::ranges::transform(small, small.begin(), [](unsigned char letter) { return std::tolower(letter); });
+  std::ranges::transform(small, small.begin(),
+                         [](unsigned char character) { return std::tolower(character); });
   if (table.empty() || table.find('\0') != table.npos || small == "sqlite_") {
     throw Error({.problem = "invalid table name",
                  .expected = "a nonempty name that does not begin with sqlite_",

@@ -25,9 +25,9 @@ bool is_attribute(const StoredBlob& blob, Attribute attribute) {
   for (std::size_t i = 0; i < parts.names.size(); ++i) {
     const StoredColumn& column = *blob.columns[i];
     const bool is_part = column.name == parts.names[i] && column.type == parts.type &&
-                         column.place == size * static_cast<int>(i) &&
+                         column.byte == size * static_cast<int>(i) &&
                          column.size == size * static_cast<int>(parts.names.size()) && column.scale == 1.0 &&
-                         column.offset == 0.0 && !column.no_data;
+                         column.byte == 0.0 && !column.no_data;
     if (!is_part) return false;
   }
   return true;
@@ -36,7 +36,7 @@ bool is_attribute(const StoredBlob& blob, Attribute attribute) {
 /// Parts of a blob cannot be told from each other, unless they are those of an attribute.
 bool is_dimension(const StoredBlob& blob) {
   const StoredColumn& column = *blob.columns.front();
-  return blob.columns.size() == 1 && column.place == 0 &&
+  return blob.columns.size() == 1 && column.byte == 0 &&
          (column.type == ScalarType::bytes || column.size == scalar_size(column.type));
 }
 
@@ -87,12 +87,14 @@ std::string table_of(sqlite3* database, const SqliteCloudName& name) {
                .found = fmt::format("{}", fmt::join(tables, ", "))});
 }
 
-std::vector<ChunkPlace> wanted_chunks(ChunkStore& store, std::span<const PointFilter> any_of) {
-  std::vector<ChunkPlace> chunks;
+std::vector<ChunkLocation> wanted_chunks(ChunkStore& store, std::span<const PointFilter> any_of) {
+  std::vector<ChunkLocation> chunks;
   for (const PointFilter& filter : any_of)
     std::ranges::move(store.chunks(filter), std::back_inserter(chunks));
-  std::ranges::sort(chunks, {}, &ChunkPlace::id);
-  const auto is_same = [](const ChunkPlace& one, const ChunkPlace& other) { return one.id == other.id; };
+  std::ranges::sort(chunks, {}, &ChunkLocation::id);
+  const auto is_same = [](const ChunkLocation& one, const ChunkLocation& other) {
+    return one.id == other.id;
+  };
   chunks.erase(std::unique(chunks.begin(), chunks.end(), is_same), chunks.end());
   return chunks;
 }
@@ -183,9 +185,9 @@ class SqliteCloudReader final : public CloudReader {
     std::vector<bool> is_there(rows.count);
     std::uint64_t points = 0;
     std::size_t taken = 0;
-    for (const ChunkPlace& place : store.chunks({})) {
-      const std::uint64_t id = place.id;
-      const std::shared_ptr<StoredChunk> chunk = store.read(place);
+    for (const ChunkLocation& offset : store.chunks({})) {
+      const std::uint64_t id = offset.id;
+      const std::shared_ptr<StoredChunk> chunk = store.read(offset);
       for (std::size_t i = 0; i < chunk->positions.size(); ++i) {
         const std::uint64_t row = stored_.id(store, *chunk, i) - rows.first;
         if (row >= rows.count) continue;
@@ -226,9 +228,9 @@ StoredCloud::StoredCloud(const std::string& name)
       blobs_(blobs_of(schema_.columns)),
       file_bytes_(std::filesystem::file_size(name_.file)) {
   const StoredColumn& ids = schema_.columns.front();
-  if (ids.type != ScalarType::uint64 || ids.size != scalar_size(ids.type) || ids.place != 0) {
+  if (ids.type != ScalarType::uint64 || ids.size != scalar_size(ids.type) || ids.byte != 0) {
     throw Error({.file = name_.file,
-                 .place = fmt::format("table {}_column", table_),
+                 .location = fmt::format("table {}_column", table_),
                  .problem = "the first column has no ids",
                  .expected = "8-byte integers"});
   }
@@ -237,7 +239,7 @@ StoredCloud::StoredCloud(const std::string& name)
   }
   if (schema_.point_count > file_bytes_ / sizeof(LatticePosition)) {
     throw Error({.file = name_.file,
-                 .place = fmt::format("table {}_cloud", table_),
+                 .location = fmt::format("table {}_cloud", table_),
                  .problem = "the number of points exceeds the file",
                  .expected = fmt::format("at most {}", file_bytes_ / sizeof(LatticePosition)),
                  .found = std::to_string(schema_.point_count)});
@@ -273,7 +275,7 @@ std::uint64_t StoredCloud::id(ChunkStore& store, StoredChunk& chunk, std::size_t
 void StoredCloud::refuse(std::uint64_t chunk, std::string problem, std::string expected,
                          std::string found) const {
   throw Error({.file = name_.file,
-               .place = fmt::format("table {}, chunk {}", table_, chunk),
+               .location = fmt::format("table {}, chunk {}", table_, chunk),
                .problem = std::move(problem),
                .expected = std::move(expected),
                .found = std::move(found)});
@@ -289,17 +291,18 @@ StoredCloud::Columns::Columns(const StoredCloud& stored, PointCloud& cloud, Attr
   });
   if (!kept.contains(Attribute::extra_dimensions)) return;
   for (const StoredColumn* const column : stored.dimensions_) {
-    const std::size_t place = find_extra_dimension(cloud, dimension_of(*column));
+    const std::size_t offset = find_extra_dimension(cloud, dimension_of(*column));
     const auto size = static_cast<std::size_t>(column->size);
     targets_.push_back(
-        {column, reinterpret_cast<std::byte*>(cloud.extra_dimensions[place].values.data()) + first_row * size,
+        {column,
+         reinterpret_cast<std::byte*>(cloud.extra_dimensions[offset].values.data()) + first_row * size,
          size});
   }
 }
 
 void StoredCloud::Columns::copy(ChunkStore& store, StoredChunk& chunk, std::size_t i, std::size_t row) const {
   for (const Target& target : targets_) {
-    const std::byte* const value = store.bytes(chunk, *target.column, i) - target.column->place;
+    const std::byte* const value = store.bytes(chunk, *target.column, i) - target.column->byte;
     std::memcpy(target.values + row * target.size, value, target.size);
   }
 }
@@ -314,10 +317,10 @@ CloudPart read_cloud_part(const std::string& name, std::span<const PointFilter> 
   part.cloud.gps_time_is_standard = stored.schema().gps_time_is_standard;
   part.attributes = stored.attributes();
   part.chunk_count = stored.schema().chunk_count;
-  const std::vector<ChunkPlace> chunks = wanted_chunks(store, any_of);
+  const std::vector<ChunkLocation> chunks = wanted_chunks(store, any_of);
   const AttributeSet kept = part.attributes & attributes;
-  for (const ChunkPlace& place : chunks) {
-    const std::shared_ptr<StoredChunk> chunk = store.read(place);
+  for (const ChunkLocation& offset : chunks) {
+    const std::shared_ptr<StoredChunk> chunk = store.read(offset);
     const std::size_t first = part.ids.size(), count = chunk->positions.size();
     // Rows are made ahead, as many as there are, since columns are moved when they grow.
     if (first + count > part.cloud.size()) append_rows(part.cloud, kept, std::max(first, count));

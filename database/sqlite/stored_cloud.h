@@ -27,7 +27,7 @@ struct SqliteCloudName {
   explicit SqliteCloudName(const std::string& name);
 };
 
-/// The columns of one blob, by their places.
+/// The columns of one blob, by their offsets.
 struct StoredBlob {
   std::vector<const StoredColumn*> columns;
   std::optional<Attribute> attribute{};  ///< none: an extra dimension, or something else

@@ -18,11 +18,11 @@ void write_scan(const Site& site, std::uint64_t points, std::uint64_t seed, cons
 }
 
 Site without_red_car(const Site& site) {
-  const glm::dvec3 place(11.6, -9.0, 0.7);  // its middle, in the site's frame
+  const glm::dvec3 position(11.6, -9.0, 0.7);  // its middle, in the site's frame
   std::vector<SiteObject> objects;
   for (const SiteObject& object : site.objects()) {
     const Bounds box = shapes::bounds_of(object.shape);
-    const bool is_of_car = glm::length(box.max - box.min) < 8.0 && glm::length(box.center() - place) < 2.6;
+    const bool is_of_car = glm::length(box.max - box.min) < 8.0 && glm::length(box.center() - position) < 2.6;
     if (!is_of_car) objects.push_back(object);
   }
   return Site(objects, site.origin());

@@ -33,29 +33,29 @@ struct OctreeArrays {
   HugeArray<Node> nodes;
   HugeArray<std::uint16_t> coordinates;
   HugeArray<std::uint32_t> ids;
-  /// By place, as long as the cloud, but only the pages of places from TreeView::first_exact on are ever
+  /// By storage index, as long as the cloud, but only the pages of storage indices from TreeView::first_exact on are ever
   /// touched.
   HugeArray<LatticePosition> positions;
 };
 
-/// Packs points into the arrays; from many threads, for different places.
+/// Packs points into the arrays; from many threads, for different storage indices.
 class LeafWriter {
  public:
   LeafWriter(OctreeArrays& arrays, const LatticePosition& base) : arrays_(arrays), base_(base) {}
 
-  /// Writes the points of a leaf below a frame, whose places start at `place`. Their box.
+  /// Writes the points of a leaf below a frame, whose storage indices start at `index`. Their box.
   template <class Entry>
   StepBox write(const Entry* entries, std::uint32_t count, const Steps& corner, int frame_level,
-                std::uint32_t place) const {
+                std::uint32_t index) const {
     StepBox box;
     const int shift = coordinate_shift(frame_level);
-    std::uint16_t* const coordinates = arrays_.coordinates.data() + std::size_t{3} * place;
+    std::uint16_t* const coordinates = arrays_.coordinates.data() + std::size_t{3} * index;
     for (std::uint32_t i = 0; i < count; ++i) {
       const Steps steps = steps_of(entries[i]);
       for (int axis = 0; axis < 3; ++axis)
         coordinates[axis * count + i] = static_cast<std::uint16_t>((steps[axis] - corner[axis]) >> shift);
-      arrays_.ids[place + i] = entries[i].id;
-      if (shift > 0) arrays_.positions[place + i] = lattice_position(base_, steps);
+      arrays_.ids[index + i] = entries[i].id;
+      if (shift > 0) arrays_.positions[index + i] = lattice_position(base_, steps);
       box.grow(steps);
     }
     return box;
@@ -66,13 +66,13 @@ class LeafWriter {
   const LatticePosition base_;
 };
 
-// Which children a node gets: the only place where the organisations differ, but for the samples of a layered
+// Which children a node gets: the only code where the organisations differ, but for the samples of a layered
 // one.
 
 /// Sorted points that stand below one node or in one leaf.
 struct PointRange {
   std::uint32_t begin = 0, end = 0;
-  int bit = -1;  ///< highest bit in which their keys differ; -1 if they stand at one place
+  int bit = -1;  ///< highest bit in which their keys differ; -1 if they have equal positions
 
   std::uint32_t count() const { return end - begin; }
   /// Of the smallest cell around the points.
@@ -132,8 +132,8 @@ struct SplitRules {
             range.count() <= k_few_points);
   }
 
-  /// Nodes of a layered octree stay above the lowest level, except those of one place: there, equal boxes
-  /// shall mean equal places (node.h).
+  /// Nodes of a layered octree stay above the lowest level, except those of one position: there, equal boxes
+  /// shall mean equal positions (node.h).
   int lowest_frame_level(const PointRange& range) const {
     return organisation == Organisation::layered && range.bit >= 0 ? k_min_frame_level + 1
                                                                    : k_min_frame_level;
@@ -166,10 +166,10 @@ ChildRange child_range(const SortedPoints<Entry>& sorted, std::uint32_t begin, s
   return {points, rules.fits_leaf(points, frame_level)};
 }
 
-/// Eight equal parts; in Morton order, so that at the lowest level only parts of one place can have equal
+/// Eight equal parts; in Morton order, so that at the lowest level only parts of one position can have equal
 /// boxes: where the bit is decided in which the first and the last point of two parts differ, one of the
 /// boxes ends. Where they are not quite equal the smaller ones come first: if only these are leaves, their
-/// points, which take the places before those of inner children, are the first in the order too.
+/// points, which take the storage indices before those of inner children, are the first in the order too.
 template <class Entry>
 ChildList split_by_number(const SortedPoints<Entry>& sorted, const PointRange& range, const SplitRules& rules,
                           int frame_level) {

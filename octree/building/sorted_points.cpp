@@ -110,7 +110,7 @@ void sort_by_key(Entry* from, Entry* to, std::size_t count) {
 
 // Points are sorted in two steps. Chunks of the input, each small enough for the cache, are brought into the
 // order of some thousand key ranges (buckets) of about equal size. Then each bucket is collected from all
-// chunks, sorted in the cache and written to its final place. Both steps are independent work for any number
+// chunks, sorted in the cache and written to its final position. Both steps are independent work for any number
 // of threads, every point is moved through memory only twice, and the input can be given back while the
 // second step reads it. Rows that stand in order stay in order throughout, so equal keys end up in the order
 // of their ids.
@@ -179,7 +179,7 @@ class Sorter {
     }
   };
 
-  /// Narrow entries take the place of the positions they are made of.
+  /// Narrow entries replace the positions they are made of.
   bool in_place() const { return given_ && sizeof(Entry) == sizeof(LatticePosition); }
 
   /// Memory of the partitioned chunks; only bytes are copied in and out, as it may be that of the positions.

@@ -16,13 +16,13 @@ namespace alidade {
 struct TreeSummary {
   StepBox box;
   int level_count = 0;
-  std::uint32_t first_exact = 0;  ///< place; the number of points if all coordinates are exact
+  std::uint32_t first_exact = 0;  ///< storage index; the number of points if all coordinates are exact
 };
 
 /// Makes nodes and leaves of sorted points. The top of the tree is made first, by one thread, down to
 /// subtrees of bounded size; these are made side by side, and their nodes put behind those of the top in
 /// order. So the result is the same for any number of threads. Leaves under frames above k_exact_frame_level
-/// belong to the top; they take their places from the end of the order downwards, all others from its begin
+/// belong to the top; they take their storage indices from the end of the order downwards, all others from its begin
 /// upwards.
 template <class Entry>
 class TreeBuilder {
@@ -62,8 +62,8 @@ class TreeBuilder {
     PointRange points;
     int level = 0;
     int depth = 0;           ///< nodes from the tree's root to this one's
-    std::uint32_t root = 0;  ///< place of the root among the nodes of the top
-    std::uint32_t first_place = 0;
+    std::uint32_t root = 0;  ///< storage index of the root among the nodes of the top
+    std::uint32_t first_index = 0;
   };
 
   /// Subtrees that are made in one go, so that many small ones cost no more than few large ones.
@@ -80,7 +80,7 @@ class TreeBuilder {
     if (level > k_exact_frame_level) {
       draft.first_point = exact_begin_ -= count;
     } else {
-      draft.first_point = std::exchange(next_place_, next_place_ + count);
+      draft.first_point = std::exchange(next_index_, next_index_ + count);
     }
     write_leaves(draft);
     for (const ChildRange& child : draft.children)
@@ -97,8 +97,8 @@ class TreeBuilder {
       if (child.is_leaf) continue;
       const int child_level = rules_.child_frame_level(child.points, level);
       if (child_level <= k_exact_frame_level && child.points.count() <= subtree_size_) {
-        subtrees_.push_back({child.points, child_level, depth + 1, child_index, next_place_});
-        next_place_ += child.points.count();
+        subtrees_.push_back({child.points, child_level, depth + 1, child_index, next_index_});
+        next_index_ += child.points.count();
         is_known = false;
       } else {
         is_known &= build_top(child.points, child_level, child_index, depth + 1);
@@ -132,28 +132,28 @@ class TreeBuilder {
     for (std::size_t i = batch.first; i < batch.end; ++i) {
       const Subtree& subtree = subtrees_[i];
       top_boxes_[subtree.root] = build_node(batch, subtree.points, subtree.level, i - batch.first,
-                                            subtree.first_place, subtree.depth);
+                                            subtree.first_index, subtree.depth);
       sorted_.use_up(subtree.points.begin, subtree.points.end);
     }
   }
 
-  /// Builds the node for a range into batch.nodes[index]; its points take the places from first_place on.
+  /// Builds the node for a range into batch.nodes[index]; its points take the storage indices from first_index on.
   StepBox build_node(Batch& batch, const PointRange& range, int level, std::size_t index,
-                     std::uint32_t first_place, int depth) {
+                     std::uint32_t first_index, int depth) {
     NodeDraft draft = draft_node(range, level);
-    draft.first_point = first_place;
+    draft.first_point = first_index;
     write_leaves(draft);
     draft.first_child = static_cast<std::uint32_t>(batch.nodes.size());
     batch.nodes.resize(batch.nodes.size() + draft.inner_count());
     batch.level_count = std::max(batch.level_count, depth);
-    std::uint32_t place = first_place + draft.leaf_point_count();
+    std::uint32_t next = first_index + draft.leaf_point_count();
     std::size_t child_index = draft.first_child;
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
       if (child.is_leaf) continue;
       draft.boxes[slot] = build_node(batch, child.points, rules_.child_frame_level(child.points, level),
-                                     child_index++, place, depth + 1);
-      place += child.points.count();
+                                     child_index++, next, depth + 1);
+      next += child.points.count();
     }
     batch.nodes[index] = draft.node(rules_);
     return draft.box();
@@ -182,15 +182,15 @@ class TreeBuilder {
   std::uint32_t move_sample_to_front(const PointRange& range) {
     Entry* const points = sorted_.data() + range.begin;
     const auto sample_count = static_cast<std::uint32_t>(rules_.leaf_size);
-    const auto place_of = [&](std::uint64_t i) {
+    const auto index_of = [&](std::uint64_t i) {
       return (2 * i + 1) * range.count() / (2 * std::uint64_t{sample_count});
     };
     std::array<Entry, k_max_leaf_size> sample;
-    for (std::uint32_t i = 0; i < sample_count; ++i) sample[i] = points[place_of(i)];
+    for (std::uint32_t i = 0; i < sample_count; ++i) sample[i] = points[index_of(i)];
     std::uint64_t end = range.count();
     for (std::uint32_t i = sample_count; i-- > 0;) {
-      std::move_backward(points + place_of(i) + 1, points + end, points + end + (sample_count - 1 - i));
-      end = place_of(i);
+      std::move_backward(points + index_of(i) + 1, points + end, points + end + (sample_count - 1 - i));
+      end = index_of(i);
     }
     std::move_backward(points, points + end, points + end + sample_count);
     std::copy_n(sample.begin(), sample_count, points);
@@ -198,13 +198,13 @@ class TreeBuilder {
   }
 
   void write_leaves(NodeDraft& draft) {
-    std::uint32_t place = draft.first_point;
+    std::uint32_t index = draft.first_point;
     for (int slot = 0; slot < draft.children.count; ++slot) {
       const ChildRange& child = draft.children[slot];
       if (!child.is_leaf) continue;
       draft.boxes[slot] = writer_.write(sorted_.data() + child.points.begin, child.points.count(),
-                                        draft.corner, draft.level, place);
-      place += child.points.count();
+                                        draft.corner, draft.level, index);
+      index += child.points.count();
     }
   }
 
@@ -245,7 +245,7 @@ class TreeBuilder {
   OctreeArrays& arrays_;
   const LeafWriter writer_;
   const std::size_t subtree_size_;
-  std::uint32_t next_place_ = 0, exact_begin_;
+  std::uint32_t next_index_ = 0, exact_begin_;
   std::vector<Node> top_;           ///< children stand behind their parents; roots of subtrees are kept free
   std::vector<StepBox> top_boxes_;  ///< of the nodes of the top
   std::vector<Waiting> waiting_;

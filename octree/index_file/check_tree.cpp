@@ -62,22 +62,22 @@ std::string leaf_problem(const TreeView& tree, const Node& node, int level) {
 /// Whether below low frames points stand one after another (octree/octree.h): from the last node on, so that
 /// children come before parents.
 std::optional<TreeFault> find_scattered_points(const TreeView& tree, const std::vector<Rank>& ranks) {
-  std::vector<std::uint32_t> ends(tree.node_count);  // past the last place below a node
+  std::vector<std::uint32_t> ends(tree.node_count);  // past the last storage index below a node
   for (std::uint32_t index = tree.node_count; index-- > 0;) {
     if (ranks[index].level > k_exact_frame_level) continue;
     const Node& node = tree.nodes[index];
     const std::uint64_t kinds = kinds_of(node);
-    std::uint32_t place = node.first_point + static_cast<std::uint32_t>(sum_of_bytes(leaf_counts(kinds)));
+    std::uint32_t stored = node.first_point + static_cast<std::uint32_t>(sum_of_bytes(leaf_counts(kinds)));
     const auto inner = static_cast<std::uint32_t>(std::popcount(inner_bits(kinds)));
     for (std::uint32_t child = node.first_child; child < node.first_child + inner; ++child) {
-      if (tree.nodes[child].first_point != place) {
+      if (tree.nodes[child].first_point != stored) {
         return TreeFault{Array::nodes, child,
                          fmt::format("its points begin at a wrong storage index: expected {}, found {}",
-                                     place, tree.nodes[child].first_point)};
+                                     stored, tree.nodes[child].first_point)};
       }
-      place = ends[child];
+      stored = ends[child];
     }
-    ends[index] = place;
+    ends[index] = stored;
   }
   return std::nullopt;
 }
@@ -136,7 +136,7 @@ class PointCheck {
   explicit PointCheck(const TreeView& tree)
       : tree_(tree),
         frames_(tree.node_count),
-        places_(tree.point_count),
+        indices_(tree.point_count),
         ids_(tree.ids ? tree.point_count : 0) {
     frames_[0] = root_frame(tree);
     for (std::uint32_t index = 0; index < tree.node_count; ++index) {
@@ -190,13 +190,13 @@ class PointCheck {
     if (frame.level == k_min_frame_level) check_order_of_equal_slots(frame);
   }
 
-  /// What queries among points of one place rely on: the slots before hold the lower ids.
+  /// What queries among points of one position rely on: the slots before hold the lower ids.
   void check_order_of_equal_slots(const Frame& frame) {
-    const auto is_one_place = [](const SlotBox& box) { return box.low == box.high; };
+    const auto is_one_position = [](const SlotBox& box) { return box.low == box.high; };
     for (int slot = 1; slot < k_node_width; ++slot) {
       if (tree_.nodes[frame.node].kind[slot - 1] == 0 || tree_.nodes[frame.node].kind[slot] == 0) continue;
       const SlotBox before = slot_box(tree_, frame, slot - 1), box = slot_box(tree_, frame, slot);
-      if (!is_one_place(before) || !is_one_place(box) || before.low != box.low) continue;
+      if (!is_one_position(before) || !is_one_position(box) || before.low != box.low) continue;
       const std::uint64_t highest = ids_below(frame, slot - 1).high, lowest = ids_below(frame, slot).low;
       if (tree_.spacings && slot_spacing(frame, slot - 1) != slot_spacing(frame, slot)) {
         first_.add(frame.node, {Array::slot_spacings,
@@ -220,7 +220,7 @@ class PointCheck {
     } else {
       const Leaf leaf = child_leaf(tree_, frame, slot);
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const std::uint64_t id = point_id(tree_, leaf.place + i);
+        const std::uint64_t id = point_id(tree_, leaf.first + i);
         ids.grow({id, id});
       }
     }
@@ -244,13 +244,13 @@ class PointCheck {
 
   void check_spacings(const Frame& frame, const SlotBox& box, const Leaf& leaf) {
     constexpr std::uint16_t k_infinite = 0x7f80;
-    const bool is_one_place = frame.level == k_min_frame_level && box.low == box.high;
-    for (std::uint32_t place = leaf.place; place < leaf.place + leaf.count; ++place) {
-      if (tree_.spacings[place] > k_infinite)
-        first_.add(frame.node, {Array::spacings, place, "the spacing is negative or NaN"});
-      if (is_one_place && tree_.spacings[place] != tree_.spacings[leaf.place])
+    const bool is_one_position = frame.level == k_min_frame_level && box.low == box.high;
+    for (std::uint32_t index = leaf.first; index < leaf.first + leaf.count; ++index) {
+      if (tree_.spacings[index] > k_infinite)
+        first_.add(frame.node, {Array::spacings, index, "the spacing is negative or NaN"});
+      if (is_one_position && tree_.spacings[index] != tree_.spacings[leaf.first])
         first_.add(frame.node,
-                   {Array::spacings, place, "points with equal positions have different spacings"});
+                   {Array::spacings, index, "points with equal positions have different spacings"});
     }
   }
 
@@ -260,32 +260,32 @@ class PointCheck {
     if (tree_.spacings) check_spacings(frame, box, leaf);
     points_seen_.fetch_add(leaf.count, std::memory_order_relaxed);
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const std::uint32_t place = leaf.place + i;
+      const std::uint32_t index = leaf.first + i;
       const LatticePosition position = position_of(tree_, leaf, i);
       extent.grow(position);
       SlotBox point;
       for (int axis = 0; axis < 3; ++axis)
         point.low[axis] = point.high[axis] =
             static_cast<std::uint32_t>(position[axis]) - static_cast<std::uint32_t>(tree_.base[axis]);
-      const bool is_exact = tree_.positions && leaf.place >= tree_.first_exact;
+      const bool is_exact = tree_.positions && leaf.first >= tree_.first_exact;
       if (!holds(box, point))
         first_.add(frame.node, {is_exact ? Array::positions : Array::coordinates,
-                                is_exact ? place - tree_.first_exact : place,
+                                is_exact ? index - tree_.first_exact : index,
                                 "the point is outside the box of its leaf"});
       if (is_exact && !has_right_coordinates(frame, leaf, i, point))
         first_.add(frame.node,
-                   {Array::coordinates, place, "the coordinates do not match the exact position"});
-      if (!places_.set(place))
+                   {Array::coordinates, index, "the coordinates do not match the exact position"});
+      if (!indices_.set(index))
         first_.add(frame.node,
-                   {Array::nodes, frame.node, fmt::format("storage index {} is in two leaves", place)});
-      if (tree_.ids && !ids_.set(tree_.ids[place]))
-        first_.add(frame.node, {Array::ids, place, fmt::format("duplicate id {}", tree_.ids[place])});
+                   {Array::nodes, frame.node, fmt::format("storage index {} is in two leaves", index)});
+      if (tree_.ids && !ids_.set(tree_.ids[index]))
+        first_.add(frame.node, {Array::ids, index, fmt::format("duplicate id {}", tree_.ids[index])});
     }
   }
 
   bool has_right_coordinates(const Frame& frame, const Leaf& leaf, std::uint32_t i,
                              const SlotBox& point) const {
-    const std::uint16_t* const coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
+    const std::uint16_t* const coordinates = tree_.coordinates + std::size_t{3} * leaf.first;
     for (int axis = 0; axis < 3; ++axis) {
       const std::int64_t steps = point.low[axis] - std::int64_t{frame.corner[axis]};
       if (coordinates[axis * leaf.count + i] != steps >> coordinate_shift(frame.level)) return false;
@@ -296,7 +296,7 @@ class PointCheck {
   const TreeView& tree_;
   std::vector<Frame> frames_;
   int deepest_ = 0;
-  Marks places_, ids_;
+  Marks indices_, ids_;
   std::atomic<std::uint64_t> points_seen_ = 0;
   FirstFault first_;
 };
@@ -319,7 +319,7 @@ std::optional<TreeFault> find_broken_link(const TreeView& tree) {
 std::optional<TreeFault> find_bad_id(const TreeView& tree, std::uint32_t begin, std::uint32_t end) {
   if (tree.ids == nullptr) return std::nullopt;
   std::uint32_t highest = 0;
-  for (std::uint32_t place = begin; place < end; ++place) highest = std::max(highest, tree.ids[place]);
+  for (std::uint32_t index = begin; index < end; ++index) highest = std::max(highest, tree.ids[index]);
   if (begin == end || highest < tree.point_count) return std::nullopt;
   const auto bad = std::find_if(tree.ids + begin, tree.ids + end,
                                 [&](std::uint32_t id) { return id >= tree.point_count; });

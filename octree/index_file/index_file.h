@@ -23,7 +23,7 @@
 //     use(index.columns().colors[hit->point_id]);
 //
 // A damaged file is an Error, never a crash, however it is used. Who pays for that, and when:
-// - open_index() checks all counts, sizes and places, the first page, and the metadata with their checksums,
+// - open_index() checks all counts, sizes and storage indices, the first page, and the metadata with their checksums,
 //   and opens a file of any number of points in under 10 ms.
 // - octree() reads nodes and ids once (about 5 bytes per point), in parallel, before the first query:
 //   checksums, links and ids. Queries then end and stay inside the arrays. About a quarter of a second of
@@ -87,7 +87,7 @@ class IndexFile {
 
 /// Opens an index file. Cost: under 10 ms at any number of points, since only header and metadata are looked
 /// at. Errors: missing or unreadable; not an index file; of another byte order or version; truncated; a
-/// count, size or place that does not fit the file; damaged header or metadata. They name the byte.
+/// count, size or storage index that does not fit the file; damaged header or metadata. They name the byte.
 IndexFile open_index(const std::filesystem::path& path);
 
 /// open_index() and IndexFile::verify().

@@ -85,10 +85,10 @@ std::uint64_t page_checksum(std::span<const std::byte> page) {
 /// What comes before all other fields may be trusted.
 void check_identity(std::span<const std::byte> file, const HeaderFields& page, const std::string& file_name) {
   if (!is_index_file(file))
-    throw Error({.file = file_name, .place = "byte 0", .problem = "not an Alidade index file"});
+    throw Error({.file = file_name, .location = "byte 0", .problem = "not an Alidade index file"});
   if (file.size() < k_index_page) {
     throw Error({.file = file_name,
-                 .place = fmt::format("byte {}", file.size()),
+                 .location = fmt::format("byte {}", file.size()),
                  .problem = "truncated header",
                  .expected = fmt::format("at least {} bytes", k_index_page),
                  .found = std::to_string(file.size())});
@@ -112,11 +112,11 @@ void check_identity(std::span<const std::byte> file, const HeaderFields& page, c
 
 void read_lattice(const HeaderFields& page, TreeView& tree) {
   for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t scale_place = 72 + 8 * axis, offset_place = 96 + 8 * axis;
-    const auto scale = page.get<double>(scale_place), offset = page.get<double>(offset_place);
-    page.require(std::isfinite(scale) && scale > 0.0, scale_place, "invalid lattice scale",
+    const std::size_t scale_field = 72 + 8 * axis, offset_field = 96 + 8 * axis;
+    const auto scale = page.get<double>(scale_field), offset = page.get<double>(offset_field);
+    page.require(std::isfinite(scale) && scale > 0.0, scale_field, "invalid lattice scale",
                  "a positive number", scale);
-    page.require(std::isfinite(std::abs(offset) + scale * 2147483648.0), offset_place,
+    page.require(std::isfinite(std::abs(offset) + scale * 2147483648.0), offset_field,
                  "invalid lattice offset", "a finite number", offset);
     tree.lattice.scale[axis] = scale;
     tree.lattice.offset[axis] = offset;
@@ -126,10 +126,10 @@ void read_lattice(const HeaderFields& page, TreeView& tree) {
 
 void read_bounds(const HeaderFields& page, TreeView& tree) {
   for (int axis = 0; axis < 3; ++axis) {
-    const std::size_t min_place = 136 + 8 * axis, max_place = 160 + 8 * axis;
-    const auto min = page.get<double>(min_place), max = page.get<double>(max_place);
+    const std::size_t min_index = 136 + 8 * axis, max_index = 160 + 8 * axis;
+    const auto min = page.get<double>(min_index), max = page.get<double>(max_index);
     if (tree.point_count > 0) {
-      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_place, "invalid bounds",
+      page.require(std::isfinite(min) && std::isfinite(max) && min <= max, min_index, "invalid bounds",
                    "finite numbers, the minimum first", fmt::format("{} to {}", min, max));
     }
     tree.bounds.min[axis] = min;
@@ -220,9 +220,9 @@ SectionEntry read_section(const HeaderFields& page, std::size_t number, const In
                fmt::format("{} bytes each", element), entry.element_bytes);
   const std::uint64_t begin =
       align_to_page(header.sections.empty() ? k_index_page : header.sections.back().end());
-  page.require(entry.place == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
-               fmt::format("byte {}", begin), fmt::format("byte {}", entry.place));
-  // Places stay within the file, since every section before this one did.
+  page.require(entry.index == begin, at + 8, fmt::format("wrong offset of {}", name(entry.kind)),
+               fmt::format("byte {}", begin), fmt::format("byte {}", entry.index));
+  // Indexs stay within the file, since every section before this one did.
   const std::uint64_t room = header.file_bytes - std::min(begin, header.file_bytes);
   page.require(entry.bytes <= room, at + 16, fmt::format("{} exceed the file", name(entry.kind)),
                fmt::format("at most {} bytes", room), entry.bytes);
@@ -316,7 +316,7 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
     std::byte* const row = at + k_section_table + i * k_section_entry;
     store(row, entry.kind);
     store(row + 4, entry.element_bytes);
-    store(row + 8, entry.place);
+    store(row + 8, entry.index);
     store(row + 16, entry.bytes);
     store(row + 24, entry.checksum);
   }

@@ -51,11 +51,11 @@ inline constexpr std::size_t k_most_index_sections = 32;
 struct SectionEntry {
   IndexSection kind = IndexSection::nodes;
   std::uint32_t element_bytes = 1;
-  std::uint64_t place = 0;  ///< byte of the file
+  std::uint64_t index = 0;  ///< byte of the file
   std::uint64_t bytes = 0;
   std::uint64_t checksum = 0;  ///< of its block checksums; of the section itself for IndexSection::checksums
 
-  std::uint64_t end() const { return place + bytes; }
+  std::uint64_t end() const { return index + bytes; }
 };
 
 /// The header, field by field.
@@ -66,12 +66,13 @@ struct IndexHeader {
   bool gps_time_is_standard = false;
   std::array<std::uint8_t, 16> project_id{};
   std::uint16_t file_source_id = 0;
-  std::vector<SectionEntry> sections;  ///< in the order of their kinds, which is that of their places
+  std::vector<SectionEntry>
+      sections;  ///< in the order of their kinds, which is that of their storage indices
 
   const SectionEntry* find(IndexSection kind) const;
 };
 
-/// Reads the header of a file from all of its bytes. Every count, size and place is checked against the
+/// Reads the header of a file from all of its bytes. Every count, size and storage index is checked against the
 /// file's size, the section table for order, gaps and overlaps, and the page against its own checksum. Cost:
 /// constant; nothing behind the first page is looked at. Errors: name the byte; a file of another byte order
 /// or version is told apart from a damaged one.
@@ -83,9 +84,9 @@ std::array<std::byte, k_index_page> encode_index_header(const IndexHeader& heade
 /// Whether a file that starts so claims to be an index file.
 bool is_index_file(std::span<const std::byte> start);
 
-/// First byte from `place` on where a section may begin.
-constexpr std::uint64_t align_to_page(std::uint64_t place) {
-  return (place + k_index_page - 1) / k_index_page * k_index_page;
+/// First byte from `index` on where a section may begin.
+constexpr std::uint64_t align_to_page(std::uint64_t index) {
+  return (index + k_index_page - 1) / k_index_page * k_index_page;
 }
 
 }  // namespace alidade

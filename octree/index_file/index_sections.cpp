@@ -24,13 +24,13 @@ constexpr std::uint64_t k_blocks_per_report = 256;
 std::span<const std::byte> IndexSections::bytes(IndexSection kind) const {
   const SectionEntry* const section = header_.find(kind);
   if (section == nullptr) return {};
-  return map_.bytes().subspan(static_cast<std::size_t>(section->place),
+  return map_.bytes().subspan(static_cast<std::size_t>(section->index),
                               static_cast<std::size_t>(section->bytes));
 }
 
 void IndexSections::fail(IndexSection kind, std::uint64_t byte, const std::string& problem) const {
   throw Error({.file = map_.name(),
-               .place = fmt::format("byte {}", entry(kind).place + byte),
+               .location = fmt::format("byte {}", entry(kind).index + byte),
                .problem = fmt::format("corrupt section {}: {}", alidade::name(kind), problem)});
 }
 
@@ -89,17 +89,17 @@ void IndexSections::check(IndexSection kind, const Progress& progress, const Loo
 }
 
 void IndexSections::check_gaps() const {
-  std::uint64_t place = k_index_page;
+  std::uint64_t index = k_index_page;
   for (const SectionEntry& section : header_.sections) {
-    for (; place < section.place; ++place) {
-      if (map_.bytes()[static_cast<std::size_t>(place)] == std::byte{0}) continue;
+    for (; index < section.index; ++index) {
+      if (map_.bytes()[static_cast<std::size_t>(index)] == std::byte{0}) continue;
       throw Error(
           {.file = map_.name(),
-           .place = fmt::format("byte {}", place),
+           .location = fmt::format("byte {}", index),
            .problem = fmt::format("the gap before section {} is not zero", alidade::name(section.kind)),
            .expected = "zeros up to the next multiple of 4096"});
     }
-    place = section.end();
+    index = section.end();
   }
 }
 
@@ -145,8 +145,8 @@ class Writer {
 
 class Reader {
  public:
-  Reader(std::span<const std::byte> bytes, std::uint64_t place, const std::string& file_name)
-      : bytes_(bytes), place_(place), file_(file_name) {}
+  Reader(std::span<const std::byte> bytes, std::uint64_t index, const std::string& file_name)
+      : bytes_(bytes), index_(index), file_(file_name) {}
 
   template <class T>
   void value(T& value) {
@@ -185,7 +185,7 @@ class Reader {
                const Found& found) const {
     if (holds) return;
     throw Error({.file = file_,
-                 .place = fmt::format("byte {}", place_ + used_ - back),
+                 .location = fmt::format("byte {}", index_ + used_ - back),
                  .problem = problem,
                  .expected = expected,
                  .found = std::to_string(found)});
@@ -209,7 +209,7 @@ class Reader {
   }
 
   std::span<const std::byte> bytes_;
-  std::uint64_t place_;
+  std::uint64_t index_;
   const std::string& file_;
   std::size_t used_ = 0;
 };
@@ -295,9 +295,9 @@ std::vector<std::byte> encode_index_metadata(const PointCloud& cloud) {
   return writer.take();
 }
 
-IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t place,
+IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t index,
                                   const std::string& file_name) {
-  Reader reader(section, place, file_name);
+  Reader reader(section, index, file_name);
   IndexMetadata metadata;
   visit_metadata(reader, metadata.cloud,
                  [&](std::uint64_t bytes) { metadata.record_bytes.push_back(bytes); });

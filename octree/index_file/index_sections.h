@@ -71,8 +71,8 @@ struct IndexMetadata {
 };
 
 /// Reads the section. Errors: it ends early, goes on behind its end, or has a value that cannot be; they name
-/// the byte of the file, in which the section begins at `place`. Memory: a constant factor of its size.
-IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t place,
+/// the byte of the file, in which the section begins at `index`. Memory: a constant factor of its size.
+IndexMetadata read_index_metadata(std::span<const std::byte> section, std::uint64_t index,
                                   const std::string& file_name);
 
 }  // namespace alidade

@@ -19,7 +19,7 @@ struct IndexedCloud {
   PointCloud cloud;
   std::optional<IndexFile> index;  ///< the columns lie in here if it is there
 
-  /// The attribute columns, wherever they lie; valid as long as this object stands unchanged in its place.
+  /// The attribute columns, wherever they lie; valid as long as this object stands unchanged instead.
   AttributeColumns columns() const { return index ? index->columns() : columns_of(cloud); }
 };
 

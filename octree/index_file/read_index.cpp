@@ -84,7 +84,7 @@ class IndexReader final : public CloudReader {
     const LatticeShift shift(tree.lattice, cloud.lattice, index_.name());
     for_each_leaf(tree, [&](const Leaf& leaf) {
       for (std::uint32_t i = 0; i < leaf.count; ++i) {
-        const std::size_t row = static_cast<std::size_t>(point_id(tree, leaf.place + i)) - rows.first;
+        const std::size_t row = static_cast<std::size_t>(point_id(tree, leaf.first + i)) - rows.first;
         if (row >= rows.count) continue;
         cloud.positions[rows.target + row] = shift(position_of(tree, leaf, i));
       }

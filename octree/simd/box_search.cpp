@@ -92,7 +92,7 @@ class BoxWalk {
       return points;
     }
     const hn::CappedTag<std::uint16_t, 16> d;
-    const std::uint16_t* const coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
+    const std::uint16_t* const coordinates = tree_.coordinates + std::size_t{3} * leaf.first;
     points = ~0u;
     for (int axis = 0; axis < 3; ++axis) {
       const std::int64_t low = box_.low[axis] - leaf.corner[axis], high = box_.high[axis] - leaf.corner[axis];
@@ -138,10 +138,10 @@ class BoxFinder {
       keys_.resize(2 * keys_.size() + k_first_room);
       positions_.resize(keys_.size());
     }
-    if (query_.filter || (tree_.positions && leaf.place >= tree_.first_exact)) {
+    if (query_.filter || (tree_.positions && leaf.first >= tree_.first_exact)) {
       for (; points != 0; points &= points - 1) {
         const std::uint32_t i = index_of_lowest_bit(points);
-        const std::uint64_t id = point_id(tree_, leaf.place + i);
+        const std::uint64_t id = point_id(tree_, leaf.first + i);
         const LatticePosition position = position_of(tree_, leaf, i);
         if (!query_.filter || evaluate(box_, query_, to_world(tree_.lattice, position), id, query_index_))
           add(id, position);
@@ -149,14 +149,14 @@ class BoxFinder {
       return;
     }
     // What position_of() does, with what is the same for all points of the leaf taken out of the loop.
-    const std::uint16_t* const x = tree_.coordinates + std::size_t{3} * leaf.place;
+    const std::uint16_t* const x = tree_.coordinates + std::size_t{3} * leaf.first;
     const std::uint16_t *const y = x + leaf.count, *const z = y + leaf.count;
     std::uint32_t corner[3];
     for (int axis = 0; axis < 3; ++axis)
       corner[axis] = static_cast<std::uint32_t>(tree_.base[axis]) + leaf.corner[axis];
     for (; points != 0; points &= points - 1) {
       const std::uint32_t i = index_of_lowest_bit(points);
-      add(point_id(tree_, leaf.place + i),
+      add(point_id(tree_, leaf.first + i),
           {static_cast<std::int32_t>(corner[0] + x[i]), static_cast<std::int32_t>(corner[1] + y[i]),
            static_cast<std::int32_t>(corner[2] + z[i])});
     }
@@ -210,7 +210,7 @@ class BoxCounter {
     for (; points != 0 && !is_done(); points &= points - 1) {
       const std::uint32_t i = index_of_lowest_bit(points);
       const glm::dvec3 position = to_world(tree_.lattice, position_of(tree_, leaf, i));
-      count_ += evaluate(box_, query_, position, point_id(tree_, leaf.place + i), query_index_) ? 1 : 0;
+      count_ += evaluate(box_, query_, position, point_id(tree_, leaf.first + i), query_index_) ? 1 : 0;
     }
   }
   std::size_t count() const { return std::min(count_, k_); }

@@ -36,7 +36,7 @@ struct TestedPoints {
 template <class Target>
 auto decide(const TreeView& tree, const Target& target, const Leaf& leaf, std::uint32_t index) {
   return target.evaluate(to_world(tree.lattice, position_of(tree, leaf, index)),
-                         point_id(tree, leaf.place + index));
+                         point_id(tree, leaf.first + index));
 }
 
 /// The k first points. Points that certainly count wait undecided until the search is over: most fall behind
@@ -75,7 +75,7 @@ class NearestCollector {
     if (waiting_count_ + k_max_leaf_size > room_) make_room();
     for (std::uint32_t rest = points.certain; rest != 0; rest &= rest - 1) {
       const std::uint32_t i = index_of_lowest_bit(rest);
-      waiting_[waiting_count_++] = {points.low[i], points.high[i], leaf.place + i,
+      waiting_[waiting_count_++] = {points.low[i], points.high[i], leaf.first + i,
                                     position_of(tree_, leaf, i)};
     }
     if (points.certain != 0) note_highs(points.high, points.certain);
@@ -100,7 +100,7 @@ class NearestCollector {
  private:
   struct Waiting {
     float low, high;
-    std::uint32_t place;
+    std::uint32_t index;
     LatticePosition position;
     bool operator<(const Waiting& other) const { return high < other.high; }
   };
@@ -189,7 +189,7 @@ class NearestCollector {
       const Waiting& point = waiting_[i];
       if (point.low > cut_) continue;
       if (const auto answer =
-              target_.evaluate(to_world(tree_.lattice, point.position), point_id(tree_, point.place)))
+              target_.evaluate(to_world(tree_.lattice, point.position), point_id(tree_, point.index)))
         decided_.insert(*answer);
     }
     waiting_count_ = 0;

@@ -16,8 +16,8 @@
 
 namespace alidade::simd {
 
-/// Past the last place below a node whose frame's level is at most k_exact_frame_level.
-inline std::uint32_t end_place(const TreeView& tree, std::uint32_t index) {
+/// Past the last storage index below a node whose frame's level is at most k_exact_frame_level.
+inline std::uint32_t end_index(const TreeView& tree, std::uint32_t index) {
   for (;;) {
     const Node& node = tree.nodes[index];
     const std::uint64_t kinds = kinds_of(node);
@@ -33,7 +33,7 @@ inline std::uint32_t subtree_count(const TreeView& tree, const Frame& parent, in
   if (is_leaf(node.kind[slot])) return node.kind[slot];
   const Frame child = child_frame(tree, parent, slot);
   if (child.level <= k_exact_frame_level)
-    return end_place(tree, child.node) - tree.nodes[child.node].first_point;
+    return end_index(tree, child.node) - tree.nodes[child.node].first_point;
   std::uint32_t count = 0;
   for (int below = 0; below < k_node_width; ++below)
     if (tree.nodes[child.node].kind[below] != 0) count += subtree_count(tree, child, below);
@@ -47,7 +47,7 @@ inline std::uint32_t subtree_count(const TreeView& tree, const Frame& parent, in
 /// k_min_frame_level.
 inline unsigned slots_after_k_equal(const TreeView& tree, const Frame& frame, std::size_t k) {
   const Node& node = tree.nodes[frame.node];
-  const auto is_one_place = [&](int slot) {
+  const auto is_one_position = [&](int slot) {
     return node.kind[slot] != 0 && node.low[0][slot] == node.high[0][slot] &&
            node.low[1][slot] == node.high[1][slot] && node.low[2][slot] == node.high[2][slot];
   };
@@ -59,7 +59,7 @@ inline unsigned slots_after_k_equal(const TreeView& tree, const Frame& frame, st
   // Children stand in Morton order, so equal ones stand side by side.
   std::size_t before = 0;
   for (int slot = 1; slot < k_node_width; ++slot) {
-    if (!is_one_place(slot) || !is_one_place(slot - 1) || !equal(slot, slot - 1)) {
+    if (!is_one_position(slot) || !is_one_position(slot - 1) || !equal(slot, slot - 1)) {
       before = 0;
       continue;
     }

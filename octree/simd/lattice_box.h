@@ -88,10 +88,10 @@ inline void sort_by_id(std::vector<IdKey>& keys, std::size_t k) {
   for (const IdKey key : keys) all |= key;
   for (int shift = 32; shift < static_cast<int>(std::bit_width(all)); shift += k_digit_bits) {
     const auto digit = [&](IdKey key) { return key >> shift & ((1u << k_digit_bits) - 1u); };
-    std::array<std::uint32_t, std::size_t{1} << k_digit_bits> place{};
-    for (const IdKey key : keys) ++place[digit(key)];
-    std::exclusive_scan(place.begin(), place.end(), place.begin(), 0u);
-    for (const IdKey key : keys) sorted[place[digit(key)]++] = key;
+    std::array<std::uint32_t, std::size_t{1} << k_digit_bits> index{};
+    for (const IdKey key : keys) ++index[digit(key)];
+    std::exclusive_scan(index.begin(), index.end(), index.begin(), 0u);
+    for (const IdKey key : keys) sorted[index[digit(key)]++] = key;
     keys.swap(sorted);
   }
 }

@@ -18,7 +18,7 @@ HWY_BEFORE_NAMESPACE();
 namespace alidade::simd {
 namespace HWY_NAMESPACE {
 
-/// A ray from its place `start` (local t) on, relative to a frame's corner, in floats of four: position,
+/// A ray from its storage index `start` (local t) on, relative to a frame's corner, in floats of four: position,
 /// direction, RayLimits.
 HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* corner, float* from,
                             float* along, float* limits) {
@@ -28,8 +28,8 @@ HWY_INLINE void relative_to(const RayUnderWay& ray, double start, const double* 
   for (std::size_t lane = 0; lane < 4; lane += hn::Lanes(d)) {
     // The fourth values are what stands behind; nobody asks for them.
     const auto direction = hn::LoadU(d, &ray.asked.direction.x + lane);
-    const auto place = hn::MulAdd(t, direction, hn::LoadU(d, &ray.asked.origin.x + lane));
-    hn::StoreU(hn::DemoteTo(floats, hn::Sub(place, hn::LoadU(d, corner + lane))), floats, from + lane);
+    const auto index = hn::MulAdd(t, direction, hn::LoadU(d, &ray.asked.origin.x + lane));
+    hn::StoreU(hn::DemoteTo(floats, hn::Sub(index, hn::LoadU(d, corner + lane))), floats, from + lane);
     hn::StoreU(hn::DemoteTo(floats, direction), floats, along + lane);
     hn::StoreU(hn::DemoteTo(floats, hn::Sub(hn::LoadU(d, &ray.state.limits.t_min + lane), local_t)), floats,
                limits + lane);
@@ -52,13 +52,13 @@ class LeafTest {
         all_in_double_(static_cast<bool>(setup.query.filter)) {}
 
   /// Leaves below one frame.
-  struct Place {
+  struct Index {
     double corner[4];  ///< of the frame, world
     double error;
     float outer_sq;
     float scale[3];
 
-    Place(const QuerySetup& setup, const std::array<std::uint32_t, 3>& frame_corner, int level) {
+    Index(const QuerySetup& setup, const std::array<std::uint32_t, 3>& frame_corner, int level) {
       error = setup.leaf_error(level);
       for (int axis = 0; axis < 3; ++axis)
         corner[axis] = setup.corner[axis] + setup.scale[axis] * frame_corner[axis];
@@ -70,34 +70,34 @@ class LeafTest {
     }
   };
 
-  Place place(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
+  Index index(const std::array<std::uint32_t, 3>& frame_corner, int level) const {
     return {setup_, frame_corner, level};
   }
 
   /// A point certainly counts if its distance squared is not above. For the half chord
   /// h = sqrt(r^2 - distance^2) of the sphere: (r + e)^2 - (x + e)^2 >= r^2 - x^2 >= (r - e)^2 - (x - e)^2
   /// for e <= x + e <= r.
-  float inner_sq(const Place& place) const {
-    const double inner = setup_.query.radius - place.error;
+  float inner_sq(const Index& index) const {
+    const double inner = setup_.query.radius - index.error;
     return inner > 0.0 && !all_in_double_ ? float_below(inner * inner) : -1.0f;
   }
 
   /// The first `count` points of a leaf, whose box the ray's line enters at t_near (local; rounding does not
   /// matter). For `any`, ray.state.found() tells whether to go on.
-  HWY_INLINE void visit(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count, const Place& place,
+  HWY_INLINE void visit(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count, const Index& index,
                         float t_near) const {
     constexpr std::uint32_t lanes = hn::MaxLanes(PointLanes());
     if (count <= lanes) {
-      visit_vectors<1>(ray, leaf, count, place, t_near);
+      visit_vectors<1>(ray, leaf, count, index, t_near);
     } else {
-      visit_vectors<k_max_leaf_size / lanes>(ray, leaf, count, place, t_near);
+      visit_vectors<k_max_leaf_size / lanes>(ray, leaf, count, index, t_near);
     }
   }
 
   /// The ray's best point as a hit.
   std::optional<Hit> answer(const RayUnderWay& ray) const {
     if (!ray.state.found()) return std::nullopt;
-    return in_double(ray, ray.state.best_position, ray.state.best_place);
+    return in_double(ray, ray.state.best_position, ray.state.best_index);
   }
 
   /// Makes a point of a leaf the best: its measure lies in [low, high], local t.
@@ -120,24 +120,24 @@ class LeafTest {
  private:
   template <int vectors>
   HWY_NOINLINE void visit_vectors(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t count,
-                                  const Place& place, float t_near) const {
-    // Around the place where the ray enters the leaf's box numbers are small, and so are errors.
+                                  const Index& index, float t_near) const {
+    // Around the storage index where the ray enters the leaf's box numbers are small, and so are errors.
     const auto start = static_cast<double>(t_near);
     alignas(16) float from[4], along[4], limits[4];
-    relative_to(ray, start, place.corner, from, along, limits);
+    relative_to(ray, start, index.corner, from, along, limits);
 
     const PointLanes d;
     constexpr int lanes = hn::MaxLanes(PointLanes());
-    const auto error = hn::Set(d, float_above(place.error));
+    const auto error = hn::Set(d, float_above(index.error));
     hn::Vec<PointLanes> radius[vectors];
     if constexpr (radii == Radii::own) {
       for (int i = 0; i < vectors; ++i)
-        radius[i] = own_radii_.above(d, setup_.tree.spacings + leaf.place + i * lanes);
+        radius[i] = own_radii_.above(d, setup_.tree.spacings + leaf.first + i * lanes);
     }
     const auto outer_sq_of = [&](int i) {
       if constexpr (radii == Radii::own) return OwnRadii::outer_sq(d, radius[i], error);
       (void)i;
-      return hn::Set(d, place.outer_sq);
+      return hn::Set(d, index.outer_sq);
     };
     const auto inner_sq_of = [&](int i) {
       if constexpr (radii == Radii::own) {
@@ -145,7 +145,7 @@ class LeafTest {
         return hn::Set(d, -1.0f);
       }
       (void)i;
-      return hn::Set(d, this->inner_sq(place));
+      return hn::Set(d, this->inner_sq(index));
     };
     const auto t_min = hn::Set(d, limits[0]), t_max = hn::Set(d, limits[1]);
     const auto low = hn::Sub(t_min, error);
@@ -158,11 +158,11 @@ class LeafTest {
     // All vectors first, without asking in between: which of them hold a possible point nobody can foresee.
     hn::Vec<PointLanes> ts[vectors], distances_sq[vectors];
     std::uint32_t possible = 0;
-    const std::uint16_t* coordinates = setup_.tree.coordinates + std::size_t{3} * leaf.place;
+    const std::uint16_t* coordinates = setup_.tree.coordinates + std::size_t{3} * leaf.first;
     for (int i = 0; i < vectors; ++i) {
       const auto from_corner = [&](int axis) {
         return hn::MulSub(load_as_float(d, coordinates + axis * leaf.count + i * lanes),
-                          hn::Set(d, place.scale[axis]), hn::Set(d, from[axis]));
+                          hn::Set(d, index.scale[axis]), hn::Set(d, from[axis]));
       };
       const auto point = on_line(from_corner(0), from_corner(1), from_corner(2), along_x, along_y, along_z);
       ts[i] = point.t;
@@ -247,7 +247,7 @@ class LeafTest {
     const std::optional<Hit> hit = in_double(ray, leaf, index);
     if (!hit) return;
     if (ray.state.found()) {
-      const std::optional<Hit> best = in_double(ray, ray.state.best_position, ray.state.best_place);
+      const std::optional<Hit> best = in_double(ray, ray.state.best_position, ray.state.best_index);
       // Coordinates of a damaged index file can lie where floats are sure of them and doubles are not.
       if (best && !precedes(measure, *hit, *best)) {
         settle(ray, *best);
@@ -266,22 +266,22 @@ class LeafTest {
   }
 
   std::optional<Hit> in_double(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
-    return in_double(ray, position_of(setup_.tree, leaf, index), leaf.place + index);
+    return in_double(ray, position_of(setup_.tree, leaf, index), leaf.first + index);
   }
 
   std::optional<Hit> in_double(const RayUnderWay& ray, const LatticePosition& position,
-                               std::uint32_t place) const {
+                               std::uint32_t index) const {
     const double radius =
-        radii == Radii::own ? own_radius(setup_.query, spacing_at(setup_.tree, place)) : setup_.query.radius;
+        radii == Radii::own ? own_radius(setup_.query, spacing_at(setup_.tree, index)) : setup_.query.radius;
     return evaluate(ray.asked, setup_.query, radius, to_world(setup_.tree.lattice, position),
-                    point_id(setup_.tree, place), ray.query_index);
+                    point_id(setup_.tree, index), ray.query_index);
   }
 
   void keep(const RayUnderWay& ray, const Leaf& leaf, std::uint32_t index) const {
     ray.state.best_position = position_of(setup_.tree, leaf, index);
-    ray.state.best_place = leaf.place + index;
+    ray.state.best_index = leaf.first + index;
     // Asked for with the answer: few points that once were the best are not in the end.
-    if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + ray.state.best_place);
+    if (setup_.tree.ids) hwy::Prefetch(setup_.tree.ids + ray.state.best_index);
   }
 
   const QuerySetup& setup_;

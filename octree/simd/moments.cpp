@@ -62,15 +62,15 @@ struct HeightTerms {
   }
 };
 
-/// Adds up terms of the points around one place.
+/// Adds up terms of the points around one position.
 template <class Terms>
 class SumsAround {
  public:
-  SumsAround(const TreeView& tree, const glm::dvec3& place, double reach, const Terms& terms)
+  SumsAround(const TreeView& tree, const glm::dvec3& index, double reach, const Terms& terms)
       : tree_(tree), reach_(reach), terms_(terms) {
     const glm::dvec3 root_corner = to_world(tree.lattice, tree.base);
     for (int axis = 0; axis < 3; ++axis) {
-      place_[axis] = place[axis] - root_corner[axis];
+      index_[axis] = index[axis] - root_corner[axis];
       scale_[axis] = static_cast<float>(tree.lattice.scale[axis] / reach);
     }
     const PointLanes d;
@@ -86,15 +86,15 @@ class SumsAround {
       const Frame frame = waiting[--count];
       const Node& node = tree_.nodes[frame.node];
       const Slots slots(node);
-      float place[3];
-      local_place(frame.corner, place);
-      for (unsigned near = near_slots(node, frame.level, place) & (slots.inner | slots.leaf); near != 0;
+      float index[3];
+      local_index(frame.corner, index);
+      for (unsigned near = near_slots(node, frame.level, index) & (slots.inner | slots.leaf); near != 0;
            near &= near - 1) {
         const int slot = std::countr_zero(near);
         if ((slots.inner >> slot & 1u) != 0) {
           waiting[count++] = slots.child_in(node, frame, slot);
         } else {
-          add_leaf(slots.leaf_in(node, frame, slot), place);
+          add_leaf(slots.leaf_in(node, frame, slot), index);
         }
       }
     }
@@ -114,14 +114,14 @@ class SumsAround {
  private:
   static constexpr int k_columns = 16, k_lanes = hn::MaxLanes(PointLanes()), k_parts = k_columns / k_lanes;
 
-  /// The place from the corner of a frame, in units of the reach.
-  void local_place(const std::array<std::uint32_t, 3>& corner, float* place) const {
+  /// The storage index from the corner of a frame, in units of the reach.
+  void local_index(const std::array<std::uint32_t, 3>& corner, float* index) const {
     for (int axis = 0; axis < 3; ++axis)
-      place[axis] = static_cast<float>((place_[axis] - tree_.lattice.scale[axis] * corner[axis]) / reach_);
+      index[axis] = static_cast<float>((index_[axis] - tree_.lattice.scale[axis] * corner[axis]) / reach_);
   }
 
   /// Slots whose box is within reach.
-  unsigned near_slots(const Node& node, int level, const float* place) const {
+  unsigned near_slots(const Node& node, int level, const float* index) const {
     const ChildLanes d;
     const auto grid_step = static_cast<float>(power_of_two(level - k_min_frame_level));
     const auto zero = hn::Zero(d);
@@ -129,7 +129,7 @@ class SumsAround {
     for (std::size_t lane = 0; lane < k_node_width; lane += hn::Lanes(d)) {
       auto distance_sq = zero;
       for (int axis = 0; axis < 3; ++axis) {
-        const auto step = hn::Set(d, scale_[axis] * grid_step), from = hn::Set(d, place[axis]);
+        const auto step = hn::Set(d, scale_[axis] * grid_step), from = hn::Set(d, index[axis]);
         const auto low = hn::Sub(hn::Mul(load_as_float(d, node.low[axis] + lane), step), from);
         const auto high =
             hn::Sub(hn::Mul(hn::Add(load_as_float(d, node.high[axis] + lane), hn::Set(d, 1.0f)), step), from);
@@ -141,19 +141,19 @@ class SumsAround {
     return near;
   }
 
-  void add_leaf(const Leaf& leaf, const float* place) {
-    if (tree_.positions && leaf.place >= tree_.first_exact) {
-      add_exact(leaf, place);
+  void add_leaf(const Leaf& leaf, const float* index) {
+    if (tree_.positions && leaf.first >= tree_.first_exact) {
+      add_exact(leaf, index);
       return;
     }
-    const std::uint16_t* coordinates = tree_.coordinates + std::size_t{3} * leaf.place;
-    add_points(leaf.count, place, [&](int axis, std::uint32_t first) {
+    const std::uint16_t* coordinates = tree_.coordinates + std::size_t{3} * leaf.first;
+    add_points(leaf.count, index, [&](int axis, std::uint32_t first) {
       return load_as_float(PointLanes(), coordinates + axis * leaf.count + first);
     });
   }
 
   /// Points whose 16-bit coordinates are not exact.
-  void add_exact(const Leaf& leaf, const float* place) {
+  void add_exact(const Leaf& leaf, const float* index) {
     alignas(64) float steps[3][k_max_leaf_size + k_columns] = {};
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const LatticePosition position = position_of(tree_, leaf, i);
@@ -161,18 +161,18 @@ class SumsAround {
         steps[axis][i] = static_cast<float>(static_cast<std::uint32_t>(position[axis]) -
                                             static_cast<std::uint32_t>(tree_.base[axis]) - leaf.corner[axis]);
     }
-    add_points(leaf.count, place,
+    add_points(leaf.count, index,
                [&](int axis, std::uint32_t first) { return hn::Load(PointLanes(), steps[axis] + first); });
   }
 
   /// steps(axis, first): lattice steps from the frame's corner of a vector of points.
   template <class Steps>
-  HWY_INLINE void add_points(std::uint32_t count, const float* place, const Steps& steps) {
+  HWY_INLINE void add_points(std::uint32_t count, const float* index, const Steps& steps) {
     const PointLanes d;
     const auto zero = hn::Zero(d), one = hn::Set(d, 1.0f);
     for (std::uint32_t first = 0; first < count; first += k_lanes) {
       const auto offset = [&](int axis) {
-        return hn::Sub(hn::Mul(steps(axis, first), hn::Set(d, scale_[axis])), hn::Set(d, place[axis]));
+        return hn::Sub(hn::Mul(steps(axis, first), hn::Set(d, scale_[axis])), hn::Set(d, index[axis]));
       };
       const auto x = offset(0), y = offset(1), z = offset(2);
       const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
@@ -187,31 +187,31 @@ class SumsAround {
   const TreeView& tree_;
   const double reach_;
   const Terms terms_;
-  double place_[3];  ///< from the root's corner, metres
+  double index_[3];  ///< from the root's corner, metres
   float scale_[3];   ///< of the lattice, in units of the reach
   PointVector sums_[Terms::k_rows][k_parts];
 };
 
 template <class Terms>
-std::array<float, Terms::k_rows> sums_around(const TreeView& tree, const glm::dvec3& place, double reach,
+std::array<float, Terms::k_rows> sums_around(const TreeView& tree, const glm::dvec3& index, double reach,
                                              const Terms& terms) {
   if (tree.node_count == 0) return {};
-  SumsAround<Terms> sums(tree, place, reach, terms);
+  SumsAround<Terms> sums(tree, index, reach, terms);
   sums.run();
   return sums.totals();
 }
 
-Moments around(const TreeView& tree, const glm::dvec3& place, double reach) {
-  const auto totals = sums_around(tree, place, reach, MomentTerms{});
+Moments around(const TreeView& tree, const glm::dvec3& index, double reach) {
+  const auto totals = sums_around(tree, index, reach, MomentTerms{});
   Moments moments{totals[0], totals[1], {}, {}};
   std::copy_n(totals.begin() + 2, 3, moments.first.begin());
   std::copy_n(totals.begin() + 5, 6, moments.second.begin());
   return moments;
 }
 
-HeightSums heights(const TreeView& tree, const glm::dvec3& place, double reach, const glm::vec3& direction,
+HeightSums heights(const TreeView& tree, const glm::dvec3& index, double reach, const glm::vec3& direction,
                    float level) {
-  const auto totals = sums_around(tree, place, reach, HeightTerms{direction, level});
+  const auto totals = sums_around(tree, index, reach, HeightTerms{direction, level});
   HeightSums sums{totals[0], {}};
   std::copy_n(totals.begin() + 1, 4, sums.powers.begin());
   return sums;

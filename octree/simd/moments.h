@@ -9,7 +9,7 @@
 
 namespace alidade::simd {
 
-/// Sums over the points around a place. Offsets p from it are in units of the reach; the weight of a point is
+/// Sums over the points around a storage index. Offsets p from it are in units of the reach; the weight of a point is
 /// (1 - |p|^2)^2, and 0 beyond the reach.
 struct Moments {
   float weight = 0.0f;
@@ -29,9 +29,9 @@ struct HeightSums {
 /// same numbers in the same order, in sixteen columns however many lanes there are, and no product is fused
 /// with a sum.
 struct MomentSums {
-  Moments (*around)(const TreeView& tree, const glm::dvec3& place, double reach);
+  Moments (*around)(const TreeView& tree, const glm::dvec3& index, double reach);
   /// direction: of length 1; level: in units of the reach.
-  HeightSums (*heights)(const TreeView& tree, const glm::dvec3& place, double reach,
+  HeightSums (*heights)(const TreeView& tree, const glm::dvec3& index, double reach,
                         const glm::vec3& direction, float level);
 };
 

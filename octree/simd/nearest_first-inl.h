@@ -32,7 +32,7 @@ struct TestedBoxes {
 template <class Kernel, class Collector>
 class NearestFirst {
  public:
-  /// k: of points at one place only the first k are looked at; k_all looks at all.
+  /// k: of points at one position only the first k are looked at; k_all looks at all.
   NearestFirst(const TreeView& tree, const Kernel& kernel, Collector& collector, int max_level, std::size_t k)
       : tree_(tree), kernel_(kernel), collector_(collector), max_level_(max_level), k_(k) {}
 

@@ -57,11 +57,11 @@ enum class Radii {
 ///
 /// Boxes are tested in float against the ray's line widened by `box_radius`, which exceeds the radius by more
 /// than everything that can go wrong between the float test and the double decision. With F the width of the
-/// root's frame and r the radius, all places relative to the root's corner, in units of 2^-24: rounding of
+/// root's frame and r the radius, all storage indices relative to the root's corner, in units of 2^-24: rounding of
 /// the lattice's scale, of 1/d and of their products with corner and grid step at most 4 F (corner and grid
 /// steps together stay below F), of the ray's local origin F + r, of the four sums in t at most 8 F + 7 r,
 /// of the widening 4 r. The sum stays below 13 (F + r); the budget is 16 (F + r). Where points have radii of
-/// their own, theirs take the place of r in the widening; that is a sum and two products more, and the budget
+/// their own, theirs replace r in the widening; that is a sum and two products more, and the budget
 /// is 32 (F + r). What goes wrong in double comes on top: `double_error` exceeds 2^-48 (W + way) + 4e-12 way,
 /// W the largest coordinate with the lattice's offset and `way` that from a ray's origin to the far end of
 /// the points: cancellation in point - origin and in t, and direction components kept 1e-12 away from zero.
@@ -143,13 +143,13 @@ struct alignas(32) RayBoxes {
   }
 };
 
-/// Limits of a ray's places, local t within k_far.
+/// Limits of a ray's storage indices, local t within k_far.
 struct RayLimits {
   double t_min, t_max, entry_min;
   double cut;  ///< the best point's measure is not beyond
 };
 
-/// What else is known of a ray on its way, a cache line of it. Places are told by local t, which counts from
+/// What else is known of a ray on its way, a cache line of it. Indexs are told by local t, which counts from
 /// where the ray enters the root's box, so that origins far away cost no precision.
 struct alignas(64) RayState {
   RayLimits limits;
@@ -158,7 +158,7 @@ struct alignas(64) RayState {
   /// it was decided in double. Infinite if there is none, -infinity if any point will do and there is one.
   double best_low;
   LatticePosition best_position;
-  std::uint32_t best_place;
+  std::uint32_t best_index;
 
   bool found() const { return best_low < std::numeric_limits<double>::infinity(); }
 };
@@ -247,8 +247,8 @@ inline SlotOrder front_to_back(const Node& node, unsigned octant, unsigned slots
     for (; at > 0 && keys[at - 1] > key; --at) keys[at] = keys[at - 1];
     keys[at] = key;
   }
-  for (int place = 0; place < order.count; ++place)
-    order.slot[place] = static_cast<std::uint8_t>(keys[place] & 7u);
+  for (int index = 0; index < order.count; ++index)
+    order.slot[index] = static_cast<std::uint8_t>(keys[index] & 7u);
   return order;
 }
 

@@ -27,7 +27,7 @@ struct Traversed {
   const QuerySetup& setup;
   const LeafTest<measure, any, radii>& leaf_test;
   int max_depth;     ///< nodes below are not visited
-  bool skips_twins;  ///< of points at one place only the first is looked at
+  bool skips_twins;  ///< of points at one position only the first is looked at
 
   Traversed(const QuerySetup& query_setup, const LeafTest<measure, any, radii>& test)
       : setup(query_setup),
@@ -59,9 +59,9 @@ class RayWalk {
                               traversed.leaf_test.own_radii(), slot_spacings(tree, at_.node), t_near_);
     single_ = 0;
     if (at_.level == k_min_frame_level && traversed.skips_twins) {
-      const Places places(node);
-      met &= ~places.twins;
-      single_ = places.single;
+      const Indexs indices(node);
+      met &= ~indices.twins;
+      single_ = indices.single;
     }
     leaves_ = met & slots.leaf;
     inner_ = slots.inner;
@@ -93,14 +93,14 @@ class RayWalk {
     const float cut_before = ray_.boxes.t_cut;
     const std::array<std::uint32_t, 3> corner = {lattice_steps(at_.corner[0]), lattice_steps(at_.corner[1]),
                                                  lattice_steps(at_.corner[2])};
-    const auto place = traversed.leaf_test.place(corner, at_.level);
+    const auto index = traversed.leaf_test.index(corner, at_.level);
     do {
       const int slot = std::countr_zero(leaves_ | 0x80u);
       leaves_ &= leaves_ - 1;
       if (t_near_[slot] > ray_.boxes.t_cut) continue;
       const std::uint32_t count = node.kind[slot];
       const Leaf leaf{slots.first_point(node, slot), count, corner};
-      traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, place, t_near_[slot]);
+      traversed.leaf_test.visit(ray_, leaf, (single_ >> slot & 1u) != 0 ? 1u : count, index, t_near_[slot]);
       if (any && ray_.state.found()) return;
     } while (leaves_ != 0);
     if (ray_.boxes.t_cut < cut_before) children_ &= begin_before(t_near_, ray_.boxes.t_cut);
@@ -125,7 +125,7 @@ class RayWalk {
       if (waiting_count_ == 0) return false;
       chosen = waiting_[--waiting_count_];
     } while (static_cast<std::int32_t>(chosen >> 32) > cut);
-    const Place& parent = way_[chosen >> 8 & 0xff];
+    const Index& parent = way_[chosen >> 8 & 0xff];
     const Node& node = nodes[parent.node];
     const int slot = static_cast<int>(chosen & 7);
     at_ = child(parent, node, slot, Slots::inner_of(node));
@@ -135,7 +135,7 @@ class RayWalk {
  private:
   /// A node, with the corner of its frame as floats, which hold it exactly: it is a multiple of 256 below
   /// 2^32.
-  struct Place {
+  struct Index {
     float corner[3];  ///< lattice steps from the root's
     std::uint32_t node;
     std::uint16_t level;
@@ -145,18 +145,18 @@ class RayWalk {
   static std::uint32_t lattice_steps(float corner) { return static_cast<std::uint32_t>(corner); }
 
   /// inner: of the parent's slots.
-  HWY_INLINE static Place child(const Place& parent, const Node& node, int slot, unsigned inner) {
+  HWY_INLINE static Index child(const Index& parent, const Node& node, int slot, unsigned inner) {
     const int drop = node.kind[slot] - k_inner_kind;
     const auto grid_step =
         std::bit_cast<float>(static_cast<std::uint32_t>(127 + parent.level - k_min_frame_level) << 23);
-    Place place;
+    Index index;
     for (int axis = 0; axis < 3; ++axis)
-      place.corner[axis] =
+      index.corner[axis] =
           parent.corner[axis] + static_cast<float>(node.low[axis][slot] & (-256 >> drop)) * grid_step;
-    place.node = node.first_child + static_cast<unsigned>(std::popcount(inner & ((1u << slot) - 1u)));
-    place.level = static_cast<std::uint16_t>(parent.level - drop);
-    place.depth = static_cast<std::uint16_t>(parent.depth + 1);
-    return place;
+    index.node = node.first_child + static_cast<unsigned>(std::popcount(inner & ((1u << slot) - 1u)));
+    index.level = static_cast<std::uint16_t>(parent.level - drop);
+    index.depth = static_cast<std::uint16_t>(parent.depth + 1);
+    return index;
   }
 
   /// A child still to be visited: from high to low 32 bits its t, 24 bits depth of its parent, 8 bits slot.
@@ -181,11 +181,11 @@ class RayWalk {
 
   RayUnderWay ray_;
   RayOnGrid<radii> on_grid_;
-  Place at_;
+  Index at_;
   unsigned leaves_, children_, inner_, single_;
   int waiting_count_ = 0;
   alignas(32) float t_near_[k_node_width];
-  Place way_[k_max_tree_depth + 1];  ///< the nodes whose other children wait, by depth
+  Index way_[k_max_tree_depth + 1];  ///< the nodes whose other children wait, by depth
   Waiting waiting_[k_max_tree_depth * (k_node_width - 1) + 1];
 };
 
@@ -233,8 +233,8 @@ class RayStream {
       rays = std::make_unique_for_overwrite<std::uint32_t[]>(k_node_width * room);
       t_near = std::make_unique_for_overwrite<float[]>(k_node_width * room);
     }
-    RayList list(std::size_t place) const {
-      return {rays.get() + place * room, t_near.get() + place * room, 0};
+    RayList list(std::size_t index) const {
+      return {rays.get() + index * room, t_near.get() + index * room, 0};
     }
   };
 
@@ -253,9 +253,9 @@ class RayStream {
     const Slots slots(node);
     unsigned single = 0, wanted = slots.leaf | (frame.depth < traversed_.max_depth ? slots.inner : 0u);
     if (frame.level == k_min_frame_level && traversed_.skips_twins) {
-      const Places places(node);
-      wanted &= ~places.twins;
-      single = places.single;
+      const Indexs indices(node);
+      wanted &= ~indices.twins;
+      single = indices.single;
     }
     for (unsigned rest = wanted; rest != 0; rest &= rest - 1) {
       const int slot = std::countr_zero(rest);
@@ -271,34 +271,34 @@ class RayStream {
     Lists& lists = lists_[frame.depth];
     lists.reserve(list.count);
     RayList met[k_node_width];
-    for (int place = 0; place < order.count; ++place)
-      met[place] = lists.list(static_cast<std::size_t>(place));
+    for (int index = 0; index < order.count; ++index)
+      met[index] = lists.list(static_cast<std::size_t>(index));
     meet_boxes(node, frame, list, order, met);
     const std::uint64_t answers_before = answers_;
-    const auto leaf_place = traversed_.leaf_test.place(frame.corner, frame.level);
-    for (int place = 0; place < order.count; ++place) {
-      const int slot = order.slot[place];
-      if (met[place].count == 0) continue;
-      if (answers_ != answers_before) met[place].discard(batch_.boxes);
-      if (met[place].count == 0) continue;
+    const auto leaf_index = traversed_.leaf_test.index(frame.corner, frame.level);
+    for (int index = 0; index < order.count; ++index) {
+      const int slot = order.slot[index];
+      if (met[index].count == 0) continue;
+      if (answers_ != answers_before) met[index].discard(batch_.boxes);
+      if (met[index].count == 0) continue;
       if ((slots.leaf >> slot & 1u) != 0) {
         const Leaf leaf = slots.leaf_in(node, frame, slot);
-        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_place, met[place]);
+        test_leaf(leaf, (single >> slot & 1u) != 0 ? 1u : leaf.count, leaf_index, met[index]);
       } else {
-        visit_node(slots.child_in(node, frame, slot), met[place]);
+        visit_node(slots.child_in(node, frame, slot), met[index]);
       }
     }
   }
 
   void test_leaf(const Leaf& leaf, std::uint32_t count,
-                 const typename LeafTest<measure, any, radii>::Place& place, const RayList& list) {
+                 const typename LeafTest<measure, any, radii>::Index& index, const RayList& list) {
     if (list.count >= k_min_rays_at_leaf && !traversed_.leaf_test.all_in_double()) {
-      LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, place)
+      LeafGroupTest<measure, any, radii>(setup_, traversed_.leaf_test, leaf, count, index)
           .visit(batch_, list, answers_);
       return;
     }
     for (std::uint32_t i = 0; i < list.count; ++i)
-      traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, place, list.t_near[i]);
+      traversed_.leaf_test.visit(batch_[list.rays[i]], leaf, count, index, list.t_near[i]);
     ++answers_;
   }
 
@@ -341,8 +341,8 @@ class RayStream {
     for (std::uint32_t i = 0; i < list.count; i += static_cast<std::uint32_t>(hn::Lanes(d))) {
       const RayGroup ray(batch_.boxes, list.rays + i, list.count - i);
       const auto numbers = hn::LoadU(n, list.rays + i);
-      for (int place = 0; place < order.count; ++place) {
-        const int slot = order.slot[place];
+      for (int index = 0; index < order.count; ++index) {
+        const int slot = order.slot[index];
         const auto t = [&](int axis, float face) {
           return hn::MulSub(hn::Set(d, face), ray.inverse[axis], ray.origin_t[axis]);
         };
@@ -352,10 +352,10 @@ class RayStream {
             hn::Min(hn::Min(t(0, faces.far[0][slot]), t(1, faces.far[1][slot])), t(2, faces.far[2][slot]));
         const auto meets =
             hn::And(hn::Le(enter, leave), hn::And(hn::Ge(leave, ray.t_low), hn::Le(enter, ray.t_cut)));
-        if (!hn::AllFalse(d, meets)) met[place].add(numbers, enter, meets);
+        if (!hn::AllFalse(d, meets)) met[index].add(numbers, enter, meets);
       }
     }
-    for (int place = 0; place < order.count; ++place) met[place].pad();
+    for (int index = 0; index < order.count; ++index) met[index].pad();
   }
 
   const Traversed<measure, any, radii>& traversed_;

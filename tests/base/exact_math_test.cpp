@@ -72,7 +72,7 @@ TEST(DeterministicMath, srgb_curve_agrees_with_its_definition_both_ways) {
     const double display = value / 65535.0;
     const double linear = display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
     ASSERT_NEAR(linear_from_srgb(display), linear, 1e-14 * linear);
-    // The standard's two pieces meet at slightly different places in the two directions.
+    // The standard's two pieces meet at slightly different positions in the two directions.
     ASSERT_NEAR(srgb_from_linear(linear), display, 3e-8);
   }
   EXPECT_DOUBLE_EQ(linear_from_srgb(1.0), 1.0);

@@ -13,7 +13,7 @@ namespace {
 constexpr std::uint64_t k_count = 5;
 
 /// A run of five parts; the answers of part i are i + 1 numbers.
-class FinishedPartsTest : public ::testing::Test {
+class PartialResultTest : public ::testing::Test {
  protected:
   void SetUp() override {
     file_ = std::filesystem::temp_directory_path() /
@@ -26,7 +26,7 @@ class FinishedPartsTest : public ::testing::Test {
   static Identity identity() { return {{"command", "count"}, {"--step", "2"}}; }
 
   /// Computes parts [found, end) and returns all answers so far.
-  std::vector<int> run(FinishedParts* parts, std::uint64_t end = k_count) {
+  std::vector<int> run(PartCheckpoint* parts, std::uint64_t end = k_count) {
     std::vector<int> all;
     try {
       run_parts(
@@ -48,7 +48,7 @@ class FinishedPartsTest : public ::testing::Test {
   }
   /// A file with the first three parts.
   void write_three() {
-    FinishedParts parts(options(false), identity());
+    PartCheckpoint parts(options(false), identity());
     run(&parts, 3);
     computed_ = 0;
   }
@@ -59,7 +59,7 @@ class FinishedPartsTest : public ::testing::Test {
   void write(const std::string& content) const { std::ofstream(file_, std::ios::binary) << content; }
   std::string message_of_resuming(const Identity& asked) const {
     try {
-      FinishedParts parts(options(true), asked);
+      PartCheckpoint parts(options(true), asked);
     } catch (const Error& error) {
       return error.what();
     }
@@ -70,23 +70,23 @@ class FinishedPartsTest : public ::testing::Test {
   int computed_ = 0;
 };
 
-TEST_F(FinishedPartsTest, file_belongs_to_one_run_at_a_time) {
+TEST_F(PartialResultTest, file_belongs_to_one_run_at_a_time) {
   write_three();
   const std::string before = read();
   {
-    FinishedParts first(options(true), identity());
-    EXPECT_THROW(FinishedParts(options(true), identity()), Error);
+    PartCheckpoint first(options(true), identity());
+    EXPECT_THROW(PartCheckpoint(options(true), identity()), Error);
     EXPECT_EQ(read(), before);
   }
-  FinishedParts next(options(true), identity());
+  PartCheckpoint next(options(true), identity());
   EXPECT_EQ(next.finished(), 3u);
 }
 
-TEST_F(FinishedPartsTest, run_that_was_cut_off_computes_the_others_only_and_answers_the_same) {
+TEST_F(PartialResultTest, run_that_was_cut_off_computes_the_others_only_and_answers_the_same) {
   const std::vector<int> whole = run(nullptr);
   EXPECT_EQ(whole.size(), 15u);
   write_three();
-  FinishedParts parts(options(true), identity());
+  PartCheckpoint parts(options(true), identity());
   EXPECT_TRUE(parts.is_kept());
   EXPECT_EQ(parts.finished(), 3u);
   EXPECT_EQ(parts.count(), k_count);
@@ -98,29 +98,29 @@ TEST_F(FinishedPartsTest, run_that_was_cut_off_computes_the_others_only_and_answ
   EXPECT_FALSE(std::filesystem::exists(file_));
 }
 
-TEST_F(FinishedPartsTest, without_resume_the_file_is_begun_anew) {
+TEST_F(PartialResultTest, without_resume_the_file_is_begun_anew) {
   write_three();
-  FinishedParts parts(options(false), {{"command", "another"}});
+  PartCheckpoint parts(options(false), {{"command", "another"}});
   EXPECT_FALSE(parts.is_kept());
   EXPECT_EQ(run(&parts), run(nullptr));
   EXPECT_EQ(computed_, 10);
 }
 
-TEST_F(FinishedPartsTest, cut_anywhere_in_the_records_it_goes_on_from_the_whole_ones) {
+TEST_F(PartialResultTest, cut_anywhere_in_the_records_it_goes_on_from_the_whole_ones) {
   const std::vector<int> whole = run(nullptr);
   write_three();
   const std::string content = read();
   std::size_t head = 0;
   {
     std::filesystem::remove(file_);
-    FinishedParts parts(options(false), identity());
+    PartCheckpoint parts(options(false), identity());
     parts.start(k_count);
     head = read().size();
   }
   for (std::size_t size = head; size <= content.size(); ++size) {
     write(content.substr(0, size));
     computed_ = 0;
-    FinishedParts parts(options(true), identity());
+    PartCheckpoint parts(options(true), identity());
     EXPECT_EQ(run(&parts), whole) << size;
     // Records are 32 + 8 + 4 (part + 1) bytes.
     const std::size_t kept = size - head;
@@ -132,20 +132,20 @@ TEST_F(FinishedPartsTest, cut_anywhere_in_the_records_it_goes_on_from_the_whole_
   }
 }
 
-TEST_F(FinishedPartsTest, every_damaged_byte_is_an_error_that_names_file_and_place) {
+TEST_F(PartialResultTest, every_damaged_byte_is_an_error_that_names_file_and_position) {
   write_three();
   const std::string content = read();
-  for (std::size_t place = 0; place < content.size(); ++place) {
+  for (std::size_t position = 0; position < content.size(); ++position) {
     std::string damaged = content;
-    damaged[place] = static_cast<char>(damaged[place] ^ 4);
+    damaged[position] = static_cast<char>(damaged[position] ^ 4);
     write(damaged);
     const std::string message = message_of_resuming(identity());
-    EXPECT_EQ(message.find(file_.string() + ":byte "), 0u) << place << ": " << message;
+    EXPECT_EQ(message.find(file_.string() + ":byte "), 0u) << position << ": " << message;
     EXPECT_EQ(read(), damaged);
   }
 }
 
-TEST_F(FinishedPartsTest, another_run_is_refused_and_what_differs_is_said) {
+TEST_F(PartialResultTest, another_run_is_refused_and_what_differs_is_said) {
   write_three();
   const std::string message = message_of_resuming({{"command", "count"}, {"--step", "3"}});
   EXPECT_NE(
@@ -158,13 +158,13 @@ TEST_F(FinishedPartsTest, another_run_is_refused_and_what_differs_is_said) {
   EXPECT_FALSE(is_parts_file(file_));
 }
 
-TEST_F(FinishedPartsTest, another_number_of_parts_is_an_error) {
+TEST_F(PartialResultTest, another_number_of_parts_is_an_error) {
   write_three();
-  FinishedParts parts(options(true), identity());
+  PartCheckpoint parts(options(true), identity());
   EXPECT_THROW(parts.start(k_count + 1), Error);
 }
 
-TEST_F(FinishedPartsTest, answers_of_another_length_are_an_error) {
+TEST_F(PartialResultTest, answers_of_another_length_are_an_error) {
   const std::vector<std::byte> bytes(12);
   PartReader reader(bytes, "file", 7);
   EXPECT_EQ(reader.take<int>(), 0);
@@ -181,10 +181,10 @@ TEST_F(FinishedPartsTest, answers_of_another_length_are_an_error) {
   }
 }
 
-TEST_F(FinishedPartsTest, place_that_cannot_be_written_is_an_error_at_the_start) {
+TEST_F(PartialResultTest, position_that_cannot_be_written_is_an_error_at_the_start) {
   PartsOptions absent = options(false);
   absent.file = file_ / "absent" / "parts";
-  FinishedParts parts(absent, identity());
+  PartCheckpoint parts(absent, identity());
   EXPECT_THROW(parts.start(k_count), Error);
 }
 

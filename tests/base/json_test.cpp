@@ -35,9 +35,9 @@ TEST(JsonDocumentTest, values_know_where_they_begin_and_end) {
   EXPECT_EQ(document.root.end, text.size());
 }
 
-TEST(JsonDocumentTest, places_count_characters_not_bytes) {
+TEST(JsonDocumentTest, offsets_count_characters_not_bytes) {
   const JsonDocument document = parse_json("[\n  \"\xC3\xA4\xC3\xB6\", 7]", "file.json");
-  EXPECT_EQ(document.place(std::get<JsonArray>(document.root.data).at(1).begin), "2:9");
+  EXPECT_EQ(document.offset(std::get<JsonArray>(document.root.data).at(1).begin), "2:9");
 }
 
 TEST(JsonDocumentTest, whole_numbers_of_64_bits_are_exact) {
@@ -52,7 +52,7 @@ TEST(JsonDocumentTest, a_byte_order_mark_is_skipped) {
 
 TEST(JsonDocumentTest, what_is_not_json_is_an_error_with_line_and_column) {
   struct Case {
-    std::string text, place;
+    std::string text, offset;
   };
   const std::vector<Case> cases{
       {"", "1:1"},
@@ -84,7 +84,7 @@ TEST(JsonDocumentTest, what_is_not_json_is_an_error_with_line_and_column) {
   for (const Case& each : cases) {
     const Error::Parts parts = error_of(each.text);
     EXPECT_EQ(parts.file, "file.json") << each.text;
-    EXPECT_EQ(parts.place, each.place) << each.text << ": " << parts.problem;
+    EXPECT_EQ(parts.location, each.offset) << each.text << ": " << parts.problem;
     EXPECT_TRUE(parts.problem.starts_with("invalid JSON: ")) << parts.problem;
     EXPECT_EQ(parts.problem.find("exception"), std::string::npos) << parts.problem;
   }
@@ -92,20 +92,20 @@ TEST(JsonDocumentTest, what_is_not_json_is_an_error_with_line_and_column) {
 
 TEST(JsonDocumentTest, a_number_beyond_double_is_an_error) {
   const Error::Parts parts = error_of("[1, 1e999]");
-  EXPECT_EQ(parts.place, "1:5");
+  EXPECT_EQ(parts.location, "1:5");
   EXPECT_EQ(parts.problem, "number out of range");
   EXPECT_EQ(parts.found, "1e999");
 }
 
 TEST(JsonDocumentTest, a_key_that_stands_twice_is_an_error_at_the_second) {
   const Error::Parts parts = error_of("{\"a\": 1,\n \"b\": {\"a\": 2}, \"\\u0061\": 3}");
-  EXPECT_EQ(parts.place, "2:17");
+  EXPECT_EQ(parts.location, "2:17");
   EXPECT_EQ(parts.found, "the first at 1:2");
 }
 
 TEST(JsonDocumentTest, deep_nesting_is_an_error_and_no_stack_overflow) {
   const Error::Parts parts = error_of(std::string(1'000'000, '['));
-  EXPECT_EQ(parts.place, "1:65");
+  EXPECT_EQ(parts.location, "1:65");
   EXPECT_EQ(parts.problem, "too many nested levels");
   EXPECT_NO_THROW(parse_json(std::string(64, '[') + std::string(64, ']'), "file.json"));
   std::string objects;

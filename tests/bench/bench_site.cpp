@@ -40,7 +40,7 @@ std::vector<Ray> segments(const CampusLayout& layout, const PointCloud& cloud, d
   std::mt19937_64 random(3);
   std::vector<Ray> rays;
   for (int observer = 0; observer < k_observers; ++observer) {
-    const glm::dvec3 eye = k_campus_origin + open_place(layout, random);
+    const glm::dvec3 eye = k_campus_origin + open_position(layout, random);
     for (int i = 0; i < k_targets;) {
       const glm::dvec3 apart = cloud.world(random() % cloud.size()) - eye;
       if (glm::length(apart) > k_reach) continue;
@@ -63,14 +63,14 @@ BenchSite make_site(std::size_t point_count) {
   std::vector<Ray> primary = primary_rays(layout);
   std::vector<std::optional<Hit>> hits(primary.size());
   closest(site.octree, primary, site.query(), hits);
-  const std::vector<SpherePlace> places = hit_places(primary, hits);
-  std::vector<Ray> bounces = bounce_rays(places, 1);
+  const std::vector<SpherePosition> positions = hit_positions(primary, hits);
+  std::vector<Ray> bounces = bounce_rays(positions, 1);
   std::vector<Ray> mixed = shuffled(bounces, 2);
   const glm::dvec3 to_sun = glm::normalize(glm::dvec3(0.5, -0.5, 0.3));
   site.ray_sets = {{{"P", std::move(primary)},
                     {"S", std::move(bounces)},
                     {"S_shuffled", std::move(mixed)},
-                    {"A_sun", parallel_rays(places, to_sun)},
+                    {"A_sun", parallel_rays(positions, to_sun)},
                     {"A_vis", segments(layout, site.cloud, site.radius)}}};
   return site;
 }

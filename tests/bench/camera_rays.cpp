@@ -31,34 +31,36 @@ std::vector<Ray> camera_rays(const glm::dvec3& eye, const glm::dvec3& target) {
   return rays;
 }
 
-std::vector<SpherePlace> hit_places(std::span<const Ray> rays, std::span<const std::optional<Hit>> hits) {
-  std::vector<SpherePlace> places;
+std::vector<SpherePosition> hit_positions(std::span<const Ray> rays,
+                                          std::span<const std::optional<Hit>> hits) {
+  std::vector<SpherePosition> positions;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     if (!hits[i]) continue;
     const glm::dvec3 position = rays[i].position(hits[i]->entry);
-    places.push_back({position, glm::normalize(position - hits[i]->position)});
+    positions.push_back({position, glm::normalize(position - hits[i]->position)});
   }
-  return places;
+  return positions;
 }
 
-std::vector<Ray> bounce_rays(std::span<const SpherePlace> places, std::uint64_t seed) {
+std::vector<Ray> bounce_rays(std::span<const SpherePosition> positions, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::vector<Ray> rays;
-  rays.reserve(places.size());
-  for (const SpherePlace& place : places) {
+  rays.reserve(positions.size());
+  for (const SpherePosition& position : positions) {
     // A point of the unit sphere added to the normal is spread by the cosine.
     const double z = 2.0 * unit_of(random()) - 1.0, angle = 2.0 * std::numbers::pi * unit_of(random());
     const double ring = std::sqrt(1.0 - z * z);
     const glm::dvec3 spread(ring * std::cos(angle), ring * std::sin(angle), z);
-    rays.push_back(make_ray(place.position, 1.0001 * place.normal + spread, 0.0));
+    rays.push_back(make_ray(position.position, 1.0001 * position.normal + spread, 0.0));
   }
   return rays;
 }
 
-std::vector<Ray> parallel_rays(std::span<const SpherePlace> places, const glm::dvec3& direction) {
+std::vector<Ray> parallel_rays(std::span<const SpherePosition> positions, const glm::dvec3& direction) {
   std::vector<Ray> rays;
-  for (const SpherePlace& place : places) {
-    if (glm::dot(place.normal, direction) > 0.0) rays.push_back(make_ray(place.position, direction, 0.0));
+  for (const SpherePosition& position : positions) {
+    if (glm::dot(position.normal, direction) > 0.0)
+      rays.push_back(make_ray(position.position, direction, 0.0));
   }
   return rays;
 }

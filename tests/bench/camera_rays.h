@@ -18,16 +18,17 @@ namespace alidade::bench {
 std::vector<Ray> camera_rays(const glm::dvec3& eye, const glm::dvec3& target);
 
 /// Where each ray's hit lies, for those that hit: the rays of the next bounce leave from there.
-struct SpherePlace {
+struct SpherePosition {
   glm::dvec3 position, normal;
 };
-std::vector<SpherePlace> hit_places(std::span<const Ray> rays, std::span<const std::optional<Hit>> hits);
+std::vector<SpherePosition> hit_positions(std::span<const Ray> rays,
+                                          std::span<const std::optional<Hit>> hits);
 
-/// One ray from each place, its direction spread by the cosine around the normal.
-std::vector<Ray> bounce_rays(std::span<const SpherePlace> places, std::uint64_t seed);
+/// One ray from each position, its direction spread by the cosine around the normal.
+std::vector<Ray> bounce_rays(std::span<const SpherePosition> positions, std::uint64_t seed);
 
-/// Parallel rays, one from each place that faces `direction`: a renderer asks for no others.
-std::vector<Ray> parallel_rays(std::span<const SpherePlace> places, const glm::dvec3& direction);
+/// Parallel rays, one from each position that faces `direction`: a renderer asks for no others.
+std::vector<Ray> parallel_rays(std::span<const SpherePosition> positions, const glm::dvec3& direction);
 
 /// In random order.
 std::vector<Ray> shuffled(std::vector<Ray> rays, std::uint64_t seed);

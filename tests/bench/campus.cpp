@@ -107,7 +107,7 @@ double bell(std::uint64_t bits) {
   return (part(0) + part(16) + part(32) + part(48) - 2.0 * 0xffff) / k_deviation_of_sum;
 }
 
-glm::vec3 place_on(const Patch& patch, float u, float v, float depth) {
+glm::vec3 position_on(const Patch& patch, float u, float v, float depth) {
   if (patch.kind == Patch::Kind::flat) return patch.corner + u * patch.across + v * patch.along;
   const float angle = 2.0f * std::numbers::pi_v<float> * u, radius = patch.across.x;
   const glm::vec3 outward(std::cos(angle), std::sin(angle), 0.0f);
@@ -144,9 +144,9 @@ PointCloud campus_cloud(const CampusLayout& layout, std::size_t point_count) {
       const auto unit = [&] { return static_cast<float>(bits() >> 40) * 0x1p-24f; };
       const Patch& patch = patches[(i % 2 ? from_drone : from_stations).draw(bits())];
       const float u = unit(), v = unit(), depth = unit();
-      const glm::vec3 place = place_on(patch, u, v, depth);
+      const glm::vec3 position = position_on(patch, u, v, depth);
       for (int axis = 0; axis < 3; ++axis) {
-        const double millimetres = 1000.0 * place[axis] + 10.0 * bell(bits());
+        const double millimetres = 1000.0 * position[axis] + 10.0 * bell(bits());
         cloud.positions[i][axis] = static_cast<std::int32_t>(millimetres + (millimetres < 0.0 ? -0.5 : 0.5));
       }
     }

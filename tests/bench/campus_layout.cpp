@@ -32,7 +32,7 @@ glm::dvec3 open_ground(const CampusLayout& layout, double margin, std::mt19937_6
   }
 }
 
-/// A tree's place in front of a wall.
+/// A tree's position in front of a wall.
 glm::dvec3 beside_building(const CampusLayout& layout, double radius, std::mt19937_64& random) {
   for (;;) {
     const Building& building = layout.buildings[random() % layout.buildings.size()];
@@ -76,11 +76,11 @@ CampusLayout campus_layout() {
     layout.poles.push_back({foot, trunk + 0.5 * radius, 0.07 * radius + 0.05});
   }
   for (int i = 0; i < 120; ++i) layout.poles.push_back({open_ground(layout, 1.0, random), 6.0, 0.08});
-  for (int i = 0; i < 10; ++i) layout.stations.push_back(open_place(layout, random));
+  for (int i = 0; i < 10; ++i) layout.stations.push_back(open_position(layout, random));
   return layout;
 }
 
-glm::dvec3 open_place(const CampusLayout& layout, std::mt19937_64& random) {
+glm::dvec3 open_position(const CampusLayout& layout, std::mt19937_64& random) {
   return open_ground(layout, 3.0, random) + glm::dvec3(0, 0, k_eye_height);
 }
 

@@ -41,7 +41,7 @@ struct CampusLayout {
 
 CampusLayout campus_layout();
 
-/// A place at eye height, 1.7 m above ground and at least 3 m from every building.
-glm::dvec3 open_place(const CampusLayout& layout, std::mt19937_64& random);
+/// A position at eye height, 1.7 m above ground and at least 3 m from every building.
+glm::dvec3 open_position(const CampusLayout& layout, std::mt19937_64& random);
 
 }  // namespace alidade::bench

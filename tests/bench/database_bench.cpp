@@ -40,18 +40,18 @@ PointCloud site() {
   cloud.lattice.scale = glm::dvec3(0.001);
   cloud.positions.reserve(k_points);
   while (cloud.positions.size() < k_points) {
-    glm::dvec3 place;
+    glm::dvec3 position;
     if (cloud.positions.size() % 2 == 0) {
-      place = {200 * unit(), 200 * unit(), 0};
-      place.z = 3 * std::sin(place.x / 12) * std::cos(place.y / 17) - 2.5 + 0.02 * unit();
+      position = {200 * unit(), 200 * unit(), 0};
+      position.z = 3 * std::sin(position.x / 12) * std::cos(position.y / 17) - 2.5 + 0.02 * unit();
     } else {
       const Box& box = boxes[random() % boxes.size()];
       glm::dvec3 part(unit(), unit(), unit());
       const std::uint64_t face = random() % 6;
       part[static_cast<int>(face % 3)] = face < 3 ? 0.0 : 1.0;
-      place = box.corner + part * box.size;
+      position = box.corner + part * box.size;
     }
-    cloud.positions.push_back(*to_lattice(cloud.lattice, place));
+    cloud.positions.push_back(*to_lattice(cloud.lattice, position));
   }
   return cloud;
 }

@@ -61,7 +61,7 @@ inline std::vector<QueryBox> large_boxes() {
   std::mt19937_64 random(7);
   std::vector<QueryBox> boxes(k_point_queries);
   for (QueryBox& box : boxes) {
-    const glm::vec3 a(uniform_place(random)), b(uniform_place(random));
+    const glm::vec3 a(uniform_position(random)), b(uniform_position(random));
     for (int axis = 0; axis < 3; ++axis) {
       box.low[axis] = std::fmin(a[axis], b[axis]);
       box.high[axis] = std::fmax(a[axis], b[axis]);
@@ -75,7 +75,7 @@ inline std::vector<QueryBox> small_boxes(std::int64_t points) {
   const auto side = static_cast<float>(std::cbrt(20.0 / static_cast<double>(points)));
   std::vector<QueryBox> boxes(k_point_queries);
   for (QueryBox& box : boxes) {
-    box.low = glm::vec3(uniform_place(random)) * (1.0f - side);
+    box.low = glm::vec3(uniform_position(random)) * (1.0f - side);
     box.high = box.low + side;
   }
   return boxes;
@@ -91,33 +91,33 @@ void build_index(benchmark::State& state, std::int64_t points) {
       static_cast<double>(process_memory().resident - before) / static_cast<double>(points);
 }
 
-inline std::vector<glm::vec3> query_places() {
+inline std::vector<glm::vec3> query_positions() {
   std::mt19937_64 random(9);
-  std::vector<glm::vec3> places(k_point_queries);
-  for (glm::vec3& place : places) place = glm::vec3(uniform_place(random));
-  return places;
+  std::vector<glm::vec3> positions(k_point_queries);
+  for (glm::vec3& position : positions) position = glm::vec3(uniform_position(random));
+  return positions;
 }
 
 template <class Index>
 void ask_nearest(benchmark::State& state, std::int64_t points, std::size_t k) {
   Index& index = kept_index<Index>(points);
-  const std::vector<glm::vec3> places = query_places();
+  const std::vector<glm::vec3> positions = query_positions();
   std::size_t found = 0;
   for (auto _ : state) {
-    for (const glm::vec3& place : places) found += index.nearest(place, k);
+    for (const glm::vec3& position : positions) found += index.nearest(position, k);
   }
-  report_queries(state, places.size(), found);
+  report_queries(state, positions.size(), found);
 }
 
 template <class Index>
 void ask_within(benchmark::State& state, std::int64_t points, float radius) {
   Index& index = kept_index<Index>(points);
-  const std::vector<glm::vec3> places = query_places();
+  const std::vector<glm::vec3> positions = query_positions();
   std::size_t found = 0;
   for (auto _ : state) {
-    for (const glm::vec3& place : places) found += index.within(place, radius);
+    for (const glm::vec3& position : positions) found += index.within(position, radius);
   }
-  report_queries(state, places.size(), found);
+  report_queries(state, positions.size(), found);
 }
 
 template <class Index>

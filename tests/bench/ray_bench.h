@@ -28,7 +28,7 @@ void register_embree_builds();
 /// The other questions to rays, one thread, each query by itself:
 /// - uniform/nearest/K/POINTS, uniform/radius/R/POINTS, uniform/closest_K/R/POINTS: Figure 5 of the paper
 /// - site/nearest/K/POINTS, site/closest_by_t/POINTS: 3000 primary rays of the campus
-/// - identical/closest/POINTS, identical/occluded/POINTS: all points at one place
+/// - identical/closest/POINTS, identical/occluded/POINTS: all points at one position
 void register_ray_questions();
 
 }  // namespace alidade::bench

@@ -24,12 +24,12 @@ const Octree& uniform_octree(std::int64_t points) {
   return found->second;
 }
 
-/// From random places in the cube into random directions.
+/// From random positions in the cube into random directions.
 std::vector<Ray> uniform_rays(int count) {
   std::mt19937_64 random(6);
   std::vector<Ray> rays;
   while (rays.size() < static_cast<std::size_t>(count)) {
-    const glm::dvec3 origin = uniform_place(random), direction = 2.0 * uniform_place(random) - 1.0;
+    const glm::dvec3 origin = uniform_position(random), direction = 2.0 * uniform_position(random) - 1.0;
     const double square = direction.x * direction.x + direction.y * direction.y + direction.z * direction.z;
     if (square > 0.01 && square < 1.0) rays.push_back(make_ray(origin, direction, 0.0));
   }
@@ -84,7 +84,7 @@ void ask_site_by_t(benchmark::State& state, std::int64_t points) {
   closest_each(state, site.octree, site_rays(site), {.radius = site.radius, .measure = Measure::t});
 }
 
-/// All points at one place, and rays that pass it within the radius.
+/// All points at one position, and rays that pass it within the radius.
 void ask_identical(benchmark::State& state, std::int64_t points, bool any) {
   PointCloud cloud;
   cloud.positions.assign(static_cast<std::size_t>(points), LatticePosition(5000, 5000, 5000));

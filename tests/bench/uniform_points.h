@@ -26,8 +26,8 @@ inline PointCloud uniform_cloud(std::size_t point_count) {
   return cloud;
 }
 
-/// A random place in the unit cube, a float on each axis.
-inline glm::dvec3 uniform_place(std::mt19937_64& random) {
+/// A random position in the unit cube, a float on each axis.
+inline glm::dvec3 uniform_position(std::mt19937_64& random) {
   const auto coordinate = [&] { return static_cast<double>(random() >> 40) * 0x1p-24; };
   const double x = coordinate(), y = coordinate(), z = coordinate();
   return {x, y, z};

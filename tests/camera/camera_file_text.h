@@ -42,9 +42,9 @@ inline void expect_pose(const CameraPose& pose, const CameraPose& expected, doub
 }
 
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t place = text.find(from);
-  if (place == std::string::npos) throw std::logic_error("no " + from);
-  return text.replace(place, from.size(), to);
+  const std::size_t position = text.find(from);
+  if (position == std::string::npos) throw std::logic_error("no " + from);
+  return text.replace(position, from.size(), to);
 }
 
 }  // namespace alidade::test

@@ -64,9 +64,9 @@ TEST(CameraTargets, every_lens_shows_a_ball_where_it_projects_it) {
     const Projection projection(camera);
     std::vector<glm::dvec3> targets;
     while (targets.size() < 25) {
-      const glm::dvec3 place = camera.pose.position + 10.0 * random.direction();
-      const auto film = projection.project(place);
-      if (film && film->x > 20 && film->y > 20 && film->x < 620 && film->y < 460) targets.push_back(place);
+      const glm::dvec3 position = camera.pose.position + 10.0 * random.direction();
+      const auto film = projection.project(position);
+      if (film && film->x > 20 && film->y > 20 && film->x < 620 && film->y < 460) targets.push_back(position);
     }
     // Balls of about three pixels, ten metres away.
     const double radius = (parallel ? 3.0 : 30.0) / camera.fx;
@@ -91,7 +91,7 @@ TEST(CameraTargets, every_lens_shows_a_ball_where_it_projects_it) {
 }
 
 // One camera of this world in the words of each format. It stands at (3, -5, 2) and looks north-west and a
-// little down. Pixel places come from the formats' own words: u = fx x / z + cx with x = R (X - C).
+// little down. Pixel positions come from the formats' own words: u = fx x / z + cx with x = R (X - C).
 
 constexpr double k_focal = 300.0, k_cx = 141.25, k_cy = 97.5;
 
@@ -257,7 +257,7 @@ TEST(CameraTargets, columns_of_a_panorama_are_azimuths) {
   }
 }
 
-TEST(CameraTargets, an_orthophoto_shows_everything_at_its_place_whatever_its_height) {
+TEST(CameraTargets, an_orthophoto_shows_everything_at_its_position_whatever_its_height) {
   const Bounds bounds{{690000.03, 5325000.02, 400.0}, {690020.01, 5325010.07, 450.0}};
   const Camera camera = orthophoto_camera(bounds, 0.1);
   EXPECT_EQ(camera.width, 201);

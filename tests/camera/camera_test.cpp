@@ -117,19 +117,19 @@ TEST(Camera, overview_leaves_equal_margins) {
     const Camera camera = overview_camera(box, width, height);
     Bounds film;
     for (int corner = 0; corner < 8; ++corner) {
-      const auto place = project_to_film(
+      const auto position = project_to_film(
           camera, {(corner & 1) ? 100.0 : 0.0, (corner & 2) ? 70.0 : 0.0, (corner & 4) ? 30.0 : 0.0});
-      ASSERT_TRUE(place);
-      film.grow(glm::dvec3(*place, 0.0));
+      ASSERT_TRUE(position);
+      film.grow(glm::dvec3(*position, 0.0));
     }
     EXPECT_NEAR(film.min.x, width - film.max.x, 1.0);
     EXPECT_NEAR(film.min.y, height - film.max.y, 1.0);
   }
 }
 
-TEST(Camera, overview_of_a_single_place_and_of_nothing_is_a_usable_camera) {
-  const glm::dvec3 place(690000.0, 5325000.0, 500.0);
-  for (const Bounds& box : {Bounds{place, place}, Bounds{}, Bounds{glm::dvec3(3e9), glm::dvec3(3e9)}}) {
+TEST(Camera, overview_of_a_single_position_and_of_nothing_is_a_usable_camera) {
+  const glm::dvec3 position(690000.0, 5325000.0, 500.0);
+  for (const Bounds& box : {Bounds{position, position}, Bounds{}, Bounds{glm::dvec3(3e9), glm::dvec3(3e9)}}) {
     const Camera camera = overview_camera(box, 600, 400);
     const auto film = project_to_film(camera, box.empty() ? glm::dvec3(0.0) : box.min);
     ASSERT_TRUE(film);

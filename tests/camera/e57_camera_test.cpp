@@ -41,13 +41,14 @@ TEST(E57Camera, pinhole_looks_along_minus_z_with_y_up) {
   ASSERT_TRUE(camera);
   check_camera(*camera);
   const Projection projection(*camera);
-  for (const glm::dvec3 place : {glm::dvec3(0.3, 0.2, -2), glm::dvec3(-1, 0.5, -4), glm::dvec3(0, 0, -1)}) {
-    const glm::dvec3 world = image.pose->rotation * place + image.pose->translation;
+  for (const glm::dvec3 position :
+       {glm::dvec3(0.3, 0.2, -2), glm::dvec3(-1, 0.5, -4), glm::dvec3(0, 0, -1)}) {
+    const glm::dvec3 world = image.pose->rotation * position + image.pose->translation;
     const auto film = projection.project(world);
     ASSERT_TRUE(film);
     // u = cx - (x / z) f / w, v = cy + (y / z) f / h.
-    EXPECT_NEAR(film->x, 210.5 - place.x / place.z * 0.02 / 1e-4, 1e-9);
-    EXPECT_NEAR(film->y, 140.25 + place.y / place.z * 0.02 / 2e-4, 1e-9);
+    EXPECT_NEAR(film->x, 210.5 - position.x / position.z * 0.02 / 1e-4, 1e-9);
+    EXPECT_NEAR(film->y, 140.25 + position.y / position.z * 0.02 / 2e-4, 1e-9);
   }
 }
 
@@ -64,8 +65,8 @@ TEST(E57Camera, spherical_looks_along_x_with_azimuth_growing_to_the_left) {
   const Projection projection(*camera);
   const auto film_of = [&](double azimuth, double elevation) {
     const double a = azimuth * std::numbers::pi / 180, e = elevation * std::numbers::pi / 180;
-    const glm::dvec3 place(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
-    return *projection.project(image.pose->rotation * (5.0 * place) + image.pose->translation);
+    const glm::dvec3 position(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
+    return *projection.project(image.pose->rotation * (5.0 * position) + image.pose->translation);
   };
   EXPECT_NEAR(film_of(0, 0).x, 180, 1e-9);
   EXPECT_NEAR(film_of(0, 0).y, 90, 1e-9);

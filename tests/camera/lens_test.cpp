@@ -25,7 +25,7 @@ namespace {
 
 using Formula = std::function<glm::dvec2(double u, double v)>;
 
-/// Film places of random directions up to `widest` radians off the axis.
+/// Film positions of random directions up to `widest` radians off the axis.
 void expect_formula(const Lens& lens, const Formula& formula, double widest) {
   Random random;
   const LensMap map(lens);

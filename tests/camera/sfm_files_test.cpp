@@ -79,7 +79,7 @@ TEST(OpenSfm, further_reconstructions_are_left_out_and_it_is_said) {
   EXPECT_NE(set.warnings.at(0).find("only the first of 2 reconstructions"), std::string::npos);
 }
 
-TEST(OpenSfm, damage_is_an_error_at_its_place) {
+TEST(OpenSfm, damage_is_an_error_at_its_location) {
   expect_error(opensfm(R"({"width": 640, "height": 480, "focal": 0})"),
                "number out of range (at /0/cameras/one/focal)");
   expect_error(opensfm(R"({"width": 640, "height": 480})"), "missing key \"focal_x\"");
@@ -168,7 +168,7 @@ TEST(OpenMvg, objects_written_once_are_found_again) {
   EXPECT_EQ(set.cameras[1].camera.fx, 500.0);
 }
 
-TEST(OpenMvg, damage_is_an_error_at_its_place) {
+TEST(OpenMvg, damage_is_an_error_at_its_location) {
   expect_error(
       replaced(k_openmvg, "[[0, -1, 0], [0, 0, -1], [1, 0, 0]]", "[[0, -1, 0], [0, 0, -1], [0, 0, 0]]"),
       "invalid rotation (at /extrinsics/0/value/rotation)");

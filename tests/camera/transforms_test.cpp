@@ -47,7 +47,7 @@ TEST(TransformsJson, columns_are_right_up_and_backward) {
 }
 
 TEST(TransformsJson, the_world_before_the_conversion_comes_back) {
-  // x_json = s (A x + a); the camera that saw x there must see it here at the same place of the film.
+  // x_json = s (A x + a); the camera that saw x there must see it here at the same position of the film.
   const std::string text =
       replaced(replaced(k_transforms, "[[1, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0]]",
                         "[[0, 1, 0, 0.5], [1, 0, 0, -2], [0, 0, -1, 3]]"),
@@ -130,7 +130,7 @@ TEST(TransformsJson, a_scaled_pose_loses_its_scale_and_it_is_said) {
   EXPECT_NE(set.warnings.at(0).find("1 poses have a scale"), std::string::npos);
 }
 
-TEST(TransformsJson, damage_is_an_error_at_its_place) {
+TEST(TransformsJson, damage_is_an_error_at_its_location) {
   expect_error(replaced(k_transforms, "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 0, 1, 9]",
                         "[[1, 0, 0, 7], [0, 1, 0, 8], [0, 1, 0, 9]"),
                "invalid rotation (at /frames/0/transform_matrix)");

@@ -29,7 +29,7 @@ PointCloud rows_where(const PointCloud& cloud, const Stays& stays) {
   return rows_of(cloud, rows);
 }
 
-/// A cloud of points at these places, lattice steps of 1.
+/// A cloud of points at these positions, lattice steps of 1.
 PointCloud points_at(const std::vector<LatticePosition>& positions, double offset = 0.0) {
   PointCloud cloud;
   cloud.lattice = {.scale = glm::dvec3(1.0), .offset = glm::dvec3(offset)};
@@ -83,7 +83,7 @@ TEST(CropTest, points_in_the_box_stay_in_their_order_with_all_attributes) {
   crop(cropped, box);
   EXPECT_GT(cropped.size(), 1000u);
   expect_same_columns(cropped,
-                      rows_where(cloud, [&](const glm::dvec3& place) { return box.contains(place); }));
+                      rows_where(cloud, [&](const glm::dvec3& position) { return box.contains(position); }));
 }
 
 TEST(CropTest, faces_of_the_box_belong_to_it) {
@@ -96,7 +96,7 @@ TEST(CropTest, limits_that_round_apart_from_the_positions_still_hold_them) {
   PointCloud cloud;
   cloud.lattice = {.scale = glm::dvec3(0.001), .offset = {690000.0, 5325000.0, 0.0}};
   for (int i = 0; i < 10000; ++i) cloud.positions.emplace_back(i, -i, i);
-  // Each place as somebody would write it, in decimals.
+  // Each position as somebody would write it, in decimals.
   for (int i = 0; i < 10000; i += 37) {
     const double x = (690000000 + i) / 1000.0, y = (5325000000 - i) / 1000.0, z = i / 1000.0;
     PointCloud one = cloud;
@@ -125,8 +125,8 @@ TEST(CropPolygonTest, inside_is_what_lies_in_an_odd_number_of_rings_or_on_a_bord
     const PointCloud cloud = grid(13);
     PointCloud cropped = cloud;
     crop(cropped, std::span(&polygon, 1));
-    expect_same_columns(cropped, rows_where(cloud, [&](const glm::dvec3& place) {
-                          return contains(polygon, std::lround(place.x), std::lround(place.y));
+    expect_same_columns(cropped, rows_where(cloud, [&](const glm::dvec3& position) {
+                          return contains(polygon, std::lround(position.x), std::lround(position.y));
                         }));
   }
 }
@@ -140,9 +140,10 @@ TEST(CropPolygonTest, a_point_stays_if_it_lies_in_at_least_one_polygon) {
     const PointCloud cloud = grid(13);
     PointCloud cropped = cloud;
     crop(cropped, polygons);
-    expect_same_columns(cropped, rows_where(cloud, [&](const glm::dvec3& place) {
+    expect_same_columns(cropped, rows_where(cloud, [&](const glm::dvec3& position) {
                           for (const PlanePolygon& polygon : polygons) {
-                            if (contains(polygon, std::lround(place.x), std::lround(place.y))) return true;
+                            if (contains(polygon, std::lround(position.x), std::lround(position.y)))
+                              return true;
                           }
                           return false;
                         }));
@@ -212,8 +213,8 @@ TEST(CropPolygonTest, many_edges_that_cross_all_strips_are_found_as_well) {
     EXPECT_GT(cropped.size(), 50u);
     EXPECT_LT(cropped.size(), 290u);
     const PlanePolygon& ring = polygon;
-    expect_same_columns(cropped, rows_where(cloud, [&ring](const glm::dvec3& place) {
-                          return contains(ring, std::lround(place.x), std::lround(place.y));
+    expect_same_columns(cropped, rows_where(cloud, [&ring](const glm::dvec3& position) {
+                          return contains(ring, std::lround(position.x), std::lround(position.y));
                         }));
   }
 }

@@ -24,9 +24,9 @@ using test::rows_of;
 PointCloud thinned_by_hand(const PointCloud& cloud, double edge) {
   std::map<std::array<double, 3>, std::vector<std::size_t>> cubes;
   for (std::size_t row = 0; row < cloud.size(); ++row) {
-    const glm::dvec3 place = cloud.world(row);
+    const glm::dvec3 position = cloud.world(row);
     const auto cube_of = [&](double x) { return std::floor(x / edge + 1e-6); };
-    cubes[{cube_of(place.x), cube_of(place.y), cube_of(place.z)}].push_back(row);
+    cubes[{cube_of(position.x), cube_of(position.y), cube_of(position.z)}].push_back(row);
   }
   PointCloud changed = cloud;
   std::vector<std::size_t> chosen;

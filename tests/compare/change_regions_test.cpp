@@ -19,19 +19,19 @@ using namespace compare;
 
 namespace {
 
-/// A map from letters: '.' is 0, digits are tenths.
+/// A map from characters: '.' is 0, digits are tenths.
 std::vector<float> map_of(const std::vector<std::string>& rows) {
   std::vector<float> map;
   for (const std::string& row : rows) {
-    for (const char letter : row)
-      map.push_back(letter == '.' ? 0.0f : static_cast<float>(letter - '0') / 10.0f);
+    for (const char character : row)
+      map.push_back(character == '.' ? 0.0f : static_cast<float>(character - '0') / 10.0f);
   }
   return map;
 }
 
 constexpr ChangeOptions k_every_pixel{.threshold = 0.05, .least_density = 0.0, .gap = 0, .least_pixels = 1};
 
-TEST(ChangeRegions, have_box_size_strength_and_the_place_of_the_strongest_pixel) {
+TEST(ChangeRegions, have_box_size_strength_and_the_position_of_the_strongest_pixel) {
   const std::vector<float> map = map_of({"..........",  //
                                          "..12......",  //
                                          "...9...5..",  //
@@ -71,10 +71,10 @@ TEST(ChangeRegions, are_listed_by_size_and_then_in_reading_order) {
                                          "11....", "......", "111..."});
   const ChangeRegions changes = change_regions(map, 6, {}, k_every_pixel);
   ASSERT_EQ(changes.regions.size(), 5u);
-  const std::vector<std::pair<int, int>> places = {{0, 5}, {4, 1}, {0, 3}, {2, 0}, {0, 1}};
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    EXPECT_EQ(changes.regions[i].left, places[i].first) << i;
-    EXPECT_EQ(changes.regions[i].top, places[i].second) << i;
+  const std::vector<std::pair<int, int>> positions = {{0, 5}, {4, 1}, {0, 3}, {2, 0}, {0, 1}};
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    EXPECT_EQ(changes.regions[i].left, positions[i].first) << i;
+    EXPECT_EQ(changes.regions[i].top, positions[i].second) << i;
   }
 }
 
@@ -210,8 +210,8 @@ std::vector<std::uint64_t> flooded_sizes(const std::vector<std::uint8_t>& change
 /// The closing as its definition says.
 std::vector<std::uint8_t> closed_slowly(const std::vector<std::uint8_t>& set, int width, int gap) {
   const int height = static_cast<int>(set.size()) / width;
-  const auto window = [&](const std::vector<std::uint8_t>& from, int place, bool any) {
-    const int x = place % width, y = place / width;
+  const auto window = [&](const std::vector<std::uint8_t>& from, int position, bool any) {
+    const int x = position % width, y = position / width;
     for (int v = std::max(y - gap, 0); v <= std::min(y + gap, height - 1); ++v) {
       for (int u = std::max(x - gap, 0); u <= std::min(x + gap, width - 1); ++u) {
         if ((from[static_cast<std::size_t>(v * width + u)] != 0) == any) return any;

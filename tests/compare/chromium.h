@@ -30,7 +30,7 @@ class Chromium {
   nlohmann::json evaluate(const std::string& expression);
   /// Presses and releases a key: "b", "ArrowRight".
   void press(const std::string& key);
-  /// Presses the mouse or a finger at the first place, lets go at the second one.
+  /// Presses the mouse or a finger at the first position, lets go at the second one.
   void drag(double from_x, double from_y, double to_x, double to_y);
 
   /// Errors of the console, uncaught exceptions, and everything that was fetched beside the page itself.

@@ -294,7 +294,7 @@ TEST_F(ComparedImageTest, the_srgb_curve_is_undone_for_display_codes_only) {
   EXPECT_EQ(display[2], 1.0f);
 }
 
-TEST_F(ComparedImageTest, another_size_or_place_is_an_error_of_its_own) {
+TEST_F(ComparedImageTest, another_size_or_position_is_an_error_of_its_own) {
   ComparedImage reference, test;
   reference.width = test.width = 4;
   reference.height = test.height = 3;

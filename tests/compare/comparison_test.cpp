@@ -94,7 +94,7 @@ TEST_F(ComparisonTest, another_size_is_an_error_of_its_own_unless_the_test_is_re
 }
 
 // EXR files may hold a part of a larger picture: their data window.
-TEST_F(ComparisonTest, a_resized_test_and_a_mask_need_not_know_the_place_of_the_references_data_window) {
+TEST_F(ComparisonTest, a_resized_test_and_a_mask_need_not_know_the_position_of_the_references_data_window) {
   OIIO::ImageSpec spec(k_width, k_height, 3, OIIO::TypeFloat);
   spec.x = 100;
   spec.y = 50;
@@ -353,7 +353,7 @@ class BatchTest : public ComparisonTest {
 
 TEST_F(BatchTest, an_error_ends_it_and_spoils_no_page_that_is_written) {
   compare_pairs(pairs, options("whole"));
-  // The first report that is asked about is that of a pair not begun yet; a folder takes its place.
+  // The first report that is asked about is that of a pair not begun yet; a folder takes its position.
   bool is_first = true;
   EXPECT_THROW(compare_pairs(pairs, options("ended"),
                              [&](std::uint64_t, std::uint64_t) {
@@ -379,7 +379,7 @@ TEST_F(BatchTest, can_be_stopped_in_the_midst_of_a_pair) {
   EXPECT_TRUE(std::filesystem::is_empty(folder / "none"));
 }
 
-TEST_F(BatchTest, no_report_takes_the_place_of_a_picture_or_of_a_kept_file) {
+TEST_F(BatchTest, no_report_takes_the_position_of_a_picture_or_of_a_kept_file) {
   BatchOptions wishes = options(".");
   wishes.overwrite = true;
   wishes.kept = {folder / "whole/../pair3.html"};

@@ -37,7 +37,7 @@ class PairListTest : public ::testing::Test {
     try {
       read_pairs(folder_ / "pairs.csv");
     } catch (const Error& error) {
-      return error.parts().place + ": " + error.parts().problem;
+      return error.parts().location + ": " + error.parts().problem;
     }
     return "none";
   }

@@ -27,7 +27,7 @@ namespace {
 
 constexpr std::uint8_t k_car_class = 64;
 /// Where the car stands that drives away, in the site's frame; about 4.4 m long.
-constexpr glm::dvec3 k_car_place(11.6, -9.0, 0.7);
+constexpr glm::dvec3 k_car_position(11.6, -9.0, 0.7);
 
 /// The courtyard without that car.
 Site without_car(const Site& full) {
@@ -35,7 +35,7 @@ Site without_car(const Site& full) {
   for (const SiteObject& object : full.objects()) {
     const Bounds box = shapes::bounds_of(object.shape);
     const bool is_small = glm::length(box.max - box.min) < 8.0;
-    if (!(is_small && glm::length(box.center() - k_car_place) < 2.6)) objects.push_back(object);
+    if (!(is_small && glm::length(box.center() - k_car_position) < 2.6)) objects.push_back(object);
   }
   return Site(std::move(objects), full.origin());
 }
@@ -97,7 +97,7 @@ void expect_the_car(const ChangeRegions& changes) {
   const ChangeRegion& region = changes.regions[0];
   EXPECT_GT(region.pixels, 1500u);
   EXPECT_LT(region.pixels, 3000u);
-  // Where the camera sees the car's place.
+  // Where the camera sees the car's position.
   EXPECT_LT(region.left, 165);
   EXPECT_GT(region.right, 165);
   EXPECT_LT(region.top, 190);
@@ -111,9 +111,9 @@ void expect_the_car(const ChangeRegions& changes) {
   const PointCloud car = read_cloud(file);
   EXPECT_GT(car.size(), 350u);
   EXPECT_GT(share_of_car(car), 0.75);
-  const glm::dvec3 place = scans.site.origin() + k_car_place;
+  const glm::dvec3 position = scans.site.origin() + k_car_position;
   // The rest are its lamps and mirrors, and what is seen beside it within a pixel.
-  for (std::size_t i = 0; i < car.size(); ++i) ASSERT_LT(glm::length(car.world(i) - place), 4.0);
+  for (std::size_t i = 0; i < car.size(); ++i) ASSERT_LT(glm::length(car.world(i) - position), 4.0);
   // What stands there now is what was below and behind it.
   const PointCloud now = points_of_regions(after, region_points(scans.test.ids, changes, after.size()));
   EXPECT_GT(now.size(), 100u);

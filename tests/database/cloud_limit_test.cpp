@@ -74,7 +74,7 @@ TEST(CloudLimit, limits_are_the_comparisons_they_stand_for) {
     }
 }
 
-glm::dvec3 place(test::Random& random) {
+glm::dvec3 position(test::Random& random) {
   const double reach = random.below(2) ? 200.0 : 1e6;
   return glm::dvec3(690000, 5325000, 400) * static_cast<double>(random.below(2)) + reach * random.in_cube();
 }
@@ -93,8 +93,8 @@ TEST(CloudLimit, no_box_is_pruned_that_has_a_match) {
   int kept = 0, pruned = 0, wholly = 0;
   for (int i = 0; i < 100000; ++i) {
     const DistanceKind kind = random.below(2) ? DistanceKind::ray : DistanceKind::plane;
-    const CloudLine line = make_line(kind, place(random), direction(random));
-    const glm::dvec3 corner = place(random);
+    const CloudLine line = make_line(kind, position(random), direction(random));
+    const glm::dvec3 corner = position(random);
     Bounds box = box_of(corner);
     box.grow(corner + random.unit() * 50.0 * glm::dvec3(random.unit(), random.unit(), random.unit()));
     glm::dvec3 inside;
@@ -121,17 +121,17 @@ TEST(CloudLimit, no_box_is_pruned_that_has_a_match) {
   EXPECT_GT(wholly, 10000);
 }
 
-TEST(CloudLimit, boxes_with_points_without_a_place_are_not_pruned_if_these_match) {
+TEST(CloudLimit, boxes_with_points_without_a_position_are_not_pruned_if_these_match) {
   test::Random random;
   const double odd[] = {k_nan, k_infinity, -k_infinity, k_huge, 1e154, 0.0};
   const double bounds[] = {k_nan, k_infinity, -k_infinity, 0.0, 1.0, -1.0, k_huge};
   int kept = 0;
   for (int i = 0; i < 100000; ++i) {
     const DistanceKind kind = random.below(2) ? DistanceKind::ray : DistanceKind::plane;
-    const CloudLine line = make_line(kind, place(random), direction(random));
+    const CloudLine line = make_line(kind, position(random), direction(random));
     const glm::dvec3 point(odd[random.below(6)], odd[random.below(6)], odd[random.below(6)]);
     Bounds box = box_of(point);
-    if (random.below(2)) box.grow(box_of(place(random)));
+    if (random.below(2)) box.grow(box_of(position(random)));
     const CloudLimit limit = make_limit(kind, line, k_comparisons[random.below(5)], bounds[random.below(7)]);
     ASSERT_TRUE(!holds(limit, point) || may_hold(limit, box)) << i;
     ASSERT_TRUE(holds(limit, point) || may_break(limit, box)) << i;
@@ -189,7 +189,7 @@ TEST(MortonOrder, is_that_of_the_keys) {
   }
 }
 
-TEST(MortonOrder, is_one_also_for_odd_places) {
+TEST(MortonOrder, is_one_also_for_odd_positions) {
   const double values[] = {0.0,    -0.0, 1e-9,  -1e-9,      0.5,         -k_huge,
                            k_huge, 1e13, -1e13, k_infinity, -k_infinity, k_nan};
   std::vector<glm::dvec3> points;

@@ -261,42 +261,44 @@ TEST_F(CloudTableTest, a_row_is_found_by_its_rowid) {
 }
 
 TEST_F(CloudTableTest, bad_input_is_told_and_null_matches_nothing) {
-  const std::string place = "690050, 5325050, 400";
+  const std::string location = "690050, 5325050, 400";
   const auto says = [&](const std::string& sql, const std::string& part) {
     const std::string error = error_of(*database_, sql);
     EXPECT_NE(error.find(part), std::string::npos) << sql << "\n" << error;
   };
-  says("SELECT dist_ray(" + place + ", 0, 0, 0, x, y, z) FROM points", "dist_ray: the ray direction is zero");
-  says("SELECT dist_plane(" + place + ", 0, 0, 0, x, y, z) FROM points", "dist_plane: ");
-  says("SELECT dist_ray(" + place + ", 1e999, 0, 0, x, y, z) FROM points", "direction not finite");
+  says("SELECT dist_ray(" + location + ", 0, 0, 0, x, y, z) FROM points",
+       "dist_ray: the ray direction is zero");
+  says("SELECT dist_plane(" + location + ", 0, 0, 0, x, y, z) FROM points", "dist_plane: ");
+  says("SELECT dist_ray(" + location + ", 1e999, 0, 0, x, y, z) FROM points", "direction not finite");
   says("SELECT dist_ray(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "origin not finite");
   says("SELECT dist_plane(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "point of a plane not finite");
-  says("SELECT dist_plane(" + place + ", 0, -1e999, 0, x, y, z) FROM points", "normal of a plane not finite");
+  says("SELECT dist_plane(" + location + ", 0, -1e999, 0, x, y, z) FROM points",
+       "normal of a plane not finite");
   EXPECT_EQ(
-      numbers(*database_, "SELECT dist_ray(" + place + ", 1, 0, 0, 1, NULL, 1) IS NULL AND dist_plane(" +
-                              place + ", 1, 0, 0, NULL, 1, 1) IS NULL"),
+      numbers(*database_, "SELECT dist_ray(" + location + ", 1, 0, 0, 1, NULL, 1) IS NULL AND dist_plane(" +
+                              location + ", 1, 0, 0, NULL, 1, 1) IS NULL"),
       std::vector<double>{1});
-  says("SELECT dist_ray(" + place + ", 1, 0, '0', x, y, z) FROM points", "argument 6 is no number");
-  says("SELECT dist_ray(" + place + ", 1, 0, x, y, z) FROM points", "wrong number of arguments");
-  says("SELECT id FROM points(" + place + ", 0, 0, 0)", "the ray direction is zero");
-  says("SELECT id FROM points(" + place + ", 1, 'east', 0)", "argument 5 is no number");
+  says("SELECT dist_ray(" + location + ", 1, 0, '0', x, y, z) FROM points", "argument 6 is no number");
+  says("SELECT dist_ray(" + location + ", 1, 0, x, y, z) FROM points", "wrong number of arguments");
+  says("SELECT id FROM points(" + location + ", 0, 0, 0)", "the ray direction is zero");
+  says("SELECT id FROM points(" + location + ", 1, 'east', 0)", "argument 5 is no number");
   says("SELECT id FROM points WHERE in_chunk(_chunk, 'all')", "no limit");
-  says("SELECT id FROM points WHERE in_chunk(_chunk, ray_limit(" + place + ", 0, 0, 0, 0, 1))",
+  says("SELECT id FROM points WHERE in_chunk(_chunk, ray_limit(" + location + ", 0, 0, 0, 0, 1))",
        "the ray direction is zero");
   says("INSERT INTO points(id) VALUES(1)", "may not be modified");
   says("CREATE VIRTUAL TABLE temp.more USING pointcloud(1)", "no arguments");
   says("CREATE VIRTUAL TABLE temp.more USING pointcloud", "more_cloud");
   for (const std::string& none : std::vector<std::string>{
-           "points WHERE dist_ray(" + place + ", 1, 0, 0, x, y, z) <= NULL",
-           "points WHERE dist_ray(NULL, 0, 0, 1, 0, 0, x, y, z) <= 1", "points(" + place + ", 1, 0, NULL)",
-           "points(" + place + ", 1, 0, 0) WHERE dist <= NULL",
-           "points(" + place + ", 1, 0, 0) WHERE dist <= -1",
-           "points(" + place + ", 1, 0, 0) WHERE dist BETWEEN 2 AND 1", "points WHERE x < NULL",
-           "points WHERE in_chunk(_chunk, ray_limit(" + place + ", 1, 0, 0, 0, NULL))"}) {
+           "points WHERE dist_ray(" + location + ", 1, 0, 0, x, y, z) <= NULL",
+           "points WHERE dist_ray(NULL, 0, 0, 1, 0, 0, x, y, z) <= 1", "points(" + location + ", 1, 0, NULL)",
+           "points(" + location + ", 1, 0, 0) WHERE dist <= NULL",
+           "points(" + location + ", 1, 0, 0) WHERE dist <= -1",
+           "points(" + location + ", 1, 0, 0) WHERE dist BETWEEN 2 AND 1", "points WHERE x < NULL",
+           "points WHERE in_chunk(_chunk, ray_limit(" + location + ", 1, 0, 0, 0, NULL))"}) {
     EXPECT_TRUE(ids(none).empty()) << none;
   }
   // Text is larger than every number, also where there is a plan.
-  EXPECT_EQ(ids("points(" + place + ", 1, 0, 0) WHERE dist < 'far'").size(), 20000u);
+  EXPECT_EQ(ids("points(" + location + ", 1, 0, 0) WHERE dist < 'far'").size(), 20000u);
 }
 
 }  // namespace

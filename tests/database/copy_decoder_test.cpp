@@ -21,7 +21,7 @@ using Bytes = std::vector<std::byte>;
 
 Bytes bytes_of(std::string_view text) {
   Bytes bytes;
-  for (const char letter : text) bytes.push_back(static_cast<std::byte>(letter));
+  for (const char character : text) bytes.push_back(static_cast<std::byte>(character));
   return bytes;
 }
 
@@ -71,9 +71,9 @@ TEST(CopyDecoder, what_is_no_rows_is_refused) {
     EXPECT_NE(error_of(whole.substr(0, size)), "") << size;
   EXPECT_NE(error_of(whole + "x"), "");
   EXPECT_NE(error_of("PGCOPX" + whole.substr(6)), "");
-  const auto changed = [&](std::size_t place, char letter) {
+  const auto changed = [&](std::size_t position, char character) {
     std::string text = whole;
-    text[place] = letter;
+    text[position] = character;
     return error_of(text);
   };
   EXPECT_NE(changed(14, 1).find("flags"), std::string::npos);
@@ -108,10 +108,10 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
   values.find_columns();
   const Bytes real = bytes_of({"\100\0\0\0\0\0\0\0", 8}), whole = bytes_of({"\0\3", 2}),
               large = bytes_of({"\1\0", 2});
-  const auto place = [] { return std::string("row 7"); };
+  const auto position = [] { return std::string("row 7"); };
   const CopyField row[] = {real, real, whole, whole, whole}, none[5] = {};
-  values.put(0, row, place);
-  values.put(1, none, place);
+  values.put(0, row, position);
+  values.put(1, none, position);
   EXPECT_EQ(cloud.gps_times[0], 2.0);
   EXPECT_TRUE(std::isnan(cloud.gps_times[1]));
   EXPECT_EQ(cloud.classifications, (std::vector<std::uint8_t>{3, 0}));
@@ -124,7 +124,7 @@ TEST(CloudValues, columns_become_attributes_and_dimensions) {
 
   const auto error_of_row = [&](std::span<const CopyField> fields) {
     try {
-      values.put(0, fields, place);
+      values.put(0, fields, position);
     } catch (const Error& error) {
       return std::string(error.what());
     }
@@ -161,7 +161,7 @@ TEST(FilterCondition, limits_are_widened_and_infinite_ones_left_out) {
   }
 }
 
-TEST(CloudRow, texts_cannot_leave_their_place) {
+TEST(CloudRow, texts_cannot_leave_their_position) {
   CloudRow row;
   row.crs.wkt = "it's";
   row.crs.geotiff_ascii = "a'|";
@@ -169,7 +169,7 @@ TEST(CloudRow, texts_cannot_leave_their_place) {
                 .find("NULL, NULL, NULL, 'it''s', '\\x'::bytea, '\\x'::bytea, '\\x61277c'::bytea, false)"),
             std::string::npos)
       << cloud_row_insert("\"t\"", row);
-  // Not UTF-8, or not the shortest of it, or with a NUL, or half of a letter of UTF-16.
+  // Not UTF-8, or not the shortest of it, or with a NUL, or half of a character of UTF-16.
   for (const std::string& wkt : {std::string("\377"), std::string("\300\257"), std::string("a\0b", 3),
                                  std::string("\355\240\200"), std::string("\303")}) {
     row.crs.wkt = wkt;

@@ -19,7 +19,7 @@ class Cases {
 
   Bounds box() {
     const double size = choose({0.0, 1e-3, 1.0, 100.0});
-    const glm::dvec3 low(place());
+    const glm::dvec3 low(position());
     return {low, low + glm::dvec3(random_.unit(), random_.unit(), random_.unit()) * size};
   }
   glm::dvec3 inside(const Bounds& box) {
@@ -31,7 +31,7 @@ class Cases {
     };
     return {along(0), along(1), along(2)};
   }
-  glm::dvec3 place() {
+  glm::dvec3 position() {
     const double reach = choose({1.0, 200.0, 1e6});
     const glm::dvec3 centre = choose({0.0, 1.0}) * glm::dvec3(690000, 5325000, 400);
     return centre + glm::dvec3(random_.between(-reach, reach), random_.between(-reach, reach),
@@ -59,8 +59,8 @@ TEST(PointFilter, no_box_is_pruned_that_has_a_match) {
   for (int i = 0; i < 200000; ++i) {
     const Bounds box = cases.box();
     const glm::dvec3 point = cases.inside(box);
-    const Ray ray = make_ray(cases.place(), cases.direction());
-    const Plane plane = make_plane(cases.place(), cases.direction());
+    const Ray ray = make_ray(cases.position(), cases.direction());
+    const Plane plane = make_plane(cases.position(), cases.direction());
     const RayProjection at = project(ray, point);
     const double height = signed_distance(plane, point);
     // Limits that the point just keeps.

@@ -62,9 +62,9 @@ TEST(PruneStatement, limits_stand_wherever_the_condition_does) {
         "EXPLAIN QUERY PLAN SELECT 1 FROM points p WHERE @", "SELECT 1 FROM points p WHERE (#) = 1 AND (@)",
         "SELECT 1 FROM points p WHERE f(#) AND @ -- #"}) {
     std::string given, expected;
-    for (const char letter : form) {
-      given += letter == '@' || letter == '#' ? d : std::string(1, letter);
-      expected += letter == '@' ? limited : letter == '#' ? d : std::string(1, letter);
+    for (const char character : form) {
+      given += character == '@' || character == '#' ? d : std::string(1, character);
+      expected += character == '@' ? limited : character == '#' ? d : std::string(1, character);
     }
     EXPECT_EQ(prune_statement(given).text, expected);
   }
@@ -144,8 +144,8 @@ TEST(SqlTokens, are_those_of_sqlite) {
   const auto kinds = [](std::string_view sql) {
     std::string text;
     for (const SqlToken& token : sql_tokens(sql)) {
-      constexpr std::string_view k_letters = "wqtbnps!";
-      text += k_letters[static_cast<std::size_t>(token.kind)];
+      constexpr std::string_view k_characters = "wqtbnps!";
+      text += k_characters[static_cast<std::size_t>(token.kind)];
       text += sql.substr(token.begin, token.end - token.begin);
       text += ' ';
     }

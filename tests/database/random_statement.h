@@ -7,7 +7,7 @@
 
 namespace alidade::test {
 
-/// A SELECT over the tables of PrepareFuzzTest, with conditions on dist_ray and dist_plane in many places
+/// A SELECT over the tables of PrepareFuzzTest, with conditions on dist_ray and dist_plane in many positions
 /// and spellings, some of which may be pruned and some not.
 struct RandomStatement {
   std::string text;

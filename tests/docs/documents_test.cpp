@@ -65,7 +65,7 @@ TEST_P(DocumentsTest, every_shell_block_runs) {
   for (const Block& block : document_.blocks) any = any || (block.language == "sh" && block.remark.empty());
   if (!any) return;
   std::string name = GetParam();
-  for (char& letter : name) letter = letter == '/' || letter == '.' ? '_' : letter;
+  for (char& character : name) character = character == '/' || character == '.' ? '_' : character;
   const ReadersFolder folder(name);
   ASSERT_EQ(folder.run("build/release/alidade generate courtyard --points 1e5 -o output/courtyard.las -q\n"),
             0);
@@ -124,8 +124,9 @@ TEST_P(DocumentsTest, every_named_dev_command_exists) {
 INSTANTIATE_TEST_SUITE_P(Pages, DocumentsTest, ::testing::ValuesIn(document_names(k_repository)),
                          [](const auto& page) {
                            std::string name = page.param;
-                           for (char& letter : name)
-                             letter = std::isalnum(static_cast<unsigned char>(letter)) ? letter : '_';
+                           for (char& character : name)
+                             character =
+                                 std::isalnum(static_cast<unsigned char>(character)) ? character : '_';
                            return name;
                          });
 

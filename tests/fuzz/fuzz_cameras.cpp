@@ -16,7 +16,7 @@ using namespace camera;
 
 namespace {
 
-/// Rays and places that come out of a camera are numbers, whatever its parameters.
+/// Rays and positions that come out of a camera are numbers, whatever its parameters.
 void use(const Camera& camera) {
   const Projection projection(camera);
   for (const glm::dvec2& film : {glm::dvec2(0.5, 0.5), glm::dvec2(camera.width, camera.height)}) {

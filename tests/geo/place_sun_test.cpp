@@ -33,66 +33,67 @@ SunByTime noon(const char* date_time) {
   return {.moment = parse_date_time(date_time)};
 }
 
-TEST(GroundPlace, of_a_utm_map_is_turned_by_the_convergence_of_the_meridians) {
+TEST(GroundPosition, of_a_utm_map_is_turned_by_the_convergence_of_the_meridians) {
   // Transverse Mercator of a sphere: tan(convergence) = tan(longitude - that of the middle) sin(latitude); on
   // the ellipsoid the same within 0.001 degrees so near the middle.
   for (const auto& [x, y] : {std::pair{690000.0, 5325000.0}, {310000.0, 5325000.0}, {690000.0, 100000.0}}) {
-    const auto place = ground_place(epsg(32632), {x, y});
-    ASSERT_TRUE(place);
+    const auto position = ground_position(epsg(32632), {x, y});
+    ASSERT_TRUE(position);
     const double radian = std::numbers::pi / 180.0;
     const double expected =
-        std::atan(std::tan((place->longitude - 9.0) * radian) * std::sin(place->latitude * radian)) / radian;
-    EXPECT_NEAR(place->grid_north, expected, 1e-3) << x << " " << y;
+        std::atan(std::tan((position->longitude - 9.0) * radian) * std::sin(position->latitude * radian)) /
+        radian;
+    EXPECT_NEAR(position->grid_north, expected, 1e-3) << x << " " << y;
   }
-  const auto munich = ground_place(epsg(32632), {690000.0, 5325000.0});
+  const auto munich = ground_position(epsg(32632), {690000.0, 5325000.0});
   EXPECT_NEAR(munich->latitude, 48.05, 0.05);
   EXPECT_NEAR(munich->longitude, 11.55, 0.05);
   EXPECT_GT(munich->grid_north, 1.8);  // grid north points east of true north, east of the middle meridian
 }
 
-TEST(GroundPlace, of_a_conic_map_is_turned_by_the_cone_times_the_longitude) {
+TEST(GroundPosition, of_a_conic_map_is_turned_by_the_cone_times_the_longitude) {
   // Lambert-93 (IGN): n = 0.7256077650, middle meridian 3 degrees east.
   for (const double x : {200000.0, 700000.0, 1100000.0}) {
-    const auto place = ground_place(epsg(2154), {x, 6600000.0});
-    ASSERT_TRUE(place);
-    EXPECT_NEAR(place->grid_north, 0.7256077650 * (place->longitude - 3.0), 1e-5) << x;
+    const auto position = ground_position(epsg(2154), {x, 6600000.0});
+    ASSERT_TRUE(position);
+    EXPECT_NEAR(position->grid_north, 0.7256077650 * (position->longitude - 3.0), 1e-5) << x;
   }
 }
 
-TEST(GroundPlace, of_a_polar_map_is_turned_by_the_longitude_itself) {
+TEST(GroundPosition, of_a_polar_map_is_turned_by_the_longitude_itself) {
   // Antarctic polar stereographic: true north is away from the pole in the middle.
-  const auto place = ground_place(epsg(3031), {1e6, 1e6});
-  ASSERT_TRUE(place);
-  EXPECT_NEAR(place->longitude, 45.0, 1e-6);
-  EXPECT_LT(place->latitude, -70.0);
-  EXPECT_NEAR(place->grid_north, -45.0, 1e-5);
+  const auto position = ground_position(epsg(3031), {1e6, 1e6});
+  ASSERT_TRUE(position);
+  EXPECT_NEAR(position->longitude, 45.0, 1e-6);
+  EXPECT_LT(position->latitude, -70.0);
+  EXPECT_NEAR(position->grid_north, -45.0, 1e-5);
 }
 
-TEST(GroundPlace, of_degrees_and_of_a_map_with_heights_is_the_place_itself) {
-  const auto degrees = ground_place(epsg(4326), {11.5, 48.0});
+TEST(GroundPosition, of_degrees_and_of_a_map_with_heights_is_the_position_itself) {
+  const auto degrees = ground_position(epsg(4326), {11.5, 48.0});
   ASSERT_TRUE(degrees);
   EXPECT_NEAR(degrees->longitude, 11.5, 1e-9);
   EXPECT_NEAR(degrees->latitude, 48.0, 1e-9);
   EXPECT_EQ(degrees->grid_north, 0.0);
   // ETRS89 / UTM 32 with German heights.
-  const auto with_heights = ground_place(epsg(5555), {690000.0, 5325000.0});
-  const auto without = ground_place(epsg(25832), {690000.0, 5325000.0});
+  const auto with_heights = ground_position(epsg(5555), {690000.0, 5325000.0});
+  const auto without = ground_position(epsg(25832), {690000.0, 5325000.0});
   ASSERT_TRUE(with_heights && without);
   EXPECT_NEAR(with_heights->latitude, without->latitude, 1e-9);
   EXPECT_NEAR(with_heights->grid_north, without->grid_north, 1e-9);
 }
 
-TEST(GroundPlace, is_empty_where_nothing_tells_a_place_on_earth) {
-  EXPECT_FALSE(ground_place(Crs(), {0, 0}));
+TEST(GroundPosition, is_empty_where_nothing_tells_a_position_on_earth) {
+  EXPECT_FALSE(ground_position(Crs(), {0, 0}));
   Crs nonsense;
   nonsense.wkt = "no reference system";
-  EXPECT_FALSE(ground_place(nonsense, {0, 0}));
+  EXPECT_FALSE(ground_position(nonsense, {0, 0}));
   Crs local;
   local.wkt = R"(LOCAL_CS["site",UNIT["metre",1]])";
-  EXPECT_FALSE(ground_place(local, {0, 0}));
-  EXPECT_FALSE(ground_place(epsg(4978), {4e6, 8e5}));  // geocentric
-  EXPECT_FALSE(ground_place(epsg(32632), {1e30, NAN}));
-  EXPECT_FALSE(ground_place(epsg(4326), {11.5, 480.0}));
+  EXPECT_FALSE(ground_position(local, {0, 0}));
+  EXPECT_FALSE(ground_position(epsg(4978), {4e6, 8e5}));  // geocentric
+  EXPECT_FALSE(ground_position(epsg(32632), {1e30, NAN}));
+  EXPECT_FALSE(ground_position(epsg(4326), {11.5, 480.0}));
 }
 
 TEST(PlaceSun, stands_by_grid_north_in_a_map_and_by_true_north_without_one) {
@@ -109,7 +110,7 @@ TEST(PlaceSun, stands_by_grid_north_in_a_map_and_by_true_north_without_one) {
   EXPECT_EQ(without.sun.azimuth, without.true_azimuth);
   EXPECT_EQ(without.true_azimuth, on_map.true_azimuth);
   EXPECT_EQ(without.sun.elevation, on_map.sun.elevation);
-  // A place of its own moves the sun, but the map is still turned as it is.
+  // A position of its own moves the sun, but the map is still turned as it is.
   by_time.longitude = 0.0;
   const PlacedSun elsewhere = place_sun(by_time, map);
   EXPECT_EQ(elsewhere.grid_north, on_map.grid_north);
@@ -140,7 +141,7 @@ TEST(PlaceSun, is_down_at_night) {
   EXPECT_EQ(placed.sun.irradiance, Rgb(0.0f));
 }
 
-TEST(PlaceSun, needs_a_place_from_somewhere) {
+TEST(PlaceSun, needs_a_position_from_somewhere) {
   const auto message = [](const std::optional<SceneMap>& map) -> std::string {
     try {
       place_sun(noon("2024-06-20T12:00Z"), map);

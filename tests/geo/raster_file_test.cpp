@@ -43,7 +43,7 @@ Crs utm_32() {
   return crs;
 }
 
-TEST_F(RasterFileTest, values_place_reference_system_and_metadata_come_back) {
+TEST_F(RasterFileTest, values_position_reference_system_and_metadata_come_back) {
   Raster<float> values(grid_, 0.0f);
   for (std::size_t i = 0; i < values.values.size(); ++i)
     values.values[i] = static_cast<float>(i % 977) * 0.25f;

@@ -114,7 +114,7 @@ TEST_F(ReadPolygonsTest, corners_are_transformed_into_the_clouds_system) {
   EXPECT_NEAR(polygons[0].rings[0][0].y, 0.9996 * 5318427.59, 0.01);
 }
 
-TEST_F(ReadPolygonsTest, places_in_the_clouds_own_system_stay_exactly_what_they_are) {
+TEST_F(ReadPolygonsTest, positions_in_the_clouds_own_system_stay_exactly_what_they_are) {
   for (const auto& [name, driver] : {std::pair("p.gpkg", "GPKG"), std::pair("p.shp", "ESRI Shapefile")}) {
     ObserverReference reference = k_own;
     reference.given = "";

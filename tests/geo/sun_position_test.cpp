@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 
-// Published places and times of the sun, none of them computed by this project.
+// Published positions and times of the sun, none of them computed by this project.
 
 namespace alidade {
 
@@ -26,11 +26,11 @@ SunObserver observer(double latitude, double longitude) {
 }
 
 /// The highest the sun stands on a day of UTC, to the minute.
-SunPosition highest(const char* day, const SunObserver& place) {
+SunPosition highest(const char* day, const SunObserver& position) {
   Moment moment = parse_date_time(std::string(day) + "T00:00Z");
   SunPosition best{.elevation = -91.0};
   for (; moment.seconds < 86400.0; moment.seconds += 60.0) {
-    const SunPosition position = sun_position(moment, place);
+    const SunPosition position = sun_position(moment, position);
     if (position.elevation > best.elevation) best = position;
   }
   return best;
@@ -114,19 +114,19 @@ TEST(SunPosition, does_not_rise_in_the_polar_night_nor_set_at_midsummer) {
 
 TEST(SunPosition, air_lifts_the_setting_sun_by_its_own_size) {
   // At the horizon refraction is 34 arc minutes (0.567 degrees) in standard air; overhead there is none.
-  SunObserver place{.latitude = 0.0, .longitude = 0.0, .pressure = 1010.0, .temperature = 10.0};
+  SunObserver position{.latitude = 0.0, .longitude = 0.0, .pressure = 1010.0, .temperature = 10.0};
   Moment moment = parse_date_time("2024-03-20T17:00Z");
   SunPosition sunset;
   for (; moment.seconds < 86400.0; moment.seconds += 1.0) {
-    sunset = sun_position(moment, place);
+    sunset = sun_position(moment, position);
     if (sunset.elevation < 0.0) break;
   }
   EXPECT_NEAR(sunset.elevation - sunset.geometric_elevation, 0.567, 0.05);
-  place.pressure = 0.0;
-  const SunPosition airless = sun_position(moment, place);
+  position.pressure = 0.0;
+  const SunPosition airless = sun_position(moment, position);
   EXPECT_EQ(airless.elevation, airless.geometric_elevation);
-  place.pressure = 1010.0;
-  const SunPosition noon = at("2024-03-20T12:07Z", place);
+  position.pressure = 1010.0;
+  const SunPosition noon = at("2024-03-20T12:07Z", position);
   EXPECT_NEAR(noon.elevation, noon.geometric_elevation, 2e-3);
 }
 

@@ -62,7 +62,7 @@ TEST(ColorMapTest, lightness_of_viridis_grows_in_even_steps) {
   }
 }
 
-TEST(ColorMapTest, places_outside_are_the_nearest_end_and_nan_is_the_low_one) {
+TEST(ColorMapTest, positions_outside_are_the_nearest_end_and_nan_is_the_low_one) {
   for (const NamedColorMap& each : k_color_maps) {
     const glm::dvec3 low = map_color(each.map, 0.0), high = map_color(each.map, 1.0);
     EXPECT_EQ(map_color(each.map, -0.5), low);

@@ -64,9 +64,9 @@ TEST(RoundTicksTest, one_value_has_one_tick) {
 }
 
 TEST(FindFontTest, a_missing_font_is_an_error_that_names_the_package) {
-  const std::vector<fs::path> places = {"/nowhere/a.ttf", "/nowhere/b.ttf"};
+  const std::vector<fs::path> positions = {"/nowhere/a.ttf", "/nowhere/b.ttf"};
   try {
-    find_font(places);
+    find_font(positions);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(
@@ -117,12 +117,12 @@ TEST(FontTest, ink_stays_within_what_is_measured) {
   EXPECT_GT(font.measure("Hg", 40).width, 3 * extent.width / 2);
 }
 
-TEST(FontTest, letters_of_utf_8_have_their_own_shape_and_wrong_bytes_are_no_harm) {
+TEST(FontTest, characters_of_utf_8_have_their_own_shape_and_wrong_bytes_are_no_harm) {
   const Font font(find_font());
   const std::vector<std::uint8_t> unknown = written(font, "\xEF\xBF\xBD", 20).bytes();
-  for (const char* const letter : {"\xC3\xA9", "\xC2\xB0", "\xE2\x88\x92", "\xE2\x82\xAC"}) {
-    EXPECT_NE(written(font, letter, 20).bytes(), unknown) << letter;
-    EXPECT_GT(dark_pixels(written(font, letter, 20), {0, 0, 60, 60}), 5) << letter;
+  for (const char* const character : {"\xC3\xA9", "\xC2\xB0", "\xE2\x88\x92", "\xE2\x82\xAC"}) {
+    EXPECT_NE(written(font, character, 20).bytes(), unknown) << character;
+    EXPECT_GT(dark_pixels(written(font, character, 20), {0, 0, 60, 60}), 5) << character;
   }
   for (const char* const wrong : {"\xC3", "\x80", "\xFF", "\xE2\x88", "\xF8\x80\x80\x80"})
     EXPECT_GT(font.measure(wrong, 20).width, 0) << wrong;
@@ -201,8 +201,8 @@ TEST_F(LegendTest, rows_of_the_bar_have_the_colours_of_their_values) {
   const Canvas canvas = draw_legend(key, layout, font_);
   ASSERT_GT(layout.bar.height(), 200);
   for (int y = layout.bar.top; y < layout.bar.bottom; ++y) {
-    const double place = (layout.bar.bottom - 1.0 - y) / (layout.bar.height() - 1.0);
-    const Rgb8 expected = rounded(to_color16(map_color(ColorMap::viridis, place)));
+    const double position = (layout.bar.bottom - 1.0 - y) / (layout.bar.height() - 1.0);
+    const Rgb8 expected = rounded(to_color16(map_color(ColorMap::viridis, position)));
     EXPECT_EQ(canvas.at(layout.bar.left, y), expected);
     EXPECT_EQ(canvas.at(layout.bar.right - 1, y), expected);
   }
@@ -253,9 +253,9 @@ TEST_F(LegendTest, swatches_stand_one_below_the_other_with_names_counts_and_shar
   for (std::size_t i = 0; i < layout.swatches.size(); ++i) {
     const LegendSwatch& swatch = layout.swatches[i];
     EXPECT_EQ(swatch.color, i < 3 ? key.swatches[i].color : k_no_value_color);
-    for (const glm::ivec2 place : {glm::ivec2(swatch.box.left, swatch.box.top),
-                                   glm::ivec2(swatch.box.right - 1, swatch.box.bottom - 1)})
-      EXPECT_EQ(canvas.at(place.x, place.y), rounded(swatch.color));
+    for (const glm::ivec2 position : {glm::ivec2(swatch.box.left, swatch.box.top),
+                                      glm::ivec2(swatch.box.right - 1, swatch.box.bottom - 1)})
+      EXPECT_EQ(canvas.at(position.x, position.y), rounded(swatch.color));
     EXPECT_TRUE(is_dark(canvas.at(swatch.box.left - 1, swatch.box.top)));
     const int end_above = i > 0 ? layout.swatches[i - 1].box.bottom : 0;
     EXPECT_GT(swatch.box.top, end_above + 1);

@@ -169,8 +169,8 @@ std::string png_of_size(std::uint32_t width, std::uint32_t height) {
   std::string header =
       "IHDR" + big_endian(width) + big_endian(height) + std::string("\x08\x02\x00\x00\x00", 5);
   std::uint32_t crc = 0xffffffffu;
-  for (const char letter : header) {
-    crc ^= static_cast<unsigned char>(letter);
+  for (const char character : header) {
+    crc ^= static_cast<unsigned char>(character);
     for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1) ^ ((crc & 1u) != 0 ? 0xedb88320u : 0u);
   }
   return "\x89PNG\r\n\x1a\n" + big_endian(13) + header + big_endian(~crc) + big_endian(0) + "IDAT" +

@@ -111,17 +111,17 @@ TEST(StretchTest, number_of_threads_changes_nothing) {
   EXPECT_EQ(first, percentiles_by_sorting({angles.begin(), angles.end()}, 1, 99));
 }
 
-TEST(StretchTest, places_go_from_0_to_1_and_one_value_is_in_the_middle) {
+TEST(StretchTest, positions_go_from_0_to_1_and_one_value_is_in_the_middle) {
   const ValueRange range{10.0, 20.0};
-  EXPECT_EQ(place_in(range, 10.0), 0.0);
-  EXPECT_EQ(place_in(range, 12.5), 0.25);
-  EXPECT_EQ(place_in(range, 20.0), 1.0);
-  EXPECT_EQ(place_in(range, -1e300), 0.0);
-  EXPECT_EQ(place_in(range, 1e300), 1.0);
-  EXPECT_EQ(place_in({5.0, 5.0}, 5.0), 0.5);
-  EXPECT_EQ(place_in({5.0, 5.0}, 6.0), 0.5);
-  EXPECT_TRUE(std::isnan(place_in(range, NAN)));
-  EXPECT_EQ(place_in({-k_largest_value, k_largest_value}, 0.0), 0.5);
+  EXPECT_EQ(position_in(range, 10.0), 0.0);
+  EXPECT_EQ(position_in(range, 12.5), 0.25);
+  EXPECT_EQ(position_in(range, 20.0), 1.0);
+  EXPECT_EQ(position_in(range, -1e300), 0.0);
+  EXPECT_EQ(position_in(range, 1e300), 1.0);
+  EXPECT_EQ(position_in({5.0, 5.0}, 5.0), 0.5);
+  EXPECT_EQ(position_in({5.0, 5.0}, 6.0), 0.5);
+  EXPECT_TRUE(std::isnan(position_in(range, NAN)));
+  EXPECT_EQ(position_in({-k_largest_value, k_largest_value}, 0.0), 0.5);
 }
 
 }  // namespace

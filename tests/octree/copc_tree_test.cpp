@@ -14,7 +14,7 @@
 #include "tests/cloud/copc/copc_builder.h"
 #include "tests/support/same_hits.h"
 
-// Answers from a COPC file in place against brute force over the cloud that is read from it.
+// Answers from a COPC file in storage index against brute force over the cloud that is read from it.
 
 namespace alidade {
 namespace {
@@ -47,12 +47,12 @@ template <class Target, class Query>
   return test::same_hits(std::span(found), std::span(expected));
 }
 
-class Places {
+class Indexs {
  public:
-  explicit Places(std::uint64_t seed) : engine_(seed) {}
+  explicit Indexs(std::uint64_t seed) : engine_(seed) {}
   double number(double low, double high) { return std::uniform_real_distribution(low, high)(engine_); }
   /// In the cube or beside it.
-  glm::dvec3 place() {
+  glm::dvec3 index() {
     const auto offset = [&] { return number(-80, 80); };
     return glm::dvec3(690000, 5325000, 500) + glm::dvec3(offset(), offset(), offset());
   }
@@ -66,26 +66,26 @@ TEST(CopcTreeTest, answers_equal_brute_force_over_the_loaded_cloud) {
   const CopcSample sample = build_copc(4000);
   const PointCloud cloud = test::read_memory(sample.bytes);
   const Opened opened(sample.bytes);
-  Places places(7);
+  Indexs indices(7);
   for (int i = 0; i < 60; ++i) {
     const Ray ray =
-        make_ray(places.place(), places.direction(), places.number(-50, 0), places.number(0, 200));
+        make_ray(indices.index(), indices.direction(), indices.number(-50, 0), indices.number(0, 200));
     for (const Measure measure : {Measure::distance, Measure::t, Measure::entry}) {
       EXPECT_TRUE(as_brute_force(opened.cache, cloud, ray, RayQuery{.radius = 2.0, .measure = measure}));
       EXPECT_TRUE(
           as_brute_force(opened.cache, cloud, ray, RayQuery{.radius = 5.0, .measure = measure, .k = 3}));
     }
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, ray, RayQuery{.measure = Measure::distance, .k = 5}));
-    const Cone cone = make_cone(places.place(), places.direction(), 0.1, 0.5, 0.0, 150.0);
+    const Cone cone = make_cone(indices.index(), indices.direction(), 0.1, 0.5, 0.0, 150.0);
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, cone, ConeQuery{}));
-    const Path path = make_path(std::vector{places.place(), places.place(), places.place()});
+    const Path path = make_path(std::vector{indices.index(), indices.index(), indices.index()});
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, path, PathQuery{.radius = 3.0}));
-    const glm::dvec3 corner = places.place();
+    const glm::dvec3 corner = indices.index();
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, Bounds{corner, corner + 20.0}, PointQuery{}));
-    EXPECT_TRUE(as_brute_force(opened.cache, cloud, places.place(), PointQuery{.k = 9}));
-    EXPECT_TRUE(as_brute_force(opened.cache, cloud, places.place(), PointQuery{.radius = 12.0}));
+    EXPECT_TRUE(as_brute_force(opened.cache, cloud, indices.index(), PointQuery{.k = 9}));
+    EXPECT_TRUE(as_brute_force(opened.cache, cloud, indices.index(), PointQuery{.radius = 12.0}));
     const HalfSpaces region{
-        {make_plane(places.place(), places.direction()), make_plane(places.place(), places.direction())}};
+        {make_plane(indices.index(), indices.direction()), make_plane(indices.index(), indices.direction())}};
     EXPECT_TRUE(as_brute_force(opened.cache, cloud, region, PointQuery{}));
   }
 }
@@ -159,9 +159,9 @@ TEST(CopcTreeTest, many_threads_with_little_room_answer_the_same) {
   const PointCloud cloud = test::read_memory(sample.bytes);
   const Opened opened(sample.bytes, {.byte_count = 4000});
   tbb::parallel_for(0, 100, [&](int i) {
-    Places places(static_cast<std::uint64_t>(i));
-    const glm::dvec3 place = places.place();
-    EXPECT_TRUE(as_brute_force(opened.cache, cloud, place, PointQuery{.radius = 20.0}));
+    Indexs indices(static_cast<std::uint64_t>(i));
+    const glm::dvec3 index = indices.index();
+    EXPECT_TRUE(as_brute_force(opened.cache, cloud, index, PointQuery{.radius = 20.0}));
   });
 }
 
@@ -172,11 +172,11 @@ TEST(CopcTreeTest, only_points_of_the_classes_are_there) {
   for (std::size_t i = 0; i < 60; ++i) classes.set(i);
   const Opened opened(sample.bytes, {.classes = classes});
   const auto wanted = [&](const Candidate& point) { return cloud.classifications[point.point_id] < 60; };
-  Places places(3);
+  Indexs indices(3);
   for (int i = 0; i < 50; ++i) {
-    const glm::dvec3 place = places.place();
-    const auto found = ask(opened.cache, place, PointQuery{.k = 7});
-    const auto expected = brute_force::find(cloud, place, PointQuery{.k = 7, .filter = wanted});
+    const glm::dvec3 index = indices.index();
+    const auto found = ask(opened.cache, index, PointQuery{.k = 7});
+    const auto expected = brute_force::find(cloud, index, PointQuery{.k = 7, .filter = wanted});
     EXPECT_TRUE(test::same_hits(std::span(found), std::span(expected)));
   }
 }
@@ -185,9 +185,9 @@ TEST(CopcTreeTest, points_outside_the_cube_of_their_node_are_an_error_when_they_
   CopcSample sample = build_copc(1000);
   // The octree moves by half a metre: most nodes then have points outside.
   double centre = 0;
-  std::memcpy(&centre, sample.bytes.data() + sample.info_place, 8);
+  std::memcpy(&centre, sample.bytes.data() + sample.info_index, 8);
   centre += 0.5;
-  std::memcpy(sample.bytes.data() + sample.info_place, &centre, 8);
+  std::memcpy(sample.bytes.data() + sample.info_index, &centre, 8);
   const Opened opened(sample.bytes);
   const std::string error = test::error_of([&] {
     ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
@@ -203,7 +203,7 @@ TEST(CopcTreeTest, damaged_chunks_are_an_error_that_names_the_node) {
   CopcSample sample = build_copc(1000);
   const CopcFile sound(InputFile(sample.bytes, "memory"));
   const CopcNode& root = sound.hierarchy().nodes[0];
-  std::memset(sample.bytes.data() + root.chunk.place + 36, 0xff, 4);  // the count in the chunk
+  std::memset(sample.bytes.data() + root.chunk.index + 36, 0xff, 4);  // the count in the chunk
   const Opened opened(sample.bytes);
   const std::string error = test::error_of([&] {
     ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
@@ -250,13 +250,13 @@ TEST(CopcSharedDataTest, a_file_from_elsewhere_answers_as_when_it_is_loaded) {
   const CopcFile file{InputFile(path)};
   const CopcCache cache(file, {});
   const Bounds box = cloud.bounds();
-  Places places(11);
+  Indexs indices(11);
   const auto inside = [&] {
     return box.min +
-           (box.max - box.min) * glm::dvec3(places.number(0, 1), places.number(0, 1), places.number(0, 1));
+           (box.max - box.min) * glm::dvec3(indices.number(0, 1), indices.number(0, 1), indices.number(0, 1));
   };
   for (int i = 0; i < 20; ++i) {
-    const Ray ray = make_ray(inside(), places.direction(), -10.0, 10.0);
+    const Ray ray = make_ray(inside(), indices.direction(), -10.0, 10.0);
     EXPECT_TRUE(as_brute_force(cache, cloud, ray, RayQuery{.radius = 0.02}));
     EXPECT_TRUE(as_brute_force(cache, cloud, inside(), PointQuery{.k = 20}));
   }

@@ -4,8 +4,8 @@
 
 #include "octree/path_index.h"
 #include "octree/query_targets.h"
-#include "tests/support/places.h"
 #include "tests/support/point_families.h"
+#include "tests/support/positions.h"
 #include "tests/support/query_families.h"
 #include "tests/support/ray_families.h"
 
@@ -23,8 +23,8 @@ void for_boxes_of_points(const Check& check) {
     SCOPED_TRACE("seed \"boxes " + family.name + "\"");
     for (int i = 0; i < 150; ++i) {
       std::vector<glm::dvec3> points{family.cloud.world(random.below(family.cloud.size()))};
-      const Places places(family.cloud, random);
-      const double reach = places.length();
+      const Positions positions(family.cloud, random);
+      const double reach = positions.length();
       Bounds box;
       box.grow(points[0]);
       for (int n = 0; n < 8; ++n) {
@@ -61,9 +61,9 @@ TEST(DistanceBounds, projection_on_a_ray_holds_every_point_to_the_last_bit) {
 
 TEST(DistanceBounds, distances_to_points_and_planes_hold_every_point_to_the_last_bit) {
   for_boxes_of_points([](const PointCloud& cloud, Random& random, const Bounds& box, const auto& points) {
-    const Places places(cloud, random);
+    const Positions positions(cloud, random);
     for (int i = 0; i < 10; ++i) {
-      const glm::dvec3 from = places.anywhere();
+      const glm::dvec3 from = positions.anywhere();
       const Plane plane = make_plane(from, random.direction());
       for (const glm::dvec3& point : points) {
         ASSERT_LE(distance(from, box).low, distance(from, point));
@@ -114,17 +114,17 @@ TEST(DistanceBounds, projection_on_a_segment_and_reach_of_a_path_hold_every_poin
   });
 }
 
-TEST(DistanceBounds, the_index_of_a_path_finds_the_nearest_place_to_the_last_bit) {
+TEST(DistanceBounds, the_index_of_a_path_finds_the_nearest_position_to_the_last_bit) {
   for (const PointFamily& family : point_families()) {
     Random random("path index " + family.name);
-    const Places places(family.cloud, random);
+    const Positions positions(family.cloud, random);
     for (const PathCase& c : path_cases(family.cloud, 40, random)) {
       const std::vector<Segment> segments = segments_of(c.target);
       const PathIndex index(c.target);
       for (int i = 0; i < 20; ++i) {
         // Vertices are where segments tie.
         const glm::dvec3 point =
-            i % 5 ? places.anywhere() : c.target.vertices[random.below(c.target.vertices.size())];
+            i % 5 ? positions.anywhere() : c.target.vertices[random.below(c.target.vertices.size())];
         const PathProjection expected = project(segments, point), found = index.project(point);
         ASSERT_EQ(found.segment, expected.segment) << family.name << " " << describe(c.target);
         ASSERT_EQ(found.t, expected.t) << family.name;

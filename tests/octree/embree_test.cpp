@@ -25,7 +25,7 @@ TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
   const test::EmbreeSpheres spheres(cloud, k_radius);
   const Octree octree = build(cloud);
   // A float at 20 m is good for 2e-6 m; t near a rim moves with the square root of that.
-  constexpr double k_place_tolerance = 2e-5, k_rim_tolerance = 1e-5;
+  constexpr double k_position_tolerance = 2e-5, k_rim_tolerance = 1e-5;
   int hits = 0, misses = 0, other_point = 0;
   for (int i = 0; i < 40000; ++i) {
     const glm::dvec3 origin(random.between(-15, 15), random.between(-15, 15), 20.0);
@@ -36,13 +36,13 @@ TEST(Embree, sphere_hits_agree_with_entry_hits_within_float_error) {
     const bool embree_hit = theirs.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     if (ours && embree_hit && ours->point_id == theirs.hit.primID) {
       const double rim = std::sqrt(std::max(0.0, k_radius * k_radius - ours->distance * ours->distance));
-      EXPECT_NEAR(ours->entry, theirs.ray.tfar, k_place_tolerance + 4e-7 / std::max(rim, 1e-4))
+      EXPECT_NEAR(ours->entry, theirs.ray.tfar, k_position_tolerance + 4e-7 / std::max(rim, 1e-4))
           << "ray " << i;
       ++hits;
     } else if (ours.has_value() == embree_hit) {
       misses += !ours;
       other_point += ours.has_value();
-      // Two spheres entered at the same place within float error may change order.
+      // Two spheres entered at the same position within float error may change order.
       if (ours) {
         EXPECT_NEAR(ours->entry, theirs.ray.tfar, 1e-3) << "ray " << i;
       }

@@ -56,7 +56,7 @@ TEST_F(Filter, lets_closest_pass_what_it_refuses_and_take_the_next) {
 }
 
 TEST_F(Filter, sees_equal_points_apart) {
-  // Of many points at one place only the last one counts.
+  // Of many points at one position only the last one counts.
   const std::size_t count_there = 3000;
   const PointCloud cloud = make_cloud(std::vector<glm::dvec3>(count_there, glm::dvec3(1, 0, 0)),
                                       {glm::dvec3(0.001), glm::dvec3(0)});

@@ -19,13 +19,13 @@ namespace {
 using test::PointFamily;
 using test::Random;
 
-/// A place among the points, and a reach that holds some of them.
+/// A position among the points, and a reach that holds some of them.
 struct Asked {
-  glm::dvec3 place;
+  glm::dvec3 position;
   double reach;
 };
 
-std::vector<Asked> places_in(const PointCloud& cloud, std::size_t count, Random& random) {
+std::vector<Asked> positions_in(const PointCloud& cloud, std::size_t count, Random& random) {
   std::vector<Asked> asked;
   if (cloud.size() == 0) return asked;
   Bounds bounds;
@@ -41,7 +41,7 @@ std::vector<Asked> places_in(const PointCloud& cloud, std::size_t count, Random&
 std::array<double, 11> sums_in_double(const PointCloud& cloud, const Asked& asked) {
   std::array<double, 11> sums{};
   for (std::size_t id = 0; id < cloud.size(); ++id) {
-    const glm::dvec3 p = (cloud.world(id) - asked.place) / asked.reach;
+    const glm::dvec3 p = (cloud.world(id) - asked.position) / asked.reach;
     const double closeness = 1.0 - glm::dot(p, p);
     if (!(closeness > 0.0)) continue;
     const double w = closeness * closeness;
@@ -65,12 +65,12 @@ TEST(Moments, are_those_of_the_points_within_reach) {
   for (const PointFamily& family : test::point_families()) {
     Random random(family.name + "_moments");
     for (const test::NamedOctree& asked_octree : test::octrees_of(family.cloud)) {
-      for (const Asked& asked : places_in(family.cloud, 20, random)) {
+      for (const Asked& asked : positions_in(family.cloud, 20, random)) {
         SCOPED_TRACE(family.name + " " + asked_octree.name);
         const auto expected = sums_in_double(family.cloud, asked);
         const simd::Moments found = simd::moment_sums(asked_octree.octree.instruction_set())
-                                        .around(asked_octree.octree.view(), asked.place, asked.reach);
-        // Floats tell places within a frame to 2^-24 of its width; in units of the reach that may be more.
+                                        .around(asked_octree.octree.view(), asked.position, asked.reach);
+        // Floats tell positions within a frame to 2^-24 of its width; in units of the reach that may be more.
         const TreeView& tree = asked_octree.octree.view();
         const double frame = std::ldexp(glm::length(tree.lattice.scale), tree.root_level);
         const double error = expected[1] * (1e-5 + 1e-6 * frame / asked.reach);
@@ -87,9 +87,9 @@ TEST(Moments, are_the_same_bits_on_every_instruction_set) {
     if (family.cloud.size() == 0) continue;
     const Octree octree = build(family.cloud);
     Random random(family.name + "_bits");
-    for (const Asked& asked : places_in(family.cloud, 100, random)) {
+    for (const Asked& asked : positions_in(family.cloud, 100, random)) {
       const auto with = [&](InstructionSet set) {
-        return simd::moment_sums(set).around(octree.view(), asked.place, asked.reach);
+        return simd::moment_sums(set).around(octree.view(), asked.position, asked.reach);
       };
       const simd::Moments scalar = with(InstructionSet::scalar);
       for (const InstructionSet set : available_instruction_sets()) {

@@ -121,8 +121,8 @@ TEST(LayeredOctree, every_node_above_others_holds_a_full_sample_of_its_own) {
         stack.push_back(child_frame(tree, frame, slot));
       }
       if (inner == 0 || frame.level == k_min_frame_level)
-        continue;  // the lowest level is for points of one place
-      // A node may only reach down to a smaller frame, for points of one place or few points of a small cell.
+        continue;  // the lowest level is for points of one position
+      // A node may only reach down to a smaller frame, for points of one position or few points of a small cell.
       if (leaves == 0) {
         EXPECT_EQ(inner, 1);
       } else {
@@ -164,7 +164,7 @@ TEST(LayeredOctree, coarse_levels_are_a_thinned_cloud) {
   }
 }
 
-TEST(Organisation, answers_are_those_of_brute_force_where_many_points_share_few_places) {
+TEST(Organisation, answers_are_those_of_brute_force_where_many_points_share_few_positions) {
   test::Random random;
   std::vector<glm::dvec3> positions;
   for (int i = 0; i < 3000; ++i) {

@@ -22,7 +22,7 @@ Path corner() {
   return make_path({{0, 0, 0}, {10, 0, 0}, {10, 10, 0}});
 }
 
-TEST(Path, tells_segment_t_and_distance_of_the_nearest_place) {
+TEST(Path, tells_segment_t_and_distance_of_the_nearest_position) {
   const std::vector<PathHit> hits = find(build(beside_a_corner()), corner(), {});
   ASSERT_EQ(hits.size(), 4u);
   EXPECT_EQ(hits[0].point_id, 0u);
@@ -52,7 +52,7 @@ TEST(Path, every_point_counts_once) {
             4u);
 }
 
-TEST(Path, the_interval_is_asked_of_the_nearest_place_only) {
+TEST(Path, the_interval_is_asked_of_the_nearest_position_only) {
   Path path = corner();
   path.t_min = 6.0;
   // Point 0 is nearest at t = 5; that it is also near the rest of the path does not count.

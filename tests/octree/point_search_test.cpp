@@ -103,7 +103,7 @@ TEST(PointSearch, many_neighbours_are_those_of_brute_force) {
   }
 }
 
-TEST(PointSearch, of_points_at_one_place_those_with_the_lowest_ids_are_nearest) {
+TEST(PointSearch, of_points_at_one_position_those_with_the_lowest_ids_are_nearest) {
   PointCloud cloud;
   cloud.lattice.scale = glm::dvec3(0.001);
   cloud.positions.assign(40000, LatticePosition(5000));

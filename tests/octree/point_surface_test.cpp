@@ -24,8 +24,8 @@ PointCloud empty_cloud() {
   return cloud;
 }
 
-void add(PointCloud& cloud, const glm::dvec3& place) {
-  cloud.positions.emplace_back(glm::round(place / cloud.lattice.scale));
+void add(PointCloud& cloud, const glm::dvec3& position) {
+  cloud.positions.emplace_back(glm::round(position / cloud.lattice.scale));
 }
 
 Octree with_all(const PointCloud& cloud) {
@@ -65,12 +65,12 @@ TEST(PointSurface, of_a_noisy_plane_is_that_plane) {
     double squares = 0.0;
     std::size_t inside = 0, thin = 0, tilted = 0;
     for (std::size_t id = 0; id < cloud.size(); ++id) {
-      const glm::dvec3 place = cloud.world(id) - cloud.lattice.offset;
+      const glm::dvec3 position = cloud.world(id) - cloud.lattice.offset;
       const PointSurface surface = surface_of(octree.view(), id);
       ASSERT_TRUE(surface.exists) << id;
-      if (glm::length(place) > 1.5) continue;
+      if (glm::length(position) > 1.5) continue;
       ++inside;
-      const glm::dvec3 center = place - surface.height * surface.normal;
+      const glm::dvec3 center = position - surface.height * surface.normal;
       squares += glm::dot(center, normal) * glm::dot(center, normal);
       tilted += std::fabs(glm::dot(surface.normal, normal)) < 0.94 ? 1 : 0;
       ASSERT_LT(surface.thickness, 2.5 * noise + 2e-4) << id;
@@ -93,11 +93,11 @@ TEST(PointSurface, tells_the_two_sides_of_a_thin_plate_apart) {
     const Octree octree = with_all(cloud);
     std::size_t inside = 0, mixed = 0;
     for (std::size_t id = 0; id < cloud.size(); ++id) {
-      const glm::dvec3 place = cloud.world(id) - cloud.lattice.offset;
-      if (std::fabs(place.x) > 1.8 || std::fabs(place.y) > 1.8) continue;
+      const glm::dvec3 position = cloud.world(id) - cloud.lattice.offset;
+      if (std::fabs(position.x) > 1.8 || std::fabs(position.y) > 1.8) continue;
       const PointSurface surface = surface_of(octree.view(), id);
       ASSERT_TRUE(surface.exists) << id;
-      const double sheet = place.z - surface.height * surface.normal.z;
+      const double sheet = position.z - surface.height * surface.normal.z;
       ++inside;
       const bool right =
           std::fabs(sheet - (id < front_count ? 0.0 : 0.001)) < 0.0003 && surface.thickness < 0.0003;

@@ -77,7 +77,7 @@ TEST_P(RayQueryVsBruteForce, batches_are_the_same_bits_on_every_family) {
     const Octree octree = build(family.cloud, options_for(GetParam()));
     Random random(family.name + "_batches");
     for (int turn = 0; turn < 12; ++turn) {
-      // A batch has one query: that of its first ray. Some batches are coherent: a wide fan from one place, a
+      // A batch has one query: that of its first ray. Some batches are coherent: a wide fan from one position, a
       // narrow one, whose rays meet the same leaves, the same ray again and again.
       std::vector<RayCase> cases = ray_cases(family.cloud, 60, random);
       const RayQuery query = cases[0].query;
@@ -279,8 +279,8 @@ TEST(RayQuery, a_batch_on_an_empty_octree_answers_nothing) {
   EXPECT_EQ(blocked, std::vector<std::uint8_t>(2, 0));
 }
 
-TEST(RayQuery, many_points_at_few_places_keep_the_lowest_id) {
-  // So many that whole subtrees stand at one place, on a lattice fine enough that keys do not hold positions.
+TEST(RayQuery, many_points_at_few_positions_keep_the_lowest_id) {
+  // So many that whole subtrees have equal positions, on a lattice fine enough that keys do not hold positions.
   Random random;
   std::vector<glm::dvec3> positions;
   for (int i = 0; i < 40000; ++i)

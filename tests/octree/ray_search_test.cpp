@@ -80,7 +80,7 @@ TEST(RaySearch, many_points_are_those_of_brute_force_by_every_measure) {
   }
 }
 
-TEST(RaySearch, of_points_at_one_place_those_with_the_lowest_ids_come_first) {
+TEST(RaySearch, of_points_at_one_position_those_with_the_lowest_ids_come_first) {
   PointCloud cloud;
   cloud.lattice.scale = glm::dvec3(0.001);
   cloud.positions.assign(40000, LatticePosition(5000));

@@ -16,11 +16,11 @@ namespace {
 using test::Random;
 
 /// Steps of a tenth of a millimetre.
-PointCloud cloud_of(const std::vector<glm::dvec3>& places) {
+PointCloud cloud_of(const std::vector<glm::dvec3>& positions) {
   PointCloud cloud;
   cloud.lattice = {.scale = glm::dvec3(1e-4), .offset = {690000.0, 5325000.0, 600.0}};
-  for (const glm::dvec3& place : places)
-    cloud.positions.emplace_back(glm::round(place / cloud.lattice.scale));
+  for (const glm::dvec3& position : positions)
+    cloud.positions.emplace_back(glm::round(position / cloud.lattice.scale));
   return cloud;
 }
 
@@ -32,20 +32,20 @@ TEST(SheetEdge, is_where_a_sheet_ends) {
   Random random("sheet_ends");
   const glm::dvec3 u = glm::normalize(glm::dvec3(1.0, 0.4, 0.2));
   const glm::dvec3 v = glm::normalize(glm::cross(u, glm::dvec3(0.1, -0.3, 1.0)));
-  std::vector<glm::dvec3> places;
+  std::vector<glm::dvec3> positions;
   std::vector<double> from_edge;
   for (int i = 0; i < 8000; ++i) {
     const double across = random.between(0.0, 4.0);
-    places.push_back(across * u + random.between(-2.0, 2.0) * v);
+    positions.push_back(across * u + random.between(-2.0, 2.0) * v);
     // Only the edge at 0 is looked at, away from the corners.
-    from_edge.push_back(across > 2.0 || std::fabs(glm::dot(places.back(), v)) > 1.6 ? -1.0 : across);
+    from_edge.push_back(across > 2.0 || std::fabs(glm::dot(positions.back(), v)) > 1.6 ? -1.0 : across);
   }
-  const PointCloud cloud = cloud_of(places);
+  const PointCloud cloud = cloud_of(positions);
   const Octree octree = with_surfaces(with_spacings(build(cloud), 8));
   const std::vector<double> spacings = spacings_in_order(octree.view());
   int near = 0, found = 0, straight = 0, far = 0, far_found = 0;
   double error = 0.0;
-  for (std::size_t id = 0; id < places.size(); ++id) {
+  for (std::size_t id = 0; id < positions.size(); ++id) {
     if (from_edge[id] < 0.0) continue;
     const SheetEdge edge = edge_of_point(octree, id);
     if (from_edge[id] > 2.5 * spacings[id]) {
@@ -70,11 +70,11 @@ TEST(SheetEdge, is_where_a_sheet_ends) {
 }
 
 TEST(SheetEdge, is_not_beside_lines_of_a_scan) {
-  std::vector<glm::dvec3> places;
+  std::vector<glm::dvec3> positions;
   for (int line = 0; line < 9; ++line) {
-    for (int i = 0; i < 200; ++i) places.emplace_back(0.1 * i, 0.6 * line, 0.0);
+    for (int i = 0; i < 200; ++i) positions.emplace_back(0.1 * i, 0.6 * line, 0.0);
   }
-  const PointCloud cloud = cloud_of(places);
+  const PointCloud cloud = cloud_of(positions);
   const Octree octree = with_surfaces(with_spacings(build(cloud), 8));
   for (std::size_t id = 200; id < 1600; ++id) {
     if (id % 200 < 10 || id % 200 >= 190) continue;

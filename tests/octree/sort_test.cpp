@@ -59,10 +59,10 @@ TEST(SortedPoints, stand_in_the_order_of_key_and_row_on_every_family) {
 TEST(SortedPoints, stand_in_order_however_they_are_distributed) {
   constexpr int k_count = 300000;  // many chunks and buckets
   test::Random random;
-  const auto sorted = [&](const char* name, const auto& place) {
+  const auto sorted = [&](const char* name, const auto& position) {
     SCOPED_TRACE(name);
     std::vector<LatticePosition> positions;
-    for (int i = 0; i < k_count; ++i) positions.push_back(place(i));
+    for (int i = 0; i < k_count; ++i) positions.push_back(position(i));
     check(positions);
   };
   const auto below = [&](std::uint64_t limit) { return static_cast<std::int32_t>(random.below(limit)); };

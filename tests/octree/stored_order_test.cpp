@@ -37,23 +37,23 @@ TEST(StoredOrder, brings_every_attribute_to_its_point_and_needs_no_ids) {
     ASSERT_EQ(stored.size(), positions.size());
     ASSERT_EQ(cloud.colors.size(), positions.size());
     std::vector<int> seen(positions.size());
-    for (std::uint32_t place = 0; place < stored.size(); ++place) {
-      ASSERT_EQ(point_id(octree.view(), place), place);
-      const auto from = static_cast<std::uint32_t>(cloud.gps_times[place]);
+    for (std::uint32_t position = 0; position < stored.size(); ++position) {
+      ASSERT_EQ(point_id(octree.view(), position), position);
+      const auto from = static_cast<std::uint32_t>(cloud.gps_times[position]);
       ASSERT_LT(from, positions.size());
       ++seen[from];
-      ASSERT_EQ(stored[place], positions[from]);
-      ASSERT_EQ(cloud.colors[place], Color16(from, 1, 2));
-      ASSERT_EQ(cloud.returns[place].number + 256 * cloud.returns[place].count, static_cast<int>(from));
+      ASSERT_EQ(stored[position], positions[from]);
+      ASSERT_EQ(cloud.colors[position], Color16(from, 1, 2));
+      ASSERT_EQ(cloud.returns[position].number + 256 * cloud.returns[position].count, static_cast<int>(from));
       std::uint32_t value;
-      std::memcpy(&value, cloud.extra_dimensions[0].values.data() + std::size_t{4} * place, 4);
+      std::memcpy(&value, cloud.extra_dimensions[0].values.data() + std::size_t{4} * position, 4);
       ASSERT_EQ(value, from);
     }
     EXPECT_EQ(seen, std::vector<int>(positions.size(), 1));
   }
 }
 
-TEST(StoredOrder, nearest_of_points_of_one_place_are_those_of_the_lowest_ids) {
+TEST(StoredOrder, nearest_of_points_of_one_position_are_those_of_the_lowest_ids) {
   for (std::size_t count = 250; count <= 270; ++count) {
     PointCloud cloud = test::make_cloud(std::vector<glm::dvec3>(count, glm::dvec3(1, 2, 3)),
                                         {glm::dvec3(0.001), glm::dvec3(0)});

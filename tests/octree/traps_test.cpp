@@ -99,8 +99,8 @@ TEST_P(Trap, vertical_and_axis_parallel_rays_lose_nothing) {
 }
 
 // ospray 207
-TEST_P(Trap, places_beyond_32_bit_byte_offsets_are_read_where_they_are) {
-  // A small octree whose only leaf stands at place 1.5 billion: 9 GB into its coordinates, of which only the
+TEST_P(Trap, positions_beyond_32_bit_byte_offsets_are_read_where_they_are) {
+  // A small octree whose only leaf stands at position 1.5 billion: 9 GB into its coordinates, of which only the
   // leaf's own page is ever touched.
   const PointCloud cloud = three_points();
   const Octree small = build_here(cloud);
@@ -135,7 +135,7 @@ TEST_P(Trap, places_beyond_32_bit_byte_offsets_are_read_where_they_are) {
 }
 
 // lidar_slam_ros2 346: bins that hide neighbours
-TEST_P(Trap, a_point_is_found_beside_a_nearer_one_at_almost_the_same_place_in_view) {
+TEST_P(Trap, a_point_is_found_beside_a_nearer_one_at_almost_the_same_position_in_view) {
   const PointCloud cloud = make_cloud({{10, 0, 0}, {10.001, 0.001, 0}, {10.002, 0, 0}}, k_millimetre);
   const Octree octree = build_here(cloud);
   EXPECT_EQ(ids_of(find(octree, make_ray({0, 0, 0}, {1, 0, 0}, 0.0), {.radius = 0.01})), (Ids{0, 1, 2}));

@@ -21,7 +21,7 @@ class TreeCheck {
         leaf_size_(leaf_size),
         seen_(cloud.size()),
         visited_(tree.node_count),
-        place_(cloud.size()) {}
+        position_(cloud.size()) {}
 
   void run() {
     ASSERT_EQ(tree_.point_count, cloud_.size());
@@ -77,7 +77,7 @@ class TreeCheck {
     EXPECT_FALSE(all.empty());
     if (frame.level <= k_exact_frame_level) {
       for (std::size_t i = 0; i < all.size(); ++i)
-        EXPECT_EQ(place_[all[i]], place_[all[0]] + i) << "points of a subtree stand one after another";
+        EXPECT_EQ(position_[all[i]], position_[all[0]] + i) << "points of a subtree stand one after another";
     }
     return all;
   }
@@ -85,19 +85,19 @@ class TreeCheck {
   Ids ids_of(const Frame& frame, const Leaf& leaf) {
     EXPECT_LE(leaf.count, static_cast<std::uint32_t>(leaf_size_));
     EXPECT_EQ(leaf.depth, frame.depth);
-    EXPECT_LE(std::uint64_t{leaf.place} + leaf.count, tree_.point_count);
-    const bool is_exact = tree_.positions && leaf.place >= tree_.first_exact;
+    EXPECT_LE(std::uint64_t{leaf.first} + leaf.count, tree_.point_count);
+    const bool is_exact = tree_.positions && leaf.first >= tree_.first_exact;
     EXPECT_EQ(is_exact, frame.level > k_exact_frame_level);
     exact_count_ += is_exact ? leaf.count : 0;
     Ids ids;
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const auto id = static_cast<std::uint32_t>(point_id(tree_, leaf.place + i));
+      const auto id = static_cast<std::uint32_t>(point_id(tree_, leaf.first + i));
       EXPECT_LT(id, cloud_.size());
       ++seen_[id];
-      place_[id] = leaf.place + i;
+      position_[id] = leaf.first + i;
       EXPECT_EQ(position_of(tree_, leaf, i), cloud_.positions[id]) << "without loss";
       for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_EQ(tree_.coordinates[3 * leaf.place + axis * leaf.count + i],
+        EXPECT_EQ(tree_.coordinates[3 * leaf.first + axis * leaf.count + i],
                   (steps(id, axis) - frame.corner[axis]) >> coordinate_shift(frame.level));
       }
       ids.push_back(id);
@@ -121,7 +121,7 @@ class TreeCheck {
     for (const std::uint32_t id : ids) EXPECT_TRUE(bounds.contains(cloud_.world(id)));
   }
 
-  /// At the lowest level, slots with equal boxes hold points of one place, the lowest ids first.
+  /// At the lowest level, slots with equal boxes hold points of one position, the lowest ids first.
   void check_equal_boxes(const Node& node, const std::array<Ids, k_node_width>& below) {
     std::map<std::array<std::uint8_t, 6>, Ids> first_with_box;
     for (int slot = 0; slot < k_node_width; ++slot) {
@@ -133,9 +133,9 @@ class TreeCheck {
       }
       const auto [first, is_new] = first_with_box.emplace(box, below[slot]);
       if (is_new) continue;
-      const LatticePosition place = cloud_.positions[first->second[0]];
-      for (const std::uint32_t id : first->second) EXPECT_EQ(cloud_.positions[id], place);
-      for (const std::uint32_t id : below[slot]) EXPECT_EQ(cloud_.positions[id], place);
+      const LatticePosition position = cloud_.positions[first->second[0]];
+      for (const std::uint32_t id : first->second) EXPECT_EQ(cloud_.positions[id], position);
+      for (const std::uint32_t id : below[slot]) EXPECT_EQ(cloud_.positions[id], position);
       EXPECT_LT(std::ranges::max(first->second), std::ranges::min(below[slot]));
     }
   }
@@ -149,7 +149,7 @@ class TreeCheck {
   const PointCloud& cloud_;
   const int leaf_size_;
   std::vector<int> seen_, visited_;
-  std::vector<std::uint32_t> place_;  ///< by id
+  std::vector<std::uint32_t> position_;  ///< by id
   int deepest_ = 0;
   std::uint32_t exact_count_ = 0;
 };

@@ -110,7 +110,7 @@ TEST(Octree, is_the_same_bytes_on_any_number_of_threads) {
     test::Random random("threads" + std::to_string(width));
     std::vector<LatticePosition> positions;
     for (int i = 0; i < 150000; ++i) {
-      // Half of them in a corner, many at equal places.
+      // Half of them in a corner, many at equal positions.
       const std::uint64_t extent = i % 2 == 0 ? width : 40 + width / 1000;
       positions.emplace_back(random.below(extent), random.below(extent), random.below(40));
     }

@@ -263,7 +263,7 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
                  });
 }
 
-TEST(PictureIdentity, long_values_are_shown_from_where_they_differ) {
+TEST(PictureFingerprint, long_values_are_shown_from_where_they_differ) {
   const auto message_of = [](const std::string& made, const std::string& asked) -> std::string {
     try {
       check_identity({{"sun", made}}, {{"sun", asked}}, "file");
@@ -287,7 +287,7 @@ TEST_F(CheckpointTest, cut_short_anywhere_or_too_long_is_an_error) {
   scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
   render_in_part(scene, nullptr, options(false), 0);
   std::vector<std::byte> whole = bytes();
-  const PictureIdentity identity = picture_identity(scene, nullptr, options(false));
+  const PictureFingerprint identity = picture_identity(scene, nullptr, options(false));
   const auto read = [&](std::span<const std::byte> content) {
     PictureState state(14, 14, true);
     read_checkpoint(InputFile(content, "cut"), identity, 5, state);
@@ -304,14 +304,15 @@ TEST_F(CheckpointTest, with_any_bit_flipped_is_an_error) {
   scene.camera = test::camera_at({0, -6, 3}, {0, 0, 0}, 50.0, 14);
   render_in_part(scene, nullptr, options(false), 0);
   std::vector<std::byte> content = bytes();
-  const PictureIdentity identity = picture_identity(scene, nullptr, options(false));
+  const PictureFingerprint identity = picture_identity(scene, nullptr, options(false));
   test::Random random;
-  for (std::size_t place = 0; place < content.size(); place += place < 200 ? 1 : 1 + random.below(50)) {
+  for (std::size_t position = 0; position < content.size();
+       position += position < 200 ? 1 : 1 + random.below(50)) {
     const auto flip = static_cast<std::byte>(1u << random.below(8));
-    content[place] ^= flip;
+    content[position] ^= flip;
     PictureState state(14, 14, true);
-    EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), identity, 5, state), Error) << place;
-    content[place] ^= flip;
+    EXPECT_THROW(read_checkpoint(InputFile(content, "flipped"), identity, 5, state), Error) << position;
+    content[position] ^= flip;
   }
 }
 
@@ -319,9 +320,9 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
   const Scene scene = mixed_scene();
   render_in_part(scene, nullptr, options(false), 0);
   const std::vector<std::byte> whole = bytes();
-  const auto message_of = [&](std::size_t place, std::uint32_t value) {
+  const auto message_of = [&](std::size_t position, std::uint32_t value) {
     std::vector<std::byte> content = whole;
-    test::put(content, place, value);
+    test::put(content, position, value);
     test::seal_checkpoint(content);
     std::ofstream(file_, std::ios::binary)
         .write(reinterpret_cast<const char*>(content.data()), static_cast<std::streamsize>(content.size()));

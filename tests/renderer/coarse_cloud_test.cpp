@@ -71,9 +71,9 @@ TEST(NodesInView, nodes_that_a_camera_does_not_see_are_left_out) {
     const CopcNode& node = files[0]->hierarchy().nodes[number];
     bool is_seen = false;
     for (std::uint64_t row = node.first_row; row < node.first_row + node.chunk.point_count; ++row) {
-      const auto place =
+      const auto position =
           project_to_film(camera, to_world(all.lattice, all.positions[static_cast<std::size_t>(row)]));
-      is_seen |= place && place->x >= 0 && place->x <= 200 && place->y >= 0 && place->y <= 100;
+      is_seen |= position && position->x >= 0 && position->x <= 200 && position->y >= 0 && position->y <= 100;
     }
     EXPECT_TRUE(!is_seen || chosen.contains(number)) << node.key.name();
     seen += is_seen ? 1 : 0;
@@ -154,7 +154,7 @@ TEST(ReadCopcNodes, a_damaged_chunk_is_an_error_that_names_its_node) {
   const LazChunk& chunk = whole[0]->hierarchy().nodes[1].chunk;
   // Sizes of layers, behind the first point and the count.
   for (std::size_t i = 0; i < 16; ++i)
-    sample.bytes[static_cast<std::size_t>(chunk.place) + 40 + i] = std::byte{0xff};
+    sample.bytes[static_cast<std::size_t>(chunk.position) + 40 + i] = std::byte{0xff};
   const Files files = files_of({sample});
   const auto parts = nodes_in_view(files, nullptr, 3000);
   try {

@@ -82,15 +82,15 @@ TEST(Light, every_sampled_direction_meets_its_sphere_with_the_density_that_pdf_t
   test::Random random;
   int counts[5] = {};
   for (int i = 0; i < 20000; ++i) {
-    const glm::dvec3 place = random.in_cube() * 2.0;
-    const LightSample chosen = lights.sample(place, random.unit(), {random.unit(), random.unit()});
+    const glm::dvec3 position = random.in_cube() * 2.0;
+    const LightSample chosen = lights.sample(position, random.unit(), {random.unit(), random.unit()});
     ++counts[chosen.object];
     const Sphere& sphere = std::get<Sphere>(scene.objects[chosen.object]);
-    const glm::dvec3 offset = sphere.center - place;
+    const glm::dvec3 offset = sphere.center - position;
     const double ahead = glm::dot(offset, chosen.direction);
     ASSERT_GT(ahead, 0.0);
     ASSERT_LE(glm::length(offset - ahead * chosen.direction), sphere.radius * (1.0 + 1e-9));
-    ASSERT_DOUBLE_EQ(lights.pdf(chosen.object, place), chosen.pdf);
+    ASSERT_DOUBLE_EQ(lights.pdf(chosen.object, position), chosen.pdf);
   }
   // Power goes with radius squared times radiance: 1 * 6 against 0.25 * 12.
   EXPECT_NEAR(counts[0] / 20000.0, 2.0 / 3.0, 0.02);

@@ -147,14 +147,14 @@ TEST_F(LoadCloud, radius_of_the_settings_is_kept_and_checked) {
 }
 
 TEST_F(LoadCloud, odd_clouds_are_rendered) {
-  const glm::dvec3 place(690000.0, 5325000.0, 500.0);
+  const glm::dvec3 position(690000.0, 5325000.0, 500.0);
   const std::vector<glm::dvec3> shapes[] = {
-      {}, {place}, std::vector<glm::dvec3>(100, place), {place, place + glm::dvec3(1, 0, 0)}};
+      {}, {position}, std::vector<glm::dvec3>(100, position), {position, position + glm::dvec3(1, 0, 0)}};
   int number = 0;
   for (const std::vector<glm::dvec3>& positions : shapes) {
     CloudSettings settings;
     settings.files = {folder_ / (std::to_string(number++) + ".las")};
-    write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), place}));
+    write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), position}));
     const LoadedCloud cloud = load_cloud(settings);
     EXPECT_EQ(warns_of(cloud, "missing points"), positions.empty());
     for (const NormalMode normals : {NormalMode::sphere, NormalMode::smooth}) {

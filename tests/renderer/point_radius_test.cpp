@@ -83,16 +83,16 @@ TEST(PointRadius, a_radius_for_all_needs_no_spacings) {
   EXPECT_EQ(floor_with(CloudSettings{}).radius, automatic_radius(cloud.octree));
 }
 
-TEST(PointRadius, a_place_is_inside_the_sphere_of_a_point_by_the_radius_of_that_point) {
+TEST(PointRadius, a_position_is_inside_the_sphere_of_a_point_by_the_radius_of_that_point) {
   const LoadedCloud cloud = floor_with(adapted({.neighbours = 4, .factor = 0.75}));
   EXPECT_TRUE(sphere_around(cloud, {3.0, 2.0, 0.2}, k_all_levels));
   EXPECT_FALSE(sphere_around(cloud, {-1.5, 0.5, 0.2}, k_all_levels));
   EXPECT_TRUE(sphere_around(cloud, {-1.5, 0.5, 0.01}, k_all_levels));
   Scene scene = test::dark_scene(test::camera_at({3.0, 2.0, 0.2}, {0, 0, 0}, 50), 1, 0);
   scene.cloud.emplace();
-  EXPECT_THROW(check_camera_place(*scene.camera, scene, cloud), Error);
+  EXPECT_THROW(check_camera_position(*scene.camera, scene, cloud), Error);
   scene.camera = test::camera_at({-1.5, 0.5, 0.2}, {0, 0, 0}, 50);
-  EXPECT_NO_THROW(check_camera_place(*scene.camera, scene, cloud));
+  EXPECT_NO_THROW(check_camera_position(*scene.camera, scene, cloud));
 }
 
 TEST(PointRadius, a_glass_sphere_of_its_own_radius_is_left_where_it_ends) {

@@ -39,7 +39,7 @@ Json json_of(const std::filesystem::path& file) {
 }
 
 struct ColoredPoint {
-  glm::dvec3 place;
+  glm::dvec3 position;
   glm::dvec3 color;  ///< 0 to 255
 };
 
@@ -50,16 +50,16 @@ using Formula = std::function<glm::dvec2(const glm::dvec3& world)>;
 /// with the formula.
 void expect_points_at_the_formula(const Camera& camera, const std::vector<ColoredPoint>& points,
                                   double shrink, const Formula& formula, std::size_t least_count) {
-  std::vector<glm::dvec3> places;
-  for (const ColoredPoint& each : points) places.push_back(each.place);
+  std::vector<glm::dvec3> positions;
+  for (const ColoredPoint& each : points) positions.push_back(each.position);
   Bounds bounds;
-  for (const glm::dvec3& place : places) bounds.grow(place);
+  for (const glm::dvec3& position : positions) bounds.grow(position);
   LoadedCloud cloud;
-  cloud.octree = build(make_cloud(places, {glm::dvec3(1e-6), bounds.center()}));
-  cloud.colors.assign(places.size(), Color16(65535));
+  cloud.octree = build(make_cloud(positions, {glm::dvec3(1e-6), bounds.center()}));
+  cloud.colors.assign(positions.size(), Color16(65535));
   double nearest = INFINITY;
-  for (const glm::dvec3& place : places) {
-    const glm::dvec3 offset = place - camera.pose.position;
+  for (const glm::dvec3& position : positions) {
+    const glm::dvec3 offset = position - camera.pose.position;
     if (glm::dot(offset, camera.pose.forward) > 0.0) nearest = std::min(nearest, glm::length(offset));
   }
   Scene scene;
@@ -78,19 +78,20 @@ void expect_points_at_the_formula(const Camera& camera, const std::vector<Colore
       const std::uint32_t id = film.id[film.index(x, y)];
       if (id == 0) continue;
       ++count;
-      worst = std::max(worst, glm::length(shrink * formula(places[id - 1]) - glm::dvec2(x + 0.5, y + 0.5)));
+      worst =
+          std::max(worst, glm::length(shrink * formula(positions[id - 1]) - glm::dvec2(x + 0.5, y + 0.5)));
     }
   }
   EXPECT_GE(count, least_count);
   EXPECT_LT(worst, 1.0);
 }
 
-/// Median difference of the points' colours and a photo's, read `shift` pixels beside their places.
+/// Median difference of the points' colours and a photo's, read `shift` pixels beside their positions.
 double color_difference(const OIIO::ImageBuf& photo, const std::vector<ColoredPoint>& points,
                         const Formula& formula, const glm::dvec2& shift) {
   std::vector<double> differences;
   for (const ColoredPoint& each : points) {
-    const glm::dvec2 film = formula(each.place) + shift;
+    const glm::dvec2 film = formula(each.position) + shift;
     if (!(film.x >= 0.0 && film.y >= 0.0 && film.x < photo.spec().width && film.y < photo.spec().height))
       continue;
     float pixel[3];

@@ -138,13 +138,13 @@ TEST(Scan, LeavesAShadowBehindTheWall) {
   int before = 0, wall = 0;
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     if (cloud.point_source_ids[i] != 1) continue;
-    const dvec3 place = cloud.world(i) - site.origin();
+    const dvec3 position = cloud.world(i) - site.origin();
     // The wall's shadow on the ground: behind it within the angle it covers, for the wall is higher than the
     // scanner.
-    ASSERT_FALSE(place.y > 10.2 && std::fabs(place.x) < 0.49 * place.y && place.z < 3.0)
-        << place.x << ' ' << place.y;
-    before += place.y > 1.0 && place.y < 9.0 && std::fabs(place.x) < 0.49 * place.y ? 1 : 0;
-    wall += std::fabs(place.y - 9.9) < 0.02 && place.z > 0.1 ? 1 : 0;
+    ASSERT_FALSE(position.y > 10.2 && std::fabs(position.x) < 0.49 * position.y && position.z < 3.0)
+        << position.x << ' ' << position.y;
+    before += position.y > 1.0 && position.y < 9.0 && std::fabs(position.x) < 0.49 * position.y ? 1 : 0;
+    wall += std::fabs(position.y - 9.9) < 0.02 && position.z > 0.1 ? 1 : 0;
   }
   EXPECT_GT(before, 1000);
   EXPECT_GT(wall, 1000);
@@ -153,15 +153,15 @@ TEST(Scan, LeavesAShadowBehindTheWall) {
 TEST(Scan, DensityFallsAsARasterOfEqualAnglesMust) {
   const Site site = field_with_wall();
   const PointCloud cloud = collect(site, field_options(site, 1500000));
-  // On level ground a beam's place is height / tan(depression), so a ring between distances a and b holds
+  // On level ground a beam's position is height / tan(depression), so a ring between distances a and b holds
   // columns * (atan(height / a) - atan(height / b)) / step points.
   const auto ring = [&](double from, double to) {
     double count = 0;
     for (std::size_t i = 0; i < cloud.size(); ++i) {
       if (cloud.point_source_ids[i] != 1) continue;
-      const dvec3 place = cloud.world(i) - site.origin();
-      const double distance = std::sqrt(place.x * place.x + place.y * place.y);
-      if (place.y < 0.0 && distance >= from && distance < to) ++count;
+      const dvec3 position = cloud.world(i) - site.origin();
+      const double distance = std::sqrt(position.x * position.x + position.y * position.y);
+      if (position.y < 0.0 && distance >= from && distance < to) ++count;
     }
     return count;
   };

@@ -127,14 +127,15 @@ TEST(Ground, SlopeIsTheDerivativeOfTheHeight) {
   const Ground ground{{60, 50}, {30, 25}, 15.0, {{1.0, {0.2, 0.1}, 0.5}, {0.3, {-0.3, 0.5}, 1.0}}, {}};
   test::Random random;
   for (int i = 0; i < 2000; ++i) {
-    const dvec2 place(random.between(-60, 60), random.between(-50, 50));
-    const GroundHeight here = height_at(ground, place);
+    const dvec2 position(random.between(-60, 60), random.between(-50, 50));
+    const GroundHeight here = height_at(ground, position);
     constexpr double k_step = 1e-5;
     for (int axis = 0; axis < 2; ++axis) {
       dvec2 step(0.0);
       step[axis] = k_step;
       const double difference =
-          (height_at(ground, place + step).height - height_at(ground, place - step).height) / (2 * k_step);
+          (height_at(ground, position + step).height - height_at(ground, position - step).height) /
+          (2 * k_step);
       EXPECT_NEAR(here.slope[axis], difference, 1e-8);
     }
   }
@@ -183,8 +184,8 @@ std::vector<Implicit> implicits() {
       {"tube", tube, mantle(tube), dvec3(2.5)},
       {"box", box,
        [box](const dvec3& p) {
-         const dvec3 place = glm::abs(glm::transpose(box.axes) * (p - box.center)) - box.half_size;
-         return std::max(place.x, std::max(place.y, place.z));
+         const dvec3 position = glm::abs(glm::transpose(box.axes) * (p - box.center)) - box.half_size;
+         return std::max(position.x, std::max(position.y, position.z));
        },
        dvec3(2.0)},
       {"convex solid", solid,

@@ -18,7 +18,7 @@ using glm::dvec3;
 
 const dvec3 k_origin(690000.0, 5325000.0, 600.0);
 
-/// Some hundred shapes of every kind in a cube of 20 m, some of them twice at the same place.
+/// Some hundred shapes of every kind in a cube of 20 m, some of them twice at the same position.
 Site crowd(test::Random& random) {
   std::vector<SiteObject> objects;
   const auto add = [&](shapes::Shape shape) {
@@ -27,9 +27,9 @@ Site crowd(test::Random& random) {
         {std::move(shape), {.material = SiteMaterial::metal, .tint = dvec3(0.5), .seed = seed}});
   };
   for (int i = 0; i < 40; ++i) {
-    const dvec3 place = 10.0 * random.in_cube(), axis = glm::normalize(random.direction());
+    const dvec3 position = 10.0 * random.in_cube(), axis = glm::normalize(random.direction());
     const dvec3 across = glm::normalize(glm::cross(axis, dvec3(0.3, 0.5, 0.8)));
-    const shapes::Box box{place, glm::dmat3(across, glm::cross(axis, across), axis), {0.4, 0.7, 0.2}};
+    const shapes::Box box{position, glm::dmat3(across, glm::cross(axis, across), axis), {0.4, 0.7, 0.2}};
     add(shapes::Sphere{10.0 * random.in_cube(), random.between(0.1, 1.0)});
     add(shapes::Ellipsoid{10.0 * random.in_cube(), {0.5, 1.0, 0.3}});
     add(shapes::Frustum{10.0 * random.in_cube(), axis, 2.0, 0.5, 0.1, dvec3(0.0)});
@@ -38,7 +38,7 @@ Site crowd(test::Random& random) {
     if (i % 4 == 0) add(box);
     add(shapes::Niche{box});
     add(shapes::Panel{10.0 * random.in_cube(), across, axis, {2, 1}, {{{0.5, 0.2}, {1.5, 0.8}, i % 2 == 0}}});
-    add(shapes::Polygon{{place, place + 2.0 * across, place + axis}});
+    add(shapes::Polygon{{position, position + 2.0 * across, position + axis}});
   }
   // Upright boxes on whole numbers: rays along the axes run within their faces.
   for (int i = 0; i < 10; ++i) {
@@ -86,7 +86,7 @@ TEST(Site, ClosestEqualsBruteForceInTheCourtyard) {
   }
 }
 
-TEST(Site, EqualPlacesBelongToTheLowestObject) {
+TEST(Site, EqualPositionsBelongToTheLowestObject) {
   std::vector<SiteObject> objects;
   for (int i = 0; i < 20; ++i) objects.push_back({shapes::Sphere{dvec3(0.0), 1.0}, {}});
   const Site site(std::move(objects), k_origin);
@@ -119,8 +119,8 @@ TEST(Site, WithoutObjectsAnswersNothing) {
 
 TEST(Courtyard, GivesKnownAnswers) {
   const Site site = courtyard();
-  const auto from = [&](const dvec3& place, const dvec3& direction) {
-    return site.closest(make_ray(site.origin() + place, direction, 0.0));
+  const auto from = [&](const dvec3& position, const dvec3& direction) {
+    return site.closest(make_ray(site.origin() + position, direction, 0.0));
   };
   const auto paving = from({3.0, -12.0, 1.7}, {0, 0, -1});
   ASSERT_TRUE(paving);

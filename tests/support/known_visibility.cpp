@@ -44,13 +44,13 @@ KnownScene scene_of(const std::string& name, const std::vector<shapes::Shape>& a
 void add(KnownScene& scene, const SiteHit& hit, double noise, Random& random) {
   scene.exact.push_back(hit.position);
   scene.normals.push_back(hit.normal);
-  const glm::dvec3 place = hit.position + noise * bell(random) * hit.normal;
+  const glm::dvec3 position = hit.position + noise * bell(random) * hit.normal;
   scene.cloud.positions.emplace_back(
-      glm::round((place - scene.cloud.lattice.offset) / scene.cloud.lattice.scale));
+      glm::round((position - scene.cloud.lattice.offset) / scene.cloud.lattice.scale));
 }
 
-/// Whether a point at a place of the site's frame is taken.
-using Keep = std::function<bool(const glm::dvec3& place, Random& random)>;
+/// Whether a point at a position of the site's frame is taken.
+using Keep = std::function<bool(const glm::dvec3& position, Random& random)>;
 
 /// Points where random lines through the bounds meet the site: by Crofton's formula they lie evenly on all
 /// its surfaces, `density` per square metre.
@@ -78,12 +78,12 @@ shapes::Box box(const glm::dvec3& low, const glm::dvec3& high) {
   return {.center = 0.5 * (low + high), .half_size = 0.5 * (high - low)};
 }
 
-/// From an observer to a tenth of a millimetre above a point's exact place.
+/// From an observer to a tenth of a millimetre above a point's exact position.
 Ray exact_line(const KnownScene& scene, std::size_t id, const glm::dvec3& observer) {
   constexpr double k_above = 1e-4;
-  const glm::dvec3& place = scene.exact[id];
-  const double side = glm::dot(observer - place, scene.normals[id]) < 0.0 ? -1.0 : 1.0;
-  const glm::dvec3 way = place + side * k_above * scene.normals[id] - observer;
+  const glm::dvec3& position = scene.exact[id];
+  const double side = glm::dot(observer - position, scene.normals[id]) < 0.0 ? -1.0 : 1.0;
+  const glm::dvec3 way = position + side * k_above * scene.normals[id] - observer;
   return make_ray(observer, way, 0.0, glm::length(way));
 }
 
@@ -91,9 +91,9 @@ Ray exact_line(const KnownScene& scene, std::size_t id, const glm::dvec3& observ
 bool passes_edge(const KnownScene& scene, const Ray& line, const Candidate& candidate) {
   const glm::dvec3& middle = scene.exact[candidate.point_id];
   const glm::dvec3& normal = scene.normals[candidate.point_id];
-  const double place = glm::dot(middle - line.origin, normal) / glm::dot(line.direction, normal);
-  if (!(place > 0.0 && line.t_max - place > candidate.radius)) return false;
-  return glm::length(line.position(place) - middle) <= candidate.radius;
+  const double position = glm::dot(middle - line.origin, normal) / glm::dot(line.direction, normal);
+  if (!(position > 0.0 && line.t_max - position > candidate.radius)) return false;
+  return glm::length(line.position(position) - middle) <= candidate.radius;
 }
 
 }  // namespace
@@ -165,10 +165,10 @@ KnownScene mixed_density() {
   KnownScene scene = scene_of("wall of two densities", all);
   // 5,000 points per square metre on one half of the wall, 50 on its other half, 1,500 on the boxes, 100 on
   // the ground.
-  sample_evenly(scene, 5000.0, 0.003, random, [](const glm::dvec3& place, Random& chance) {
-    if (place.z <= 0.0) return chance.unit() < 0.02;
-    if (place.y < 1.0 && place.x > 0.0) return chance.unit() < 0.01;
-    return place.y < 1.0 || chance.unit() < 0.3;
+  sample_evenly(scene, 5000.0, 0.003, random, [](const glm::dvec3& position, Random& chance) {
+    if (position.z <= 0.0) return chance.unit() < 0.02;
+    if (position.y < 1.0 && position.x > 0.0) return chance.unit() < 0.01;
+    return position.y < 1.0 || chance.unit() < 0.3;
   });
   scene.observers = {k_origin + glm::dvec3(1.0, -3.0, 1.7), k_origin + glm::dvec3(-1.0, -3.5, 1.2),
                      k_origin + glm::dvec3(0.5, 4.5, 1.6)};

@@ -39,8 +39,8 @@ KnownScene mixed_density();
 /// other, noise 2 cm.
 KnownScene grazing_slope();
 
-/// What the observer sees of the points of a scene, 1 or 0: nothing of the site stands before the place a
-/// tenth of a millimetre above the point's exact place, on the observer's side. (Both sides of a leaf without
+/// What the observer sees of the points of a scene, 1 or 0: nothing of the site stands before the position a
+/// tenth of a millimetre above the point's exact position, on the observer's side. (Both sides of a leaf without
 /// thickness are the leaf.)
 std::vector<std::uint8_t> truth(const KnownScene& scene, const glm::dvec3& observer);
 

@@ -38,7 +38,7 @@ inline std::vector<int> levels_by_id(const Octree& octree) {
   std::vector<int> levels(octree.size());
   for_each_leaf(octree.view(), [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i)
-      levels[point_id(octree.view(), leaf.place + i)] = leaf.depth;
+      levels[point_id(octree.view(), leaf.first + i)] = leaf.depth;
   });
   return levels;
 }

@@ -9,11 +9,12 @@ namespace {
 const glm::dvec3 k_utm{690000.0, 5325000.0, 600.0};
 constexpr double k_pi = 3.14159265358979323846;
 
-template <class Place>
-PointFamily family(const std::string& name, std::size_t count, const Lattice& lattice, const Place& place) {
+template <class Position>
+PointFamily family(const std::string& name, std::size_t count, const Lattice& lattice,
+                   const Position& position) {
   Random random(name);
   std::vector<glm::dvec3> positions;
-  for (std::size_t i = 0; i < count; ++i) positions.push_back(place(random, i));
+  for (std::size_t i = 0; i < count; ++i) positions.push_back(position(random, i));
   return {name, make_cloud(positions, lattice)};
 }
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "octree/distance.h"
-#include "tests/support/places.h"
+#include "tests/support/positions.h"
 #include "tests/support/ray_families.h"
 
 namespace alidade::test {
@@ -24,8 +24,8 @@ Measure some_measure(Random& random, bool with_entry) {
 
 /// Half of the cases have none.
 template <class Target, class Query>
-void add_filter(QueryCase<Target, Query>& c, const Places& places, Random& random) {
-  const double middle = places.bounds().center().x, near = places.spacing();
+void add_filter(QueryCase<Target, Query>& c, const Positions& positions, Random& random) {
+  const double middle = positions.bounds().center().x, near = positions.spacing();
   switch (random.below(10)) {
     case 0:
       c.filter = "every third id";
@@ -55,13 +55,13 @@ void add_filter(QueryCase<Target, Query>& c, const Places& places, Random& rando
 template <class Target, class Query, class MakeTarget>
 std::vector<QueryCase<Target, Query>> cases_of(const PointCloud& cloud, std::size_t count, Random& random,
                                                const MakeTarget& make) {
-  const Places places(cloud, random);
+  const Positions positions(cloud, random);
   std::vector<QueryCase<Target, Query>> cases;
   while (cases.size() < count) {
     QueryCase<Target, Query> next;
     next.query.k = some_k(random);
-    make(places, next);
-    add_filter(next, places, random);
+    make(positions, next);
+    add_filter(next, positions, random);
     cases.push_back(std::move(next));
   }
   return cases;
@@ -84,7 +84,7 @@ std::string text_of_k(std::size_t k) {
 std::vector<FindRayCase> find_ray_cases(const PointCloud& cloud, std::size_t count, Random& random) {
   const std::vector<RayCase> rays = ray_cases(cloud, count, random);
   std::size_t next_ray = 0;
-  return cases_of<Ray, RayQuery>(cloud, count, random, [&](const Places&, FindRayCase& c) {
+  return cases_of<Ray, RayQuery>(cloud, count, random, [&](const Positions&, FindRayCase& c) {
     const std::size_t k = c.query.k;
     c.target = rays[next_ray].ray;
     c.query = rays[next_ray++].query;
@@ -100,7 +100,7 @@ std::vector<FindRayCase> find_ray_cases(const PointCloud& cloud, std::size_t cou
 std::vector<ConeCase> cone_cases(const PointCloud& cloud, std::size_t count, Random& random) {
   const std::vector<RayCase> rays = ray_cases(cloud, count, random);
   std::size_t next_ray = 0;
-  return cases_of<Cone, ConeQuery>(cloud, count, random, [&](const Places&, ConeCase& c) {
+  return cases_of<Cone, ConeQuery>(cloud, count, random, [&](const Positions&, ConeCase& c) {
     c.target.axis = rays[next_ray].ray;
     c.target.radius = random.below(2) ? 0.0 : rays[next_ray].query.radius;
     const double slopes[] = {0.0, 1e-9, 0.001, 0.1, 1.0, 1e3, 1e12};
@@ -111,12 +111,13 @@ std::vector<ConeCase> cone_cases(const PointCloud& cloud, std::size_t count, Ran
 }
 
 std::vector<PathCase> path_cases(const PointCloud& cloud, std::size_t count, Random& random) {
-  return cases_of<Path, PathQuery>(cloud, count, random, [&](const Places& places, PathCase& c) {
-    std::vector<glm::dvec3> vertices{places.anywhere(), places.anywhere() + glm::dvec3(0, 0, 1e-3)};
+  return cases_of<Path, PathQuery>(cloud, count, random, [&](const Positions& positions, PathCase& c) {
+    std::vector<glm::dvec3> vertices{positions.anywhere(), positions.anywhere() + glm::dvec3(0, 0, 1e-3)};
     const std::size_t more = random.below(4) ? random.below(6) : random.below(80);
     const bool jagged = random.below(2) == 0;
     for (std::size_t i = 0; i < more; ++i) {
-      vertices.push_back(jagged ? places.anywhere() : vertices.back() + places.spacing() * random.in_cube());
+      vertices.push_back(jagged ? positions.anywhere()
+                                : vertices.back() + positions.spacing() * random.in_cube());
       // There and back again, and the same vertex once more: ties between segments.
       if (random.below(4) == 0) vertices.push_back(vertices[vertices.size() - 2]);
       if (random.below(8) == 0) vertices.push_back(vertices.front() + glm::dvec3(0.0, 1e-3, 0.0));
@@ -125,40 +126,41 @@ std::vector<PathCase> path_cases(const PointCloud& cloud, std::size_t count, Ran
     const double length = c.target.vertex_t.back();
     if (random.below(3) == 0) c.target.t_min = random.between(-0.1, 1.0) * length;
     if (random.below(3) == 0) c.target.t_max = random.between(-0.1, 1.1) * length;
-    if (random.below(3)) c.query.radius = places.length();
+    if (random.below(3)) c.query.radius = positions.length();
     c.query.measure = some_measure(random, false);
   });
 }
 
 std::vector<RegionCase> region_cases(const PointCloud& cloud, std::size_t count, Random& random) {
-  return cases_of<HalfSpaces, PointQuery>(cloud, count, random, [&](const Places& places, RegionCase& c) {
-    const std::size_t planes = random.below(7);
-    for (std::size_t i = 0; i < planes; ++i) {
-      glm::dvec3 normal = random.direction();
-      if (random.below(3) == 0) {
-        normal = glm::dvec3(random.below(2) ? 0.0 : -0.0);
-        normal[static_cast<int>(random.below(3))] = random.below(2) ? 1.0 : -1.0;
-      }
-      const glm::dvec3 on_plane = random.below(2) ? places.point() : places.anywhere();
-      if (random.below(3) == 0) {
-        for (const Plane& plane : make_slab(make_plane(on_plane, normal), places.length()).planes)
-          c.target.planes.push_back(plane);
-      } else {
-        c.target.planes.push_back(make_plane(on_plane, normal));
-      }
-    }
-  });
+  return cases_of<HalfSpaces, PointQuery>(
+      cloud, count, random, [&](const Positions& positions, RegionCase& c) {
+        const std::size_t planes = random.below(7);
+        for (std::size_t i = 0; i < planes; ++i) {
+          glm::dvec3 normal = random.direction();
+          if (random.below(3) == 0) {
+            normal = glm::dvec3(random.below(2) ? 0.0 : -0.0);
+            normal[static_cast<int>(random.below(3))] = random.below(2) ? 1.0 : -1.0;
+          }
+          const glm::dvec3 on_plane = random.below(2) ? positions.point() : positions.anywhere();
+          if (random.below(3) == 0) {
+            for (const Plane& plane : make_slab(make_plane(on_plane, normal), positions.length()).planes)
+              c.target.planes.push_back(plane);
+          } else {
+            c.target.planes.push_back(make_plane(on_plane, normal));
+          }
+        }
+      });
 }
 
 std::vector<BoxCase> box_cases(const PointCloud& cloud, std::size_t count, Random& random) {
   const double infinity = std::numeric_limits<double>::infinity();
-  return cases_of<Bounds, PointQuery>(cloud, count, random, [&](const Places& places, BoxCase& c) {
-    c.target.grow(random.below(2) ? places.point() : places.anywhere());
+  return cases_of<Bounds, PointQuery>(cloud, count, random, [&](const Positions& positions, BoxCase& c) {
+    c.target.grow(random.below(2) ? positions.point() : positions.anywhere());
     switch (random.below(5)) {
-      case 0:  // flat, down to a single place
+      case 0:  // flat, down to a single position
         break;
       case 1:
-        c.target.grow(c.target.min + places.length() * random.in_cube());
+        c.target.grow(c.target.min + positions.length() * random.in_cube());
         break;
       case 2:
         c.target.max[static_cast<int>(random.below(3))] = infinity;
@@ -168,18 +170,20 @@ std::vector<BoxCase> box_cases(const PointCloud& cloud, std::size_t count, Rando
         c.target = random.below(2) ? Bounds{} : Bounds{c.target.min, c.target.min - 1.0};
         break;
       default:
-        c.target.grow(random.below(2) ? places.point() : places.anywhere());
+        c.target.grow(random.below(2) ? positions.point() : positions.anywhere());
     }
   });
 }
 
 std::vector<PointCase> point_cases(const PointCloud& cloud, std::size_t count, Random& random) {
-  return cases_of<glm::dvec3, PointQuery>(cloud, count, random, [&](const Places& places, PointCase& c) {
-    c.target = places.anywhere();
-    if (random.below(2)) c.query.radius = places.length();
-    // Exactly as far as a point.
-    if (random.below(4) == 0) c.query.radius = distance(c.target, places.point());
-  });
+  return cases_of<glm::dvec3, PointQuery>(cloud, count, random,
+                                          [&](const Positions& positions, PointCase& c) {
+                                            c.target = positions.anywhere();
+                                            if (random.below(2)) c.query.radius = positions.length();
+                                            // Exactly as far as a point.
+                                            if (random.below(4) == 0)
+                                              c.query.radius = distance(c.target, positions.point());
+                                          });
 }
 
 std::string describe(const Ray& ray) {

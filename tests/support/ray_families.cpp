@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "tests/support/places.h"
+#include "tests/support/positions.h"
 
 namespace alidade::test {
 namespace {
@@ -43,13 +43,13 @@ glm::dvec3 some_direction(Random& random) {
 }  // namespace
 
 std::vector<RayCase> ray_cases(const PointCloud& cloud, std::size_t count, Random& random) {
-  const Places places(cloud, random);
-  const double diagonal = places.diagonal(), spacing = places.spacing();
+  const Positions positions(cloud, random);
+  const double diagonal = positions.diagonal(), spacing = positions.spacing();
   std::vector<RayCase> cases;
   while (cases.size() < count) {
     const glm::dvec3 direction = some_direction(random);
     const glm::dvec3 target =
-        random.below(2) ? places.point() : places.inside() + 0.3 * spacing * random.in_cube();
+        random.below(2) ? positions.point() : positions.inside() + 0.3 * spacing * random.in_cube();
     double back = 0.0;
     switch (random.below(5)) {
       case 0:
@@ -83,7 +83,7 @@ std::vector<RayCase> ray_cases(const PointCloud& cloud, std::size_t count, Rando
       default:
         break;
     }
-    next.query.radius = places.length();
+    next.query.radius = positions.length();
     next.query.measure = random.below(2) ? Measure::entry : Measure::t;
     if (random.below(3) == 0) next.query.entry_min = random.below(2) ? 1e-6 : back - next.query.radius;
     cases.push_back(next);

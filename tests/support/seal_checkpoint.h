@@ -5,7 +5,7 @@
 
 #include "tests/support/seal_index.h"
 
-// Checkpoints that were tampered with, made to look untouched, as seal_index.h does it. Places are those of
+// Checkpoints that were tampered with, made to look untouched, as seal_index.h does it. Positions are those of
 // renderer/checkpoint.h.
 
 namespace alidade::test {

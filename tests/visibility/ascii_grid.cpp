@@ -33,10 +33,11 @@ Raster<double> read_ascii_grid(const std::filesystem::path& file) {
   return raster;
 }
 
-double interpolated(const Raster<double>& raster, const glm::dvec2& place) {
+double interpolated(const Raster<double>& raster, const glm::dvec2& position) {
   const RasterGrid& grid = raster.grid;
-  const double x = std::clamp((place.x - grid.north_west.x) / grid.cell_size - 0.5, 0.0, grid.columns - 1.0),
-               y = std::clamp((grid.north_west.y - place.y) / grid.cell_size - 0.5, 0.0, grid.rows - 1.0);
+  const double x = std::clamp((position.x - grid.north_west.x) / grid.cell_size - 0.5, 0.0,
+                              grid.columns - 1.0),
+               y = std::clamp((grid.north_west.y - position.y) / grid.cell_size - 0.5, 0.0, grid.rows - 1.0);
   const int column = static_cast<int>(x), row = static_cast<int>(y);
   const int east = std::min(column + 1, grid.columns - 1), south = std::min(row + 1, grid.rows - 1);
   const double u = x - column, v = y - row;

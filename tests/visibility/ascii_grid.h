@@ -15,7 +15,7 @@ using namespace geo;
 Raster<double> read_ascii_grid(const std::filesystem::path& file);
 
 /// Bilinear between the middles of cells, as on the outermost ones beyond them.
-double interpolated(const Raster<double>& grid, const glm::dvec2& place);
+double interpolated(const Raster<double>& grid, const glm::dvec2& position);
 
 /// Points of class 2 all `spacing` over the grid, on its interpolated surface; the first ones half a spacing
 /// from the edges.

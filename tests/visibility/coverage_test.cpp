@@ -39,11 +39,11 @@ TEST(Coverage, a_wall_hides_what_is_behind_it) {
   const Coverage coverage = see_targets(occluders, candidates, targets, 0.0);
   int checked = 0;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    const glm::dvec3 place = targets[i].position;
-    if (place.z > 0.05 || std::fabs(place.y) > 2.0 || std::fabs(place.x) < 0.4) continue;
+    const glm::dvec3 position = targets[i].position;
+    if (position.z > 0.05 || std::fabs(position.y) > 2.0 || std::fabs(position.x) < 0.4) continue;
     ++checked;
-    EXPECT_EQ(coverage.sees(0, i), place.x < 0.0) << place.x << " " << place.y;
-    EXPECT_EQ(coverage.sees(1, i), place.x > 0.0) << place.x << " " << place.y;
+    EXPECT_EQ(coverage.sees(0, i), position.x < 0.0) << position.x << " " << position.y;
+    EXPECT_EQ(coverage.sees(1, i), position.x > 0.0) << position.x << " " << position.y;
   }
   EXPECT_GT(checked, 50);
 }
@@ -65,12 +65,12 @@ TEST(Coverage, is_that_of_single_sight_lines_within_field_of_view_and_reach) {
     for (std::size_t c = 0; c < candidates.size(); ++c) {
       const SightEnd eye = end_near_surface(occluders, candidates[c].position);
       for (std::size_t i = 0; i < targets.size(); ++i) {
-        const glm::dvec3 place = targets[i].position + glm::dvec3(0, 0, height);
+        const glm::dvec3 position = targets[i].position + glm::dvec3(0, 0, height);
         const SightEnd end =
-            height > 0.0 ? end_near_surface(occluders, place)
-                         : end_on_point(occluders, targets[i].point_id, place, candidates[c].position);
-        const bool expected = distance(candidates[c].position, place) <= candidates[c].max_distance &&
-                              FieldOfView(candidates[c]).contains(place - candidates[c].position) &&
+            height > 0.0 ? end_near_surface(occluders, position)
+                         : end_on_point(occluders, targets[i].point_id, position, candidates[c].position);
+        const bool expected = distance(candidates[c].position, position) <= candidates[c].max_distance &&
+                              FieldOfView(candidates[c]).contains(position - candidates[c].position) &&
                               !first_blocker(occluders, sight_line(eye, end));
         ASSERT_EQ(coverage.sees(c, i), expected) << c << " " << i;
         seen += expected ? 1 : 0;

@@ -62,9 +62,9 @@ TEST(SightCurveTest, the_bent_line_is_straight_where_everything_has_dropped) {
   const glm::dvec3 from(100, 200, 50), to(4100, 3200, 90);
   const double distance = 5000.0, slope = (to.z - curve.drop(distance) - from.z) / distance;
   for (double share = 0.0; share <= 1.0; share += 0.125) {
-    const glm::dvec3 place = curve.place(from, to, share);
+    const glm::dvec3 position = curve.position(from, to, share);
     const double along = share * distance;
-    EXPECT_NEAR(place.z - curve.drop(along), from.z + slope * along, 1e-9);
+    EXPECT_NEAR(position.z - curve.drop(along), from.z + slope * along, 1e-9);
   }
 }
 
@@ -76,8 +76,8 @@ TEST(SightCurveTest, chords_stay_within_five_millimetres_of_the_line) {
   for (std::int64_t i = 0; i < count; ++i) {
     const double chords = static_cast<double>(count), begin = static_cast<double>(i) / chords,
                  end = static_cast<double>(i + 1) / chords;
-    const glm::dvec3 middle = 0.5 * (curve.place(from, to, begin) + curve.place(from, to, end));
-    const double sag = middle.z - curve.place(from, to, 0.5 * (begin + end)).z;
+    const glm::dvec3 middle = 0.5 * (curve.position(from, to, begin) + curve.position(from, to, end));
+    const double sag = middle.z - curve.position(from, to, 0.5 * (begin + end)).z;
     EXPECT_GT(sag, 0.0);
     EXPECT_LE(sag, k_most_sag * 1.000001);
   }
@@ -130,7 +130,7 @@ TEST(SightBatchTest, a_sphere_where_two_chords_meet_is_crossed_once) {
     return is_blocked(occluders, curve, from, to);
   };
   const auto add_at = [&](double chord) {
-    cloud.positions.push_back(*to_lattice(cloud.lattice, curve.place(from, to, chord / chords)));
+    cloud.positions.push_back(*to_lattice(cloud.lattice, curve.position(from, to, chord / chords)));
   };
   add_at(3.0);
   EXPECT_TRUE(blocked_from(1));
@@ -151,8 +151,8 @@ std::optional<Blocker> unclipped_blocker(const Occluders& occluders, const Sight
   for (std::int64_t i = 0; i < count; ++i) {
     const double begin = std::max(0.0, static_cast<double>(i) / static_cast<double>(count) - overlap),
                  end = std::min(1.0, static_cast<double>(i + 1) / static_cast<double>(count) + overlap);
-    const SightEnd chord_from{i == 0 ? from : curve.place(from, to, begin)},
-        chord_to{i + 1 == count ? to : curve.place(from, to, end)};
+    const SightEnd chord_from{i == 0 ? from : curve.position(from, to, begin)},
+        chord_to{i + 1 == count ? to : curve.position(from, to, end)};
     std::optional<Blocker> blocker = first_blocker(occluders, sight_line(chord_from, chord_to));
     if (!blocker) continue;
     blocker->distance += i == 0 ? 0.0 : begin * length;
@@ -170,7 +170,7 @@ TEST(SightBatchTest, chords_without_points_below_are_left_out_and_nothing_else_c
   std::vector<std::optional<Blocker>> expected;
   std::int64_t chords = 0;
   for (int i = 0; i < 300; ++i) {
-    // Two places on either side, nearly in line with the walls; some lines end between these.
+    // Two positions on either side, nearly in line with the walls; some lines end between these.
     const auto far = [&](double least) { return least + std::pow(10.0, random.between(0.0, 4.7)); };
     const glm::dvec3 from(-far(0.0), random.between(-1.5, 1.5), random.between(-8, 8));
     const glm::dvec3 to(i % 3 == 0 ? random.between(0, 2500) : far(2500.0), random.between(-1.5, 1.5),

@@ -78,7 +78,7 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-TEST_F(LineFilesTest, form_is_told_by_the_ending) {
+TEST_F(LineFilesTest, form_is_told_by_the_extension) {
   EXPECT_EQ(row_form("a.csv"), RowForm::csv);
   EXPECT_EQ(row_form("a.b/c.json"), RowForm::json);
   EXPECT_EQ(row_form("c.geojson"), RowForm::geojson);
@@ -152,9 +152,9 @@ TEST_F(LineFilesTest, a_line_blocked_at_its_start_is_one_hidden_part) {
 
 TEST_F(LineFilesTest, geojson_has_longitude_and_latitude_where_they_are_known) {
   const Crs utm = projected(32632);
-  const auto to_lon_lat = [&](std::span<const glm::dvec3> places) {
-    std::vector<glm::dvec3> moved(places.begin(), places.end());
-    for (glm::dvec3& place : moved) place += glm::dvec3(500000, 5325000, 0);
+  const auto to_lon_lat = [&](std::span<const glm::dvec3> positions) {
+    std::vector<glm::dvec3> moved(positions.begin(), positions.end());
+    for (glm::dvec3& position : moved) position += glm::dvec3(500000, 5325000, 0);
     return lon_lat(utm, moved);
   };
   const Json file = Json::parse(written(table(), RowForm::geojson, to_lon_lat));
@@ -177,10 +177,10 @@ TEST_F(LineFilesTest, an_existing_file_is_not_replaced_unasked) {
 }
 
 TEST(LonLat, unknown_and_local_systems_have_none) {
-  const std::vector<glm::dvec3> place = {{0, 0, 0}};
-  EXPECT_FALSE(lon_lat({}, place));
-  EXPECT_FALSE(lon_lat(system_of("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), place));
-  EXPECT_FALSE(lon_lat(system_of("nonsense"), place));
+  const std::vector<glm::dvec3> position = {{0, 0, 0}};
+  EXPECT_FALSE(lon_lat({}, position));
+  EXPECT_FALSE(lon_lat(system_of("LOCAL_CS[\"here\",UNIT[\"metre\",1]]"), position));
+  EXPECT_FALSE(lon_lat(system_of("nonsense"), position));
 }
 
 TEST(LonLat, metres_of_a_unit) {

@@ -30,8 +30,8 @@ Ground ground(const glm::dvec2& slope = {0.0, 0.0}) {
   Raster<double> heights(grid(), 0.0);
   for (int row = 0; row < 6; ++row) {
     for (int column = 0; column < 10; ++column) {
-      const glm::dvec2 place = grid().center(column, row);
-      heights.at(column, row) = slope.x * (place.x - 1000) + slope.y * (place.y - 2000);
+      const glm::dvec2 position = grid().center(column, row);
+      heights.at(column, row) = slope.x * (position.x - 1000) + slope.y * (position.y - 2000);
     }
   }
   return Ground(heights, 10.0, GroundSource::lowest, grid().size());
@@ -100,7 +100,7 @@ TEST(MapPictureTest, nothing_is_drawn_where_there_is_no_value) {
   EXPECT_EQ(find_color(draw(map), k_north_color).count, 100 * 20);
 }
 
-TEST(MapPictureTest, observers_are_marked_at_their_place_unless_they_are_outside) {
+TEST(MapPictureTest, observers_are_marked_at_their_position_unless_they_are_outside) {
   MapPicture map = picture();
   map.marks = {{{1025, 1985}, ""}, {{1200, 1985}, "far away"}};
   const Found mark = find_color(draw(map), k_mark_color);

@@ -21,10 +21,11 @@ WallCloud garden() {
   return cloud;
 }
 
-std::string remark_on(const Occluders& occluders, const glm::dvec3& place, double max_distance = HUGE_VAL) {
+std::string remark_on(const Occluders& occluders, const glm::dvec3& position,
+                      double max_distance = HUGE_VAL) {
   Observer observer;
   observer.name = "mast";
-  observer.position = place;
+  observer.position = position;
   observer.max_distance = max_distance;
   const auto remarks = observer_remarks(occluders, std::span(&observer, 1));
   return remarks.empty() ? "" : remarks[0];

@@ -14,8 +14,8 @@ using namespace visibility;
 
 namespace {
 
-std::optional<double> flat_ground(const glm::dvec2& place) {
-  if (std::fabs(place.x) > 100.0) return {};
+std::optional<double> flat_ground(const glm::dvec2& position) {
+  if (std::fabs(position.x) > 100.0) return {};
   return 5.0;
 }
 
@@ -33,10 +33,10 @@ std::string problem_of(const GivenObserver& given) {
   return "";
 }
 
-TEST(Observers, place_from_the_command_line_has_two_or_three_numbers) {
-  EXPECT_EQ(parse_observer("1,2.5,-3").place, glm::dvec2(1.0, 2.5));
+TEST(Observers, position_from_the_command_line_has_two_or_three_numbers) {
+  EXPECT_EQ(parse_observer("1,2.5,-3").position, glm::dvec2(1.0, 2.5));
   EXPECT_EQ(parse_observer("1,2.5,-3").z, -3.0);
-  EXPECT_EQ(parse_observer(" 690000.25 , 5325000").place, glm::dvec2(690000.25, 5325000.0));
+  EXPECT_EQ(parse_observer(" 690000.25 , 5325000").position, glm::dvec2(690000.25, 5325000.0));
   EXPECT_FALSE(parse_observer("1,2").z);
   for (const char* const wrong : {"", "1", "1,", "1,2,3,4", "a,2,3", "1,2,nan", "inf,2,3", "1;2;3", "1,2,3x"})
     EXPECT_THROW(parse_observer(wrong), Error) << wrong;
@@ -44,8 +44,8 @@ TEST(Observers, place_from_the_command_line_has_two_or_three_numbers) {
 
 TEST(Observers, observer_with_z_stands_there_and_height_is_added) {
   const std::vector<GivenObserver> given = {
-      {.source = "a", .place = {1, 2}, .z = 3.0},
-      {.source = "b", .name = "mast", .place = {1, 2}, .z = 3.0, .height = 10.0}};
+      {.source = "a", .position = {1, 2}, .z = 3.0},
+      {.source = "b", .name = "mast", .position = {1, 2}, .z = 3.0, .height = 10.0}};
   const std::vector<Observer> observers = place_observers(given, {}, flat_ground);
   EXPECT_EQ(observers[0].position, glm::dvec3(1, 2, 3));
   EXPECT_FALSE(observers[0].stands_on_ground);
@@ -56,21 +56,21 @@ TEST(Observers, observer_with_z_stands_there_and_height_is_added) {
 }
 
 TEST(Observers, observer_without_z_stands_two_metres_above_the_ground) {
-  const std::vector<GivenObserver> given = {{.source = "a", .place = {1, 2}}};
+  const std::vector<GivenObserver> given = {{.source = "a", .position = {1, 2}}};
   EXPECT_EQ(place_observers(given, {}, flat_ground)[0].position, glm::dvec3(1, 2, 7));
   EXPECT_TRUE(place_observers(given, {}, flat_ground)[0].stands_on_ground);
   EXPECT_EQ(place_observers(given, {.height = 0.5}, flat_ground)[0].position, glm::dvec3(1, 2, 5.5));
 }
 
 TEST(Observers, observer_without_ground_below_is_an_error) {
-  EXPECT_NE(problem_of({.source = "poles.csv:3", .place = {101, 0}}).find("poles.csv:3: "),
+  EXPECT_NE(problem_of({.source = "poles.csv:3", .position = {101, 0}}).find("poles.csv:3: "),
             std::string::npos);
-  EXPECT_EQ(problem_of({.source = "poles.csv:3", .place = {101, 0}, .z = 1.0}), "");
+  EXPECT_EQ(problem_of({.source = "poles.csv:3", .position = {101, 0}, .z = 1.0}), "");
 }
 
 TEST(Observers, what_one_says_goes_before_the_defaults) {
   const std::vector<GivenObserver> given = {
-      {.source = "a", .place = {0, 0}, .z = 0.0, .azimuth_min = 10.0, .max_distance = 7.0}};
+      {.source = "a", .position = {0, 0}, .z = 0.0, .azimuth_min = 10.0, .max_distance = 7.0}};
   const ObserverDefaults defaults{
       .height = 1.5, .azimuth_min = 20.0, .azimuth_max = 30.0, .max_distance = 9.0};
   const Observer observer = place_observers(given, defaults, flat_ground)[0];
@@ -81,7 +81,7 @@ TEST(Observers, what_one_says_goes_before_the_defaults) {
 }
 
 TEST(Observers, values_out_of_range_are_errors_naming_the_source) {
-  const GivenObserver good{.source = "f.csv:2", .place = {0, 0}, .z = 0.0};
+  const GivenObserver good{.source = "f.csv:2", .position = {0, 0}, .z = 0.0};
   EXPECT_EQ(problem_of(good), "");
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<GivenObserver> wrong(12, good);
@@ -94,8 +94,8 @@ TEST(Observers, values_out_of_range_are_errors_naming_the_source) {
   wrong[6].azimuth_min = 40.0, wrong[6].azimuth_max = 40.0;
   wrong[7].elevation_min = 2.0, wrong[7].elevation_max = 1.0;
   wrong[8].z = nan;
-  wrong[9].place.y = nan;
-  wrong[10].place.x = 1e13;
+  wrong[9].position.y = nan;
+  wrong[10].position.x = 1e13;
   wrong[11].z = -1e300;
   for (const GivenObserver& one : wrong)
     EXPECT_EQ(problem_of(one).rfind("f.csv:2: ", 0), 0u) << &one - wrong.data() << problem_of(one);

@@ -30,28 +30,28 @@ std::string problem_of(const std::string& text) {
   return "";
 }
 
-TEST(PairTable, names_alone_are_pairs_of_places_known_elsewhere) {
+TEST(PairTable, names_alone_are_pairs_of_positions_known_elsewhere) {
   const std::vector<GivenPair> pairs = read_pair_table(written("to,from\nmast,roof\n\n\"a, b\",c\n"));
   ASSERT_EQ(pairs.size(), 2u);
-  EXPECT_FALSE(pairs[0].has_places);
+  EXPECT_FALSE(pairs[0].has_positions);
   EXPECT_EQ(pairs[0].from.name, "roof");
   EXPECT_EQ(pairs[0].to.name, "mast");
   EXPECT_EQ(pairs[1].to.name, "a, b");
   EXPECT_TRUE(pairs[1].from.source.ends_with("pair_table_test.csv:line 4"));
 }
 
-TEST(PairTable, places_may_lack_z_height_and_name) {
+TEST(PairTable, positions_may_lack_z_height_and_name) {
   const std::vector<GivenPair> pairs = read_pair_table(
       written("from_x,from_y,from_z,from_height,to_x,to_y,to_z,to\n1,2,3,10,4,5,,mast\n-1e2,0.5,,,0,0,7,\n"));
   ASSERT_EQ(pairs.size(), 2u);
-  EXPECT_TRUE(pairs[0].has_places);
-  EXPECT_EQ(pairs[0].from.place, glm::dvec2(1, 2));
+  EXPECT_TRUE(pairs[0].has_positions);
+  EXPECT_EQ(pairs[0].from.position, glm::dvec2(1, 2));
   EXPECT_EQ(pairs[0].from.z, 3.0);
   EXPECT_EQ(pairs[0].from.height, 10.0);
-  EXPECT_EQ(pairs[0].to.place, glm::dvec2(4, 5));
+  EXPECT_EQ(pairs[0].to.position, glm::dvec2(4, 5));
   EXPECT_FALSE(pairs[0].to.z);
   EXPECT_EQ(pairs[0].to.name, "mast");
-  EXPECT_EQ(pairs[1].from.place, glm::dvec2(-100, 0.5));
+  EXPECT_EQ(pairs[1].from.position, glm::dvec2(-100, 0.5));
   EXPECT_FALSE(pairs[1].from.height);
   EXPECT_EQ(pairs[1].to.z, 7.0);
 }
@@ -64,14 +64,14 @@ TEST(PairTable, errors_name_the_line) {
   EXPECT_TRUE(problem_of("from\na\n").starts_with(":line 1: missing columns"));
   EXPECT_TRUE(problem_of("from,to,from_x,from_y\na,b,1,2\n").starts_with(":line 1: missing columns"));
   EXPECT_TRUE(problem_of("from,to,from_z\na,b,1\n").starts_with(":line 1: missing columns"));
-  const std::string places = "from_x,from_y,to_x,to_y\n";
-  EXPECT_EQ(problem_of(places + "1,2,3,4\n"), "");
-  EXPECT_TRUE(problem_of(places + "1,2,3\n").starts_with(":line 2: too few columns"));
-  EXPECT_TRUE(problem_of(places + "1,2,3,4,5\n").starts_with(":line 2: too many columns"));
-  EXPECT_TRUE(problem_of(places + "\n1,2,x,4\n").starts_with(":line 3: to_x not a finite number"));
-  EXPECT_TRUE(problem_of(places + "1,2,,4\n").starts_with(":line 2: to_x not a finite number"));
-  EXPECT_TRUE(problem_of(places + "1,nan,3,4\n").starts_with(":line 2: from_y not a finite number"));
-  EXPECT_TRUE(problem_of(places + "1,inf,3,4\n").starts_with(":line 2: from_y not a finite number"));
+  const std::string positions = "from_x,from_y,to_x,to_y\n";
+  EXPECT_EQ(problem_of(positions + "1,2,3,4\n"), "");
+  EXPECT_TRUE(problem_of(positions + "1,2,3\n").starts_with(":line 2: too few columns"));
+  EXPECT_TRUE(problem_of(positions + "1,2,3,4,5\n").starts_with(":line 2: too many columns"));
+  EXPECT_TRUE(problem_of(positions + "\n1,2,x,4\n").starts_with(":line 3: to_x not a finite number"));
+  EXPECT_TRUE(problem_of(positions + "1,2,,4\n").starts_with(":line 2: to_x not a finite number"));
+  EXPECT_TRUE(problem_of(positions + "1,nan,3,4\n").starts_with(":line 2: from_y not a finite number"));
+  EXPECT_TRUE(problem_of(positions + "1,inf,3,4\n").starts_with(":line 2: from_y not a finite number"));
   EXPECT_TRUE(problem_of("from,to\na,\n").starts_with(":line 2: missing name of an end"));
 }
 

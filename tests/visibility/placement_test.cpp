@@ -63,7 +63,7 @@ double best_of_all(const Coverage& coverage, std::size_t count, std::size_t firs
 
 std::vector<std::size_t> candidates_of(const Placement& placement) {
   std::vector<std::size_t> candidates;
-  for (const ChosenPlace& place : placement.places) candidates.push_back(place.candidate);
+  for (const ChosenPosition& position : placement.positions) candidates.push_back(position.candidate);
   return candidates;
 }
 
@@ -80,7 +80,7 @@ TEST(Placement, each_choice_is_the_largest_gain_with_the_lowest_number) {
     const Placement placement = choose_places(coverage, 8, weights);
     std::vector<std::size_t> chosen;
     double covered = 0.0;
-    for (const ChosenPlace& place : placement.places) {
+    for (const ChosenPosition& position : placement.positions) {
       double best_gain = 0.0;
       std::size_t best = coverage.candidates();
       for (std::size_t i = 0; i < coverage.candidates(); ++i) {
@@ -92,13 +92,13 @@ TEST(Placement, each_choice_is_the_largest_gain_with_the_lowest_number) {
           best = i;
         }
       }
-      ASSERT_EQ(place.candidate, best);
-      ASSERT_EQ(place.gain, best_gain);
+      ASSERT_EQ(position.candidate, best);
+      ASSERT_EQ(position.gain, best_gain);
       covered += best_gain;
-      ASSERT_EQ(place.covered, covered);
+      ASSERT_EQ(position.covered, covered);
       chosen.push_back(best);
     }
-    if (placement.places.size() < 8) {
+    if (placement.positions.size() < 8) {
       std::vector<std::size_t> all(coverage.candidates());
       for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
       EXPECT_EQ(weight_seen(coverage, all, weights), covered) << "there was more to gain";
@@ -118,7 +118,7 @@ TEST(Placement, keeps_the_guarantee_against_all_choices_and_tells_a_bound) {
     const std::size_t count = 1 + random.below(3);
     const Placement placement = choose_places(coverage, count, weights);
     const double best = best_of_all(coverage, count, 0, {}, weights);
-    const double covered = placement.places.empty() ? 0.0 : placement.places.back().covered;
+    const double covered = placement.positions.empty() ? 0.0 : placement.positions.back().covered;
     const double guarantee = 1.0 - std::pow(1.0 - 1.0 / static_cast<double>(count), count);
     EXPECT_GE(covered, guarantee * best - 1e-9);
     EXPECT_LE(covered, best + 1e-9);
@@ -134,7 +134,7 @@ TEST(Placement, greedy_meets_the_known_trap) {
   const Coverage coverage = coverage_of({{0, 1, 2, 3}, {0, 1, 4}, {2, 3, 5}}, 6);
   const Placement placement = choose_places(coverage, 2);
   EXPECT_EQ(candidates_of(placement), (std::vector<std::size_t>{0, 1}));
-  EXPECT_EQ(placement.places.back().covered, 5.0);
+  EXPECT_EQ(placement.positions.back().covered, 5.0);
   EXPECT_EQ(placement.best_possible, 6.0);
 }
 
@@ -157,15 +157,15 @@ TEST(Placement, weights_count) {
   const Placement placement = choose_places(coverage, 1, weights);
   EXPECT_EQ(candidates_of(placement), (std::vector<std::size_t>{1}));
   EXPECT_EQ(placement.total, 13.0);
-  EXPECT_EQ(placement.places[0].gain, 10.0);
+  EXPECT_EQ(placement.positions[0].gain, 10.0);
   EXPECT_EQ(placement.best_possible, 10.0);
 }
 
 TEST(Placement, stops_where_nothing_is_gained) {
-  EXPECT_EQ(choose_places(coverage_of({{0}, {0}, {}}, 2), 3).places.size(), 1u);
-  EXPECT_TRUE(choose_places(coverage_of({{}, {}}, 2), 3).places.empty());
-  EXPECT_TRUE(choose_places(coverage_of({}, 2), 3).places.empty());
-  EXPECT_TRUE(choose_places(coverage_of({{}}, 0), 3).places.empty());
+  EXPECT_EQ(choose_places(coverage_of({{0}, {0}, {}}, 2), 3).positions.size(), 1u);
+  EXPECT_TRUE(choose_places(coverage_of({{}, {}}, 2), 3).positions.empty());
+  EXPECT_TRUE(choose_places(coverage_of({}, 2), 3).positions.empty());
+  EXPECT_TRUE(choose_places(coverage_of({{}}, 0), 3).positions.empty());
 }
 
 TEST(Placement, bad_input_is_an_error) {

@@ -22,12 +22,12 @@ class ReadObserversTest : public VectorFileTest {
   std::string problem_of(const fs::path& path, const ObserverReference& reference = {}) const {
     return problem_in([&] { read(path, reference); });
   }
-  /// Expects the problem to begin with the file's name and `place`, and to hold `part`.
-  void expect_problem(const std::string& name, const std::string& text, const std::string& place,
+  /// Expects the problem to begin with the file's name and `position`, and to hold `part`.
+  void expect_problem(const std::string& name, const std::string& text, const std::string& location,
                       const std::string& part) const {
     const fs::path path = write(name, text);
     const std::string problem = problem_of(path);
-    EXPECT_EQ(problem.rfind(path.string() + place, 0), 0u) << text << "\n" << problem;
+    EXPECT_EQ(problem.rfind(path.string() + location, 0), 0u) << text << "\n" << problem;
     EXPECT_NE(problem.find(part), std::string::npos) << text << "\n" << problem;
   }
 
@@ -70,7 +70,7 @@ TEST_F(ReadObserversTest, csv_has_columns_by_name_in_any_order) {
                                     "second,,1,2,,\n"));
   ASSERT_EQ(observers.size(), 2u);
   EXPECT_EQ(observers[0].name, "tower, north");
-  EXPECT_EQ(observers[0].place, glm::dvec2(690000.25, 5325000.5));
+  EXPECT_EQ(observers[0].position, glm::dvec2(690000.25, 5325000.5));
   EXPECT_EQ(observers[0].z, 600.0);
   EXPECT_EQ(observers[0].height, 30.0);
   EXPECT_TRUE(std::isinf(*observers[0].max_distance));
@@ -109,11 +109,11 @@ TEST_F(ReadObserversTest, wrong_csv_names_line_and_column) {
 
 TEST_F(ReadObserversTest, csv_is_in_the_clouds_system_unless_another_is_named) {
   const fs::path path = write("o.csv", "x,y,z\n11.5,48.05,600\n");
-  EXPECT_EQ(read(path, {.cloud = utm()}).at(0).place, glm::dvec2(11.5, 48.05));
-  const glm::dvec2 place = read(path, {.given = "EPSG:4326", .cloud = utm()}).at(0).place;
+  EXPECT_EQ(read(path, {.cloud = utm()}).at(0).position, glm::dvec2(11.5, 48.05));
+  const glm::dvec2 position = read(path, {.given = "EPSG:4326", .cloud = utm()}).at(0).position;
   // As gdaltransform has it.
-  EXPECT_NEAR(place.x, 686302.267, 0.001);
-  EXPECT_NEAR(place.y, 5324881.327, 0.001);
+  EXPECT_NEAR(position.x, 686302.267, 0.001);
+  EXPECT_NEAR(position.y, 5324881.327, 0.001);
 }
 
 TEST_F(ReadObserversTest, geojson_points_are_turned_into_the_clouds_system) {
@@ -129,8 +129,8 @@ TEST_F(ReadObserversTest, geojson_points_are_turned_into_the_clouds_system) {
   EXPECT_EQ(observers[0].max_distance, 70.0);
   EXPECT_FALSE(observers[0].z);
   // 9 degrees east is the middle meridian of the zone; the northing is 0.9996 of its arc up to 48 degrees.
-  EXPECT_NEAR(observers[0].place.x, 500000.0, 1e-3);
-  EXPECT_NEAR(observers[0].place.y, 0.9996 * 5318427.59, 0.01);
+  EXPECT_NEAR(observers[0].position.x, 500000.0, 1e-3);
+  EXPECT_NEAR(observers[0].position.y, 0.9996 * 5318427.59, 0.01);
   EXPECT_EQ(observers[1].z, 250.0);
 }
 
@@ -139,12 +139,12 @@ TEST_F(ReadObserversTest, multi_point_is_as_many_observers) {
     "geometry":{"type":"MultiPoint","coordinates":[[1,2],[3,4]]}})")),
                               {.given = "cloud"});
   ASSERT_EQ(observers.size(), 2u);
-  EXPECT_EQ(observers[0].place, glm::dvec2(1, 2));
-  EXPECT_EQ(observers[1].place, glm::dvec2(3, 4));
+  EXPECT_EQ(observers[0].position, glm::dvec2(1, 2));
+  EXPECT_EQ(observers[1].position, glm::dvec2(3, 4));
   EXPECT_EQ(observers[1].height, 2.0);
 }
 
-TEST_F(ReadObserversTest, geopackage_and_shapefile_keep_places_in_the_clouds_own_system_exactly) {
+TEST_F(ReadObserversTest, geopackage_and_shapefile_keep_positions_in_the_clouds_own_system_exactly) {
   for (const auto& [name, driver] : {std::pair("m.gpkg", "GPKG"), std::pair("m.shp", "ESRI Shapefile")}) {
     for (const OGRwkbGeometryType type : {wkbPoint, wkbPoint25D}) {
       const fs::path path =
@@ -155,7 +155,7 @@ TEST_F(ReadObserversTest, geopackage_and_shapefile_keep_places_in_the_clouds_own
       EXPECT_FALSE(observers[0].height) << *observers[0].height;
       EXPECT_EQ(observers[1].height, 12.5);
       EXPECT_EQ(observers[1].elevation_min, -30.0);
-      EXPECT_EQ(observers[1].place, glm::dvec2(690001.0, 5325000.0));
+      EXPECT_EQ(observers[1].position, glm::dvec2(690001.0, 5325000.0));
       EXPECT_EQ(observers[1].z, type == wkbPoint ? std::optional<double>() : 601.0);
     }
   }
@@ -186,7 +186,7 @@ TEST_F(ReadObserversTest, systems_that_are_not_understood_are_errors) {
   EXPECT_EQ(problem_of(path, {.given = "cloud", .cloud = odd}), "");
 }
 
-TEST_F(ReadObserversTest, place_outside_the_clouds_system_is_an_error) {
+TEST_F(ReadObserversTest, position_outside_the_clouds_system_is_an_error) {
   const std::string problem =
       problem_of(write("o.csv", "x,y\n9,48\n9,95\n"), {.given = "EPSG:4326", .cloud = utm()});
   EXPECT_NE(problem.find("o.csv:line 3: "), std::string::npos) << problem;

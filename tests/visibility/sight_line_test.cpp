@@ -30,8 +30,8 @@ PointCloud empty_cloud() {
   return cloud;
 }
 
-void add(PointCloud& cloud, const glm::dvec3& place) {
-  cloud.positions.emplace_back(glm::round(place / cloud.lattice.scale));
+void add(PointCloud& cloud, const glm::dvec3& position) {
+  cloud.positions.emplace_back(glm::round(position / cloud.lattice.scale));
 }
 
 /// Points spread over the parallelogram from a corner along two sides.
@@ -53,7 +53,7 @@ PointCloud garden() {
   return cloud;
 }
 
-/// The definition: all points that block, by the place of their middle along the line, then by number.
+/// The definition: all points that block, by the position of their middle along the line, then by number.
 std::vector<Hit> all_blockers(const Occluders& occluders, const PointCloud& cloud, const SightLine& line) {
   const Ray ray{line.from.position, line.direction};
   const bool own_radii = !occluders.options().radius;
@@ -159,8 +159,8 @@ TEST(SightLine, sees_one_side_of_a_thin_plate) {
     const SightEnd eye{k_corner + glm::dvec3(1.0, side * 3.0, 1.5)};
     std::size_t right = 0, count = 0;
     for (std::size_t id = 0; id < cloud.size(); ++id) {
-      const glm::dvec3 target = cloud.world(id), place = target - k_corner;
-      if (std::min(place.x, place.z) < 0.2 || std::max(place.x, place.z) > 3.8) continue;
+      const glm::dvec3 target = cloud.world(id), position = target - k_corner;
+      if (std::min(position.x, position.z) < 0.2 || std::max(position.x, position.z) > 3.8) continue;
       const bool seen =
           !first_blocker(occluders, sight_line(eye, end_on_point(occluders, id, target, eye.position)));
       ++count;
@@ -258,8 +258,8 @@ TEST(SightLine, discs_as_wide_as_any_are_not_cut_off_nearer_than_their_sheet_end
   Random random("dense and sparse");
   PointCloud cloud;
   cloud.lattice.scale = glm::dvec3(0.0001);
-  const auto add = [&](const glm::dvec3& place) {
-    cloud.positions.push_back(*to_lattice(cloud.lattice, place));
+  const auto add = [&](const glm::dvec3& position) {
+    cloud.positions.push_back(*to_lattice(cloud.lattice, position));
   };
   for (int i = 0; i < 5000; ++i) add({100.0 + random.unit(), random.unit(), 0.0});
   for (int i = 0; i < 15 * 15; ++i) add({i % 15, i / 15, 0.0});

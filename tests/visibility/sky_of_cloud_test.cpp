@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "tests/visibility/sampled_shapes.h"
-#include "visibility/raster/map_places.h"
+#include "visibility/raster/map_targets.h"
 
 namespace alidade::test {
 
@@ -82,11 +82,11 @@ auto stopped_and_gone_on_with(const Work& work) {
   std::filesystem::remove(file);
   const Identity identity{{"command", "sky"}};
   {
-    FinishedParts parts({.file = file, .interval = 1e-3}, identity);
+    PartCheckpoint parts({.file = file, .interval = 1e-3}, identity);
     const Progress half = [](std::uint64_t done, std::uint64_t total) { return 2 * done < total; };
     EXPECT_THROW(work(LongWork{half, &parts}), Cancelled);
   }
-  FinishedParts parts({.file = file, .resume = true}, identity);
+  PartCheckpoint parts({.file = file, .resume = true}, identity);
   EXPECT_GT(parts.finished(), 0u);
   EXPECT_LT(parts.finished(), parts.count());
   auto answers = work(LongWork{{}, &parts});
@@ -133,15 +133,15 @@ TEST(GroundSkyViews, fall_towards_a_wall_and_are_nothing_without_ground) {
   EXPECT_THROW(ground_sky_views(occluders, ground, grid, -1.0, {}), Error);
 }
 
-TEST(GroundSkyViews, are_seen_from_the_places_that_a_viewshed_looks_at) {
+TEST(GroundSkyViews, are_seen_from_the_positions_that_a_viewshed_looks_at) {
   const Occluders occluders(octree_of(yard()), {});
   const Ground ground = make_ground(occluders.octree(), {}, {.cell_size = 0.5, .reach = 1.0});
   const RasterGrid grid = grid_over({{-4, -4, 0}, {4, 4, 0}}, 1.0);
   const Raster<float> views = ground_sky_views(occluders, ground, grid, 0.25, {.directions = 32});
   for (int row = 0; row < grid.rows; ++row) {
-    const glm::dvec2 place = grid.center(3, row);
-    const SkyTarget target =
-        target_in_open(raised(end_on_ground(occluders, {place.x, place.y, *ground.at(place)}), 0.25));
+    const glm::dvec2 position = grid.center(3, row);
+    const SkyTarget target = target_in_open(
+        raised(end_on_ground(occluders, {position.x, position.y, *ground.at(position)}), 0.25));
     float view = 0.0f;
     sky_views(occluders, {&target, 1}, {.directions = 32, .receiver = SkyReceiver::horizontal}, {&view, 1});
     EXPECT_EQ(views.at(3, row), view) << row;
@@ -168,7 +168,7 @@ TEST(GroundSunHours, fall_in_the_shadow_of_a_wall) {
   grid.columns = 1;
   grid.rows = 8;
   const SunMaps maps = ground_sun_hours(occluders, ground, grid, 0.0, bins(), {});
-  // The sun in the north-west stands behind the wall for places nearer than 4 m / tan 30 degrees.
+  // The sun in the north-west stands behind the wall for positions nearer than 4 m / tan 30 degrees.
   EXPECT_NEAR(maps.hours.at(0, 0), 3.0, 1e-6);
   EXPECT_NEAR(maps.hours.at(0, 4), 7.0, 1e-6);
   const auto energy = [](double elevation) { return std::sin(elevation * std::numbers::pi / 180.0); };

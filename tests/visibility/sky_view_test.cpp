@@ -29,12 +29,12 @@ float view_of(const Occluders& occluders, const SkyTarget& target, const SkyView
   return view;
 }
 
-/// The point nearest to a place, as a target.
-SkyTarget target_near(const Occluders& occluders, const Points& points, const glm::dvec3& place,
+/// The point nearest to a position, as a target.
+SkyTarget target_near(const Occluders& occluders, const Points& points, const glm::dvec3& position,
                       const std::optional<glm::dvec3>& outward = {}) {
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (glm::distance(points[i], place) < glm::distance(points[nearest], place)) nearest = i;
+    if (glm::distance(points[i], position) < glm::distance(points[nearest], position)) nearest = i;
   return target_on_point(occluders, nearest, points[nearest], outward);
 }
 

@@ -77,7 +77,7 @@ TEST(DepthStrip, looks_where_its_rows_and_columns_say) {
 
 TEST(SkylinePicture, draws_sky_things_and_the_line) {
   std::error_code error;
-  if (!std::filesystem::exists(font_places().front(), error)) GTEST_SKIP() << "no DejaVu Sans";
+  if (!std::filesystem::exists(font_files().front(), error)) GTEST_SKIP() << "no DejaVu Sans";
   const Occluders occluders(octree_of(wall()), {});
   const std::vector<HorizonDirection> line = horizon(occluders, {}, {});
   DepthStrip strip = strip_around(line, 0.0, 360.0);
@@ -107,7 +107,7 @@ TEST(HorizonFile, csv_has_a_row_per_azimuth) {
 TEST(HorizonFile, geojson_has_points_on_the_globe_or_says_that_they_are_not) {
   const std::vector<HorizonDirection> line = two_directions();
   HorizonFacts facts{{690000, 5325000, 601.7}, SkyShares{0.5, 0.4}, {0.6, 0.55}};
-  ASSERT_EQ(horizon_places(line, facts).size(), 3u);
+  ASSERT_EQ(horizon_positions(line, facts).size(), 3u);
   const auto flat = nlohmann::json::parse(horizon_geojson(line, facts, {}));
   EXPECT_EQ(flat["type"], "FeatureCollection");
   EXPECT_TRUE(flat.contains("coordinate_system"));

@@ -45,15 +45,15 @@ SunHours at(const Occluders& occluders, const SkyTarget& target, std::span<const
   return answer;
 }
 
-std::size_t nearest_to(const Points& points, const glm::dvec3& place) {
+std::size_t nearest_to(const Points& points, const glm::dvec3& position) {
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
-    if (glm::distance(points[i], place) < glm::distance(points[nearest], place)) nearest = i;
+    if (glm::distance(points[i], position) < glm::distance(points[nearest], position)) nearest = i;
   return nearest;
 }
 
-SkyTarget open_target(const Occluders& occluders, const Points& points, const glm::dvec3& place) {
-  const std::size_t id = nearest_to(points, place);
+SkyTarget open_target(const Occluders& occluders, const Points& points, const glm::dvec3& position) {
+  const std::size_t id = nearest_to(points, position);
   std::vector<SkyTarget> target{target_on_point(occluders, id, points[id], {})};
   find_open_sides(occluders, 64, target);
   return target.front();
@@ -112,7 +112,7 @@ TEST(SunSteps, bad_schedules_are_errors) {
   EXPECT_THROW(sun_steps(range), Error);
 }
 
-TEST(SunSchedule, place_is_given_or_that_of_the_map) {
+TEST(SunSchedule, position_is_given_or_that_of_the_map) {
   SunSchedule range;
   EXPECT_THROW(place_schedule({}, {0, 0}, {}, range), Error);
   EXPECT_FALSE(place_schedule({}, {0, 0}, glm::dvec2(40.0, -105.0), range));

@@ -46,9 +46,9 @@ Raster<float> heights_seen(const json& source) {
   const Octree octree = build(cloud);
   const Occluders occluders(octree, {});
   const Ground ground = make_ground(octree, cloud.classifications, {});
-  const glm::dvec2 place = grid.center(source.at("observer").at(0), source.at("observer").at(1));
+  const glm::dvec2 position = grid.center(source.at("observer").at(0), source.at("observer").at(1));
   Observer observer;
-  observer.position = {place.x, place.y, interpolated(elevation, place) + k_eye};
+  observer.position = {position.x, position.y, interpolated(elevation, position) + k_eye};
   return viewshed(occluders, ground, {&observer, 1}, grid, {.mode = ViewshedMode::height, .highest = 50.0})
       .values;
 }

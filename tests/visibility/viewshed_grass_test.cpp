@@ -27,9 +27,9 @@ TEST(ViewshedGrassTest, a_bare_earth_cloud_agrees_with_r_viewshed) {
   const Ground ground = make_ground(octree, cloud.classifications, {});
   const Occluders occluders(octree, {});
   // r.viewshed puts the observer into the middle of its cell.
-  const glm::dvec2 place(634725, 216175);
+  const glm::dvec2 position(634725, 216175);
   Observer observer;
-  observer.position = {place.x, place.y, interpolated(elevation, place) + 1.72};
+  observer.position = {position.x, position.y, interpolated(elevation, position) + 1.72};
   const Viewshed seen = viewshed(occluders, ground, {&observer, 1}, elevation.grid, {});
   std::size_t agree = 0, only_we = 0, only_grass = 0;
   for (std::size_t i = 0; i < published.values.size(); ++i) {

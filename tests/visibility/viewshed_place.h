@@ -16,9 +16,9 @@ using namespace geo;
 using namespace visibility;
 
 /// Level ground, 60 x 60 around the origin, with whatever is put onto it.
-class Place {
+class Position {
  public:
-  explicit Place(double noise = 0.0) {
+  explicit Position(double noise = 0.0) {
     cloud_.lattice.scale = glm::dvec3(0.0001);
     sheet({-30, -30, 0}, {60, 0, 0}, {0, 60, 0}, 2, noise);
   }
@@ -29,9 +29,9 @@ class Place {
     const double area = glm::length(glm::cross(u, v));
     const glm::dvec3 normal = glm::cross(u, v) / area;
     for (int i = 0; i < 16.0 * area; ++i) {
-      const glm::dvec3 place = corner + random_.unit() * u + random_.unit() * v;
+      const glm::dvec3 position = corner + random_.unit() * u + random_.unit() * v;
       cloud_.positions.push_back(
-          *to_lattice(cloud_.lattice, place + random_.between(-noise, noise) * normal));
+          *to_lattice(cloud_.lattice, position + random_.between(-noise, noise) * normal));
       cloud_.classifications.push_back(point_class);
     }
   }
@@ -39,8 +39,8 @@ class Place {
     sheet({x, y0, bottom}, {0, y1 - y0, 0}, {0, 0, top - bottom}, 6);
   }
 
-  void point(const glm::dvec3& place) {
-    cloud_.positions.push_back(*to_lattice(cloud_.lattice, place));
+  void point(const glm::dvec3& position) {
+    cloud_.positions.push_back(*to_lattice(cloud_.lattice, position));
     cloud_.classifications.push_back(5);
   }
 

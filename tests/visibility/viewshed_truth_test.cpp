@@ -18,15 +18,15 @@ using namespace simulation;
 
 namespace {
 
-/// Whether the site itself, whose surfaces are known exactly, lets the eye see places on the ground.
+/// Whether the site itself, whose surfaces are known exactly, lets the eye see positions on the ground.
 Raster<float> seen_in_truth(const Site& site, const Ground& ground, const RasterGrid& grid,
                             const glm::dvec3& eye) {
   constexpr double k_above_ground = 0.02, k_behind_eye = 1e-6;
   Raster<float> seen(grid, 0.0f);
   for (int row = 0; row < grid.rows; ++row) {
     for (int column = 0; column < grid.columns; ++column) {
-      const glm::dvec2 place = grid.center(column, row);
-      const glm::dvec3 way = glm::dvec3(place, *ground.at(place) + k_above_ground) - eye;
+      const glm::dvec2 position = grid.center(column, row);
+      const glm::dvec3 way = glm::dvec3(position, *ground.at(position) + k_above_ground) - eye;
       seen.at(column, row) = !site.occluded(make_ray(eye, way, k_behind_eye, glm::length(way)));
     }
   }

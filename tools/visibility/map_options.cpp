@@ -14,7 +14,7 @@
 #include "tools/image_module.h"
 #include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
-#include "visibility/raster/map_places.h"
+#include "visibility/raster/map_targets.h"
 
 namespace alidade::tools {
 namespace {

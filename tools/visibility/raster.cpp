@@ -18,7 +18,7 @@
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
 #include "tools/visibility/observer_options.h"
-#include "visibility/raster/map_places.h"
+#include "visibility/raster/map_targets.h"
 #include "visibility/raster/viewshed.h"
 #include "visibility/raster/viewshed_file.h"
 

@@ -110,7 +110,7 @@ class AzimuthSearch {
   static constexpr double k_widest_cone = 23.0;  // degrees
 
   /// Whether no point is near enough to any line at these elevations to block it. A disc or sphere that
-  /// blocks a line holds a place of it, so its point lies within its radius of a place in the cone around the
+  /// blocks a line holds a position of it, so its point lies within its radius of a position in the cone around the
   /// lines.
   bool is_free(int low, int high) const {
     constexpr double k_slack = 1e-6;
@@ -216,8 +216,8 @@ namespace {
 // Objects keep the order in which they are written here.
 using Json = nlohmann::ordered_json;
 
-Json point_geometry(const glm::dvec3& place) {
-  return {{"type", "Point"}, {"coordinates", {place.x, place.y}}};
+Json point_geometry(const glm::dvec3& position) {
+  return {{"type", "Point"}, {"coordinates", {position.x, position.y}}};
 }
 
 Json feature(Json geometry, Json properties) {
@@ -241,18 +241,19 @@ std::string horizon_csv(std::span<const HorizonDirection> horizon) {
   return text;
 }
 
-std::vector<glm::dvec3> horizon_places(std::span<const HorizonDirection> horizon, const HorizonFacts& facts) {
-  std::vector<glm::dvec3> places;
+std::vector<glm::dvec3> horizon_positions(std::span<const HorizonDirection> horizon,
+                                          const HorizonFacts& facts) {
+  std::vector<glm::dvec3> positions;
   for (const HorizonDirection& direction : horizon)
-    if (direction.blocker) places.push_back(direction.blocker->position);
-  places.push_back(facts.eye);
-  return places;
+    if (direction.blocker) positions.push_back(direction.blocker->position);
+  positions.push_back(facts.eye);
+  return positions;
 }
 
 std::string horizon_geojson(std::span<const HorizonDirection> horizon, const HorizonFacts& facts,
                             const std::optional<std::vector<glm::dvec3>>& on_globe) {
-  const std::vector<glm::dvec3> places = on_globe ? *on_globe : horizon_places(horizon, facts);
-  assert(places.size() == horizon_places(horizon, facts).size());
+  const std::vector<glm::dvec3> positions = on_globe ? *on_globe : horizon_positions(horizon, facts);
+  assert(positions.size() == horizon_positions(horizon, facts).size());
   // One feature per line: for people, and for programs that look at differences.
   std::string text = "{\"type\": \"FeatureCollection\",\n";
   if (!on_globe) text += "\"coordinate_system\": \"x and y of the cloud, not longitude and latitude\",\n";
@@ -265,13 +266,13 @@ std::string horizon_geojson(std::span<const HorizonDirection> horizon, const Hor
     eye["sky_view_factor_above_line"] = facts.above_line->cosine_weighted;
     eye["sky_solid_angle_above_line"] = facts.above_line->solid_angle;
   }
-  text += feature(point_geometry(places.back()), std::move(eye)).dump();
+  text += feature(point_geometry(positions.back()), std::move(eye)).dump();
   std::size_t next = 0;
   for (const HorizonDirection& direction : horizon) {
     Json geometry = nullptr;
     Json properties{{"kind", "horizon"}, {"azimuth", direction.azimuth}};
     if (direction.blocker) {
-      geometry = point_geometry(places[next++]);
+      geometry = point_geometry(positions[next++]);
       properties["elevation"] = *direction.elevation;
       properties["distance"] = direction.blocker->distance;
       properties["point_id"] = direction.blocker->point_id;

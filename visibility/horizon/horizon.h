@@ -11,7 +11,7 @@
 #include "base/progress.h"
 #include "visibility/sight_line.h"
 
-// From one place, all directions: how high what stands around it reaches.
+// From one position, all directions: how high what stands around it reaches.
 //
 //   const SightEnd eye = end_near_surface(occluders, {690010, 5325020, 583.7});
 //   const std::vector<HorizonDirection> line = horizon(occluders, eye, {});
@@ -74,9 +74,10 @@ struct HorizonFacts {
 /// the cloud's unit), point_id, x, y, z of that point. Cells of azimuths without a horizon are empty.
 std::string horizon_csv(std::span<const HorizonDirection> horizon);
 
-/// The places that horizon_geojson() wants longitude and latitude of (lon_lat.h): the blocking points, in
+/// The positions that horizon_geojson() wants longitude and latitude of (lon_lat.h): the blocking points, in
 /// order, azimuths without one left out, then the eye.
-std::vector<glm::dvec3> horizon_places(std::span<const HorizonDirection> horizon, const HorizonFacts& facts);
+std::vector<glm::dvec3> horizon_positions(std::span<const HorizonDirection> horizon,
+                                          const HorizonFacts& facts);
 
 /// The line as GeoJSON (RFC 7946): the observer, with the sky-view factors, and every blocking point with
 /// azimuth, elevation, distance, point_id and z, as points; azimuths without a horizon have no geometry.

@@ -25,7 +25,7 @@ image::Film depth_panorama(const Occluders& occluders, const SightEnd& eye, int 
                            double max_distance = std::numeric_limits<double>::infinity(),
                            const Progress& progress = {});
 
-/// Distances over a part of the view from a place, pixel by pixel, row 0 on top. Column x of it looks to
+/// Distances over a part of the view from a position, pixel by pixel, row 0 on top. Column x of it looks to
 /// azimuth_min + (x + 1/2) / width of the range of azimuths, rows likewise down from elevation_max.
 struct DepthStrip {
   int width = 0, height = 0;

@@ -26,9 +26,9 @@ constexpr int k_font_size = 17, k_title_size = 20, k_note_size = 15, k_tick = 6,
 struct DistanceScale {
   double near = 1.0, far = 10.0;
 
-  double place(double distance) const { return std::log(distance / near) / std::log(far / near); }
+  double position(double distance) const { return std::log(distance / near) / std::log(far / near); }
   image::Rgb8 color(double distance) const {
-    const glm::dvec3 display = image::map_color(image::ColorMap::viridis, place(distance));
+    const glm::dvec3 display = image::map_color(image::ColorMap::viridis, position(distance));
     const auto byte = [](double value) { return static_cast<std::uint8_t>(std::lround(255.0 * value)); };
     return {byte(display.x), byte(display.y), byte(display.z)};
   }
@@ -76,7 +76,7 @@ struct Frame {
   }
 };
 
-/// Texts with a place that is not their left end.
+/// Texts with a position that is not their left end.
 class Writer {
  public:
   Writer(image::Canvas& canvas, const image::Font& font) : canvas_(canvas), font_(font) {}
@@ -201,12 +201,12 @@ void draw_bar(const DistanceScale& scale, const Frame& frame, const std::string&
   const image::PixelBox& bar = frame.bar;
   const double ratio = scale.far / scale.near;
   for (int y = bar.top; y < bar.bottom; ++y) {
-    const double place = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
-    canvas.fill({bar.left, y, bar.right, y + 1}, scale.color(scale.near * std::pow(ratio, place)));
+    const double position = static_cast<double>(bar.bottom - 1 - y) / (bar.height() - 1);
+    canvas.fill({bar.left, y, bar.right, y + 1}, scale.color(scale.near * std::pow(ratio, position)));
   }
   canvas.frame({bar.left - 1, bar.top - 1, bar.right + 1, bar.bottom + 1}, k_faint_ink);
   for (const double tick : distance_ticks(scale)) {
-    const int y = bar.bottom - 1 - static_cast<int>(std::lround(scale.place(tick) * (bar.height() - 1)));
+    const int y = bar.bottom - 1 - static_cast<int>(std::lround(scale.position(tick) * (bar.height() - 1)));
     canvas.fill({bar.right + 1, y, bar.right + 1 + k_tick, y + 1}, k_faint_ink);
     writer.left(bar.right + 1 + k_tick + 4, y + k_font_size / 3,
                 fmt::format("{:g}{}{}", tick, unit.empty() ? "" : " ", unit), k_font_size, k_ink);

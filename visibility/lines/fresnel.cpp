@@ -41,7 +41,7 @@ struct Stretch {
 std::pair<int, double> most_at_once(const std::vector<Stretch>& stretches, double width) {
   std::vector<std::pair<double, int>> changes;
   for (const Stretch& stretch : stretches) {
-    // Where both happen at one place, the one that begins comes first.
+    // Where both happen at one position, the one that begins comes first.
     changes.push_back({stretch.begin, -1});
     changes.push_back({stretch.end + width, 1});
   }
@@ -71,7 +71,7 @@ void measure_tubes(const Occluders& occluders, const LineCurve& curve, FresnelCl
   int inner = 0, inner_obstructed = 0;
   double cut_off = 0.0;
   for (std::size_t i = 0; i < tubes.size(); ++i) {
-    const bool is_inner = tubes[i].place.share <= k_clear_share;
+    const bool is_inner = tubes[i].position.share <= k_clear_share;
     if (is_inner && answers[i]) clearance.is_clear = false;
     if (i >= k_tubes) continue;
     inner += is_inner ? 1 : 0;
@@ -138,8 +138,8 @@ std::optional<double> parse_frequency(std::string_view text) {
   const std::size_t end = text.find_last_of("0123456789.");
   if (end == std::string_view::npos) return std::nullopt;
   std::string unit;
-  for (const char letter : trim(text.substr(end + 1)))
-    unit += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+  for (const char character : trim(text.substr(end + 1)))
+    unit += static_cast<char>(std::tolower(static_cast<unsigned char>(character)));
   const double factor = unit.empty() || unit == "ghz" ? 1e9 : unit == "mhz" ? 1e6 : 0.0;
   const std::optional<double> number = parse_number(trim(text.substr(0, end + 1)));
   const double hertz = number.value_or(0.0) * factor;

@@ -9,7 +9,7 @@
 
 #include "visibility/lines/line_curve.h"
 
-// How much of a radio link's first Fresnel zone is free. The zone are the places from which the way over both
+// How much of a radio link's first Fresnel zone is free. The zone are the positions from which the way over both
 // ends is at most half a wavelength longer than the straight one; a link with wavelength w and length L has
 // there, t from an end, the radius sqrt(w t (L - t) / L), at most sqrt(w L) / 2 in the middle. Source: ITU-R
 // P.526, "Fresnel ellipsoids". The usual verdict: a link is clear if 60 % of the radius are (ITU-R P.530).
@@ -67,7 +67,7 @@ struct FresnelClearance {
 FresnelClearance fresnel_clearance(const Occluders& occluders, const SightEnd& from, const SightEnd& to,
                                    const LineOptions& options, double wavelength);
 
-/// Hertz of "5.8GHz", "868MHz", "2.4": a number with its unit, in any case of letters and with blanks between
+/// Hertz of "5.8GHz", "868MHz", "2.4": a number with its unit, in any case of characters and with blanks between
 /// or not; GHz without one. Empty for anything else and outside of 1 MHz to 1000 GHz.
 std::optional<double> parse_frequency(std::string_view text);
 

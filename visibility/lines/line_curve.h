@@ -25,7 +25,7 @@ struct LineOptions {
 };
 
 /// A line beside the middle one.
-struct TubePlace {
+struct TubePosition {
   double share = 0.0;  ///< of the zone's radius: 0 the middle line, 1 the rim
   double turns = 0.0;  ///< direction around the line, in whole turns
 };
@@ -47,10 +47,10 @@ class LineCurve {
 
   double zone_radius(double t) const;
   /// Requires t in [0, length].
-  glm::dvec3 position(double t, const TubePlace& place = {}) const;
+  glm::dvec3 position(double t, const TubePosition& position = {}) const;
   /// Where the straight pieces of a line meet, metres along the chord: begin, end and, if it is not straight,
   /// what lies between; empty if nothing is looked at.
-  std::vector<double> joints(const TubePlace& place = {}) const;
+  std::vector<double> joints(const TubePosition& position = {}) const;
 
  private:
   SightEnd from_, to_;
@@ -61,7 +61,7 @@ class LineCurve {
 /// One of the lines of a curve. The curve must outlive it.
 struct CurveLine {
   const LineCurve* curve;
-  TubePlace place{};
+  TubePosition position{};
 };
 
 /// What blocks a line first and last.
@@ -82,7 +82,7 @@ std::vector<std::optional<CurveCrossings>> crossings(const Occluders& occluders,
 struct LinePoint {
   std::uint64_t point_id = 0;
   glm::dvec3 position{0.0};
-  double t = 0.0;         ///< of the nearest place of the line, metres along the chord
+  double t = 0.0;         ///< of the nearest position of the line, metres along the chord
   double distance = 0.0;  ///< to it, metres
 };
 

@@ -30,14 +30,14 @@ std::optional<std::size_t> column_of(std::string_view name) {
 }
 
 void check_columns(const CsvTable& table) {
-  bool any_place = false, all_places = true, all_names = true;
+  bool any_position = false, all_positions = true, all_names = true;
   for (const std::size_t end : {std::size_t{0}, std::size_t{k_end_columns}}) {
-    all_places = all_places && table.has(end + x_column) && table.has(end + y_column);
+    all_positions = all_positions && table.has(end + x_column) && table.has(end + y_column);
     all_names = all_names && table.has(end + name_column);
     for (std::size_t column = x_column; column < k_end_columns; ++column)
-      any_place = any_place || table.has(end + column);
+      any_position = any_position || table.has(end + column);
   }
-  if (any_place ? !all_places : !all_names) table.fail("missing columns", std::string(k_form));
+  if (any_position ? !all_positions : !all_names) table.fail("missing columns", std::string(k_form));
 }
 
 void take_cell(const CsvTable& table, std::size_t column, std::string_view cell, GivenPair& pair) {
@@ -52,8 +52,8 @@ void take_cell(const CsvTable& table, std::size_t column, std::string_view cell,
   if (!number || !std::isfinite(*number))
     table.fail(fmt::format("{} is not a finite number", k_columns[column]), "a number",
                cell.empty() ? "nothing" : quote(cell));
-  if (meaning == x_column) end.place.x = *number;
-  if (meaning == y_column) end.place.y = *number;
+  if (meaning == x_column) end.position.x = *number;
+  if (meaning == y_column) end.position.y = *number;
   if (meaning == z_column) end.z = *number;
   if (meaning == height_column) end.height = *number;
 }
@@ -61,10 +61,10 @@ void take_cell(const CsvTable& table, std::size_t column, std::string_view cell,
 GivenPair read_row(const CsvTable& table) {
   GivenPair pair;
   pair.from.source = pair.to.source = table.source();
-  pair.has_places = table.has(x_column);
+  pair.has_positions = table.has(x_column);
   for (std::size_t i = 0; i < table.cells().size(); ++i)
     take_cell(table, table.columns()[i], table.cells()[i], pair);
-  if (!pair.has_places && (pair.from.name.empty() || pair.to.name.empty()))
+  if (!pair.has_positions && (pair.from.name.empty() || pair.to.name.empty()))
     table.fail("missing name of an end", "names of positions");
   return pair;
 }
@@ -110,10 +110,10 @@ std::vector<ClassShare> class_shares(const LineTable& table, const FresnelCleara
   return classes;
 }
 
-void add_place(Row& row, const std::string& name, const glm::dvec3& place) {
-  row[name + "_x"] = place.x;
-  row[name + "_y"] = place.y;
-  row[name + "_z"] = place.z;
+void add_position(Row& row, const std::string& name, const glm::dvec3& position) {
+  row[name + "_x"] = position.x;
+  row[name + "_y"] = position.y;
+  row[name + "_z"] = position.z;
 }
 
 /// Names `prefix` + at, point, class.
@@ -143,7 +143,7 @@ void add_fresnel(Row& row, const LineTable& table, const FresnelClearance& fresn
 }  // namespace
 
 /// A line as a row of named values, in the order of the columns; null where there is nothing to say. All rows
-/// of a table have the same names. Lengths and places along the line from its first end, in `..._at`, are in
+/// of a table have the same names. Lengths and positions along the line from its first end, in `..._at`, are in
 /// the cloud's unit; shares are 0 .. 1; classes are those of the points. See docs/visibility.md for every
 /// column.
 Row line_row(const LineTable& table, std::size_t line) {
@@ -153,8 +153,8 @@ Row line_row(const LineTable& table, std::size_t line) {
   row["line"] = line;
   row["from"] = pair.from_name;
   row["to"] = pair.to_name;
-  add_place(row, "from", pair.from.position);
-  add_place(row, "to", pair.to.position);
+  add_position(row, "from", pair.from.position);
+  add_position(row, "to", pair.to.position);
   row["length"] = report.length;
   row["visible"] = !report.blocker;
   const std::optional<Blocker>& blocker = report.blocker;
@@ -215,28 +215,28 @@ std::vector<glm::dvec3> joints_of(const LineTable& table, std::size_t line) {
 
 bool write_geojson(const LineTable& table, const RowFileHead& head, const ToLonLat& to_lon_lat,
                    OutputFile& file) {
-  std::vector<glm::dvec3> places;
+  std::vector<glm::dvec3> positions;
   std::vector<std::size_t> ends;
   for (std::size_t line = 0; line < table.pairs.size(); ++line) {
     const std::vector<glm::dvec3> joints = joints_of(table, line);
-    places.insert(places.end(), joints.begin(), joints.end());
-    ends.push_back(places.size());
+    positions.insert(positions.end(), joints.begin(), joints.end());
+    ends.push_back(positions.size());
   }
   std::optional<std::vector<glm::dvec3>> on_earth;
-  if (to_lon_lat) on_earth = to_lon_lat(places);
-  if (on_earth) places = *on_earth;
+  if (to_lon_lat) on_earth = to_lon_lat(positions);
+  if (on_earth) positions = *on_earth;
   JsonListWriter features(file, geojson_head(head, on_earth.has_value()), "features");
-  for (std::size_t line = 0, place = 0; line < table.pairs.size(); ++line) {
+  for (std::size_t line = 0, position = 0; line < table.pairs.size(); ++line) {
     Row properties = line_row(table, line);
     const LineReport& report = table.reports[line];
     // A line that is blocked at its very start has no visible part.
     bool is_visible = !report.blocker || report.blocker->distance > 0.0;
-    for (; place + 1 < ends[line]; ++place) {
+    for (; position + 1 < ends[line]; ++position) {
       properties["visible"] = is_visible;
-      features.add(geojson_feature(std::span(places).subspan(place, 2), properties));
+      features.add(geojson_feature(std::span(positions).subspan(position, 2), properties));
       is_visible = false;
     }
-    ++place;
+    ++position;
   }
   features.finish();
   return on_earth.has_value();

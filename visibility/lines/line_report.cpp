@@ -12,15 +12,15 @@ namespace {
 
 constexpr std::size_t k_obstruction_bytes = 16;
 
-void put_place(const glm::dvec3& place, PartWriter& writer) {
-  for (int axis = 0; axis < 3; ++axis) writer.put(place[axis]);
+void put_position(const glm::dvec3& position, PartWriter& writer) {
+  for (int axis = 0; axis < 3; ++axis) writer.put(position[axis]);
 }
 
 void put_point(const std::optional<LinePoint>& point, PartWriter& writer) {
   writer.put(std::uint8_t{point.has_value()});
   if (!point) return;
   writer.put(point->point_id);
-  put_place(point->position, writer);
+  put_position(point->position, writer);
   writer.put(point->t);
   writer.put(point->distance);
 }
@@ -50,16 +50,16 @@ class ReportReader {
     reader_.require(id < point_count_);
     return id;
   }
-  glm::dvec3 take_place() {
-    glm::dvec3 place{0.0};
-    for (int axis = 0; axis < 3; ++axis) place[axis] = take_number();
-    return place;
+  glm::dvec3 take_position() {
+    glm::dvec3 position{0.0};
+    for (int axis = 0; axis < 3; ++axis) position[axis] = take_number();
+    return position;
   }
   std::optional<LinePoint> take_point() {
     if (!take_flag()) return std::nullopt;
     LinePoint point;
     point.point_id = take_id();
-    point.position = take_place();
+    point.position = take_position();
     point.t = take_number();
     point.distance = take_number();
     return point;
@@ -92,7 +92,7 @@ void put_report(const LineReport& report, PartWriter& writer) {
   writer.put(std::uint8_t{report.blocker.has_value()});
   if (report.blocker) {
     writer.put(report.blocker->point_id);
-    put_place(report.blocker->position, writer);
+    put_position(report.blocker->position, writer);
     writer.put(report.blocker->distance);
   }
   put_point(report.nearest, writer);
@@ -107,7 +107,7 @@ LineReport take_report(PartReader& reader, std::uint64_t point_count) {
   if (from.take_flag()) {
     Blocker& blocker = report.blocker.emplace();
     blocker.point_id = from.take_id();
-    blocker.position = from.take_place();
+    blocker.position = from.take_position();
     blocker.distance = from.take_number();
   }
   report.nearest = from.take_point();
@@ -157,7 +157,7 @@ void check_line_report(const LineReportOptions& options, int transparency) {
 
 std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const LinePair> pairs,
                                      const LineReportOptions& options, const Progress& progress,
-                                     FinishedParts* parts) {
+                                     PartCheckpoint* parts) {
   check_line_report(options, occluders.options().transparency);
   std::optional<Occluders> opaque;
   if (options.wavelength) {

@@ -50,7 +50,7 @@ void check_line_report(const LineReportOptions& options, int transparency);
 /// `parts` keeps what is finished unless it is null.
 std::vector<LineReport> report_lines(const Occluders& occluders, std::span<const LinePair> pairs,
                                      const LineReportOptions& options, const Progress& progress = {},
-                                     FinishedParts* parts = nullptr);
+                                     PartCheckpoint* parts = nullptr);
 
 /// A report as the bytes of a part (run_parts.h).
 void put_report(const LineReport& report, PartWriter& writer);

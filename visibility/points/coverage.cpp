@@ -50,8 +50,8 @@ Views views_of(const Occluders& occluders, const Observer& observer, const Targe
   const SightEnd eye = end_near_surface(occluders, observer.position);
   Views views;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    const glm::dvec3& place = ends.empty() ? targets[i].position : ends[i].position;
-    if (field.reaches(place - observer.position)) views.targets.push_back(i);
+    const glm::dvec3& position = ends.empty() ? targets[i].position : ends[i].position;
+    if (field.reaches(position - observer.position)) views.targets.push_back(i);
   }
   views.lines.resize(views.targets.size());
   tbb::parallel_for(std::size_t{0}, views.lines.size(), [&](std::size_t i) {
@@ -97,7 +97,7 @@ Coverage::Coverage(std::size_t candidates, std::size_t targets)
 
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
                      std::span<const PlacementTarget> targets, double height, const Progress& progress,
-                     FinishedParts* parts) {
+                     PartCheckpoint* parts) {
   if (!(height >= 0.0 && std::isfinite(height))) {
     throw Error(
         {.problem = "invalid target height", .expected = "at least 0", .found = std::to_string(height)});
@@ -141,8 +141,8 @@ constexpr std::uint64_t k_bytes_per_cell = 140;
 /// The point that stands for a cell so far.
 struct Best {
   PlacementTarget target;
-  double distance = 0.0;    ///< to the cell's middle
-  std::uint64_t place = 0;  ///< in the octree
+  double distance = 0.0;       ///< to the cell's middle
+  std::uint64_t position = 0;  ///< in the octree
 };
 
 void check_spacing(const Octree& octree, double spacing) {
@@ -172,7 +172,7 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   std::size_t next_check = 1 << 20;
   for_each_leaf(tree, [&](const Leaf& leaf) {
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      const std::uint64_t id = point_id(tree, leaf.place + i);
+      const std::uint64_t id = point_id(tree, leaf.first + i);
       if (counts && !counts(id)) continue;
       const glm::dvec3 position = to_world(tree.lattice, position_of(tree, leaf, i));
       std::uint64_t key = 0;
@@ -182,7 +182,7 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
         key = key << k_cell_bits | static_cast<std::uint64_t>(cell);
         middle[axis] = corner[axis] + (cell + 0.5) * spacing;
       }
-      const Best here{{id, position}, distance(middle, position), leaf.place + i};
+      const Best here{{id, position}, distance(middle, position), leaf.first + i};
       const auto [found, is_new] = cells.try_emplace(key, here);
       Best& best = found->second;
       const bool is_nearer =
@@ -197,7 +197,7 @@ std::vector<PlacementTarget> thin_points(const Octree& octree, double spacing,
   chosen.reserve(cells.size());
   for (const auto& [key, best] : cells) chosen.push_back(best);
   cells = {};
-  std::ranges::sort(chosen, {}, &Best::place);
+  std::ranges::sort(chosen, {}, &Best::position);
   std::vector<PlacementTarget> targets;
   targets.reserve(chosen.size());
   for (const Best& best : chosen) targets.push_back(best.target);

@@ -49,14 +49,14 @@ class Coverage {
   std::vector<std::uint64_t> words_;
 };
 
-/// A place to be seen.
+/// A position to be seen.
 struct PlacementTarget {
   std::uint64_t point_id = 0;
   glm::dvec3 position{0.0};  ///< of the point
 };
 
 /// Asks for a sight line from every candidate to every target in its field of view and reach. A target with
-/// `height` 0 is the point itself on its surface, as end_on_point() has it; else a place so many metres
+/// `height` 0 is the point itself on its surface, as end_on_point() has it; else a position so many metres
 /// straight above it. Candidates that stand on a surface see over it (end_near_surface()). `progress` is in
 /// sight lines. The same on any number of threads. Cost: candidates times targets, up to a microsecond each;
 /// fast if targets near each other follow each other. Memory: a bit per pair, and 40 B per target. `parts`
@@ -64,7 +64,7 @@ struct PlacementTarget {
 /// not finite.
 Coverage see_targets(const Occluders& occluders, std::span<const Observer> candidates,
                      std::span<const PlacementTarget> targets, double height, const Progress& progress = {},
-                     FinishedParts* parts = nullptr);
+                     PartCheckpoint* parts = nullptr);
 
 /// Some points that stand for all: of every cubic cell of a grid that holds points that count, the one
 /// nearest to the cell's middle, of equally near ones the one with the lowest id. In the order of the octree,

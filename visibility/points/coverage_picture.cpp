@@ -48,15 +48,15 @@ void draw_percent_axis(const Plot& plot) {
 }
 
 void draw_bars(const Plot& plot, const Placement& placement) {
-  const std::size_t count = placement.places.size();
+  const std::size_t count = placement.positions.size();
   for (std::size_t i = 0; i < count; ++i) {
-    const ChosenPlace& place = placement.places[i];
+    const ChosenPosition& position = placement.positions[i];
     const int left = Plot::column_of(i, count), right = Plot::column_of(i + 1, count);
     // Bars keep apart where there is room.
     const int gap = right - left > 4 ? (right - left) / 5 : 0;
-    const image::PixelBox bar{left + gap, plot.row_of(100.0 * place.covered / placement.total), right - gap,
-                              k_plot.bottom};
-    const int seam = plot.row_of(100.0 * (place.covered - place.gain) / placement.total);
+    const image::PixelBox bar{left + gap, plot.row_of(100.0 * position.covered / placement.total),
+                              right - gap, k_plot.bottom};
+    const int seam = plot.row_of(100.0 * (position.covered - position.gain) / placement.total);
     plot.canvas.fill(bar, k_before);
     plot.canvas.fill({bar.left, bar.top, bar.right, seam}, k_gain);
   }
@@ -87,7 +87,7 @@ void draw_bound(const Plot& plot, double percent) {
 }  // namespace
 
 image::Canvas draw_coverage(const Placement& placement, const image::Font& font) {
-  const double covered = 100.0 * placement.places.back().covered / placement.total;
+  const double covered = 100.0 * placement.positions.back().covered / placement.total;
   const double bound = 100.0 * placement.best_possible / placement.total;
   image::Canvas canvas(k_width, k_height, k_white);
   const Plot plot{canvas, font, bound > 0.0 ? bound * 1.05 : 1.0};
@@ -96,7 +96,7 @@ image::Canvas draw_coverage(const Placement& placement, const image::Font& font)
   draw_bound(plot, bound);
   canvas.fill({k_plot.left, k_plot.bottom, k_plot.right, k_plot.bottom + 1}, k_axis);
   canvas.fill({k_plot.left - 1, k_plot.top, k_plot.left, k_plot.bottom + 1}, k_axis);
-  const std::size_t count = placement.places.size();
+  const std::size_t count = placement.positions.size();
   draw_numbers(plot, count);
   plot.text(k_text_size, k_plot.top - k_text_size,
             fmt::format("Seen by {}: {:.1f} % of the targets; no other {} see more than {:.1f} % (dashed)",

@@ -102,19 +102,19 @@ Placement choose_places(const Coverage& coverage, std::size_t count, std::span<c
   // asked for would add to that without seeing the same.
   double bound = std::min(placement.total, sum_of_largest(alone, count));
   std::size_t next_bound = 1;
-  while (placement.places.size() < count && !offers.empty()) {
+  while (placement.positions.size() < count && !offers.empty()) {
     const Offer offer = offers.top();
     offers.pop();
-    if (offer.chosen < placement.places.size()) {
-      offers.push({covered.gain(offer.candidate), offer.candidate, placement.places.size()});
+    if (offer.chosen < placement.positions.size()) {
+      offers.push({covered.gain(offer.candidate), offer.candidate, placement.positions.size()});
       continue;
     }
     if (offer.gain <= 0.0) break;
     covered.add(offer.candidate);
     sum += offer.gain;
-    placement.places.push_back({offer.candidate, offer.gain, sum});
+    placement.positions.push_back({offer.candidate, offer.gain, sum});
     // Weighing all candidates takes a pass over the bits, so not after each.
-    if (placement.places.size() != next_bound) continue;
+    if (placement.positions.size() != next_bound) continue;
     bound = std::min(bound, sum + sum_of_largest(all_gains(coverage, covered), count));
     next_bound *= 2;
   }
@@ -127,18 +127,18 @@ namespace {
 
 std::vector<Row> rows_of(const Placement& placement, std::span<const Observer> candidates) {
   std::vector<Row> rows;
-  for (const ChosenPlace& place : placement.places) {
-    const Observer& observer = candidates[place.candidate];
+  for (const ChosenPosition& position : placement.positions) {
+    const Observer& observer = candidates[position.candidate];
     Row row;
     row["place"] = rows.size() + 1;
-    row["candidate"] = place.candidate;
+    row["candidate"] = position.candidate;
     row["name"] = observer.name;
     row["x"] = observer.position.x;
     row["y"] = observer.position.y;
     row["z"] = observer.position.z;
-    row["gain"] = place.gain;
-    row["covered"] = place.covered;
-    row["share"] = place.covered / placement.total;
+    row["gain"] = position.gain;
+    row["covered"] = position.covered;
+    row["share"] = position.covered / placement.total;
     rows.push_back(row);
   }
   return rows;
@@ -153,15 +153,16 @@ Row members_with_totals(Row members, const Placement& placement) {
 bool write_geojson(const Placement& placement, const std::vector<Row>& rows,
                    std::span<const Observer> candidates, const RowFileHead& head, const ToLonLat& to_lon_lat,
                    OutputFile& file) {
-  std::vector<glm::dvec3> places;
-  for (const ChosenPlace& place : placement.places) places.push_back(candidates[place.candidate].position);
+  std::vector<glm::dvec3> positions;
+  for (const ChosenPosition& position : placement.positions)
+    positions.push_back(candidates[position.candidate].position);
   std::optional<std::vector<glm::dvec3>> on_earth;
-  if (to_lon_lat) on_earth = to_lon_lat(places);
-  if (on_earth) places = *on_earth;
+  if (to_lon_lat) on_earth = to_lon_lat(positions);
+  if (on_earth) positions = *on_earth;
   JsonListWriter features(file, members_with_totals(geojson_head(head, on_earth.has_value()), placement),
                           "features");
   for (std::size_t i = 0; i < rows.size(); ++i)
-    features.add(geojson_feature(std::span(places).subspan(i, 1), rows[i]));
+    features.add(geojson_feature(std::span(positions).subspan(i, 1), rows[i]));
   features.finish();
   return on_earth.has_value();
 }
@@ -178,9 +179,9 @@ bool write_placement(const Placement& placement, std::span<const Observer> candi
     write_text(output, "place,candidate,name,x,y,z,gain,covered,share\n");
     for (const Row& row : rows) write_text(output, csv_values(row));
   } else if (form == RowForm::json) {
-    JsonListWriter places(output, members_with_totals(members_of(head), placement), "places");
-    for (const Row& row : rows) places.add(row);
-    places.finish();
+    JsonListWriter positions(output, members_with_totals(members_of(head), placement), "places");
+    for (const Row& row : rows) positions.add(row);
+    positions.finish();
   } else {
     is_done = write_geojson(placement, rows, candidates, head, to_lon_lat, output);
   }

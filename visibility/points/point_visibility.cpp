@@ -28,7 +28,7 @@ std::size_t batch_size(int sub_rays) {
   return std::max(k_least, k_most / static_cast<std::size_t>(sub_rays));
 }
 
-/// Places that cover a disc of radius 1 evenly, the first one in the middle.
+/// Positions that cover a disc of radius 1 evenly, the first one in the middle.
 std::vector<glm::dvec2> disc_pattern(int count) {
   std::vector<glm::dvec2> pattern;
   for (int i = 0; i < count; ++i) {
@@ -48,7 +48,7 @@ glm::dvec3 across(const glm::dvec3& normal) {
 /// A point that is looked at.
 struct Target {
   glm::dvec3 position{0.0};
-  std::uint32_t place = 0;
+  std::uint32_t index = 0;  ///< storage index
   std::uint64_t point_id = 0;
 };
 
@@ -77,8 +77,8 @@ std::vector<Target> targets_of(const TreeView& tree, const Batch& batch) {
   tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t l) {
     const Leaf& leaf = batch[l];
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
-      targets[begins[l] + i] = {to_world(tree.lattice, position_of(tree, leaf, i)), leaf.place + i,
-                                point_id(tree, leaf.place + i)};
+      targets[begins[l] + i] = {to_world(tree.lattice, position_of(tree, leaf, i)), leaf.first + i,
+                                point_id(tree, leaf.first + i)};
     }
   });
   return targets;
@@ -164,7 +164,7 @@ class View {
     if (!surface.exists && target.position != observer_.position)
       normal = glm::normalize(target.position - observer_.position);
     double radius = occluders_.largest_radius();
-    if (tree_.spacings != nullptr) radius = std::min(radius, spacing_at(tree_, target.place) / 3.0);
+    if (tree_.spacings != nullptr) radius = std::min(radius, spacing_at(tree_, target.index) / 3.0);
     const glm::dvec3 first = glm::normalize(across(normal)), second = glm::cross(normal, first);
     end.position += radius * (by.x * first + by.y * second);
     end.own_reach += radius;

@@ -33,7 +33,7 @@ struct PointVisibilityOptions {
   /// Parts that are finished already are not asked for again; null: nothing is kept. A part is what one
   /// observer sees of some 131072 points, with sub_rays of so many less, but of 8192 at least; it takes 1 bit
   /// per point, 1 B more with sub_rays, 4 B with blockers.
-  FinishedParts* parts = nullptr;
+  PartCheckpoint* parts = nullptr;
   Progress progress{};  ///< in sight lines
 };
 

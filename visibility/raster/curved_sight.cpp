@@ -19,7 +19,7 @@ double distance_between(const glm::dvec3& from, const glm::dvec3& to) {
   return glm::length(glm::dvec2(to) - glm::dvec2(from));
 }
 
-/// Part of the way from one place to another, as shares of it.
+/// Part of the way from one position to another, as shares of it.
 struct Stretch {
   double begin = 0.0, end = 1.0;
 };
@@ -50,10 +50,10 @@ struct ChordRange {
 ChordRange chords_over(const Stretch& stretch, std::int64_t count, double overlap) {
   if (!(stretch.begin <= stretch.end)) return {};
   const auto chords = static_cast<double>(count);
-  const auto place = [chords](double chord) { return std::clamp(chord, 0.0, chords); };
+  const auto position = [chords](double chord) { return std::clamp(chord, 0.0, chords); };
   // One more at either end, for the rounding of the shares.
-  return {static_cast<std::int64_t>(place(std::floor((stretch.begin - overlap) * chords) - 1.0)),
-          static_cast<std::int64_t>(place(std::ceil((stretch.end + overlap) * chords) + 1.0))};
+  return {static_cast<std::int64_t>(position(std::floor((stretch.begin - overlap) * chords) - 1.0)),
+          static_cast<std::int64_t>(position(std::ceil((stretch.end + overlap) * chords) + 1.0))};
 }
 
 }  // namespace
@@ -77,10 +77,10 @@ std::int64_t SightCurve::chord_count(double distance) const {
   return static_cast<std::int64_t>(std::clamp(std::ceil(distance / longest_chord_), 1.0, k_most));
 }
 
-glm::dvec3 SightCurve::place(const glm::dvec3& from, const glm::dvec3& to, double share) const {
-  glm::dvec3 place = from + share * (to - from);
-  place.z -= drop(distance_between(from, to)) * share * (1.0 - share);
-  return place;
+glm::dvec3 SightCurve::position(const glm::dvec3& from, const glm::dvec3& to, double share) const {
+  glm::dvec3 position = from + share * (to - from);
+  position.z -= drop(distance_between(from, to)) * share * (1.0 - share);
+  return position;
 }
 
 SightBatch::SightBatch(const Occluders& occluders, const SightCurve& curve)
@@ -103,8 +103,9 @@ void SightBatch::add(const SightEnd& from, const SightEnd& to) {
   for (std::int64_t i = asked.begin; i < asked.end; ++i) {
     const double begin = std::max(0.0, static_cast<double>(i) / chords - overlap),
                  end = std::min(1.0, static_cast<double>(i + 1) / chords + overlap);
-    const SightEnd chord_from = i == 0 ? from : SightEnd{curve_.place(from.position, to.position, begin)};
-    const SightEnd chord_to = i + 1 == count ? to : SightEnd{curve_.place(from.position, to.position, end)};
+    const SightEnd chord_from = i == 0 ? from : SightEnd{curve_.position(from.position, to.position, begin)};
+    const SightEnd chord_to =
+        i + 1 == count ? to : SightEnd{curve_.position(from.position, to.position, end)};
     chords_.push_back(sight_line(chord_from, chord_to));
     chord_starts_.push_back(i == 0 ? 0.0 : begin * length);
   }

@@ -34,12 +34,12 @@ class SightCurve {
   SightCurve(double coefficient, double unit);
 
   double coefficient() const { return coefficient_; }
-  /// How far a place at this distance along the ground stands too high, in units of the cloud.
+  /// How far a position at this distance along the ground stands too high, in units of the cloud.
   double drop(double distance) const { return per_square_ * distance * distance; }
   /// Chords that a line over this distance along the ground is made of; finite.
   std::int64_t chord_count(double distance) const;
-  /// The place at a share [0, 1] of the way.
-  glm::dvec3 place(const glm::dvec3& from, const glm::dvec3& to, double share) const;
+  /// The position at a share [0, 1] of the way.
+  glm::dvec3 position(const glm::dvec3& from, const glm::dvec3& to, double share) const;
 
  private:
   double coefficient_ = 0.0;

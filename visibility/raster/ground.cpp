@@ -167,14 +167,15 @@ double mean_distance(const Bounds& bounds, std::uint64_t count) {
 
 }  // namespace
 
-std::optional<double> Ground::at(const glm::dvec2& place) const {
+std::optional<double> Ground::at(const glm::dvec2& position) const {
   const geo::RasterGrid& grid = heights_.grid;
   const glm::dvec2 corner = grid.south_east();
-  const bool near = place.x >= grid.north_west.x - reach_ && place.x <= corner.x + reach_ &&
-                    place.y >= corner.y - reach_ && place.y <= grid.north_west.y + reach_;
+  const bool near = position.x >= grid.north_west.x - reach_ && position.x <= corner.x + reach_ &&
+                    position.y >= corner.y - reach_ && position.y <= grid.north_west.y + reach_;
   if (!near) return std::nullopt;
-  const double x = std::clamp((place.x - grid.north_west.x) / grid.cell_size - 0.5, 0.0, grid.columns - 1.0),
-               y = std::clamp((grid.north_west.y - place.y) / grid.cell_size - 0.5, 0.0, grid.rows - 1.0);
+  const double x = std::clamp((position.x - grid.north_west.x) / grid.cell_size - 0.5, 0.0,
+                              grid.columns - 1.0),
+               y = std::clamp((grid.north_west.y - position.y) / grid.cell_size - 0.5, 0.0, grid.rows - 1.0);
   const int column = std::min(static_cast<int>(x), std::max(grid.columns - 2, 0)),
             row = std::min(static_cast<int>(y), std::max(grid.rows - 2, 0));
   const double east = x - column, south = y - row;

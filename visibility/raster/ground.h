@@ -13,7 +13,7 @@
 // The ground below a cloud, as heights on a grid.
 //
 //   const Ground ground = make_ground(octree, columns.classifications, {});
-//   if (std::optional<double> z = ground.at({x, y})) place_mast({x, y, *z});
+//   if (std::optional<double> z = ground.at({x, y})) position_mast({x, y, *z});
 
 namespace alidade::visibility {
 
@@ -44,7 +44,7 @@ class Ground {
 
   /// Bilinear between the middles of cells; from the outermost middles on, as there. Empty where there is no
   /// ground.
-  std::optional<double> at(const glm::dvec2& place) const;
+  std::optional<double> at(const glm::dvec2& position) const;
 
   const geo::Raster<double>& heights() const { return heights_; }
   /// `classified` or `lowest`.
@@ -63,7 +63,7 @@ class Ground {
 /// How: of every cell the mean of its ground points, or its lowest point, brought to the middle of the cell
 /// along the slope of its neighbours, so that planes are exact. A lowest point that lies alone, farther below
 /// all others of its cell and of the cells around than 1 + the cell's side (a wrong echo), does not count.
-/// Gaps are filled by the membrane through what is around them (Laplace's equation).
+/// Gaps are filled by the membrane through what is around them (Laposition's equation).
 /// Cost: about 30 ns per point and cell. Memory: 50 B per cell, checked beforehand.
 /// Errors: an empty cloud; `classified` without points of class 2; those of grid_over(); reach negative or
 /// not finite.

@@ -25,7 +25,7 @@ void for_each_point(const Octree& octree, const geo::RasterGrid& grid, const Pro
     for (std::uint32_t i = 0; i < leaf.count; ++i) {
       const glm::dvec3 position = to_world(tree.lattice, position_of(tree, leaf, i));
       if (const auto cell = geo::cell_at(grid, {position.x, position.y}))
-        visit(*cell, point_id(tree, leaf.place + i), position);
+        visit(*cell, point_id(tree, leaf.first + i), position);
     }
     done += leaf.count;
     if (done < next_report) return;

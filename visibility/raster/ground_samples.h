@@ -26,7 +26,7 @@ constexpr bool is_on_ground(std::uint8_t point_class) {
 
 /// A height that was measured somewhere in a cell.
 struct GroundSample {
-  glm::vec2 offset{0.0f};  ///< of the place from the middle of the cell
+  glm::vec2 offset{0.0f};  ///< of the position from the middle of the cell
   double height = 0.0;     ///< NaN if nothing was measured
 
   bool exists() const { return height == height; }

@@ -31,15 +31,15 @@ Relief::Relief(const Ground& ground, double step) : ground_(ground), step_(step)
   if (*steep > 0.0) exaggeration_ = std::clamp(k_steep / *steep, 1.0, k_most);
 }
 
-glm::dvec2 Relief::slope(const glm::dvec2& place) const {
-  const auto height = [&](double x, double y) { return ground_.at(place + step_ * glm::dvec2(x, y)); };
+glm::dvec2 Relief::slope(const glm::dvec2& position) const {
+  const auto height = [&](double x, double y) { return ground_.at(position + step_ * glm::dvec2(x, y)); };
   const auto east = height(1, 0), west = height(-1, 0), north = height(0, 1), south = height(0, -1);
   if (!east || !west || !north || !south) return glm::dvec2(0.0);
   return glm::dvec2(*east - *west, *north - *south) / (2.0 * step_);
 }
 
-double Relief::light(const glm::dvec2& place) const {
-  const glm::dvec2 rise = exaggeration_ * slope(place);
+double Relief::light(const glm::dvec2& position) const {
+  const glm::dvec2 rise = exaggeration_ * slope(position);
   // The light comes from (-1, 1, sqrt 2) / 2; divided by its share on level ground.
   const double towards = (rise.x - rise.y) / std::sqrt(2.0) + 1.0;
   return std::max(0.0, towards) / std::sqrt(1.0 + rise.x * rise.x + rise.y * rise.y);
@@ -184,9 +184,9 @@ class MapDrawer {
         const int column = std::min(static_cast<int>(east), grid().columns - 1);
         const float value = picture_.values.at(column, row);
         if (std::isnan(value)) continue;
-        const glm::dvec2 place = grid().north_west + grid().cell_size * glm::dvec2(east, -south);
+        const glm::dvec2 position = grid().north_west + grid().cell_size * glm::dvec2(east, -south);
         const int left = map.left + x, top = map.top + y;
-        canvas_.fill({left, top, left + 1, top + 1}, shaded(color_of(value), relief.light(place)));
+        canvas_.fill({left, top, left + 1, top + 1}, shaded(color_of(value), relief.light(position)));
       }
     });
   }
@@ -204,7 +204,7 @@ class MapDrawer {
     }
   }
 
-  /// Letters with a halo, so that they are read on any ground.
+  /// Characters with a halo, so that they are read on any ground.
   void haloed(int x, int baseline, const std::string& text, int size) {
     for (const auto& [dx, dy] :
          {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, 1}, {-1, 1}, {1, -1}})
@@ -213,8 +213,8 @@ class MapDrawer {
   }
 
   void draw_mark(const MapMark& mark) {
-    if (!geo::cell_at(grid(), mark.place)) return;
-    const glm::dvec2 way = mark.place - grid().north_west;
+    if (!geo::cell_at(grid(), mark.position)) return;
+    const glm::dvec2 way = mark.position - grid().north_west;
     const glm::dvec2 pixel(layout_.map.left + way.x / units_per_pixel(),
                            layout_.map.top - way.y / units_per_pixel());
     // Many observers are small dots.
@@ -280,14 +280,15 @@ class MapDrawer {
     font_.draw(canvas_, left, y + 16, scale.label, k_font_size, k_text);
     y += k_row + 6;
     for (int i = 0; i < k_bar_height; ++i) {
-      const double place = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
-      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1}, to_rgb8(image::map_color(scale.map, place)));
+      const double position = 1.0 - static_cast<double>(i) / (k_bar_height - 1);
+      canvas_.fill({left, y + i, left + k_bar_width, y + i + 1},
+                   to_rgb8(image::map_color(scale.map, position)));
     }
     canvas_.frame({left - 1, y - 1, left + k_bar_width + 1, y + k_bar_height + 1}, k_line);
     const double extent = scale.range.high - scale.range.low;
     for (const image::RoundTick& tick : ticks()) {
-      const double place = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
-      const int at = y + static_cast<int>(std::lround((1.0 - place) * (k_bar_height - 1)));
+      const double position = extent > 0.0 ? (tick.value - scale.range.low) / extent : 0.5;
+      const int at = y + static_cast<int>(std::lround((1.0 - position) * (k_bar_height - 1)));
       canvas_.fill({left + k_bar_width + 1, at, left + k_bar_width + 7, at + 1}, k_line);
       font_.draw(canvas_, left + k_bar_width + 12, at + 6, tick.label, k_font_size, k_text);
     }

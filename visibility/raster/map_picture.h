@@ -24,12 +24,12 @@ class Relief {
   /// heights.
   Relief(const Ground& ground, double step);
 
-  /// Brightness of a place: 1 where it is level, from 0 in the shade to about 1.4 towards the light; 1 where
+  /// Brightness of a position: 1 where it is level, from 0 in the shade to about 1.4 towards the light; 1 where
   /// there is no ground around it.
-  double light(const glm::dvec2& place) const;
+  double light(const glm::dvec2& position) const;
 
  private:
-  glm::dvec2 slope(const glm::dvec2& place) const;
+  glm::dvec2 slope(const glm::dvec2& position) const;
 
   const Ground& ground_;
   double step_;
@@ -54,9 +54,9 @@ struct MapScale {
   int most_ticks = 7;
 };
 
-/// A place with its name.
+/// A position with its name.
 struct MapMark {
-  glm::dvec2 place{0.0};
+  glm::dvec2 position{0.0};
   std::string name{};  ///< empty: only the mark
 };
 

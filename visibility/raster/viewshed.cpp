@@ -16,11 +16,11 @@
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
 #include "visibility/crossing.h"
-#include "visibility/raster/map_places.h"
+#include "visibility/raster/map_targets.h"
 
 namespace alidade::visibility {
 
-/// Finds for places on the ground the lowest height above them that is seen, as viewshed.h tells it.
+/// Finds for positions on the ground the lowest height above them that is seen, as viewshed.h tells it.
 class LowestSeen {
  public:
   /// The references must outlive this. Memory: 8 B per point, unless all have one radius. Errors: more than
@@ -102,9 +102,9 @@ void LowestSeen::climb(const MapObserver& observer, std::span<const MapTarget> t
           seen_.push_back(search);
           continue;
         }
-        const glm::dvec3 place = raised(targets[search.target].foot, search.tried).position;
+        const glm::dvec3 position = raised(targets[search.target].foot, search.tried).position;
         const double magnified =
-            glm::length(place - observer.eye().position) / std::max(blocker->distance, k_finest);
+            glm::length(position - observer.eye().position) / std::max(blocker->distance, k_finest);
         search.blocked = search.tried;
         search.tried += std::max(k_finest, radius_of(blocker->point_id) * std::max(magnified, 1.0));
         search.tried = std::min(search.tried, search.highest);
@@ -167,10 +167,10 @@ constexpr std::size_t k_batch = 1 << 16;
 
 void check(std::span<const Observer> observers, const ViewshedOptions& options) {
   if (observers.empty()) throw Error({.problem = "a viewshed requires an observer"});
-  if (options.places_across < 1 || options.places_across > k_most_places_across) {
+  if (options.positions_across < 1 || options.positions_across > k_most_positions_across) {
     throw Error({.problem = "invalid number of positions across a cell",
-                 .expected = fmt::format("1 to {}", k_most_places_across),
-                 .found = fmt::format("{}", options.places_across)});
+                 .expected = fmt::format("1 to {}", k_most_positions_across),
+                 .found = fmt::format("{}", options.positions_across)});
   }
   if (!(options.target_height >= 0.0) || !std::isfinite(options.target_height)) {
     throw Error({.problem = "invalid target height",
@@ -185,11 +185,11 @@ void check(std::span<const Observer> observers, const ViewshedOptions& options) 
   }
 }
 
-/// Says how far the whole map is, in pairs of observer and place.
+/// Says how far the whole map is, in pairs of observer and position.
 class PairCounter {
  public:
   PairCounter(const Progress& progress, std::uint64_t total) : progress_(progress), total_(total) {}
-  /// In the midst of a block; places without ground are not among them.
+  /// In the midst of a block; positions without ground are not among them.
   void add(std::uint64_t pairs) { report(progress_, done_ += pairs, total_); }
   /// At the end of a block.
   void set(std::uint64_t pairs) { report(progress_, done_ = pairs, total_); }
@@ -201,7 +201,7 @@ class PairCounter {
 
 /// Of a block: enough for all threads, few enough for little memory and for a part of a long run that is done
 /// within seconds.
-std::size_t most_places(std::size_t observers, ViewshedMode mode) {
+std::size_t most_positions(std::size_t observers, ViewshedMode mode) {
   constexpr std::size_t k_most_lines = 1 << 24, k_lines_per_height = 16, k_least = 1 << 10, k_most = 1 << 18;
   const std::size_t lines = mode == ViewshedMode::height ? k_lines_per_height : 1;
   return std::clamp(k_most_lines / lines / observers, k_least, k_most);
@@ -291,11 +291,12 @@ Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<co
   check(observers, options);
   geo::check_map_memory(grid, 1);
   Viewshed result{geo::Raster<float>(grid, k_no_ground)};
-  const int places_across = options.mode == ViewshedMode::fraction ? options.places_across : 1;
+  const int positions_across = options.mode == ViewshedMode::fraction ? options.positions_across : 1;
   const std::vector<MapObserver> eyes = map_observers(occluders, observers);
-  const MapTargets targets(occluders, ground, grid, places_across, most_places(eyes.size(), options.mode));
+  const MapTargets targets(occluders, ground, grid, positions_across,
+                           most_positions(eyes.size(), options.mode));
   const std::uint64_t pairs_per_cell =
-      eyes.size() * static_cast<std::uint64_t>(places_across * places_across);
+      eyes.size() * static_cast<std::uint64_t>(positions_across * positions_across);
   PairCounter pairs(options.progress, pairs_per_cell * grid.size());
   SeenCounter counter(occluders, options);
   std::optional<LowestSeen> lowest;

@@ -24,7 +24,7 @@ enum class ViewshedMode {
   visible,   ///< 1 where any observer sees the middle of the cell, otherwise 0
   count,     ///< how many observers see it
   height,    ///< from which height above the ground on something there is seen by any observer
-  fraction,  ///< share of the lines of sight that are free, over all observers and places of the cell
+  fraction,  ///< share of the lines of sight that are free, over all observers and positions of the cell
 };
 
 struct ViewshedOptions {
@@ -32,13 +32,13 @@ struct ViewshedOptions {
   /// Of what is looked at, above the ground; >= 0. In the unit of the cloud. Of `height`: the lowest looked
   /// at.
   double target_height = 0.0;
-  SightCurve curve{};     ///< straight unless given
-  int places_across = 3;  ///< of `fraction`: so many times so many places in every cell, 1 ..
-                          ///< k_most_places_across
+  SightCurve curve{};        ///< straight unless given
+  int positions_across = 3;  ///< of `fraction`: so many times so many positions in every cell, 1 ..
+                             ///< k_most_positions_across
   /// Of `height`: nothing higher is tried, and this stands for "not even there". In the unit of the cloud.
   double highest = 200.0;
-  Progress progress{};             ///< in pairs of observer and place
-  FinishedParts* parts = nullptr;  ///< where blocks of cells are kept that are finished; null: nowhere
+  Progress progress{};              ///< in pairs of observer and position
+  PartCheckpoint* parts = nullptr;  ///< where blocks of cells are kept that are finished; null: nowhere
 };
 
 /// Values of cells that no observer looks at: all out of reach or outside of their fields of view.
@@ -51,7 +51,7 @@ struct Viewshed {
   std::uint64_t line_count = 0;  ///< sight lines that were followed, those of parts found finished left out
 };
 
-/// The map of what is seen. An observer looks at a place within its max_distance, along the line of sight,
+/// The map of what is seen. An observer looks at a position within its max_distance, along the line of sight,
 /// and its field of view; both ends of a line lie on or above the surface of the cloud, which does not hide
 /// them (visibility/sight_line.h). The same bits on any number of threads and instruction set.
 ///
@@ -65,7 +65,7 @@ struct Viewshed {
 ///
 /// Cost: a sight line per pair, 0.5 to 2 microseconds of two cores; `height` takes several to some hundred
 /// where much is hidden. Memory: 4 B per cell and some 100 MB, of `height` 8 B per point as well;
-/// check_map_memory() of one band. Errors: no observer; places_across, target height or highest out of range;
+/// check_map_memory() of one band. Errors: no observer; positions_across, target height or highest out of range;
 /// not enough memory; those of `parts`.
 Viewshed viewshed(const Occluders& occluders, const Ground& ground, std::span<const Observer> observers,
                   const geo::RasterGrid& grid, const ViewshedOptions& options);

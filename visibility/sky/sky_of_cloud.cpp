@@ -14,7 +14,7 @@
 #include "base/checkpoint.h"
 #include "base/error.h"
 #include "octree/tree_walk.h"
-#include "visibility/raster/map_places.h"
+#include "visibility/raster/map_targets.h"
 
 namespace alidade::visibility {
 
@@ -49,7 +49,7 @@ class PointBlocks {
     for (const Leaf& leaf : blocks_[number]) {
       for (std::uint32_t i = 0; i < leaf.count; ++i)
         points.push_back(
-            {point_id(tree_, leaf.place + i), to_world(tree_.lattice, position_of(tree_, leaf, i))});
+            {point_id(tree_, leaf.first + i), to_world(tree_.lattice, position_of(tree_, leaf, i))});
     }
     return points;
   }
@@ -134,13 +134,13 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
                  .expected = "at least 0",
                  .found = std::to_string(height)});
   }
-  const MapTargets places(occluders, ground, grid, 1, targets_at_once(question.lines));
+  const MapTargets positions(occluders, ground, grid, 1, targets_at_once(question.lines));
   std::uint64_t done = 0;
   report(work.progress, done, grid.size());
   run_parts(
-      work.parts, places.block_count(),
+      work.parts, positions.block_count(),
       [&](std::uint64_t part, PartWriter& writer) {
-        const MapBlock block = places.block(part);
+        const MapBlock block = positions.block(part);
         std::vector<SkyTarget> targets;
         for (const MapTarget& target : block.targets)
           targets.push_back(target_in_open(raised(target.foot, height)));
@@ -154,7 +154,7 @@ void for_each_ground_target(const Occluders& occluders, const Ground& ground, co
         }
       },
       [&](std::uint64_t part, PartReader& reader) {
-        const std::vector<std::size_t> cells = places.cells(part);
+        const std::vector<std::size_t> cells = positions.cells(part);
         Numbers numbers(cells.size());
         for (std::size_t row = 0; row < question.numbers; ++row) {
           reader.take_all(numbers);

@@ -21,8 +21,8 @@ namespace alidade::visibility {
 
 /// How long work is watched and kept.
 struct LongWork {
-  Progress progress{};             ///< in points or cells
-  FinishedParts* parts = nullptr;  ///< where blocks of them are kept that are finished; null: nowhere
+  Progress progress{};              ///< in points or cells
+  PartCheckpoint* parts = nullptr;  ///< where blocks of them are kept that are finished; null: nowhere
 };
 
 /// Sky-view factor of every point, by point id. `normals` by point id, each pointing out of its surface
@@ -40,7 +40,7 @@ std::vector<SunHours> point_sun_hours(const Occluders& occluders, std::span<cons
                                       const LongWork& work = {});
 
 /// Sky-view factor in the middle of every cell, `height` above the ground as a viewshed has it
-/// (visibility/raster/map_places.h), which faces up there (options.receiver does not matter); NaN where there is no
+/// (visibility/raster/map_positions.h), which faces up there (options.receiver does not matter); NaN where there is no
 /// ground. Memory: 4 B per cell and some 30 MB; check_map_memory() of one band.
 /// Errors: as sky_views; height negative or not finite; not enough memory.
 geo::Raster<float> ground_sky_views(const Occluders& occluders, const Ground& ground,

@@ -26,13 +26,13 @@ std::vector<glm::dvec3> even_sky_directions(int count);
 /// projection of the hemisphere onto its base, Nusselt 1928.
 std::vector<glm::dvec3> cosine_sky_directions(int count);
 
-// How much of the sky a place sees, through every gap that is there.
+// How much of the sky a position sees, through every gap that is there.
 //
 //   std::vector<SkyTarget> targets{target_on_point(occluders, id, position, {})};
 //   std::vector<float> views(1);
 //   sky_views(occluders, targets, {}, views);
 
-/// A place that looks at the sky.
+/// A position that looks at the sky.
 struct SkyTarget {
   /// Where its lines start: those towards the side of its surface that `normal` points to, and the others.
   SightEnd front, back;
@@ -46,8 +46,8 @@ struct SkyTarget {
 SkyTarget target_on_point(const Occluders& occluders, std::uint64_t point_id, const glm::dvec3& position,
                           const std::optional<glm::dvec3>& outward);
 
-/// A place on or above the ground, which looks to all sides.
-SkyTarget target_in_open(const SightEnd& place);
+/// A position on or above the ground, which looks to all sides.
+SkyTarget target_in_open(const SightEnd& position);
 
 enum class SkyReceiver {
   horizontal,  ///< faces up: light from straight above counts most
@@ -84,7 +84,7 @@ void sky_views(const Occluders& occluders, std::span<const SkyTarget> targets, c
 /// one side sees as much sky on either: only normals tell.
 void find_open_sides(const Occluders& occluders, int directions, std::span<SkyTarget> targets);
 
-/// Both shares of the sky that a place sees, gaps below its horizon line counting too: of `directions` lines
+/// Both shares of the sky that a position sees, gaps below its horizon line counting too: of `directions` lines
 /// each. Errors: as sky_views.
 SkyShares sky_shares(const Occluders& occluders, const SightEnd& eye, int directions,
                      double max_distance = std::numeric_limits<double>::infinity());

@@ -33,7 +33,7 @@ struct SunBin {
 /// 30].
 std::vector<SunBin> sun_bins(std::span<const SunStep> steps, double degrees);
 
-/// What a place gets from the sun's disc, under a clear sky.
+/// What a position gets from the sun's disc, under a clear sky.
 struct SunHours {
   float hours = 0.0f;           ///< of direct sun
   float kilowatt_hours = 0.0f;  ///< per m2 of the receiver: beam_irradiance() times the cosine of incidence

@@ -115,8 +115,8 @@ std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& prog
 
 bool place_schedule(const Crs& crs, const glm::dvec2& center,
                     const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule) {
-  std::optional<geo::GroundPlace> ground;
-  if (!crs.empty()) ground = geo::ground_place(crs, center);
+  std::optional<geo::GroundPosition> ground;
+  if (!crs.empty()) ground = geo::ground_position(crs, center);
   if (!ground && !latitude_longitude) {
     throw Error({.problem = "the sun position requires latitude and longitude",
                  .expected = "--place LAT,LON, or a cloud with a reference system",

@@ -12,7 +12,7 @@
 
 namespace alidade::visibility {
 
-/// The air above a place, as far as it dims the sun.
+/// The air above a position, as far as it dims the sun.
 struct ClearAir {
   /// How many clean dry atmospheres would dim the sun as much, at an air mass of 2: 2 very clear and cold,
   /// 3 clear and warm, 5 humid, 7 polluted. [1, 20]
@@ -31,7 +31,7 @@ struct ClearAir {
 /// 1996. r.sun of GRASS computes the same.
 double beam_irradiance(double elevation, double day_of_year, const ClearAir& air);
 
-/// A time range and a place on Earth.
+/// A time range and a position on Earth.
 struct SunSchedule {
   Moment from, to;                         ///< [from, to)
   double step_minutes = 10.0;              ///< [0.1, 1440]; the last step is cut short at `to`
@@ -48,9 +48,9 @@ constexpr std::size_t k_most_sun_steps = 10'000'000;
 /// steps.
 std::vector<SunStep> sun_steps(const SunSchedule& schedule, const Progress& progress = {});
 
-/// Sets latitude, longitude and grid_north of the place (x, y) of a map (geo/earth.h); a latitude
+/// Sets latitude, longitude and grid_north of the position (x, y) of a map (geo/earth.h); a latitude
 /// and longitude that are given stay. Without a map +y is taken for true north. Answers whether the map told
-/// grid north. Errors: neither a place nor a map that tells it.
+/// grid north. Errors: neither a position nor a map that tells it.
 bool place_schedule(const Crs& crs, const glm::dvec2& center,
                     const std::optional<glm::dvec2>& latitude_longitude, SunSchedule& schedule);
 

@@ -24,9 +24,9 @@ namespace alidade::test {
 
 struct CopcSample {
   std::vector<std::byte> bytes;
-  std::size_t info_place = 429;  ///< data of the record of COPC
-  std::size_t pages_place = 0;   ///< first byte of the hierarchy
-  std::vector<CopcKey> keys;     ///< of the entries
+  std::size_t info_offset = 429;  ///< data of the record of COPC
+  std::size_t pages_offset = 0;   ///< first byte of the hierarchy
+  std::vector<CopcKey> keys;      ///< of the entries
   std::vector<std::uint32_t> counts;
 };
 
@@ -43,10 +43,10 @@ inline CopcSample build_copc(std::size_t count, std::size_t node_points = 40, st
   std::map<CopcKey, std::vector<LasPoint>> nodes;
   for (LasPoint& point : random_las_points(7, count, 0, seed)) {
     // Two sheets and some dust, so that parts of the cube are empty.
-    const auto place = [&] { return static_cast<std::int32_t>(engine() % 128000) - 64000; };
-    point.x = place();
-    point.y = place();
-    point.z = engine() % 10 == 0 ? place() : static_cast<std::int32_t>(engine() % 3000) - 20000;
+    const auto offset = [&] { return static_cast<std::int32_t>(engine() % 128000) - 64000; };
+    point.x = offset();
+    point.y = offset();
+    point.z = engine() % 10 == 0 ? offset() : static_cast<std::int32_t>(engine() % 3000) - 20000;
     CopcKey key;
     while (nodes[key].size() >= node_points) {
       const int level = key.level + 1;
@@ -73,15 +73,15 @@ inline CopcSample build_copc(std::size_t count, std::size_t node_points = 40, st
   file.extended_records.push_back({"copc", 1000, "", std::vector<std::uint8_t>(32 * sample.keys.size())});
   sample.bytes = build_laz(file, options);
 
-  const auto put = [&sample](std::size_t place, auto value) {
-    std::memcpy(sample.bytes.data() + place, &value, sizeof value);
+  const auto put = [&sample](std::size_t offset, auto value) {
+    std::memcpy(sample.bytes.data() + offset, &value, sizeof value);
   };
-  sample.pages_place = sample.bytes.size() - 32 * sample.keys.size();
-  for (std::size_t axis = 0; axis < 3; ++axis) put(sample.info_place + 8 * axis, file.offset[axis]);
-  put(sample.info_place + 24, k_copc_half_size);
-  put(sample.info_place + 32, 1.5);
-  put(sample.info_place + 40, std::uint64_t{sample.pages_place});
-  put(sample.info_place + 48, std::uint64_t{32 * sample.keys.size()});
+  sample.pages_offset = sample.bytes.size() - 32 * sample.keys.size();
+  for (std::size_t axis = 0; axis < 3; ++axis) put(sample.info_offset + 8 * axis, file.offset[axis]);
+  put(sample.info_offset + 24, k_copc_half_size);
+  put(sample.info_offset + 32, 1.5);
+  put(sample.info_offset + 40, std::uint64_t{sample.pages_offset});
+  put(sample.info_offset + 48, std::uint64_t{32 * sample.keys.size()});
   InputFile input(sample.bytes, "memory");
   std::vector<std::string> warnings;
   const LasHeader header = read_las_header(input, warnings);
@@ -90,15 +90,15 @@ inline CopcSample build_copc(std::size_t count, std::size_t node_points = 40, st
       *read_chunk_table(input, header, standard_laz_layout(7, 36, 0), missing);
   for (std::size_t i = 0; i < sample.keys.size(); ++i) {
     // Entries in the order of keys from the last, which is neither that of the file nor that of the tree.
-    const std::size_t place = sample.pages_place + 32 * (sample.keys.size() - 1 - i);
+    const std::size_t offset = sample.pages_offset + 32 * (sample.keys.size() - 1 - i);
     const CopcKey& key = sample.keys[i];
-    put(place, std::int32_t{key.level});
-    put(place + 4, key.x);
-    put(place + 8, key.y);
-    put(place + 12, key.z);
-    put(place + 16, chunks[i].place);
-    put(place + 24, static_cast<std::int32_t>(chunks[i].byte_count));
-    put(place + 28, static_cast<std::int32_t>(chunks[i].point_count));
+    put(offset, std::int32_t{key.level});
+    put(offset + 4, key.x);
+    put(offset + 8, key.y);
+    put(offset + 12, key.z);
+    put(offset + 16, chunks[i].offset);
+    put(offset + 24, static_cast<std::int32_t>(chunks[i].byte_count));
+    put(offset + 28, static_cast<std::int32_t>(chunks[i].point_count));
   }
   return sample;
 }

@@ -21,9 +21,9 @@ CopcFile open(const std::vector<std::byte>& bytes) {
 }
 
 template <class T>
-std::string error_with(std::size_t place, T value) {
+std::string error_with(std::size_t offset, T value) {
   CopcSample sample = build_copc(500);
-  std::memcpy(sample.bytes.data() + place, &value, sizeof value);
+  std::memcpy(sample.bytes.data() + offset, &value, sizeof value);
   return error_of([&] { open(sample.bytes); });
 }
 
@@ -77,12 +77,12 @@ TEST(CopcHierarchyTest,
      a_node_without_parent_hangs_below_the_smallest_cube_around_it_and_no_others_are_made) {
   CopcSample sample = build_copc(500);
   // The root's entry stands somewhere in the page; its chunk becomes that of a deep node without relatives.
-  for (std::size_t place = sample.pages_place; place < sample.bytes.size(); place += 32) {
+  for (std::size_t offset = sample.pages_offset; offset < sample.bytes.size(); offset += 32) {
     std::int32_t level = 0;
-    std::memcpy(&level, sample.bytes.data() + place, 4);
+    std::memcpy(&level, sample.bytes.data() + offset, 4);
     if (level != 0) continue;
     const std::int32_t key[4] = {20, 1000, 2000, 3000};
-    std::memcpy(sample.bytes.data() + place, key, sizeof key);
+    std::memcpy(sample.bytes.data() + offset, key, sizeof key);
   }
   const CopcFile file = open(sample.bytes);
   const CopcHierarchy& hierarchy = file.hierarchy();
@@ -101,25 +101,25 @@ TEST(CopcHierarchyTest,
 TEST(CopcHierarchyTest, pages_may_stand_elsewhere) {
   // A second page takes over all entries; the first keeps one that points to it.
   CopcSample sample = build_copc(500);
-  const std::vector<std::byte> page(sample.bytes.begin() + static_cast<std::ptrdiff_t>(sample.pages_place),
+  const std::vector<std::byte> page(sample.bytes.begin() + static_cast<std::ptrdiff_t>(sample.pages_offset),
                                     sample.bytes.end());
   const std::uint64_t second = sample.bytes.size();
   sample.bytes.insert(sample.bytes.end(), page.begin(), page.end());
-  const auto put = [&](std::size_t place, auto value) {
-    std::memcpy(sample.bytes.data() + place, &value, sizeof value);
+  const auto put = [&](std::size_t offset, auto value) {
+    std::memcpy(sample.bytes.data() + offset, &value, sizeof value);
   };
-  for (std::size_t i = 0; i < 4; ++i) put(sample.pages_place + 4 * i, std::int32_t{0});
-  put(sample.pages_place + 16, second);
-  put(sample.pages_place + 24, static_cast<std::int32_t>(page.size()));
-  put(sample.pages_place + 28, std::int32_t{-1});
-  put(sample.info_place + 48, std::uint64_t{32});
+  for (std::size_t i = 0; i < 4; ++i) put(sample.pages_offset + 4 * i, std::int32_t{0});
+  put(sample.pages_offset + 16, second);
+  put(sample.pages_offset + 24, static_cast<std::int32_t>(page.size()));
+  put(sample.pages_offset + 28, std::int32_t{-1});
+  put(sample.info_offset + 48, std::uint64_t{32});
   EXPECT_EQ(open(sample.bytes).hierarchy().nodes.size(), sample.keys.size());
 
   // Now it points to itself.
-  put(sample.pages_place + 16, std::uint64_t{sample.pages_place});
-  put(sample.pages_place + 24, std::int32_t{32});
+  put(sample.pages_offset + 16, std::uint64_t{sample.pages_offset});
+  put(sample.pages_offset + 24, std::int32_t{32});
   EXPECT_TRUE(contains(error_of([&] { open(sample.bytes); }),
-                       "is met twice, from byte " + std::to_string(sample.pages_place) + " again"));
+                       "is met twice, from byte " + std::to_string(sample.pages_offset) + " again"));
 }
 
 TEST(CopcHierarchyTest, pages_may_be_long_and_have_nodes_without_points) {
@@ -131,8 +131,8 @@ TEST(CopcHierarchyTest, pages_may_be_long_and_have_nodes_without_points) {
     const auto bytes = std::as_bytes(std::span(entry));
     sample.bytes.insert(sample.bytes.end(), bytes.begin(), bytes.end());
   }
-  const std::uint64_t size = sample.bytes.size() - sample.pages_place;
-  std::memcpy(sample.bytes.data() + sample.info_place + 48, &size, sizeof size);
+  const std::uint64_t size = sample.bytes.size() - sample.pages_offset;
+  std::memcpy(sample.bytes.data() + sample.info_offset + 48, &size, sizeof size);
   const CopcFile file = open(sample.bytes);
   EXPECT_EQ(file.hierarchy().nodes.size(), sample.keys.size() + k_empty);
   EXPECT_EQ(file.hierarchy().children.size(), sample.keys.size() + k_empty - 1);
@@ -141,15 +141,15 @@ TEST(CopcHierarchyTest, pages_may_be_long_and_have_nodes_without_points) {
 TEST(CopcHierarchyTest, pages_that_overlap_are_not_read_for_ever) {
   // Every entry points to a page that begins a byte behind the one before.
   CopcSample sample = build_copc(500);
-  const std::size_t page_size = sample.bytes.size() - sample.pages_place;
-  const auto put = [&](std::size_t place, auto value) {
-    std::memcpy(sample.bytes.data() + place, &value, sizeof value);
+  const std::size_t page_size = sample.bytes.size() - sample.pages_offset;
+  const auto put = [&](std::size_t offset, auto value) {
+    std::memcpy(sample.bytes.data() + offset, &value, sizeof value);
   };
   const std::size_t entries = page_size / 32, most = sample.bytes.size() / 32 * 32 - 64 * entries;
   for (std::size_t i = 0; i < entries; ++i) {
-    put(sample.pages_place + 32 * i + 16, std::uint64_t{i + 1});
-    put(sample.pages_place + 32 * i + 24, static_cast<std::int32_t>(most));
-    put(sample.pages_place + 32 * i + 28, std::int32_t{-1});
+    put(sample.pages_offset + 32 * i + 16, std::uint64_t{i + 1});
+    put(sample.pages_offset + 32 * i + 24, static_cast<std::int32_t>(most));
+    put(sample.pages_offset + 32 * i + 28, std::int32_t{-1});
   }
   EXPECT_TRUE(
       contains(error_of([&] { open(sample.bytes); }), "the pages of the COPC hierarchy exceed the file"));
@@ -173,7 +173,7 @@ TEST(CopcHierarchyTest, records_that_cannot_be_true_are_errors) {
 }
 
 TEST(CopcHierarchyTest, entries_that_cannot_be_true_are_errors) {
-  const std::size_t entry = build_copc(500).pages_place;
+  const std::size_t entry = build_copc(500).pages_offset;
   EXPECT_TRUE(contains(error_with(entry, std::int32_t{-1}), "bad key"));
   EXPECT_TRUE(contains(error_with(entry, std::int32_t{31}), "bad key"));
   EXPECT_TRUE(contains(error_with(entry + 4, std::int32_t{-1}), "bad key"));
@@ -185,31 +185,31 @@ TEST(CopcHierarchyTest, entries_that_cannot_be_true_are_errors) {
   EXPECT_TRUE(contains(error_with(entry + 16, std::uint64_t{1000}), "does not match a chunk of the file"));
   EXPECT_TRUE(contains(error_with(entry + 24, std::int32_t{-5}), "does not match a chunk of the file"));
   CopcSample twice = build_copc(500);
-  std::memcpy(twice.bytes.data() + twice.pages_place, twice.bytes.data() + twice.pages_place + 32, 16);
+  std::memcpy(twice.bytes.data() + twice.pages_offset, twice.bytes.data() + twice.pages_offset + 32, 16);
   EXPECT_TRUE(contains(error_of([&] { open(twice.bytes); }), "expected one with points, found "));
 }
 
 TEST(CopcHierarchyTest, every_flipped_bit_of_pages_and_record_is_an_error_or_harmless) {
   CopcSample sample = build_copc(300);
-  const auto flip = [&](std::size_t place) {
-    const std::byte bit = static_cast<std::byte>(1u << (place * 5 % 8));
-    sample.bytes[place] ^= bit;
+  const auto flip = [&](std::size_t offset) {
+    const std::byte bit = static_cast<std::byte>(1u << (offset * 5 % 8));
+    sample.bytes[offset] ^= bit;
     try {
       open(sample.bytes);
     } catch (const Error&) {
     }
-    sample.bytes[place] ^= bit;
+    sample.bytes[offset] ^= bit;
   };
-  for (std::size_t place = sample.info_place; place < sample.info_place + 160; ++place) flip(place);
-  for (std::size_t place = sample.pages_place; place < sample.bytes.size(); ++place) flip(place);
+  for (std::size_t offset = sample.info_offset; offset < sample.info_offset + 160; ++offset) flip(offset);
+  for (std::size_t offset = sample.pages_offset; offset < sample.bytes.size(); ++offset) flip(offset);
 }
 
 TEST(CopcFileTest, chunks_are_found_without_a_table_and_a_warning_says_so) {
   CopcSample sample = build_copc(500);
   EXPECT_TRUE(open(sample.bytes).warnings().empty());
-  std::uint32_t points_place = 0;
-  std::memcpy(&points_place, sample.bytes.data() + 96, 4);
-  std::memset(sample.bytes.data() + points_place, 0, 8);
+  std::uint32_t points_offset = 0;
+  std::memcpy(&points_offset, sample.bytes.data() + 96, 4);
+  std::memset(sample.bytes.data() + points_offset, 0, 8);
   const CopcFile file = open(sample.bytes);
   EXPECT_EQ(file.hierarchy().nodes.size(), sample.keys.size());
   ASSERT_EQ(file.warnings().size(), 1u);

@@ -130,15 +130,15 @@ class E57Builder {
   }
 
   /// A scan whose section is somewhere already.
-  void add_scan_element(const std::string& facts, const std::string& prototype, std::uint64_t place,
+  void add_scan_element(const std::string& facts, const std::string& prototype, std::uint64_t offset,
                         std::uint64_t record_count) {
     scans_ += "<vectorChild type=\"Structure\">" + facts + "<points type=\"CompressedVector\" fileOffset=\"" +
-              std::to_string(place) + "\" recordCount=\"" + std::to_string(record_count) +
+              std::to_string(offset) + "\" recordCount=\"" + std::to_string(record_count) +
               "\"><prototype type=\"Structure\">" + prototype +
               "</prototype><codecs type=\"Vector\"></codecs></points></vectorChild>\n";
   }
 
-  /// A section of points; returns its place in the file, checksums counted.
+  /// A section of points; returns its offset in the file, checksums counted.
   std::uint64_t add_section(const std::vector<std::string>& packets) {
     std::uint64_t length = 32;
     for (const std::string& packet : packets) length += packet.size();
@@ -179,12 +179,12 @@ class E57Builder {
   /// The file with another XML.
   std::string file_with(std::string xml) const {
     std::string payload = payload_;
-    const std::uint64_t place = physical(payload.size());
+    const std::uint64_t offset = physical(payload.size());
     xml.resize((xml.size() + 3) / 4 * 4, ' ');
     payload += xml;
     payload.resize((payload.size() + 1019) / 1020 * 1020, '\0');
     const std::string header = "ASTM-E57" + bytes_of(std::uint32_t{1}) + bytes_of(std::uint32_t{0}) +
-                               bytes_of(std::uint64_t{payload.size() / 1020 * 1024}) + bytes_of(place) +
+                               bytes_of(std::uint64_t{payload.size() / 1020 * 1024}) + bytes_of(offset) +
                                bytes_of(std::uint64_t{xml.size()}) + bytes_of(std::uint64_t{1024});
     payload.replace(0, header.size(), header);
     std::string file;
@@ -195,7 +195,7 @@ class E57Builder {
   }
 
  private:
-  static std::uint64_t physical(std::uint64_t place) { return place + 4 * (place / 1020); }
+  static std::uint64_t physical(std::uint64_t offset) { return offset + 4 * (offset / 1020); }
 
   std::string payload_ = std::string(48, '\0');
   std::string scans_, images_;
@@ -204,12 +204,12 @@ class E57Builder {
 inline std::string pose_element(const std::string& rotation, const std::string& translation) {
   const auto parts = [](const std::string& names, const std::string& numbers) {
     std::string text;
-    std::size_t place = 0;
+    std::size_t offset = 0;
     for (const char name : names) {
-      const std::size_t end = std::min(numbers.find(' ', place), numbers.size());
-      text += std::string("<") + name + " type=\"Float\">" + numbers.substr(place, end - place) + "</" +
+      const std::size_t end = std::min(numbers.find(' ', offset), numbers.size());
+      text += std::string("<") + name + " type=\"Float\">" + numbers.substr(offset, end - offset) + "</" +
               name + ">";
-      place = end + 1;
+      offset = end + 1;
     }
     return text;
   };

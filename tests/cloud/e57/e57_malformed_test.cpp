@@ -42,8 +42,8 @@ std::string sample() {
 
 /// The file with a value put at a byte, checksums made right.
 template <class Value>
-std::string with(std::string file, std::size_t place, Value value) {
-  file.replace(place, sizeof value, test::bytes_of(value));
+std::string with(std::string file, std::size_t offset, Value value) {
+  file.replace(offset, sizeof value, test::bytes_of(value));
   return sealed(file);
 }
 
@@ -76,10 +76,10 @@ TEST(E57Malformed, every_prefix_is_an_error) {
 
 TEST(E57Malformed, changed_bytes_under_right_checksums_are_errors_or_other_clouds) {
   const std::string file = sample();
-  for (std::size_t place = 0; place < file.size(); ++place) {
+  for (std::size_t offset = 0; offset < file.size(); ++offset) {
     for (const int change : {1, 0x80, 0xff}) {
       std::string changed = file;
-      changed[place] = static_cast<char>(changed[place] ^ change);
+      changed[offset] = static_cast<char>(changed[offset] ^ change);
       test::reading_error(open_e57, sealed(changed));
     }
   }
@@ -87,10 +87,10 @@ TEST(E57Malformed, changed_bytes_under_right_checksums_are_errors_or_other_cloud
 
 TEST(E57Malformed, sections) {
   const std::vector<E57Column> columns = three_points();
-  const auto file_at = [&](std::uint64_t place, std::uint64_t count) {
+  const auto file_at = [&](std::uint64_t offset, std::uint64_t count) {
     E57Builder builder;
     builder.add_section(test::packets_of(columns, 100));
-    builder.add_scan_element("", prototype_of(columns), place, count);
+    builder.add_scan_element("", prototype_of(columns), offset, count);
     return builder.file();
   };
   EXPECT_EQ(test::reading_error(open_e57, file_at(48, 3)), "");
@@ -116,9 +116,9 @@ TEST(E57Malformed, packets) {
     return builder.file();
   };
   const std::string sound = test::packets_of(columns, 100)[0];
-  const auto changed = [&](std::size_t place, std::uint16_t value) {
+  const auto changed = [&](std::size_t offset, std::uint16_t value) {
     std::string packet = sound;
-    packet.replace(place, 2, test::bytes_of(value));
+    packet.replace(offset, 2, test::bytes_of(value));
     return read({packet});
   };
   EXPECT_EQ(test::reading_error(open_e57, read({sound})), "");
@@ -183,8 +183,8 @@ TEST(E57Malformed, a_restart_inside_records_is_an_error) {
 TEST(E57Malformed, scans_that_share_a_section_are_an_error) {
   const std::vector<E57Column> columns = three_points();
   E57Builder builder;
-  const std::uint64_t place = builder.add_section(test::packets_of(columns, 100));
-  for (int i = 0; i < 1000; ++i) builder.add_scan_element("", prototype_of(columns), place, 3);
+  const std::uint64_t offset = builder.add_section(test::packets_of(columns, 100));
+  for (int i = 0; i < 1000; ++i) builder.add_scan_element("", prototype_of(columns), offset, 3);
   expect_error(builder.file(), "its section overlaps that of scan");
 }
 
@@ -200,8 +200,8 @@ TEST(E57Malformed, constants_are_not_counted_without_end) {
 TEST(E57Malformed, prototypes) {
   const auto read = [](const std::string& prototype) {
     E57Builder builder;
-    const std::uint64_t place = builder.add_section(test::packets_of(three_points(), 100));
-    builder.add_scan_element("", prototype, place, 1);
+    const std::uint64_t offset = builder.add_section(test::packets_of(three_points(), 100));
+    builder.add_scan_element("", prototype, offset, 1);
     return builder.file();
   };
   const std::string xyz = prototype_of(three_points());

@@ -101,9 +101,9 @@ void expect_refusal(const std::string& name) {
   const PointCloud sound = test::read_alone(open_e57, whole);
   for (std::size_t i = 0; i < 300; ++i) {
     std::string flipped = whole;
-    const std::size_t place = (i * 2654435761u + i * i * 97) % whole.size();
-    flipped[place] = static_cast<char>(flipped[place] ^ (1 << i % 8));
-    EXPECT_NE(test::reading_error(open_e57, flipped), "") << "byte " << place;
+    const std::size_t offset = (i * 2654435761u + i * i * 97) % whole.size();
+    flipped[offset] = static_cast<char>(flipped[offset] ^ (1 << i % 8));
+    EXPECT_NE(test::reading_error(open_e57, flipped), "") << "byte " << offset;
   }
   for (std::size_t i = 0; i < 40; ++i) {
     EXPECT_NE(test::reading_error(open_e57, whole.substr(0, i * whole.size() / 40)), "");

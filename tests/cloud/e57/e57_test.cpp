@@ -47,8 +47,8 @@ TEST(BitQueue, numbers_of_every_width_are_cut_anywhere) {
     const std::string bytes = test::bit_packed(column);
     BitQueue queue(width);
     std::vector<std::uint64_t> found;
-    for (std::size_t place = 0, piece = 1; found.size() < 50; place += piece, piece = piece % 11 + 1) {
-      const std::string_view rest = std::string_view(bytes).substr(std::min(place, bytes.size()), piece);
+    for (std::size_t offset = 0, piece = 1; found.size() < 50; offset += piece, piece = piece % 11 + 1) {
+      const std::string_view rest = std::string_view(bytes).substr(std::min(offset, bytes.size()), piece);
       queue.add(std::as_bytes(std::span(rest)));
       std::vector<std::uint64_t> numbers(queue.available(50 - found.size()));
       queue.take(numbers);
@@ -74,9 +74,9 @@ TEST(BitQueue, restart_forgets_what_is_left_of_a_number) {
 
 TEST(E57Pages, views_anywhere_and_of_any_length_are_the_bytes_between_the_checksums) {
   E57Builder builder;
-  std::string letters(300'000, ' ');
-  for (std::size_t i = 0; i < letters.size(); ++i) letters[i] = static_cast<char>('!' + i * i % 89);
-  builder.root = "<note type=\"String\">" + letters + "</note>";
+  std::string characters(300'000, ' ');
+  for (std::size_t i = 0; i < characters.size(); ++i) characters[i] = static_cast<char>('!' + i * i % 89);
+  builder.root = "<note type=\"String\">" + characters + "</note>";
   const std::string file = builder.file();
   std::string payload;
   for (std::size_t page = 0; page < file.size(); page += 1024) payload += file.substr(page, 1020);
@@ -85,11 +85,11 @@ TEST(E57Pages, views_anywhere_and_of_any_length_are_the_bytes_between_the_checks
   for (int i = 0; i < 2000; ++i) {
     number = number * 6364136223846793005u + 1442695040888963407u;
     // Far jumps, steps forward and steps back.
-    const std::uint64_t place = i % 3 == 0 ? (number >> 33) % payload.size() : (number >> 33) % 70'000;
-    const std::uint64_t count = std::min<std::uint64_t>((number >> 20) % 70'000, payload.size() - place);
-    const auto bytes = pages.view(place, static_cast<std::size_t>(count));
+    const std::uint64_t offset = i % 3 == 0 ? (number >> 33) % payload.size() : (number >> 33) % 70'000;
+    const std::uint64_t count = std::min<std::uint64_t>((number >> 20) % 70'000, payload.size() - offset);
+    const auto bytes = pages.view(offset, static_cast<std::size_t>(count));
     ASSERT_EQ(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()),
-              std::string_view(payload).substr(place, count));
+              std::string_view(payload).substr(offset, count));
     if (i % 97 == 0) pages.rest();
   }
 }

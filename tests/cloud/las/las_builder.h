@@ -146,8 +146,8 @@ inline void add_las_record(ByteSink& sink, const LasRecord& record, bool extende
 inline std::vector<std::byte> build_las(const LasFile& file) {
   const int header_size = file.version_minor <= 2 ? 227 : file.version_minor == 3 ? 235 : 375;
   const int point_size = k_las_point_sizes[static_cast<std::size_t>(file.point_format)] + file.extra_bytes;
-  std::size_t points_place = static_cast<std::size_t>(header_size) + (file.spare_bytes ? 2 : 0);
-  for (const LasRecord& record : file.records) points_place += 54 + record.data.size();
+  std::size_t points_offset = static_cast<std::size_t>(header_size) + (file.spare_bytes ? 2 : 0);
+  for (const LasRecord& record : file.records) points_offset += 54 + record.data.size();
   const bool legacy_counts = file.point_format <= 5 || file.version_minor < 4;
   const auto legacy_count = static_cast<std::uint32_t>(legacy_counts ? file.points.size() : 0);
 
@@ -159,7 +159,7 @@ inline std::vector<std::byte> build_las(const LasFile& file) {
   sink.add<std::uint8_t>(1).add<std::uint8_t>(static_cast<std::uint8_t>(file.version_minor));
   sink.text("a test", 32).text("las_builder.h", 32).add<std::uint16_t>(1).add<std::uint16_t>(2024);
   sink.add<std::uint16_t>(static_cast<std::uint16_t>(header_size));
-  sink.add<std::uint32_t>(static_cast<std::uint32_t>(points_place));
+  sink.add<std::uint32_t>(static_cast<std::uint32_t>(points_offset));
   sink.add<std::uint32_t>(static_cast<std::uint32_t>(file.records.size()));
   sink.add<std::uint8_t>(static_cast<std::uint8_t>(file.point_format));
   sink.add<std::uint16_t>(static_cast<std::uint16_t>(point_size));
@@ -170,7 +170,7 @@ inline std::vector<std::byte> build_las(const LasFile& file) {
   for (int i = 0; i < 6; ++i) sink.add<double>(i % 2 == 0 ? 1e7 : -1e7);  // a box looser than the points
   if (file.version_minor >= 3) sink.add<std::uint64_t>(0);
   if (file.version_minor >= 4) {
-    const std::size_t points_end = points_place + file.points.size() * static_cast<std::size_t>(point_size);
+    const std::size_t points_end = points_offset + file.points.size() * static_cast<std::size_t>(point_size);
     sink.add<std::uint64_t>(file.extended_records.empty() ? 0 : points_end);
     sink.add<std::uint32_t>(static_cast<std::uint32_t>(file.extended_records.size()));
     sink.add<std::uint64_t>(file.points.size());

@@ -20,15 +20,15 @@ using test::read_memory;
 using test::sample_las;
 
 template <class T>
-std::vector<std::byte> with(std::vector<std::byte> bytes, std::size_t place, T value) {
-  std::memcpy(bytes.data() + place, &value, sizeof(T));
+std::vector<std::byte> with(std::vector<std::byte> bytes, std::size_t offset, T value) {
+  std::memcpy(bytes.data() + offset, &value, sizeof(T));
   return bytes;
 }
 
 /// The Error for a valid file of version 1.4, format 7, after one field was changed.
 template <class T>
-std::string error_with(std::size_t place, T value) {
-  return error_of([&] { read_memory(with(build_las(sample_las(4, 7)), place, value)); });
+std::string error_with(std::size_t offset, T value) {
+  return error_of([&] { read_memory(with(build_las(sample_las(4, 7)), offset, value)); });
 }
 
 /// Reads bytes that may be anything; counts the clean reads.
@@ -64,10 +64,10 @@ TEST(LasMalformedTest, any_byte_changed_is_an_error_or_a_clean_read) {
   for (int format = 0; format < 11; ++format) {
     const std::vector<std::byte> bytes = build_las(sample_las(4, format, 3));
     int clean = 0;
-    for (std::size_t place = 0; place < bytes.size(); ++place) {
+    for (std::size_t offset = 0; offset < bytes.size(); ++offset) {
       for (const int change : {0x01, 0x80, 0xff, static_cast<int>(random.below(256))}) {
         std::vector<std::byte> changed = bytes;
-        changed[place] ^= static_cast<std::byte>(change);
+        changed[offset] ^= static_cast<std::byte>(change);
         clean += read_or_error(changed);
       }
     }
@@ -93,8 +93,8 @@ TEST(LasMalformedTest, a_bad_offset_is_an_error) {
 }
 
 TEST(LasMalformedTest, points_inside_the_header_or_beyond_the_file_are_an_error) {
-  for (const std::uint32_t place : {0u, 227u, 374u, 1000000u, 0xffffffffu}) {
-    const std::string message = error_with(96, place);
+  for (const std::uint32_t offset : {0u, 227u, 374u, 1000000u, 0xffffffffu}) {
+    const std::string message = error_with(96, offset);
     EXPECT_NE(message.find("byte 96: invalid offset of the points"), std::string::npos) << message;
   }
 }
@@ -120,10 +120,10 @@ TEST(LasMalformedTest, more_records_than_there_is_room_for_are_an_error) {
 
 TEST(LasMalformedTest, an_extended_record_that_runs_past_the_file_is_an_error) {
   const std::vector<std::byte> bytes = build_las(sample_las(4, 7));
-  const std::size_t place = bytes.size() - 4 - 60;
+  const std::size_t offset = bytes.size() - 4 - 60;
   for (const std::uint64_t size : {std::uint64_t{5}, ~std::uint64_t{0}, ~std::uint64_t{0} - 60}) {
-    const std::string message = error_of([&] { read_memory(with(bytes, place + 20, size)); });
-    EXPECT_NE(message.find("byte " + std::to_string(place)), std::string::npos) << message;
+    const std::string message = error_of([&] { read_memory(with(bytes, offset + 20, size)); });
+    EXPECT_NE(message.find("byte " + std::to_string(offset)), std::string::npos) << message;
   }
 }
 

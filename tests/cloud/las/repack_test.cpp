@@ -98,12 +98,12 @@ TEST(RepackFileTest, bytes_before_and_behind_the_points_stay) {
   test::LasFile file = sample_las(4, 6, 50);
   std::vector<std::byte> las = build_las(file);
   // Padding before the points, and bytes between points and extended records, and behind these.
-  const auto points_place = load<std::uint32_t>(las.data() + 96);
+  const auto points_offset = load<std::uint32_t>(las.data() + 96);
   const auto extended = load<std::uint64_t>(las.data() + 235);
   las.insert(las.begin() + static_cast<std::ptrdiff_t>(extended), 11, std::byte{0x22});
-  las.insert(las.begin() + points_place, 7, std::byte{0x11});
+  las.insert(las.begin() + points_offset, 7, std::byte{0x11});
   las.insert(las.end(), 5, std::byte{0x33});
-  store(las.data() + 96, points_place + 7);
+  store(las.data() + 96, points_offset + 7);
   store(las.data() + 235, extended + 18);
   write_bytes(folder / "in.las", las);
   const fs::path laz = expect_same_after_a_round(folder / "in.las", folder);
@@ -111,7 +111,7 @@ TEST(RepackFileTest, bytes_before_and_behind_the_points_stay) {
   EXPECT_EQ(cloud.records.size(), 2u) << "also the extended one, whose place has moved";
 }
 
-TEST(RepackFileTest, the_place_of_wave_packets_moves_with_them) {
+TEST(RepackFileTest, the_offset_of_wave_packets_moves_with_them) {
   const fs::path folder = test::test_folder();
   std::vector<std::byte> las = build_las(sample_las(3, 4, 50));
   store<std::uint64_t>(las.data() + 227, las.size());

@@ -29,8 +29,8 @@ struct TableFile {
     return test::error_of([&] { read(); });
   }
   template <class T>
-  void put(std::size_t place, T value) {
-    std::memcpy(bytes.data() + place, &value, sizeof value);
+  void put(std::size_t offset, T value) {
+    std::memcpy(bytes.data() + offset, &value, sizeof value);
   }
 };
 
@@ -40,7 +40,7 @@ TableFile make_file(std::size_t chunks_size, std::uint64_t point_count, std::uin
   file.bytes.resize(k_points + 8 + chunks_size);
   file.put(k_points, static_cast<std::int64_t>(file.bytes.size()));
   for (const int byte : table) file.bytes.push_back(static_cast<std::byte>(byte));
-  file.header.points_place = k_points;
+  file.header.points_offset = k_points;
   file.header.point_count = point_count;
   file.header.compressed = true;
   file.layout = standard_laz_layout(0, 20, chunk_size);
@@ -69,26 +69,26 @@ TEST(ChunkTableTest, lists_sizes_and_counts_of_others) {
   EXPECT_EQ(variable_file().read(), expected);
 }
 
-TEST(ChunkTableTest, place_behind_the_table_is_found_before_extended_records_too) {
+TEST(ChunkTableTest, offset_behind_the_table_is_found_before_extended_records_too) {
   for (const bool with_records : {false, true}) {
     TableFile file = fixed_file();
-    const std::int64_t place = 298;
+    const std::int64_t offset = 298;
     file.put(k_points, std::int64_t{-1});
     file.bytes.resize(file.bytes.size() + 8);
-    file.put(file.bytes.size() - 8, place);
+    file.put(file.bytes.size() - 8, offset);
     if (with_records) {
-      file.header.extended_records_place = file.bytes.size();
+      file.header.extended_records_offset = file.bytes.size();
       file.bytes.resize(file.bytes.size() + 60);
     }
     EXPECT_EQ(file.read(), fixed_file().read());
   }
 }
 
-TEST(ChunkTableTest, no_place_is_a_missing_table) {
-  for (const std::int64_t place :
+TEST(ChunkTableTest, no_offset_is_a_missing_table) {
+  for (const std::int64_t offset :
        {std::int64_t{0}, std::int64_t{-1}, std::int64_t{-2}, std::int64_t{k_points}}) {
     TableFile file = fixed_file();
-    file.put(k_points, place);
+    file.put(k_points, offset);
     EXPECT_FALSE(file.read());
     EXPECT_TRUE(contains(file.missing, "missing offset of the chunk table"));
   }

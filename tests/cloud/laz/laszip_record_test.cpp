@@ -12,7 +12,7 @@ namespace {
 
 using test::error_of;
 
-constexpr std::uint64_t k_place = 281;
+constexpr std::uint64_t k_offset = 281;
 
 std::vector<std::byte> data_of(const LazLayout& layout) {
   const std::vector<std::uint8_t> data = test::laszip_data(layout);
@@ -21,14 +21,14 @@ std::vector<std::byte> data_of(const LazLayout& layout) {
 }
 
 LazLayout parse(const std::vector<std::byte>& data, int format = 7, std::size_t size = 38) {
-  return parse_laszip_record(data, "file", k_place, format, size);
+  return parse_laszip_record(data, "file", k_offset, format, size);
 }
 
 /// The Error when a field of a good record of format 7 with two extra bytes is overwritten.
 template <class T>
-std::string error_with(std::size_t place, T value) {
+std::string error_with(std::size_t offset, T value) {
   std::vector<std::byte> data = data_of(standard_laz_layout(7, 38));
-  std::memcpy(data.data() + place, &value, sizeof value);
+  std::memcpy(data.data() + offset, &value, sizeof value);
   return error_of([&] { parse(data); });
 }
 
@@ -71,7 +71,7 @@ TEST(LaszipRecordTest, with_compressor_none_nothing_else_is_looked_at) {
   EXPECT_EQ(parse(data).compressor, LazCompressor::none);
 }
 
-TEST(LaszipRecordTest, errors_name_file_and_place) {
+TEST(LaszipRecordTest, errors_name_file_and_offset) {
   EXPECT_TRUE(contains(error_with(0, std::uint16_t{4}), "file:byte 281: unknown compressor"));
   EXPECT_TRUE(contains(error_with(2, std::uint16_t{1}), "file:byte 283: unsupported entropy coder"));
 }

@@ -166,8 +166,8 @@ TEST_F(LayeredMalformed, refusals_name_the_first_point_that_cannot_be_had) {
         in_whole += whole_head.layer_sizes()[i];
         in_part += part_head.layer_sizes()[i];
       }
-      const auto at = [](const Bytes& bytes, std::size_t place) {
-        return bytes.begin() + static_cast<std::ptrdiff_t>(place);
+      const auto at = [](const Bytes& bytes, std::size_t offset) {
+        return bytes.begin() + static_cast<std::ptrdiff_t>(offset);
       };
       Bytes chunk(whole.begin(), at(whole, in_whole));
       chunk.insert(chunk.end(), at(part, in_part), at(part, in_part + part_head.layer_sizes()[layer]));

@@ -21,9 +21,9 @@
 
 namespace alidade::test {
 
-enum class TablePlace {
+enum class TableLocation {
   at_start,  ///< before the chunks stands where the table is
-  at_end,    ///< -1 stands there, and the place behind the table
+  at_end,    ///< -1 stands there, and the offset behind the table
   unknown,   ///< as a writer that was interrupted leaves it; there is no table
 };
 
@@ -33,7 +33,7 @@ struct LazOptions {
   std::vector<std::uint32_t> chunk_sizes = {7};
   bool variable = false;    ///< the table lists the counts
   bool one_stream = false;  ///< compressor 1
-  TablePlace table = TablePlace::at_start;
+  TableLocation table = TableLocation::at_start;
 };
 
 struct PackedChunk {
@@ -72,13 +72,13 @@ inline std::vector<std::byte> build_laz(LasFile file, const LazOptions& options 
   file.records.push_back({"laszip encoded", 22204, "http://laszip.org", laszip_data(layout)});
   std::vector<std::byte> las = build_las(file);
   las[104] |= std::byte{128};
-  std::uint32_t points_place = 0;
-  std::memcpy(&points_place, las.data() + 96, 4);
+  std::uint32_t points_offset = 0;
+  std::memcpy(&points_offset, las.data() + 96, 4);
   const std::size_t points_bytes = file.points.size() * point_size;
-  std::vector<std::byte> laz(las.begin(), las.begin() + points_place);
-  const std::span<const std::byte> points(las.data() + points_place, points_bytes);
-  const auto put = [&laz](std::size_t place, auto value) {
-    std::memcpy(laz.data() + place, &value, sizeof value);
+  std::vector<std::byte> laz(las.begin(), las.begin() + points_offset);
+  const std::span<const std::byte> points(las.data() + points_offset, points_bytes);
+  const auto put = [&laz](std::size_t offset, auto value) {
+    std::memcpy(laz.data() + offset, &value, sizeof value);
   };
 
   if (options.one_stream) {
@@ -89,7 +89,7 @@ inline std::vector<std::byte> build_laz(LasFile file, const LazOptions& options 
     }
   } else {
     laz.resize(laz.size() + 8);
-    put(points_place, std::int64_t{0});
+    put(points_offset, std::int64_t{0});
     std::vector<PackedChunk> chunks;
     for (std::size_t first = 0; first < file.points.size();) {
       const std::size_t wanted = options.chunk_sizes[std::min(chunks.size(), options.chunk_sizes.size() - 1)];
@@ -105,20 +105,20 @@ inline std::vector<std::byte> build_laz(LasFile file, const LazOptions& options 
       chunks.push_back({static_cast<std::uint32_t>(chunk.size()), static_cast<std::uint32_t>(count)});
       first += count;
     }
-    const std::int64_t place = static_cast<std::int64_t>(laz.size());
-    if (options.table != TablePlace::unknown) {
+    const std::int64_t offset = static_cast<std::int64_t>(laz.size());
+    if (options.table != TableLocation::unknown) {
       const std::vector<std::byte> table = laz_chunk_table(chunks, options.variable);
       laz.insert(laz.end(), table.begin(), table.end());
     }
-    if (options.table == TablePlace::at_start) put(points_place, place);
-    if (options.table == TablePlace::at_end) {
-      put(points_place, std::int64_t{-1});
+    if (options.table == TableLocation::at_start) put(points_offset, offset);
+    if (options.table == TableLocation::at_end) {
+      put(points_offset, std::int64_t{-1});
       laz.resize(laz.size() + 8);
-      put(laz.size() - 8, place);
+      put(laz.size() - 8, offset);
     }
   }
   if (file.version_minor >= 4 && !file.extended_records.empty()) put(235, std::uint64_t{laz.size()});
-  laz.insert(laz.end(), las.begin() + static_cast<std::ptrdiff_t>(points_place + points_bytes), las.end());
+  laz.insert(laz.end(), las.begin() + static_cast<std::ptrdiff_t>(points_offset + points_bytes), las.end());
   return laz;
 }
 

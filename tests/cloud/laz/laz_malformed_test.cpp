@@ -16,12 +16,12 @@ using test::LazOptions;
 using test::read_laz;
 using test::ReadLaz;
 using test::sample_las;
-using test::TablePlace;
+using test::TableLocation;
 
-std::uint32_t points_place(const std::vector<std::byte>& bytes) {
-  std::uint32_t place = 0;
-  std::memcpy(&place, bytes.data() + 96, sizeof place);
-  return place;
+std::uint32_t points_offset(const std::vector<std::byte>& bytes) {
+  std::uint32_t offset = 0;
+  std::memcpy(&offset, bytes.data() + 96, sizeof offset);
+  return offset;
 }
 
 /// Files of every kind, small enough to damage them everywhere.
@@ -31,8 +31,8 @@ std::vector<std::vector<std::byte>> samples() {
     const test::LasFile file = sample_las(test::oldest_las_version(format), format, 30);
     files.push_back(build_laz(file));
     files.push_back(build_laz(file, {.chunk_sizes = {3, 9, 1, 17}, .variable = true}));
-    files.push_back(build_laz(file, {.table = TablePlace::at_end}));
-    files.push_back(build_laz(file, {.table = TablePlace::unknown}));
+    files.push_back(build_laz(file, {.table = TableLocation::at_end}));
+    files.push_back(build_laz(file, {.table = TableLocation::unknown}));
     if (format < 6) files.push_back(build_laz(file, {.one_stream = true}));
   }
   return files;
@@ -65,11 +65,11 @@ TEST(LazMalformedTest, a_prefix_is_an_error_or_a_clean_read) {
 TEST(LazMalformedTest, a_flipped_bit_is_an_error_or_a_clean_read) {
   for (const std::vector<std::byte>& sample : samples()) {
     std::vector<std::byte> bytes = sample;
-    for (std::size_t place = 94; place < bytes.size(); place += place < 375 ? 3 : 19) {
-      const std::byte flipped = static_cast<std::byte>(1u << (place * 5 % 8));
-      bytes[place] ^= flipped;
+    for (std::size_t offset = 94; offset < bytes.size(); offset += offset < 375 ? 3 : 19) {
+      const std::byte flipped = static_cast<std::byte>(1u << (offset * 5 % 8));
+      bytes[offset] ^= flipped;
       reads(bytes);
-      bytes[place] ^= flipped;
+      bytes[offset] ^= flipped;
     }
   }
 }
@@ -85,7 +85,7 @@ TEST(LazMalformedTest, errors_name_file_chunk_and_point) {
   }();
   ASSERT_EQ(chunks.size(), 4u);
   // All ones never occur in a stream.
-  std::memset(bytes.data() + chunks[2].place + 47, 0xff, 60);
+  std::memset(bytes.data() + chunks[2].offset + 47, 0xff, 60);
   const std::string error = test::error_of([&] { test::read_memory(bytes); });
   EXPECT_NE(error.find("memory:chunk 2, point 2"), std::string::npos) << error;
   EXPECT_NE(error.find("corrupt compressed points"), std::string::npos);
@@ -102,7 +102,7 @@ TEST(LazMalformedTest, chunks_that_are_whole_are_kept_if_damage_is_read_over) {
     const LazLayout layout = standard_laz_layout(format, whole.header.point_size, 10);
     const std::vector<LazChunk> chunks = *read_chunk_table(input, whole.header, layout, missing);
     // The count of a layered chunk, or the start of a stream.
-    std::memset(bytes.data() + chunks[1].place + whole.header.point_size, 0xff, 4);
+    std::memset(bytes.data() + chunks[1].offset + whole.header.point_size, 0xff, 4);
     const ReadLaz rest = read_laz(bytes, Damage::read_over);
     const std::size_t chunk_bytes = 10u * whole.header.point_size;
     std::vector<std::byte> expected(whole.records.begin(),
@@ -112,7 +112,7 @@ TEST(LazMalformedTest, chunks_that_are_whole_are_kept_if_damage_is_read_over) {
     EXPECT_EQ(rest.records, expected);
     ASSERT_EQ(rest.lost.size(), 1u);
     EXPECT_EQ(rest.lost[0].count, 10u);
-    EXPECT_NE(rest.lost[0].place.find("chunk 1"), std::string::npos);
+    EXPECT_NE(rest.lost[0].location.find("chunk 1"), std::string::npos);
     const PointCloud cloud = test::read_memory(bytes, {.partial = true});
     EXPECT_EQ(cloud.size(), 30u);
     EXPECT_EQ(cloud.files.at(0).point_count, 30u);
@@ -123,8 +123,8 @@ TEST(LazMalformedTest, chunks_that_are_whole_are_kept_if_damage_is_read_over) {
 TEST(LazMalformedTest, files_cut_within_a_chunk_keep_those_before) {
   for (const int format : {3, 7}) {
     const std::vector<std::byte> whole = build_laz(sample_las(4, format, 40), {.chunk_sizes = {10}});
-    std::vector<std::byte> cut(
-        whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>((points_place(whole) + whole.size()) / 2));
+    std::vector<std::byte> cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(
+                                                                  (points_offset(whole) + whole.size()) / 2));
     const ReadLaz rest = read_laz(cut, Damage::read_over);
     const std::size_t rows = rest.records.size() / rest.header.point_size;
     EXPECT_GE(rows, 10u);

@@ -50,8 +50,8 @@ class LazPerfTest : public ::testing::Test {
       InputFile las(file(name + ".las"));
       std::vector<std::string> warnings;
       const LasHeader header = read_las_header(las, warnings);
-      std::vector<std::byte> records(static_cast<std::size_t>(header.points_end() - header.points_place));
-      las.read_at(header.points_place, records);
+      std::vector<std::byte> records(static_cast<std::size_t>(header.points_end() - header.points_offset));
+      las.read_at(header.points_offset, records);
       EXPECT_TRUE(records == read_bytes(file(name + ".records"))) << name;
     }
   }

@@ -73,12 +73,12 @@ inline void follow(Random& random, LazClocks& clocks, const LazLayout& layout, s
         put(record, clocks.next());
         break;
       case LazItemKind::wave_packet13: {
-        std::uint64_t place;
+        std::uint64_t offset;
         std::uint32_t size;
-        std::memcpy(&place, record + 1, 8);
+        std::memcpy(&offset, record + 1, 8);
         std::memcpy(&size, record + 9, 4);
-        if (random.below(3) != 0) put(record + 1, random.below(9) == 0 ? random.bits() : place + size);
-        if (random.below(9) == 0) put(record + 1, place - random.below(5000));
+        if (random.below(3) != 0) put(record + 1, random.below(9) == 0 ? random.bits() : offset + size);
+        if (random.below(9) == 0) put(record + 1, offset - random.below(5000));
         for (std::size_t at = 9; at < item.size; ++at) now_and_then(at, 5);
         break;
       }

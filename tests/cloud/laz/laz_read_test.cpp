@@ -16,7 +16,7 @@ using test::build_laz;
 using test::LazOptions;
 using test::read_memory;
 using test::sample_las;
-using test::TablePlace;
+using test::TableLocation;
 
 void expect_equal(const PointCloud& found, const PointCloud& expected) {
   EXPECT_EQ(found.lattice, expected.lattice);
@@ -66,20 +66,20 @@ TEST_P(LazReadTest, reads_chunks_of_any_sizes) {
 }
 
 TEST_P(LazReadTest, finds_the_table_behind_the_points) {
-  expect_equal(read_memory(build_laz(sample(), {.table = TablePlace::at_end})),
+  expect_equal(read_memory(build_laz(sample(), {.table = TableLocation::at_end})),
                read_memory(build_las(sample())));
 }
 
 TEST_P(LazReadTest, without_a_table_reads_one_chunk_after_another_and_says_so) {
   const PointCloud expected = read_memory(build_las(sample()));
-  const PointCloud found = read_memory(build_laz(sample(), {.table = TablePlace::unknown}));
+  const PointCloud found = read_memory(build_laz(sample(), {.table = TableLocation::unknown}));
   expect_equal(found, expected);
   EXPECT_TRUE(test::warns(found, "reading the chunks one by one"));
 }
 
 TEST_P(LazReadTest, with_chunks_of_different_sizes_a_table_is_needed_by_pointwise_ones) {
   const std::vector<std::byte> bytes =
-      build_laz(sample(), {.chunk_sizes = {3, 1, 40, 9}, .variable = true, .table = TablePlace::unknown});
+      build_laz(sample(), {.chunk_sizes = {3, 1, 40, 9}, .variable = true, .table = TableLocation::unknown});
   if (GetParam() >= 6) {
     expect_equal(read_memory(bytes), read_memory(build_las(sample())));
   } else {
@@ -97,8 +97,8 @@ TEST_P(LazReadOldFormatsTest, reads_one_stream_of_all_points) {
 TEST_P(LazReadTest, reads_files_without_points) {
   const PointCloud expected = read_memory(build_las(sample(0)));
   expect_equal(read_memory(build_laz(sample(0))), expected);
-  expect_equal(read_memory(build_laz(sample(0), {.table = TablePlace::at_end})), expected);
-  expect_equal(read_memory(build_laz(sample(0), {.table = TablePlace::unknown})), expected);
+  expect_equal(read_memory(build_laz(sample(0), {.table = TableLocation::at_end})), expected);
+  expect_equal(read_memory(build_laz(sample(0), {.table = TableLocation::unknown})), expected);
   if (GetParam() < 6) expect_equal(read_memory(build_laz(sample(0), {.one_stream = true})), expected);
 }
 

@@ -46,7 +46,7 @@ inline ReadLaz read_laz(InputFile file, Damage damage = Damage::refuse, const La
   read.header = read_las_header(file, read.warnings, damage);
   const LasRecords records = read_las_records(file, read.header, read.warnings, damage);
   const LazLayout layout =
-      parse_laszip_record(records.laszip.value().data, file.name(), records.laszip->place,
+      parse_laszip_record(records.laszip.value().data, file.name(), records.laszip->offset,
                           read.header.point_format, read.header.point_size);
   LazPoints points(file, read.header, layout, damage);
   RecordSink sink(read.header.point_size);

@@ -34,9 +34,9 @@ std::vector<Reference> references() {
     const std::size_t end = std::min(text.find("\"file\":", at + 1), text.size());
     const std::string_view entry(text.data() + at, end - at);
     const auto value = [&](const std::string& key) {
-      const std::size_t place = entry.find("\"" + key + "\":");
-      if (place == std::string_view::npos) return std::string();
-      std::size_t first = place + key.size() + 3;
+      const std::size_t offset = entry.find("\"" + key + "\":");
+      if (offset == std::string_view::npos) return std::string();
+      std::size_t first = offset + key.size() + 3;
       while (std::isspace(static_cast<unsigned char>(entry[first])) != 0 || entry[first] == '"') ++first;
       return std::string(entry.substr(first, entry.find_first_of("\",\n}", first) - first));
     };
@@ -68,7 +68,7 @@ TEST(LazSharedDataTest, chunks_are_found_without_a_table) {
     std::vector<std::string> warnings;
     const LasHeader header = read_las_header(file, warnings);
     const std::int64_t nowhere = 0;
-    std::memcpy(bytes.data() + header.points_place, &nowhere, sizeof nowhere);
+    std::memcpy(bytes.data() + header.points_offset, &nowhere, sizeof nowhere);
     EXPECT_EQ(test::sha256(read_laz(bytes).records), reference.checksum) << reference.file;
   }
 }

@@ -54,7 +54,7 @@ TEST(LazWriteTest, what_is_read_from_laz_is_what_is_read_from_las) {
   }
 }
 
-TEST(LazWriteTest, the_ending_of_the_name_decides_in_letters_of_any_case) {
+TEST(LazWriteTest, the_ending_of_the_name_decides_in_characters_of_any_case) {
   EXPECT_TRUE(is_laz_name("a.laz"));
   EXPECT_TRUE(is_laz_name("a/b.c.LaZ"));
   EXPECT_FALSE(is_laz_name("a.las"));
@@ -75,13 +75,13 @@ TEST(LazWriteTest, points_are_packed_in_chunks_of_50000) {
   cloud.positions.resize(120000);
   write_las(path, cloud);
   const std::vector<std::byte> bytes = read_bytes(path);
-  const auto points_place = load<std::uint32_t>(bytes.data() + 96);
-  const auto table_place = load<std::int64_t>(bytes.data() + points_place);
-  ASSERT_LT(static_cast<std::size_t>(table_place) + 8, bytes.size());
-  EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_place), 0u);
-  EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_place + 4), 3u);
+  const auto points_offset = load<std::uint32_t>(bytes.data() + 96);
+  const auto table_offset = load<std::int64_t>(bytes.data() + points_offset);
+  ASSERT_LT(static_cast<std::size_t>(table_offset) + 8, bytes.size());
+  EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_offset), 0u);
+  EXPECT_EQ(load<std::uint32_t>(bytes.data() + table_offset + 4), 3u);
   // A layered chunk tells its number of points behind its first record.
-  EXPECT_EQ(load<std::uint32_t>(bytes.data() + points_place + 8 + 30), 50000u);
+  EXPECT_EQ(load<std::uint32_t>(bytes.data() + points_offset + 8 + 30), 50000u);
   EXPECT_EQ(load<std::uint64_t>(bytes.data() + 247), 120000u);
 }
 

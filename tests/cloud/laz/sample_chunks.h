@@ -62,16 +62,17 @@ inline SampleChunks sample_chunks(const std::filesystem::path& path) {
   ArithmeticDecoder decoder(std::span(sample.file).subspan(table + 8));
   IntegerCompressor numbers(32, 2);
   std::int32_t count = 0, size = 0;
-  std::size_t place = points + 8;
+  std::size_t offset = points + 8;
   for (std::uint32_t chunk = load<std::uint32_t>(bytes + table + 4); chunk > 0; --chunk) {
     if (variable) count = numbers.decode(decoder, count, 0);
     size = numbers.decode(decoder, size, 1);
     const std::size_t point_count =
         static_cast<std::size_t>(variable ? static_cast<std::uint32_t>(count)
                                           : std::min<std::uint64_t>(left, sample.layout.chunk_size));
-    sample.chunks.push_back({.bytes = std::span(sample.file).subspan(place, static_cast<std::uint32_t>(size)),
-                             .point_count = point_count});
-    place += static_cast<std::uint32_t>(size);
+    sample.chunks.push_back(
+        {.bytes = std::span(sample.file).subspan(offset, static_cast<std::uint32_t>(size)),
+         .point_count = point_count});
+    offset += static_cast<std::uint32_t>(size);
     left -= point_count;
   }
   return sample;

@@ -79,10 +79,10 @@ TEST(ColorModelsTest, only_repeated_greys_can_be_left_out) {
   EXPECT_TRUE(models.encode(encoder, color.data(), color.data()));
 }
 
-TEST(WavePacketModelsTest, places_that_stay_follow_move_and_jump_come_back) {
+TEST(WavePacketModelsTest, offsets_that_stay_follow_move_and_jump_come_back) {
   std::mt19937_64 random(3);
   std::vector<WavePacket> packets(1);
-  std::uint64_t place = 60;
+  std::uint64_t offset = 60;
   std::uint32_t size = 0;
   for (int i = 0; i < 8000; ++i) {
     WavePacket packet = packets.back();
@@ -93,18 +93,18 @@ TEST(WavePacketModelsTest, places_that_stay_follow_move_and_jump_come_back) {
       case 0:
         break;
       case 1:
-        place = random();
+        offset = random();
         break;
       case 2:
-        place -= random() % 5000;
+        offset -= random() % 5000;
         break;
       default:
-        place += size;
+        offset += size;
     }
     // Sizes from 2^31 on are no differences.
     if (random() % 3 == 0) size = static_cast<std::uint32_t>(random() % 3 == 0 ? random() : 256);
     put(0, static_cast<std::uint8_t>(random() % 3));
-    put(1, place);
+    put(1, offset);
     put(9, size);
     if (random() % 2 == 0) put(13, static_cast<float>(i) / 7);
     for (std::size_t axis = 0; axis < 3; ++axis)

@@ -165,7 +165,7 @@ TEST(Pcd, headers_without_count_or_width_read) {
       2u);
 }
 
-TEST(Pcd, errors_name_file_place_expectation_and_finding) {
+TEST(Pcd, errors_name_file_offset_expectation_and_finding) {
   const auto expect = [](const std::string& text, const char* message) {
     EXPECT_NE(pcd_error(text).find(message), std::string::npos) << pcd_error(text) << "\nfor\n"
                                                                 << text.substr(0, 300);

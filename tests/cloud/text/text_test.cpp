@@ -38,7 +38,7 @@ TEST(TextScanner, written_decimals_count_digits_after_the_point_and_the_exponent
   EXPECT_EQ(written_decimals("1e3"), -3);
 }
 
-TEST(TextScanner, lines_of_any_ending_with_and_without_mark_and_longer_than_the_window) {
+TEST(TextScanner, lines_of_any_extension_with_and_without_mark_and_longer_than_the_window) {
   // 70000 lines of 16 bytes exceed the window of a mebibyte, and one of them straddles its end.
   std::string text =
       "\xEF\xBB\xBF"
@@ -52,7 +52,7 @@ TEST(TextScanner, lines_of_any_ending_with_and_without_mark_and_longer_than_the_
     ASSERT_EQ(scanner.next_line(), "line " + std::to_string(100000 + i) + " ..");
   EXPECT_EQ(scanner.next_line(), "last");
   EXPECT_EQ(scanner.line_number(), 70002u);
-  EXPECT_EQ(scanner.place(), text.size());
+  EXPECT_EQ(scanner.offset(), text.size());
   EXPECT_EQ(scanner.next_line(), std::nullopt);
 }
 
@@ -84,8 +84,8 @@ TEST(Text, columns_without_names_go_by_number_and_content) {
     const PointCloud cloud = read_text(text);
     for (const std::string& warning : cloud.warnings) {
       const std::string mark = "unnamed columns were read as";
-      if (const std::size_t place = warning.find(mark); place != warning.npos)
-        return warning.substr(place + mark.size());
+      if (const std::size_t offset = warning.find(mark); offset != warning.npos)
+        return warning.substr(offset + mark.size());
     }
     return std::string("no warning");
   };

@@ -34,8 +34,8 @@ TEST(IndexDamage, a_file_cut_off_anywhere_is_an_error_when_opened) {
   const Bytes& file = sound_file();
   std::vector<std::size_t> lengths = {0, 1, 7, 8, 9, 255, 256, 4095, 4096, 4097, file.size() - 1};
   for (const SectionRow& row : test::section_rows(file)) {
-    for (const std::uint64_t place : {row.place, row.place + row.bytes}) {
-      for (const int step : {-1, 0, 1}) lengths.push_back(static_cast<std::size_t>(place) + step);
+    for (const std::uint64_t index : {row.index, row.index + row.bytes}) {
+      for (const int step : {-1, 0, 1}) lengths.push_back(static_cast<std::size_t>(index) + step);
     }
   }
   test::Random random;
@@ -56,11 +56,11 @@ TEST(IndexDamage, bytes_behind_the_end_are_an_error_when_opened) {
 
 TEST(IndexDamage, a_flipped_bit_in_any_byte_of_the_header_is_an_error_when_opened) {
   Bytes file = sound_file();
-  for (std::size_t place = 0; place < 4096; ++place) {
-    const std::byte mask{static_cast<unsigned char>(1u << place % 8)};
-    file[place] ^= mask;
-    EXPECT_TRUE(is_refused_when_opened(file)) << place;
-    file[place] ^= mask;
+  for (std::size_t index = 0; index < 4096; ++index) {
+    const std::byte mask{static_cast<unsigned char>(1u << index % 8)};
+    file[index] ^= mask;
+    EXPECT_TRUE(is_refused_when_opened(file)) << index;
+    file[index] ^= mask;
   }
 }
 
@@ -68,12 +68,12 @@ TEST(IndexDamage, a_flipped_bit_anywhere_is_found_by_verifying_and_does_no_harm_
   Bytes file = sound_file();
   test::Random random;
   for (int i = 0; i < 1500; ++i) {
-    const std::size_t place = random.below(file.size());
+    const std::size_t index = random.below(file.size());
     const std::byte mask{static_cast<unsigned char>(1u << random.below(8))};
-    file[place] ^= mask;
-    EXPECT_TRUE(is_refused_when_verified(file)) << place;
+    file[index] ^= mask;
+    EXPECT_TRUE(is_refused_when_verified(file)) << index;
     is_refused(file);
-    file[place] ^= mask;
+    file[index] ^= mask;
   }
 }
 
@@ -83,13 +83,13 @@ TEST(IndexDamage, a_flipped_bit_in_nodes_or_ids_is_an_error_before_the_first_que
   for (const IndexSection kind : {IndexSection::nodes, IndexSection::ids}) {
     const SectionRow row = section(file, kind);
     for (int i = 0; i < 100; ++i) {
-      const std::size_t place = row.place + random.below(row.bytes);
-      file[place] ^= std::byte{4};
+      const std::size_t index = row.index + random.below(row.bytes);
+      file[index] ^= std::byte{4};
       const IndexFile index = test::index_in_memory(file);
       const std::string message = error_of([&] { index.octree(); });
       EXPECT_NE(message.find("section " + name(kind) + " corrupt checkpoint"), std::string::npos) << message;
-      EXPECT_NE(message.find("memory:byte " + std::to_string(row.place)), std::string::npos) << message;
-      file[place] ^= std::byte{4};
+      EXPECT_NE(message.find("memory:byte " + std::to_string(row.index)), std::string::npos) << message;
+      file[index] ^= std::byte{4};
     }
   }
 }
@@ -97,10 +97,10 @@ TEST(IndexDamage, a_flipped_bit_in_nodes_or_ids_is_an_error_before_the_first_que
 TEST(IndexDamage, a_flipped_bit_in_the_metadata_is_an_error_when_opened) {
   Bytes file = sound_file();
   const SectionRow row = section(file, IndexSection::metadata);
-  for (std::uint64_t place = row.place; place < row.place + row.bytes; ++place) {
-    file[place] ^= std::byte{1};
-    EXPECT_TRUE(is_refused_when_opened(file)) << place;
-    file[place] ^= std::byte{1};
+  for (std::uint64_t index = row.index; index < row.index + row.bytes; ++index) {
+    file[index] ^= std::byte{1};
+    EXPECT_TRUE(is_refused_when_opened(file)) << index;
+    file[index] ^= std::byte{1};
   }
 }
 
@@ -121,13 +121,13 @@ TEST(IndexDamage, another_byte_order_a_future_version_and_another_file_are_told_
 }
 
 TEST(IndexDamage, counts_larger_than_the_file_are_errors_when_opened) {
-  for (const std::size_t place : {40, 48}) {
+  for (const std::size_t index : {40, 48}) {
     for (const std::uint64_t count : {std::uint64_t{100000}, std::uint64_t{0xfffffffe},
                                       std::uint64_t{1} << 58, std::numeric_limits<std::uint64_t>::max()}) {
       Bytes file = sound_file();
-      put(file, place, count);
+      put(file, index, count);
       seal_header(file);
-      EXPECT_TRUE(is_refused_when_opened(file)) << place << " " << count;
+      EXPECT_TRUE(is_refused_when_opened(file)) << index << " " << count;
     }
   }
 }
@@ -136,12 +136,12 @@ TEST(IndexDamage, overlapping_sections_and_gaps_between_them_are_errors_when_ope
   const Bytes& sound = sound_file();
   const std::vector<SectionRow> rows = test::section_rows(sound);
   for (std::size_t i = 1; i < rows.size(); ++i) {
-    for (const std::uint64_t place : {rows[i - 1].place, rows[i].place - 4096, rows[i].place - 1,
-                                      rows[i].place + 1, rows[i].place + 4096}) {
+    for (const std::uint64_t index : {rows[i - 1].index, rows[i].index - 4096, rows[i].index - 1,
+                                      rows[i].index + 1, rows[i].index + 4096}) {
       Bytes file = sound;
-      put(file, rows[i].row + 8, place);
+      put(file, rows[i].row + 8, index);
       seal_header(file);
-      EXPECT_TRUE(is_refused_when_opened(file)) << i << " " << place;
+      EXPECT_TRUE(is_refused_when_opened(file)) << i << " " << index;
     }
     Bytes swapped = sound;
     put(swapped, rows[i].row, rows[i - 1].kind);
@@ -154,7 +154,7 @@ TEST(IndexDamage, overlapping_sections_and_gaps_between_them_are_errors_when_ope
 TEST(IndexDamage, something_between_the_sections_is_found_by_verifying) {
   Bytes file = sound_file();
   const SectionRow row = section(file, IndexSection::coordinates);
-  file[row.place - 1] = std::byte{1};
+  file[row.index - 1] = std::byte{1};
   EXPECT_NE(error_of([&] { test::index_in_memory(file).verify(); }).find("before section coordinates"),
             std::string::npos);
 }

@@ -18,12 +18,12 @@ using test::sections_of;
 /// Reads the metadata value by value.
 class MetadataReader {
  public:
-  MetadataReader(const Bytes& file, std::uint64_t place) : file_(file), place_(place) {}
+  MetadataReader(const Bytes& file, std::uint64_t index) : file_(file), index_(index) {}
 
   template <class T>
   T next() {
-    const T value = at<T>(file_, place_);
-    place_ += sizeof(T);
+    const T value = at<T>(file_, index_);
+    index_ += sizeof(T);
     return value;
   }
   template <class T>
@@ -33,20 +33,20 @@ class MetadataReader {
     return values;
   }
   std::string text() {
-    const std::vector<char> letters = list<char>();
-    return {letters.begin(), letters.end()};
+    const std::vector<char> characters = list<char>();
+    return {characters.begin(), characters.end()};
   }
-  std::uint64_t place() const { return place_; }
+  std::uint64_t index() const { return index_; }
 
  private:
   const Bytes& file_;
-  std::uint64_t place_;
+  std::uint64_t index_;
 };
 
 TEST(IndexMetadata, are_as_documented) {
   for_each_file([](const Bytes& file, const PointCloud& cloud, const Octree&) {
     const auto sections = sections_of(file);
-    MetadataReader reader(file, sections.at(32).place);
+    MetadataReader reader(file, sections.at(32).index);
     EXPECT_EQ(reader.text(), cloud.crs.wkt);
     EXPECT_EQ(reader.list<std::uint16_t>(), cloud.crs.geotiff_keys);
     EXPECT_EQ(reader.list<double>(), cloud.crs.geotiff_doubles);
@@ -76,7 +76,7 @@ TEST(IndexMetadata, are_as_documented) {
       EXPECT_EQ((reader.next<std::array<std::uint8_t, 8>>()),
                 dimension.no_data.value_or(std::array<std::uint8_t, 8>{}));
     }
-    std::uint64_t data = sections.at(33).place;
+    std::uint64_t data = sections.at(33).index;
     ASSERT_EQ(reader.next<std::uint64_t>(), cloud.records.size());
     for (const VariableLengthRecord& record : cloud.records) {
       EXPECT_EQ(reader.text(), record.user_id);
@@ -94,8 +94,8 @@ TEST(IndexMetadata, are_as_documented) {
       EXPECT_EQ(reader.text(), scanner.scan);
       for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(reader.next<double>(), scanner.position[axis]);
     }
-    EXPECT_EQ(reader.place(), sections.at(32).place + sections.at(32).bytes);
-    EXPECT_EQ(data, sections.at(33).place + sections.at(33).bytes);
+    EXPECT_EQ(reader.index(), sections.at(32).index + sections.at(32).bytes);
+    EXPECT_EQ(data, sections.at(33).index + sections.at(33).bytes);
   });
 }
 
@@ -133,10 +133,10 @@ TEST(IndexPage, tables_cover_every_byte_once) {
     } else if (in_table && !line.starts_with("|--")) {
       std::istringstream words(line);
       std::string bar, type;
-      std::uint64_t place = 0;
-      words >> bar >> place >> bar >> type;
-      EXPECT_EQ(place, next) << line;
-      next = place + width(type);
+      std::uint64_t index = 0;
+      words >> bar >> index >> bar >> type;
+      EXPECT_EQ(index, next) << line;
+      next = index + width(type);
     }
   }
   EXPECT_EQ(ends, (std::vector<std::uint64_t>{4096, 32, 64}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "visibility/raster/map_places.h"
+#include "visibility/raster/map_targets.h"
 
 #include <tbb/parallel_for.h>
 #include <algorithm>
@@ -17,11 +17,12 @@
 namespace alidade::visibility {
 namespace {
 
-/// Levels of the widest block that has not too many places.
-int levels_of_block(int places_across, std::size_t most_places) {
-  const auto per_cell = static_cast<std::size_t>(places_across) * static_cast<std::size_t>(places_across);
+/// Levels of the widest block that has not too many positions.
+int levels_of_block(int positions_across, std::size_t most_positions) {
+  const auto per_cell =
+      static_cast<std::size_t>(positions_across) * static_cast<std::size_t>(positions_across);
   int levels = 8;
-  while (levels > 0 && (per_cell << (2 * levels)) > most_places) --levels;
+  while (levels > 0 && (per_cell << (2 * levels)) > most_positions) --levels;
   return levels;
 }
 
@@ -29,7 +30,7 @@ std::size_t blocks_along(int cells, int levels) {
   return (static_cast<std::size_t>(cells) + (std::size_t{1} << levels) - 1) >> levels;
 }
 
-/// Every second bit of a number, from its lowest: one coordinate of a place on the Z curve.
+/// Every second bit of a number, from its lowest: one coordinate of a position on the Z curve.
 int every_second_bit(std::uint32_t number) {
   constexpr int k_most_bits = 16;
   int coordinate = 0;
@@ -40,38 +41,38 @@ int every_second_bit(std::uint32_t number) {
 
 }  // namespace
 
-SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place) {
+SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& position) {
   constexpr std::size_t k_candidates = 8;
   constexpr double k_flat = 0.5;  // of the normal's z: slopes up to 60 degrees
-  if (!occluders.has_surfaces()) return {place};
+  if (!occluders.has_surfaces()) return {position};
   const PointQuery query{.radius = occluders.largest_radius(), .k = k_candidates};
   std::optional<SightEnd> end;
-  for (const PointHit& hit : find(occluders.octree(), place, query)) {
+  for (const PointHit& hit : find(occluders.octree(), position, query)) {
     const PointSurface surface = surface_of(occluders.octree().view(), hit.point_id);
     if (!surface.exists || std::fabs(surface.normal.z) < k_flat) continue;
     const glm::dvec3 center = hit.position - surface.height * surface.normal;
-    const glm::dvec2 way = glm::dvec2(place) - glm::dvec2(center);
+    const glm::dvec2 way = glm::dvec2(position) - glm::dvec2(center);
     const double sheet = center.z - (way.x * surface.normal.x + way.y * surface.normal.y) / surface.normal.z;
-    if (std::fabs(sheet - place.z) > occluders.largest_sphere()) continue;
-    // What a point of this sheet has as its own surface, the place has too.
+    if (std::fabs(sheet - position.z) > occluders.largest_sphere()) continue;
+    // What a point of this sheet has as its own surface, the position has too.
     const SightEnd on_point = end_on_point(occluders, hit.point_id, hit.position, hit.position);
     if (!end) {
-      const double height = std::max(place.z, sheet - surface.thickness) + surface.thickness;
-      end = {{place.x, place.y, height}, on_point.own_reach, 0.0};
+      const double height = std::max(position.z, sheet - surface.thickness) + surface.thickness;
+      end = {{position.x, position.y, height}, on_point.own_reach, 0.0};
     }
     const double above = std::fabs((end->position.z - sheet) * surface.normal.z);
     end->own_thickness = std::max(end->own_thickness, above + on_point.own_thickness);
   }
-  return end.value_or(SightEnd{place});
+  return end.value_or(SightEnd{position});
 }
 
 MapTargets::MapTargets(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
-                       int places_across, std::size_t most_places)
+                       int positions_across, std::size_t most_positions)
     : occluders_(occluders),
       ground_(ground),
       grid_(grid),
-      places_across_(places_across),
-      block_levels_(levels_of_block(places_across, most_places)) {}
+      positions_across_(positions_across),
+      block_levels_(levels_of_block(positions_across, most_positions)) {}
 
 std::size_t MapTargets::block_count() const {
   return blocks_along(grid_.columns, block_levels_) * blocks_along(grid_.rows, block_levels_);
@@ -94,7 +95,7 @@ std::vector<std::size_t> MapTargets::cells(std::size_t number) const {
 
 MapBlock MapTargets::block(std::size_t number) const {
   MapBlock block{cells(number), {}};
-  const auto across = static_cast<std::size_t>(places_across_), per_cell = across * across;
+  const auto across = static_cast<std::size_t>(positions_across_), per_cell = across * across;
   const auto columns = static_cast<std::size_t>(grid_.columns);
   std::vector<std::optional<MapTarget>> found(block.cells.size() * per_cell);
   tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
@@ -102,11 +103,11 @@ MapBlock MapTargets::block(std::size_t number) const {
     const glm::dvec2 middle = grid_.center(static_cast<int>(block.cells[cell] % columns),
                                            static_cast<int>(block.cells[cell] / columns));
     const glm::dvec2 share =
-        (glm::dvec2(part % across, part / across) + 0.5) / static_cast<double>(places_across_) -
+        (glm::dvec2(part % across, part / across) + 0.5) / static_cast<double>(positions_across_) -
         glm::dvec2(0.5);
-    const glm::dvec2 place = middle + share * grid_.cell_size;
-    if (const std::optional<double> height = ground_.at(place))
-      found[i] = MapTarget{cell, end_on_ground(occluders_, {place.x, place.y, *height})};
+    const glm::dvec2 position = middle + share * grid_.cell_size;
+    if (const std::optional<double> height = ground_.at(position))
+      found[i] = MapTarget{cell, end_on_ground(occluders_, {position.x, position.y, *height})};
   });
   for (const std::optional<MapTarget>& target : found) {
     if (target) block.targets.push_back(*target);
@@ -154,7 +155,7 @@ std::optional<HeightRange> MapObserver::heights_in_view(const glm::dvec3& foot,
                highest = std::isinf(upper_slope_) ? upper_slope_ : run * upper_slope_;
   HeightRange range{std::max(asked.low, std::max(lowest, -reach) - offset.z),
                     std::min(asked.high, std::min(highest, reach) - offset.z)};
-  // What a rounding decides is decided as for the lowest place alone.
+  // What a rounding decides is decided as for the lowest position alone.
   if (looks_at(foot + glm::dvec3(0.0, 0.0, asked.low))) {
     range.low = asked.low;
     range.high = std::max(range.high, asked.low);

@@ -11,19 +11,19 @@
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
-// What is looked at on a map: places above the ground of its cells.
+// What is looked at on a map: positions above the ground of its cells.
 
 namespace alidade::visibility {
 
-constexpr int k_most_places_across = 100;
+constexpr int k_most_positions_across = 100;
 
-/// A place on the ground as an end of sight lines. Heights of the ground come from several points, so that a
-/// place may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to the
+/// A position on the ground as an end of sight lines. Heights of the ground come from several points, so that a
+/// position may lie a little in the sheet of the points around it, and hidden by it. So it is brought up to the
 /// lower face of that sheet (one standard deviation) if it lies deeper, and lifted by the sheet's thickness,
 /// as points are that are looked at. The sheet is that of the nearest of 8 points whose sheets lie rather
-/// flat and pass the place within the widest sphere; the sheets of all such points are the end's own surface.
-/// Where there are none within the widest radius, the place as it is.
-SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& place);
+/// flat and pass the position within the widest sphere; the sheets of all such points are the end's own surface.
+/// Where there are none within the widest radius, the position as it is.
+SightEnd end_on_ground(const Occluders& occluders, const glm::dvec3& position);
 
 /// An end so far above another, with the same surface as its own.
 inline SightEnd raised(SightEnd end, double height) {
@@ -31,7 +31,7 @@ inline SightEnd raised(SightEnd end, double height) {
   return end;
 }
 
-/// A place that is looked at.
+/// A position that is looked at.
 struct MapTarget {
   std::size_t cell = 0;  ///< number of its cell in the block
   SightEnd foot;         ///< on the ground
@@ -40,30 +40,30 @@ struct MapTarget {
 /// A square part of a map.
 struct MapBlock {
   std::vector<std::size_t> cells;  ///< their numbers in the map, neighbours near each other
-  std::vector<MapTarget> targets;  ///< the places that have ground, in the order of the cells
+  std::vector<MapTarget> targets;  ///< the positions that have ground, in the order of the cells
 };
 
-/// The places of a map, block by block, so that a map of any size and with any number of places takes little
-/// memory: 150 B per place of a block.
+/// The positions of a map, block by block, so that a map of any size and with any number of positions takes little
+/// memory: 150 B per position of a block.
 class MapTargets {
  public:
-  /// places_across: every cell has its square of places, evenly spread; 1 is the middle; 1 ..
-  /// k_most_places_across. most_places: of a block, which has one cell at least and 2^16 at most: so the
+  /// positions_across: every cell has its square of positions, evenly spread; 1 is the middle; 1 ..
+  /// k_most_positions_across. most_positions: of a block, which has one cell at least and 2^16 at most: so the
   /// blocks are the same wherever they are made. The references must outlive this.
-  MapTargets(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid, int places_across,
-             std::size_t most_places);
+  MapTargets(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
+             int positions_across, std::size_t most_positions);
 
   std::size_t block_count() const;
   /// The cells of a block, as MapBlock has them.
   std::vector<std::size_t> cells(std::size_t number) const;
-  /// A block with its places; in parallel.
+  /// A block with its positions; in parallel.
   MapBlock block(std::size_t number) const;
 
  private:
   const Occluders& occluders_;
   const Ground& ground_;
   geo::RasterGrid grid_;
-  int places_across_;
+  int positions_across_;
   int block_levels_;  ///< a block is 2^this cells wide
 };
 
@@ -79,10 +79,10 @@ class MapObserver {
 
   const SightEnd& eye() const { return eye_; }
 
-  /// Whether it looks at a place at all.
-  bool looks_at(const glm::dvec3& place) const { return view_.reaches(place - eye_.position); }
+  /// Whether it looks at a position at all.
+  bool looks_at(const glm::dvec3& position) const { return view_.reaches(position - eye_.position); }
 
-  /// The heights in `asked` above a place that it looks at: those between the lower and the upper limit of
+  /// The heights in `asked` above a position that it looks at: those between the lower and the upper limit of
   /// its field of view there, not farther away than its distance. Its lower end is that of `asked` if the
   /// observer looks at that, by looks_at(). Empty: it looks at none. The same on every machine.
   std::optional<HeightRange> heights_in_view(const glm::dvec3& foot, const HeightRange& asked) const;

@@ -9,9 +9,10 @@
 namespace alidade::test {
 
 /// Where to aim at in a cloud, and the lengths that matter in it.
-class Places {
+class Positions {
  public:
-  Places(const PointCloud& cloud, Random& random) : cloud_(cloud), random_(random), bounds_(cloud.bounds()) {
+  Positions(const PointCloud& cloud, Random& random)
+      : cloud_(cloud), random_(random), bounds_(cloud.bounds()) {
     if (bounds_.empty()) bounds_.grow(glm::dvec3(0.0));
     const glm::dvec3 size = bounds_.size();
     diagonal_ = std::max(std::sqrt(size.x * size.x + size.y * size.y + size.z * size.z), 1.0);
