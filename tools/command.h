@@ -25,6 +25,13 @@ struct Command {
   std::vector<Command> parts{};
 };
 
+/// A command that is `run(*request)`, on as many threads as the request wants.
+template <class Request>
+Command command_of(const Options& options, const std::shared_ptr<Request>& request,
+                   ExitCode (*run)(const Request&)) {
+  return {options, [request, run] { return with_threads(request->threads, [&] { return run(*request); }); }};
+}
+
 /// The words the program was started with, as they go into the metadata of what it writes.
 using CommandLine = std::vector<std::string>;
 

@@ -30,6 +30,23 @@ double parse_double(const std::string& text) {
   return error == std::errc() && stop == end ? number : std::numeric_limits<double>::quiet_NaN();
 }
 
+/// What reads a value, naming the option in its errors.
+Options::Take naming(const std::string& names, Options::Take take) {
+  return [names, take = std::move(take)](const std::string& text) {
+    try {
+      take(text);
+    } catch (const UsageError& error) {
+      throw CLI::ValidationError(names, error.what());
+    }
+  };
+}
+
+std::string full_name(const CLI::Option& option) {
+  if (!option.get_lnames().empty()) return option.get_lnames().front();
+  if (!option.get_snames().empty()) return option.get_snames().front();
+  return option.get_name();
+}
+
 }  // namespace
 
 double parse_number(const std::string& text, double least, double most) {
@@ -55,6 +72,10 @@ std::optional<double> parse_length_limit(const std::string& text) {
     throw UsageError("expected a number, at least 0, or inf, found '" + text + "'");
   }
   return std::isinf(length) ? std::nullopt : std::optional(length);
+}
+
+double parse_distance_limit(const std::string& text) {
+  return parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
 }
 
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
@@ -87,27 +108,6 @@ ImageSize parse_image_size(const std::string& text) {
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }
-
-namespace {
-
-/// What reads a value, naming the option in its errors.
-Options::Take naming(const std::string& names, Options::Take take) {
-  return [names, take = std::move(take)](const std::string& text) {
-    try {
-      take(text);
-    } catch (const UsageError& error) {
-      throw CLI::ValidationError(names, error.what());
-    }
-  };
-}
-
-std::string full_name(const CLI::Option& option) {
-  if (!option.get_lnames().empty()) return option.get_lnames().front();
-  if (!option.get_snames().empty()) return option.get_snames().front();
-  return option.get_name();
-}
-
-}  // namespace
 
 Option Option::required() const {
   option_->required();
@@ -252,9 +252,12 @@ std::string Parser::help() const {
   return app_->help();
 }
 
-void add_verbosity(const Options& command, VerbosityOptions& options) {
-  const Option quiet = command.flag("-q,--quiet", "say nothing but errors", options.quiet);
-  command.flag("-v,--verbose", "say more about what is done", options.verbose).excludes(quiet);
+void add_verbosity(const Options& command, Verbosity& verbosity) {
+  const Option quiet =
+      command.flag("-q,--quiet", "say nothing but errors", [&verbosity] { verbosity = Verbosity::quiet; });
+  command
+      .flag("-v,--verbose", "say more about what is done", [&verbosity] { verbosity = Verbosity::verbose; })
+      .excludes(quiet);
 }
 
 void add_threads(const Options& command, std::optional<int>& threads) {
@@ -330,7 +333,14 @@ void add_cloud(const Options& command, CloudRequest& request) {
   add_cloud_files(command, "cloud", "CLOUD...", k_cloud_help, request.files).required();
 }
 
-void add_run_options(const Options& command, CloudRequest& request) {
+std::vector<std::filesystem::path> CloudRequest::inputs(
+    std::initializer_list<std::filesystem::path> more) const {
+  std::vector<std::filesystem::path> all = files.names();
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+void add_run_options(const Options& command, RunRequest& request) {
   add_partial(command, request.partial);
   add_threads(command, request.threads);
   add_verbosity(command, request.verbosity);

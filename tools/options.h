@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -48,6 +49,9 @@ double parse_limit(const std::string& text);
 
 /// A length, at least 0; empty for inf, which is no limit.
 std::optional<double> parse_length_limit(const std::string& text);
+
+/// The same; infinity for inf.
+double parse_distance_limit(const std::string& text);
 
 /// "600x400": width and height in pixels, each in [1, 65536].
 struct ImageSize {
@@ -107,6 +111,13 @@ class Options {
 
   /// Of an option given more than once the last value holds.
   Option value(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
+
+  /// The same for a value that `parse` makes of the text.
+  template <class Target, class Parse>
+  Option value(const std::string& names, const std::string& kind, const std::string& help, Target& target,
+               Parse parse) const {
+    return value(names, kind, help, [&target, parse](const std::string& text) { target = parse(text); });
+  }
 
   /// An option that may be given again; every value is read.
   Option values(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
@@ -218,13 +229,7 @@ class Parser {
 };
 
 /// -q and -v.
-struct VerbosityOptions {
-  bool quiet = false, verbose = false;
-  Verbosity verbosity() const {
-    return quiet ? Verbosity::quiet : verbose ? Verbosity::verbose : Verbosity::normal;
-  }
-};
-void add_verbosity(const Options& command, VerbosityOptions& options);
+void add_verbosity(const Options& command, Verbosity& verbosity);
 
 /// --threads N; empty = as many as the machine has.
 void add_threads(const Options& command, std::optional<int>& threads);
@@ -233,7 +238,7 @@ void add_threads(const Options& command, std::optional<int>& threads);
 ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
 
 /// Lets a long task fail before it starts: Error if the file is one of `inputs` by whatever name ("-" is
-/// standard input), exists and may not be replaced, is no regular file, or if its folder cannot be written
+/// standard input; empty ones are none), exists and may not be replaced, is no regular file, or if its folder cannot be written
 /// to.
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
@@ -263,19 +268,26 @@ Option add_cloud_files(const Options& command, const std::string& name, const st
 /// Declares --partial.
 Option add_partial(const Options& command, bool& partial);
 
-/// What all commands on one cloud are asked.
-struct CloudRequest {
-  CloudInputs files;
+/// How a command is to be run, whatever it does.
+struct RunRequest {
   bool partial = false;        ///< ReadOptions::partial
   std::optional<int> threads;  ///< empty: all of the machine
-  VerbosityOptions verbosity;
+  Verbosity verbosity = Verbosity::normal;
+};
+
+/// Declares --partial, --threads, -q and -v.
+void add_run_options(const Options& command, RunRequest& request);
+
+/// What all commands on one cloud are asked.
+struct CloudRequest : RunRequest {
+  CloudInputs files;
+
+  /// The files of the cloud, and what else is read.
+  std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
 
 /// Declares the operand that names the cloud, which is required.
 void add_cloud(const Options& command, CloudRequest& request);
-
-/// Declares --partial, --threads, -q and -v.
-void add_run_options(const Options& command, CloudRequest& request);
 
 /// What stands between the commas of a text, one word at least.
 inline std::vector<std::string> split_list(const std::string& text) {

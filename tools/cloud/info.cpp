@@ -19,11 +19,9 @@
 namespace alidade::tools {
 namespace {
 
-struct InfoOptions {
-  CloudInputs files;
-  bool partial = false, json = false, verify = false, overwrite = false;
+struct InfoOptions : CloudRequest {
+  bool json = false, verify = false, overwrite = false;
   std::filesystem::path image_folder;  ///< empty: no images are extracted
-  VerbosityOptions verbosity;
 };
 
 /// What `alidade info` tells about its files, taken together as one cloud.
@@ -66,13 +64,13 @@ Description describe(const InfoOptions& options) {
     description.e57_files.back().pages().rest();
   }
   // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
-  ProgressLine line("reading", "B", options.verbosity.verbosity());
+  ProgressLine line("reading", "B", options.verbosity);
   const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
   description.cloud = read_cloud(
       options.files, {.attributes = wanted, .partial = options.partial, .progress = line.callback()});
   description.point_count = description.cloud.size();
   description.bounds = description.cloud.bounds();
-  if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+  if (options.verbosity == Verbosity::verbose) line.finish();
   return description;
 }
 
@@ -85,9 +83,9 @@ void verify(const InfoOptions& options) {
                    .problem = "has no checksums to verify",
                    .expected = "an index file (alidade index)"});
     }
-    ProgressLine line("verifying", "B", options.verbosity.verbosity());
+    ProgressLine line("verifying", "B", options.verbosity);
     IndexFile(file).verify(line.callback());
-    if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+    if (options.verbosity == Verbosity::verbose) line.finish();
   }
 }
 
@@ -241,10 +239,8 @@ ExitCode run(const InfoOptions& options) {
                     "\n");
     return ExitCode::done;
   }
-  write_to_stdout(to_table(description, options.verify, options.verbosity.verbosity()));
-  if (!options.verbosity.quiet) {
-    for (const std::string& warning : description.cloud.warnings) say_warning(warning);
-  }
+  write_to_stdout(to_table(description, options.verify, options.verbosity));
+  say_warnings(options.verbosity, description.cloud.warnings);
   return ExitCode::done;
 }
 

@@ -23,8 +23,9 @@
 #include "tools/manuals.h"
 
 namespace alidade::tools {
-
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string facts_text(const char* side, const compare::PictureFacts& facts) {
   return fmt::format("{:<10} {}  {} x {}, {}\n", side, facts.file.string(), facts.width, facts.height,
@@ -45,8 +46,6 @@ std::string regions_text(const compare::ChangeRegions& changes) {
     text += fmt::format("  and {} more, see --json or --report\n", changes.regions.size() - k_most_lines);
   return text;
 }
-
-}  // namespace
 
 /// "flip=0.05: 0.08", for those that fail.
 std::vector<std::string> failures_of(const compare::Verdict& verdict) {
@@ -109,10 +108,6 @@ std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
   return text + fmt::format("{} of {} pairs {}\n", failed == 0 ? outcomes.size() : failed, outcomes.size(),
                             failed == 0 ? "pass" : "fail");
 }
-
-namespace {
-
-namespace fs = std::filesystem;
 
 ExitCode exit_code(const CompareRequest& request, bool pass, bool warned) {
   if (!pass) return request.idiff_codes ? ExitCode::failed : ExitCode::no;
@@ -197,7 +192,7 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
   if (comparison.pictures) maps = maps_to_write(request, *comparison.pictures);
   std::vector<PointsOutput> points;
   if (comparison.changes) {
-    const Verbosity verbosity = request.verbosity.verbosity();
+    const Verbosity verbosity = request.verbosity;
     find_points(points, request.reference_points, comparison.reference, *comparison.changes, verbosity);
     find_points(points, request.test_points, comparison.test, *comparison.changes, verbosity);
   }
@@ -206,22 +201,22 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
   if (!request.report.empty()) compare::write_page(page, request.report, request.overwrite);
   for (const PointsOutput& output : points) {
     write_las(output.file, output.points, {.overwrite = request.overwrite});
-    if (!request.verbosity.quiet)
-      say_note(fmt::format("wrote {} points to {}", output.points.size(), output.file.string()));
+    say_note(request.verbosity,
+             fmt::format("wrote {} points to {}", output.points.size(), output.file.string()));
   }
 }
 
 ExitCode compare_one(const CompareRequest& request) {
   compare::ComparisonOptions options = request.comparison;
   options.keep_pictures = !request.report.empty() || request.has_maps();
-  ProgressLine line("comparing", "pixels", request.verbosity.verbosity());
+  ProgressLine line("comparing", "pixels", request.verbosity);
   const compare::Comparison comparison =
       image_module().compare_files(request.reference, request.test, options, line.callback());
   line.finish();
   const compare::Verdict verdict = compare::judge(comparison, request.fail_above),
                          warnings = compare::judge(comparison, request.warn_above);
   write_files(request, comparison, verdict, warnings);
-  if (!request.verbosity.quiet) {
+  if (request.verbosity != Verbosity::quiet) {
     for (const std::string& remark : comparison.remarks) say_note(remark);
     for (const std::string& failure : failures_of(warnings)) say_warning("beyond " + failure);
   }
@@ -243,7 +238,7 @@ ExitCode compare_many(const CompareRequest& request) {
                                       .packing = request.packing.value_or(image::PicturePacking::automatic),
                                       .overwrite = request.overwrite,
                                       .kept = {request.pairs, request.comparison.mask, request.report}};
-  ProgressLine line("comparing", "pairs", request.verbosity.verbosity());
+  ProgressLine line("comparing", "pairs", request.verbosity);
   const std::vector<compare::PairOutcome> outcomes =
       image_module().compare_pairs(pairs, options, line.callback());
   line.finish();
@@ -255,7 +250,7 @@ ExitCode compare_many(const CompareRequest& request) {
         request.report, request.overwrite);
   }
   write_to_stdout(request.json ? compare::batch_json(outcomes) : batch_text(outcomes));
-  if (!request.verbosity.quiet)
+  if (request.verbosity != Verbosity::quiet)
     for (const compare::PairOutcome& outcome : outcomes)
       for (const std::string& failure : failures_of(outcome.warnings))
         say_warning(outcome.pair.name + " is beyond " + failure);

@@ -10,6 +10,8 @@
 namespace alidade::tools {
 namespace {
 
+namespace fs = std::filesystem;
+
 /// "LEFT,TOP,RIGHT,BOTTOM" in pixels.
 compare::PixelRectangle parse_rectangle(const std::string& text) {
   constexpr std::uint64_t k_farthest = 1 << 20;
@@ -178,27 +180,7 @@ void add_answers(const Options& command, CompareRequest& request) {
   group.flag("--overwrite", "replace existing files", request.overwrite);
 }
 
-}  // namespace
-
-void add_compare_options(const Options& command, CompareRequest& request) {
-  command.file("reference", "REFERENCE", "picture, or folder of pictures, that is right", request.reference);
-  command.file("test", "TEST", "picture, or folder of pictures, that is judged", request.test);
-  command.group("Pairs").file(
-      "--pairs", "FILE.csv",
-      "pairs of pictures, instead of REFERENCE and TEST: a table with the header reference,test[,name], "
-      "paths from its "
-      "folder on",
-      request.pairs);
-  add_what_counts(command, request.comparison);
-  add_photographs(command, request.comparison);
-  add_flip(command, request.comparison.flip);
-  add_changes(command, request);
-  add_verdict(command, request);
-  add_answers(command, request);
-  add_threads(command, request.threads);
-  add_verbosity(command, request.verbosity);
-}
-
+/// Files that the run writes, all of them.
 std::vector<std::filesystem::path> outputs_of(const CompareRequest& request) {
   std::vector<std::filesystem::path> outputs;
   for (const std::filesystem::path& output :
@@ -207,10 +189,6 @@ std::vector<std::filesystem::path> outputs_of(const CompareRequest& request) {
     if (!output.empty()) outputs.push_back(output);
   return outputs;
 }
-
-namespace {
-
-namespace fs = std::filesystem;
 
 void require(bool holds, const char* problem, const char* expected) {
   if (!holds) throw Error({.problem = problem, .expected = expected});
@@ -248,6 +226,25 @@ void check_wishes_for_one(const CompareRequest& request) {
 }
 
 }  // namespace
+
+void add_compare_options(const Options& command, CompareRequest& request) {
+  command.file("reference", "REFERENCE", "picture, or folder of pictures, that is right", request.reference);
+  command.file("test", "TEST", "picture, or folder of pictures, that is judged", request.test);
+  command.group("Pairs").file(
+      "--pairs", "FILE.csv",
+      "pairs of pictures, instead of REFERENCE and TEST: a table with the header reference,test[,name], "
+      "paths from its "
+      "folder on",
+      request.pairs);
+  add_what_counts(command, request.comparison);
+  add_photographs(command, request.comparison);
+  add_flip(command, request.comparison.flip);
+  add_changes(command, request);
+  add_verdict(command, request);
+  add_answers(command, request);
+  add_threads(command, request.threads);
+  add_verbosity(command, request.verbosity);
+}
 
 bool is_batch(const CompareRequest& request) {
   std::error_code error;

@@ -30,7 +30,7 @@ struct CompareRequest {
   RegionPointsRequest reference_points, test_points;
   bool overwrite = false;
   std::optional<int> threads;
-  VerbosityOptions verbosity;
+  Verbosity verbosity = Verbosity::normal;
 
   bool has_maps() const { return !color_map.empty() || !flip_map.empty() || !depth_map.empty(); }
   bool has_points() const { return !reference_points.output.empty() || !test_points.output.empty(); }
@@ -38,9 +38,6 @@ struct CompareRequest {
 
 /// Declares the options.
 void add_compare_options(const Options& command, CompareRequest& request);
-
-/// Files that the run writes, all of them.
-std::vector<std::filesystem::path> outputs_of(const CompareRequest& request);
 
 // What can be wrong with a request before any pixel is looked at.
 

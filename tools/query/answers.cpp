@@ -51,6 +51,33 @@ void add_row(std::string& text, const std::vector<AnswerColumn>& columns, const 
   text += json ? "}\n" : "\n";
 }
 
+constexpr std::size_t k_rows_per_task = 4096;
+
+ExtraDimension described(const AnswerDimension& dimension) {
+  ExtraDimension extra;
+  extra.name = dimension.name;
+  extra.description = dimension.description;
+  extra.type = dimension.whole != nullptr ? ScalarType::uint64 : ScalarType::float64;
+  return extra;
+}
+
+/// Calls work(i) for every row, in parallel.
+template <class Work>
+void for_each_row(std::size_t count, const Work& work) {
+  tbb::parallel_for(std::size_t{0}, (count + k_rows_per_task - 1) / k_rows_per_task, [&](std::size_t part) {
+    for (std::size_t i = part * k_rows_per_task; i < std::min((part + 1) * k_rows_per_task, count); ++i)
+      work(i);
+  });
+}
+
+/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to
+/// others.
+LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
+  const auto steps = to_lattice(lattice, position);
+  if (!steps) throw Error({.problem = "position of a point does not stand on the cloud's lattice"});
+  return *steps;
+}
+
 }  // namespace
 
 AnswerText::AnswerText(std::vector<AnswerColumn> columns, TextForm form, std::unique_ptr<OutputFile> file)
@@ -92,37 +119,6 @@ void AnswerText::finish() {
   put_header();
   if (file_) file_->commit();
 }
-
-namespace {
-
-constexpr std::size_t k_rows_per_task = 4096;
-
-ExtraDimension described(const AnswerDimension& dimension) {
-  ExtraDimension extra;
-  extra.name = dimension.name;
-  extra.description = dimension.description;
-  extra.type = dimension.whole != nullptr ? ScalarType::uint64 : ScalarType::float64;
-  return extra;
-}
-
-/// Calls work(i) for every row, in parallel.
-template <class Work>
-void for_each_row(std::size_t count, const Work& work) {
-  tbb::parallel_for(std::size_t{0}, (count + k_rows_per_task - 1) / k_rows_per_task, [&](std::size_t part) {
-    for (std::size_t i = part * k_rows_per_task; i < std::min((part + 1) * k_rows_per_task, count); ++i)
-      work(i);
-  });
-}
-
-/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to
-/// others.
-LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
-  const auto steps = to_lattice(lattice, position);
-  if (!steps) throw Error({.problem = "position of a point does not stand on the cloud's lattice"});
-  return *steps;
-}
-
-}  // namespace
 
 AnswerLas::AnswerLas(const std::filesystem::path& file, bool overwrite, const IndexedCloud& cloud,
                      std::vector<AnswerDimension> dimensions)

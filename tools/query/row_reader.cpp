@@ -30,8 +30,6 @@ std::string count_of(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
 
-}  // namespace
-
 /// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or stands twice, a
 /// required column that is missing, no names at all.
 std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kind) {
@@ -101,8 +99,6 @@ void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const s
   }
   check_row(line, kind, row, std::span(offsets).first(row.size()));
 }
-
-namespace {
 
 /// The line as a document; errors get the line's own number.
 JsonDocument parse_line(const TextLine& line) {
@@ -185,8 +181,6 @@ class RowFiller {
   std::array<std::size_t, k_most_target_columns> offsets_{};
 };
 
-}  // namespace
-
 /// Reads a line of JSON into `row`, which holds one value per column of the kind; NaN for those that are not
 /// given. The line is an object whose keys are columns ("ox": 1) or vectors ("origin": [1, 2, 3]) of the
 /// kind, or an array in the kind's order. Values are numbers, "inf" or "-inf"; null counts as not given.
@@ -196,8 +190,6 @@ void parse_json_row(const TextLine& line, const TargetKind& kind, std::span<doub
   const JsonDocument document = parse_line(line);
   RowFiller(line, document, kind, row).fill();
 }
-
-namespace {
 
 constexpr std::size_t k_grain = 512;
 

@@ -57,6 +57,57 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
   }
 }
 
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text + separator);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+image::ValueRange parse_range(const std::string& text, double least, double most) {
+  const std::vector<std::string> ends = parts_of(text, ',');
+  if (ends.size() != 2) throw UsageError("expected two numbers, found '" + text + "'");
+  const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
+  if (!(range.low < range.high)) throw UsageError("expected the smaller number first, found '" + text + "'");
+  return range;
+}
+
+std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
+  std::vector<image::ClassColor> classes;
+  for (const std::string& part : parts_of(text, ',')) {
+    const std::size_t sign = part.find('=');
+    const std::optional<Color16> color =
+        sign == std::string::npos ? std::nullopt : image::parse_hex_color(part.substr(sign + 1));
+    if (!color) throw UsageError("expected CLASS=#rrggbb, found '" + part + "'");
+    classes.push_back({static_cast<std::uint8_t>(parse_count(part.substr(0, sign), 0, 255)), *color});
+  }
+  return classes;
+}
+
+std::filesystem::path parse_legend(const std::string& text) {
+  const std::filesystem::path file(text);
+  if (file.extension() != ".png" && file.extension() != ".PNG")
+    throw UsageError("expected a name ending in .png, found '" + text + "'");
+  return file;
+}
+
+ImageSize parse_legend_size(const std::string& text) {
+  // Margins and a line of the smallest type take more than this, whatever the legend says.
+  constexpr int k_least_side = 24;
+  const ImageSize size = parse_image_size(text);
+  if (size.width < k_least_side || size.height < k_least_side) {
+    throw UsageError("expected at least " + std::to_string(k_least_side) + " pixels each way, found '" +
+                     text + "'");
+  }
+  return size;
+}
+
+std::vector<std::pair<std::string, std::optional<image::ColorMap>>> map_words() {
+  std::vector<std::pair<std::string, std::optional<image::ColorMap>>> words{{"auto", std::nullopt}};
+  for (const image::NamedColorMap& known : image::k_color_maps) words.emplace_back(known.name, known.map);
+  return words;
+}
+
 }  // namespace
 
 void add_light_options(const Options& render, LightRequest& request) {
@@ -191,61 +242,6 @@ void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, V
     }
   }
 }
-
-namespace {
-
-std::vector<std::string> parts_of(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text + separator);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  return parts;
-}
-
-image::ValueRange parse_range(const std::string& text, double least, double most) {
-  const std::vector<std::string> ends = parts_of(text, ',');
-  if (ends.size() != 2) throw UsageError("expected two numbers, found '" + text + "'");
-  const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
-  if (!(range.low < range.high)) throw UsageError("expected the smaller number first, found '" + text + "'");
-  return range;
-}
-
-std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
-  std::vector<image::ClassColor> classes;
-  for (const std::string& part : parts_of(text, ',')) {
-    const std::size_t sign = part.find('=');
-    const std::optional<Color16> color =
-        sign == std::string::npos ? std::nullopt : image::parse_hex_color(part.substr(sign + 1));
-    if (!color) throw UsageError("expected CLASS=#rrggbb, found '" + part + "'");
-    classes.push_back({static_cast<std::uint8_t>(parse_count(part.substr(0, sign), 0, 255)), *color});
-  }
-  return classes;
-}
-
-std::filesystem::path parse_legend(const std::string& text) {
-  const std::filesystem::path file(text);
-  if (file.extension() != ".png" && file.extension() != ".PNG")
-    throw UsageError("expected a name ending in .png, found '" + text + "'");
-  return file;
-}
-
-ImageSize parse_legend_size(const std::string& text) {
-  // Margins and a line of the smallest type take more than this, whatever the legend says.
-  constexpr int k_least_side = 24;
-  const ImageSize size = parse_image_size(text);
-  if (size.width < k_least_side || size.height < k_least_side) {
-    throw UsageError("expected at least " + std::to_string(k_least_side) + " pixels each way, found '" +
-                     text + "'");
-  }
-  return size;
-}
-
-std::vector<std::pair<std::string, std::optional<image::ColorMap>>> map_words() {
-  std::vector<std::pair<std::string, std::optional<image::ColorMap>>> words{{"auto", std::nullopt}};
-  for (const image::NamedColorMap& known : image::k_color_maps) words.emplace_back(known.name, known.map);
-  return words;
-}
-
-}  // namespace
 
 void add_color_options(const Options& command, ColorRequest& request) {
   command.value("--color-by,--color", "NAME",

@@ -47,7 +47,7 @@ void show(const RenderCommand& command, renderer::Scene scene, const View* view,
 
 void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
                       const View* view) {
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   const Progress progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
   try {
     const std::vector<std::unique_ptr<CopcFile>> files = renderer::open_copc_cloud(clouds);
@@ -59,11 +59,9 @@ void show_first_looks(const RenderCommand& command, const renderer::Scene& scene
           *scene.cloud, clouds, files, view ? &view->camera : nullptr, points, progress);
       if (cloud.octree.size() == 0) return;
       show(command, scene, view, cloud, progress);
-      if (verbosity != Verbosity::quiet) {
-        say_note(fmt::format("{} shows {} of {} points", command.long_render.preview.string(),
-                             short_count(static_cast<double>(cloud.octree.size())),
-                             short_count(static_cast<double>(all))));
-      }
+      say_note(verbosity, fmt::format("{} shows {} of {} points", command.long_render.preview.string(),
+                                      short_count(static_cast<double>(cloud.octree.size())),
+                                      short_count(static_cast<double>(all))));
     }
   } catch (const Error& error) {
     if (verbosity == Verbosity::verbose) say_note(fmt::format("no first look: {}", error.what()));
@@ -109,7 +107,7 @@ renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer:
   const renderer::CloudSettings& settings = *scene.cloud;
   check(settings, scene, clouds, views);
   const CloudInput& input = clouds.inputs.front();
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   const char* const unit = part_unit(input);
   ProgressLine line(fmt::format("loading {} in view", unit), unit, verbosity);
   database::CloudPart part = read_database_part(input, view_filters(views, settings.radius.value_or(0.0)),

@@ -163,9 +163,7 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
                                           std::span<const std::filesystem::path> finished,
                                           Verbosity verbosity) {
   if (!request.resume) return std::nullopt;
-  const auto note = [&](const std::string& text) {
-    if (verbosity != Verbosity::quiet) say_note(text);
-  };
+  const auto note = [&](const std::string& text) { say_note(verbosity, text); };
   const std::string file = request.checkpoint.string();
   std::error_code error;
   if (!std::filesystem::exists(request.checkpoint, error)) {

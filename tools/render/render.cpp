@@ -42,7 +42,7 @@ std::string radius_text(const renderer::CloudSettings& settings, const renderer:
 renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& scene,
                            const CloudInputs& clouds, std::span<const View> views) {
   const renderer::CloudSettings& settings = *scene.cloud;
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   ProgressLine line("loading cloud", "B", verbosity);
   std::optional<ProgressLine> measuring;
   const Progress measure = [&](std::uint64_t done, std::uint64_t total) {
@@ -175,7 +175,7 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
                                       const CommandLine& words, const std::optional<Resumption>& resumed) {
   std::uint64_t total = 0, done = 0;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   ProgressLine line(
       pictures.size() == 1 ? "rendering" : fmt::format("rendering {} pictures", pictures.size()),
       "camera rays", verbosity);
@@ -214,19 +214,17 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
 }
 
 ExitCode run(const RenderCommand& command, const CommandLine& words) {
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   renderer::Scene scene = requested_scene(command);
   image::check_image_name(scene.output.file);
   std::vector<std::string> warnings;
   const std::vector<View> views = requested_views(command.camera, scene, warnings);
-  if (verbosity != Verbosity::quiet) {
-    for (const std::string& warning : warnings) say_warning(warning);
-  }
+  say_warnings(verbosity, warnings);
   PictureList list = requested_pictures(command, scene, views);
   std::vector<Picture>& pictures = list.pictures;
   if (pictures.empty()) {
     remove_finished_checkpoint(command.long_render, list.finished);
-    if (verbosity != Verbosity::quiet) say_note("every picture is there already");
+    say_note(verbosity, "every picture is there already");
     return ExitCode::done;
   }
   const std::optional<Resumption> resumed =

@@ -47,7 +47,7 @@ struct RenderCommand {
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
   std::optional<int> threads;
-  VerbosityOptions verbosity;
+  Verbosity verbosity = Verbosity::normal;
 };
 
 /// Declares the command's options; they fill what is returned.

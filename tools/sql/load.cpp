@@ -19,13 +19,15 @@
 
 namespace alidade::tools {
 
+namespace {
+
 /// What commands have in common that put clouds into databases, which memory need not hold.
 struct LoadOptions {
   bool partial = false;
   std::optional<ColorDepth> color_depth;
   std::uint64_t memory = std::uint64_t{1} << 30;
   std::optional<int> threads;
-  VerbosityOptions verbosity;
+  Verbosity verbosity = Verbosity::normal;
 };
 
 /// Declares them.
@@ -52,7 +54,7 @@ void add_load_options(const Options& command, LoadOptions& options) {
 void load_with_progress(const LoadOptions& options, const std::string& storing,
                         const std::function<std::vector<std::string>(const ReadOptions& reading,
                                                                      const Progress& storing)>& work) {
-  const Verbosity verbosity = options.verbosity.verbosity();
+  const Verbosity verbosity = options.verbosity;
   ProgressLine read_line("reading", "B", verbosity);
   std::optional<ProgressLine> store_line;
   Progress store_progress;
@@ -71,8 +73,6 @@ void load_with_progress(const LoadOptions& options, const std::string& storing,
   if (verbosity == Verbosity::quiet) return;
   for (const std::string& warning : warnings) say_warning(warning);
 }
-
-namespace {
 
 struct LoadCommand {
   std::vector<std::filesystem::path> files;  ///< the last one is the database
@@ -141,7 +141,31 @@ ExitCode run(const LoadCommand& command) {
     count = stored.point_count;
     return std::move(stored.warnings);
   });
-  if (!command.load.verbosity.quiet) say_note(fmt::format("{} points are {}", count, place));
+  say_note(command.load.verbosity, fmt::format("{} points are {}", count, place));
+  return ExitCode::done;
+}
+
+struct ShardPlanCommand {
+  CloudInputs files;
+  std::filesystem::path output;
+  std::vector<database::Shard> shards;
+  std::string table = "points";
+  LoadOptions load;
+};
+
+ExitCode run(const ShardPlanCommand& command) {
+  std::uint64_t count = 0;
+  load_with_progress(command.load, "writing", [&](const ReadOptions& reading, const Progress& writing) {
+    database::StoredFiles plan = database::write_shard_plan(
+        command.output, command.files, reading, command.shards,
+        {.table = command.table, .memory = command.load.memory, .progress = writing});
+    count = plan.point_count;
+    return std::move(plan.warnings);
+  });
+  if (command.load.verbosity != Verbosity::quiet) {
+    say_note(fmt::format("{} points for {} shards in {}; {} tells what to type", count, command.shards.size(),
+                         command.output.string(), (command.output / "README.txt").string()));
+  }
   return ExitCode::done;
 }
 
@@ -165,34 +189,6 @@ Command add_sql_load(const Options& sql) {
   add_load_options(load, command->load);
   return {load, [command] { return with_threads(command->load.threads, [&] { return run(*command); }); }};
 }
-
-namespace {
-
-struct ShardPlanCommand {
-  CloudInputs files;
-  std::filesystem::path output;
-  std::vector<database::Shard> shards;
-  std::string table = "points";
-  LoadOptions load;
-};
-
-ExitCode run(const ShardPlanCommand& command) {
-  std::uint64_t count = 0;
-  load_with_progress(command.load, "writing", [&](const ReadOptions& reading, const Progress& writing) {
-    database::StoredFiles plan = database::write_shard_plan(
-        command.output, command.files, reading, command.shards,
-        {.table = command.table, .memory = command.load.memory, .progress = writing});
-    count = plan.point_count;
-    return std::move(plan.warnings);
-  });
-  if (!command.load.verbosity.quiet) {
-    say_note(fmt::format("{} points for {} shards in {}; {} tells what to type", count, command.shards.size(),
-                         command.output.string(), (command.output / "README.txt").string()));
-  }
-  return ExitCode::done;
-}
-
-}  // namespace
 
 Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();

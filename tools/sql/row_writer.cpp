@@ -32,8 +32,6 @@ bool is_command(unsigned code) {
          (code >= 0x2066 && code <= 0x2069);
 }
 
-}  // namespace
-
 /// The shortest text that reads as this number again: 1.0, 0.1, 1e+300, inf.
 std::string real_text(double value) {
   std::string text = fmt::format("{}", value);
@@ -95,8 +93,6 @@ std::size_t letter_count(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(
       text, [](char letter) { return (static_cast<unsigned char>(letter) & 0xc0u) != 0x80u; }));
 }
-
-namespace {
 
 /// Collects text for stdout, so that not every row is a system call.
 class Output {

@@ -48,11 +48,6 @@ struct SqlParameter {
 /// that begins like a number, with a digit, dot or sign.
 SqlParameter parse_sql_parameter(const std::string& text);
 
-/// Gives all parameters of a statement their values: ? those without a name in their order, ?2 the second one
-/// of these, :name,
-/// @name and $name those of that name. Errors: one has no value.
-void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& parameters);
-
 struct SqlRun {
   RowForm form = RowForm::table;
   bool explain = false;  ///< say what was read behind the rows of each statement, and whether it was pruned

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "octree/index_file/indexed_cloud.h"
-#include "tools/console.h"
-#include "tools/options.h"
+#include "tools/command.h"
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
@@ -27,6 +26,14 @@ struct OccluderRequest {
 
 /// Declares the options in a group of their own; they fill `request`.
 void add_occluder_options(const Options& command, OccluderRequest& request);
+
+/// What all commands of `alidade visibility` are asked.
+struct VisibilityRequest : CloudRequest {
+  OccluderRequest occluders;
+  std::filesystem::path output;
+  bool overwrite = false;
+  CommandLine words;  ///< of the program, for what is written
+};
 
 /// A cloud, and what of it blocks sight.
 struct VisibilityCloud {

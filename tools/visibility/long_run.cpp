@@ -18,12 +18,13 @@ namespace alidade::tools {
 
 void add_checkpoint_options(const Options& command, CheckpointRequest& request) {
   constexpr double k_most_seconds = 1e9;
+  request.command = command;
   const Options group = command.group("Long runs");
   const Option checkpoint = group.value(
       "--checkpoint", "FILE",
       "keep what has been computed in FILE, every --checkpoint-interval seconds and on Ctrl-C; removed "
       "once the output is written",
-      [&request](const std::string& text) { request.file = text; });
+      request.file, std::identity());
   group
       .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
               request.interval, 1e-3, k_most_seconds)
@@ -111,10 +112,10 @@ std::string crs_checksum(const Crs& crs) {
 
 }  // namespace
 
-Identity run_identity(const Options& command, const VisibilityCloud& cloud) {
-  Identity identity{{"command", command.name()},
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud) {
+  Identity identity{{"command", request.command->name()},
                     {"version of answers", std::to_string(visibility::k_answers_version)}};
-  for (const auto& [name, words] : command.given()) {
+  for (const auto& [name, words] : request.command->given()) {
     if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
     identity.push_back({"--" + name, joined(words)});
   }
@@ -130,7 +131,9 @@ Identity run_identity(const Options& command, const VisibilityCloud& cloud) {
   return identity;
 }
 
-void add_to_identity(std::span<const visibility::Observer> observers, Identity& identity) {
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                      std::span<const visibility::Observer> observers) {
+  Identity identity = run_identity(request, cloud);
   std::vector<double> numbers;
   for (const visibility::Observer& one : observers) {
     numbers.insert(numbers.end(), {one.position.x, one.position.y, one.position.z, one.azimuth_min,
@@ -138,6 +141,7 @@ void add_to_identity(std::span<const visibility::Observer> observers, Identity& 
   }
   identity.push_back({"number of observers", std::to_string(observers.size())});
   add_to_identity("observers", numbers, identity);
+  return identity;
 }
 
 void add_to_identity(const geo::RasterGrid& grid, Identity& identity) {

@@ -18,12 +18,13 @@ namespace alidade::tools {
 
 /// Whether and where to keep what is finished of a long run.
 struct CheckpointRequest {
-  std::filesystem::path file;  ///< --checkpoint; empty: nothing is kept
-  double interval = 60.0;      ///< --checkpoint-interval, seconds
-  bool resume = false;         ///< --resume
+  std::optional<Options> command{};  ///< whose options were declared
+  std::filesystem::path file;        ///< --checkpoint; empty: nothing is kept
+  double interval = 60.0;            ///< --checkpoint-interval, seconds
+  bool resume = false;               ///< --resume
 };
 
-/// Declares the options in a group of their own; they fill `request`.
+/// Declares the options of a command, in a group of their own; they fill `request`.
 void add_checkpoint_options(const Options& command, CheckpointRequest& request);
 
 /// Lets a run fail before it starts. Errors: the checkpoint is one of the outputs or inputs, exists and may
@@ -34,13 +35,13 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
 
 /// What the answers of a command depend on: its name, all its options but those that cannot change them
 /// (outputs, threads, and how it is watched), the points, surfaces, classes and reference system of the cloud
-/// as it was loaded. Requires that the options were read. Cost: the cloud is read once.
-Identity run_identity(const Options& command, const VisibilityCloud& cloud);
+/// as it was loaded; and on observers as they are placed. Requires that the options were read. Cost: the cloud is read
+/// once.
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud);
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                      std::span<const visibility::Observer> observers);
 
-/// Adds observers as they are placed.
-void add_to_identity(std::span<const visibility::Observer> observers, Identity& identity);
-
-/// The same for the cells of a map.
+/// Adds the cells of a map.
 void add_to_identity(const geo::RasterGrid& grid, Identity& identity);
 
 /// The same for numbers of any other kind; `name` is how a message calls them.

@@ -26,23 +26,6 @@ std::string name_of(double metres) {
   return std::fabs(metres - k_foot) < k_rounding ? "ft" : "";
 }
 
-}  // namespace
-
-CloudUnit cloud_unit(const Crs& crs) {
-  if (crs.empty()) return {};
-  CloudUnit unit;
-  unit.metres = image_module().metres_per_unit(crs);
-  if (!unit.metres) {
-    const geo::MapUnit told = geo::map_unit(crs);
-    if (told == geo::MapUnit::unknown) return {};
-    unit.metres = geo::metres_per_unit(told);
-  }
-  unit.name = name_of(*unit.metres);
-  return unit;
-}
-
-namespace {
-
 Bounds parse_area(const std::string& text) {
   std::array<double, 4> numbers{};
   std::size_t begin = 0;
@@ -80,18 +63,30 @@ void add_ground(const Options& command, MapOptions& map) {
 
 }  // namespace
 
+CloudUnit cloud_unit(const Crs& crs) {
+  if (crs.empty()) return {};
+  CloudUnit unit;
+  unit.metres = image_module().metres_per_unit(crs);
+  if (!unit.metres) {
+    const geo::MapUnit told = geo::map_unit(crs);
+    if (told == geo::MapUnit::unknown) return {};
+    unit.metres = geo::metres_per_unit(told);
+  }
+  unit.name = name_of(*unit.metres);
+  return unit;
+}
+
 void add_map_options(const Options& command, MapOptions& map) {
-  command.group(k_map_group)
-      .file("--preview", "FILE.png", "also draw it: relief, marks, scale bar, legend", map.preview);
-  command.group(k_map_group)
-      .number("--resolution", "LENGTH",
-              "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
-              "none "
-              "smaller than those of the ground)",
-              map.resolution, 1e-6, 1e9);
-  command.group(k_map_group)
-      .value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)",
-             [&map](const std::string& text) { map.area = parse_area(text); });
+  const Options group = command.group(k_map_group);
+  group.file("--preview", "FILE.png", "also draw it: relief, marks, scale bar, legend", map.preview);
+  group.number(
+      "--resolution", "LENGTH",
+      "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
+      "none "
+      "smaller than those of the ground)",
+      map.resolution, 1e-6, 1e9);
+  group.value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
+              parse_area);
   add_ground(command, map);
 }
 
@@ -124,7 +119,7 @@ visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud&
   options.cell_size = map.ground_cell;
   options.reach = map.ground_reach.value_or(options.reach);
   visibility::Ground ground = find_ground(cloud, options, verbosity);
-  if (verbosity != Verbosity::quiet) say_note("ground: " + ground_text(ground));
+  say_note(verbosity, "ground: " + ground_text(ground));
   return ground;
 }
 
@@ -150,10 +145,8 @@ geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibi
   const double usual = visibility::usual_resolution(area, ground.heights().grid.cell_size);
   const geo::RasterGrid grid = geo::grid_over(area, map.resolution.value_or(usual));
   geo::check_map_memory(grid, bands);
-  if (verbosity != Verbosity::quiet) {
-    say_note(fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
-                         unit.empty() ? "" : " ", unit));
-  }
+  say_note(verbosity, fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
+                                  unit.empty() ? "" : " ", unit));
   return grid;
 }
 

@@ -28,10 +28,7 @@ std::pair<double, double> parse_angles(const std::string& text, double least, do
 void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
   group.value("--max-distance,--md,--max_distance", "LENGTH",
               "nothing farther from the observer is seen (default: inf); along the line of sight",
-              [&defaults](const std::string& text) {
-                defaults.max_distance =
-                    parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
-              });
+              defaults.max_distance, parse_distance_limit);
   const Option azimuths = group.value(
       "--horizontal-fov", "A0,A1",
       "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks north "

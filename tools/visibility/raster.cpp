@@ -23,14 +23,14 @@
 #include "visibility/raster/viewshed_file.h"
 
 namespace alidade::tools {
+namespace {
 
 /// Whose defaults hold for what is not said.
 enum class DefaultSet { gdal, grass };
 
 /// What was asked of `alidade visibility raster`.
-struct RasterCommand : CloudRequest {
+struct RasterCommand : VisibilityRequest {
   ObserverOptions observers;
-  OccluderRequest occluders;
   MapOptions map;
   CheckpointRequest checkpoint;
   std::optional<DefaultSet> like;                ///< empty: gdal
@@ -39,21 +39,10 @@ struct RasterCommand : CloudRequest {
   std::optional<double> highest;
   std::optional<int> places_across;
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
-  std::filesystem::path output;
-  bool overwrite = false;
 };
 
-inline DefaultSet default_set(const RasterCommand& command) {
+DefaultSet default_set(const RasterCommand& command) {
   return command.like.value_or(DefaultSet::gdal);
-}
-
-namespace {
-
-void add_output(const Options& raster, RasterCommand& command) {
-  raster.group(k_map_group)
-      .file("-o,--output", "FILE.tif", "map to write: cloud-optimised GeoTIFF", command.output)
-      .required();
-  raster.group(k_map_group).flag("--overwrite", "replace existing files", command.overwrite);
 }
 
 void add_values(const Options& raster, RasterCommand& command) {
@@ -105,24 +94,6 @@ void add_sight(const Options& raster, RasterCommand& command) {
       .excludes(curvature);
 }
 
-}  // namespace
-
-/// Declares the command's options; they fill what is returned.
-std::shared_ptr<RasterCommand> add_raster_options(const Options& raster) {
-  auto command = std::make_shared<RasterCommand>();
-  add_cloud(raster, *command);
-  add_output(raster, *command);
-  add_map_options(raster, command->map);
-  add_values(raster, *command);
-  add_observer_options(raster, command->observers);
-  add_target_height(raster.group(k_observer_group), command->map.target_height);
-  add_sight(raster, *command);
-  add_occluder_options(raster, command->occluders);
-  add_checkpoint_options(raster, command->checkpoint);
-  add_run_options(raster, *command);
-  return command;
-}
-
 /// The values of the chosen set, but for those that were given.
 visibility::SeenValues seen_values_of(const RasterCommand& command) {
   visibility::SeenValues values;
@@ -132,8 +103,6 @@ visibility::SeenValues seen_values_of(const RasterCommand& command) {
   if (command.out_of_range_value) values.out_of_range = command.out_of_range_value;
   return values;
 }
-
-namespace {
 
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction"};
 
@@ -169,8 +138,7 @@ void check_values(const RasterCommand& command) {
 void check_options(const RasterCommand& command) {
   check_values(command);
   geo::check_raster_name(command.output);
-  std::vector<std::filesystem::path> others = command.files.names();
-  if (!command.observers.file.empty()) others.push_back(command.observers.file);
+  std::vector<std::filesystem::path> others = command.inputs({command.observers.file});
   check_writable(command.output, command.overwrite, others);
   check_checkpoint(command.checkpoint, command.overwrite, {{command.output, command.map.preview}}, others);
   others.push_back(command.output);
@@ -228,11 +196,10 @@ void add_observers(std::span<const visibility::Observer> observers, MapMetadata&
 }
 
 /// All that the values depend on.
-Identity identity_of(const Options& given, const VisibilityCloud& cloud,
+Identity identity_of(const CheckpointRequest& request, const VisibilityCloud& cloud,
                      std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
                      const visibility::ViewshedOptions& options) {
-  Identity identity = run_identity(given, cloud);
-  add_to_identity(observers, identity);
+  Identity identity = run_identity(request, cloud, observers);
   add_to_identity(grid, identity);
   identity.push_back({"curvature", fmt::format("{:.17g}", options.curve.drop(1.0))});
   return identity;
@@ -249,13 +216,11 @@ visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground
   return seen;
 }
 
-ExitCode run(RasterCommand command, const CommandLine& words, const Options& given) {
+ExitCode run(const RasterCommand& given) {
   constexpr double k_grass_observer = 1.75;
-  check_options(command);
-  const Verbosity verbosity = command.verbosity.verbosity();
-  const auto say = [&](const std::string& text) {
-    if (verbosity != Verbosity::quiet) say_note(text);
-  };
+  check_options(given);
+  RasterCommand command = given;
+  const Verbosity verbosity = command.verbosity;
   if (default_set(command) == DefaultSet::grass)
     command.observers.defaults.height_on_ground = k_grass_observer;
   const auto cloud = load_cloud_alone(command, AttributeSet());
@@ -269,9 +234,10 @@ ExitCode run(RasterCommand command, const CommandLine& words, const Options& giv
       map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers), ground, 1,
                unit.name, verbosity);
   const std::string sight = sight_text(command, options);
-  say("sight: " + sight);
+  say_note(verbosity, "sight: " + sight);
   LongRun long_run(
-      command.checkpoint, [&] { return identity_of(given, *cloud, observers, grid, options); }, verbosity);
+      command.checkpoint, [&] { return identity_of(command.checkpoint, *cloud, observers, grid, options); },
+      verbosity);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
 
@@ -280,10 +246,11 @@ ExitCode run(RasterCommand command, const CommandLine& words, const Options& giv
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const visibility::ViewshedBand band =
       visibility::viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
-  geo::RasterContents contents{.grid = grid,
-                               .bands = {band.band()},
-                               .crs = crs,
-                               .metadata = map_metadata(words, command.files.names(), *cloud, ground)};
+  geo::RasterContents contents{
+      .grid = grid,
+      .bands = {band.band()},
+      .crs = crs,
+      .metadata = map_metadata(command.words, command.files.names(), *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
   add_observers(observers, contents.metadata);
@@ -297,23 +264,34 @@ ExitCode run(RasterCommand command, const CommandLine& words, const Options& giv
   const std::string at_height = options.mode == visibility::ViewshedMode::height
                                     ? fmt::format("at {:g} above the ground ", options.target_height)
                                     : "";
-  say(fmt::format(
-      "{} sight lines in {:.1f} s ({}/s); seen {}{:.1f} % of the cells in range, {} cells without a value; "
-      "wrote {}",
-      short_count(static_cast<double>(seen.line_count)), seconds,
-      short_count(static_cast<double>(seen.line_count) / seconds), at_height, share.percent, share.without,
-      command.output.string()));
+  say_note(verbosity, fmt::format("{} sight lines in {:.1f} s ({}/s); seen {}{:.1f} % of the cells in range, "
+                                  "{} cells without a value; "
+                                  "wrote {}",
+                                  short_count(static_cast<double>(seen.line_count)), seconds,
+                                  short_count(static_cast<double>(seen.line_count) / seconds), at_height,
+                                  share.percent, share.without, command.output.string()));
   return ExitCode::done;
 }
 
 }  // namespace
 
-Command add_visibility_raster(const Options& visibility, const CommandLine& command_line) {
+Command add_visibility_raster(const Options& visibility, const CommandLine& words) {
   const Options raster = visibility.command("raster", "Make a map of what is seen of the ground: a viewshed");
-  const std::shared_ptr<RasterCommand> command = add_raster_options(raster);
-  return {raster, [command, command_line, raster] {
-            return with_threads(command->threads, [&] { return run(*command, command_line, raster); });
-          }};
+  auto command = std::make_shared<RasterCommand>();
+  command->words = words;
+  const Options map = raster.group(k_map_group);
+  add_cloud(raster, *command);
+  map.file("-o,--output", "FILE.tif", "map to write: cloud-optimised GeoTIFF", command->output).required();
+  map.flag("--overwrite", "replace existing files", command->overwrite);
+  add_map_options(raster, command->map);
+  add_values(raster, *command);
+  add_observer_options(raster, command->observers);
+  add_target_height(raster.group(k_observer_group), command->map.target_height);
+  add_sight(raster, *command);
+  add_occluder_options(raster, command->occluders);
+  add_checkpoint_options(raster, command->checkpoint);
+  add_run_options(raster, *command);
+  return command_of(raster, command, run);
 }
 
 }  // namespace alidade::tools

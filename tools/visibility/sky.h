@@ -20,14 +20,11 @@
 namespace alidade::tools {
 
 /// What both commands are asked.
-struct SkyRequest : CloudRequest {
-  OccluderRequest occluders;
+struct SkyRequest : VisibilityRequest {
   std::optional<visibility::SkyReceiver> receiver;  ///< points only
   MapOptions map;                                   ///< maps only
   CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();
-  std::filesystem::path output;
-  bool overwrite = false;
 
   /// Whether the answers are for cells, by the ending of the output.
   bool is_map() const;
@@ -49,8 +46,8 @@ struct SkySite {
 /// written here; those of load_cloud_alone(), map_grid().
 SkySite load_sky_site(const SkyRequest& request, int bands);
 
-/// All that the answers depend on, as far as both commands share it. `given`: the command as it was read.
-Identity sky_identity(const Options& given, const SkySite& site);
+/// All that the answers depend on, as far as both commands share it.
+Identity sky_identity(const SkyRequest& request, const SkySite& site);
 
 /// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {
@@ -69,8 +66,8 @@ struct SkyPicture {
 
 /// Writes a map as GeoTIFF, and the picture of its first band if one is asked for. `metadata`: beside what
 /// all maps say. Afterwards k_no_float stands in the bands.
-void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,
-                   std::span<const SkyBand> bands, const MapMetadata& metadata, const SkyPicture& picture);
+void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
+                   const MapMetadata& metadata, const SkyPicture& picture);
 
 /// "0.02 to 0.97, mean 0.61": of the values that are numbers.
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count);
