@@ -8,9 +8,8 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-// A sub-command is one function: it declares its options on the program and returns what to do when it is
-// chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
-// as Error.
+// A sub-command is one function: it declares its options on the program and returns what to do when it is chosen.
+// Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown as Error.
 
 namespace alidade::tools {
 

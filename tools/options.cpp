@@ -5,11 +5,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <string_view>
 
 #include "base/output_file.h"
 #include "renderer/scene.h"
@@ -344,6 +341,49 @@ void add_run_options(const Options& command, RunRequest& request) {
   add_partial(command, request.partial);
   add_threads(command, request.threads);
   add_verbosity(command, request.verbosity);
+}
+
+void add_checkpoint_options(const Options& command, CheckpointRequest& request, const std::string& when,
+                            const std::string& output) {
+  constexpr double k_most_seconds = 1e9;
+  request.command = command;
+  const Option checkpoint = command.value(
+      "--checkpoint", "FILE",
+      fmt::format("keep what has been computed in FILE, {} and on Ctrl-C; removed once the {} is written",
+                  when, output),
+      request.file, std::identity());
+  command
+      .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
+              request.interval, 1e-3, k_most_seconds)
+      .needs(checkpoint);
+  command
+      .flag("--resume",
+            fmt::format(
+                "go on from the checkpoint, if it is there; the {} has the bytes of an uninterrupted run",
+                output),
+            request.resume)
+      .needs(checkpoint);
+}
+
+std::function<void(const Error&)> checkpoint_warning() {
+  return [said = false](const Error& error) mutable {
+    if (!said) say_warning(std::string("no checkpoint: ") + error.what());
+    said = true;
+  };
+}
+
+void say_how_to_resume(Verbosity verbosity, const std::string& checkpoint) {
+  say_note(verbosity, checkpoint + " keeps what has been computed; the same command with --resume goes on");
+}
+
+Moment parse_moment(std::string text) {
+  constexpr std::size_t k_date_length = 10;
+  if (text.size() > k_date_length && text[k_date_length] == ' ') text[k_date_length] = 'T';
+  try {
+    return parse_date_time(text);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
 }
 
 std::bitset<256> parse_classes(const std::string& text) {

@@ -14,10 +14,11 @@
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/date_time.h"
+#include "base/error.h"
 #include "cloud/cloud_inputs.h"
 #include "tools/console.h"
 
@@ -253,8 +254,7 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 /// What the help text says about the files of a cloud, where there is nothing else to say.
 inline constexpr const char* k_cloud_help =
     "cloud files, folders or patterns as 'tiles/*.las', taken together as one, an index file (.alidade), or "
-    "a "
-    "table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+    "a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// What other help texts about them end with.
 inline const std::string k_database_help =
@@ -288,6 +288,28 @@ struct CloudRequest : RunRequest {
 
 /// Declares the operand that names the cloud, which is required.
 void add_cloud(const Options& command, CloudRequest& request);
+
+/// Whether and where to keep what is finished of a long run.
+struct CheckpointRequest {
+  std::optional<Options> command{};  ///< whose options were declared
+  std::filesystem::path file;        ///< --checkpoint; empty: nothing is kept
+  double interval = 60.0;            ///< --checkpoint-interval, seconds
+  bool resume = false;               ///< --resume
+};
+
+/// Declares these options. `when` a checkpoint is written, and what the command writes, are for the manual.
+void add_checkpoint_options(const Options& command, CheckpointRequest& request,
+                            const std::string& when = "every --checkpoint-interval seconds",
+                            const std::string& output = "output");
+
+/// Warns of the first checkpoint that cannot be written: the next ones will probably fail like it.
+std::function<void(const Error&)> checkpoint_warning();
+
+/// Says how to go on after an interruption.
+void say_how_to_resume(Verbosity verbosity, const std::string& checkpoint);
+
+/// A date and time; between them a person may write a blank instead of the T of scene files.
+Moment parse_moment(std::string text);
 
 /// What stands between the commas of a text, one word at least.
 inline std::vector<std::string> split_list(const std::string& text) {

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <filesystem>
-#include <optional>
-#include <string>
 
 #include "base/bounds.h"
 #include "base/error.h"
@@ -23,7 +19,6 @@
 #include "tools/image_module.h"
 
 namespace alidade::tools {
-
 namespace {
 
 /// --crop and --crop-crs: which part of a cloud is wanted.
@@ -138,7 +133,7 @@ struct ConvertCommand : CloudRequest {
   CropOptions crop;
   std::uint64_t every = 1;
   std::optional<double> spacing;
-  std::optional<ColorDepth> color_depth;
+  ColorDepth color_depth = ColorDepth::automatic;
   bool overwrite = false;
 };
 
@@ -180,7 +175,8 @@ bool only_packing_changes(const ConvertCommand& command) {
   const std::string ending = file_ending(command.output);
   const bool chooses = command.crop.given() || command.every > 1 || command.spacing.has_value();
   return (ending == ".las" || ending == ".laz") && command.files.size() == 1 && !chooses &&
-         !command.color_depth && !command.partial && can_repack(command.files.first_name());
+         command.color_depth == ColorDepth::automatic && !command.partial &&
+         can_repack(command.files.first_name());
 }
 
 ExitCode repack(const ConvertCommand& command) {
@@ -200,8 +196,7 @@ ExitCode run(const ConvertCommand& command) {
   check_crop(command.crop);
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
-  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth.value_or(ColorDepth::automatic),
-                                          .region = command.crop.box});
+  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth, .region = command.crop.box});
   std::uint64_t all = cloud.size();
   for (const CloudFile& file : cloud.files) all += file.skipped_count;
   choose_points(cloud, command);
@@ -230,11 +225,10 @@ Command add_convert(const Options& program) {
   add_crop_options(convert, command->crop);
   convert.count("--every", "N", "keep the first of the points, and every N-th from there on", command->every,
                 1, UINT64_MAX);
-  convert.length(
-      "--spacing", "LENGTH",
-      "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one nearest to "
-      "the mean of the cube's points, with the mean of their colours and intensities",
-      command->spacing);
+  convert.length("--spacing", "LENGTH",
+                 "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one "
+                 "nearest to the mean of the cube's points, with the mean of their colours and intensities",
+                 command->spacing);
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});

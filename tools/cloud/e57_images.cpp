@@ -4,10 +4,8 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
-#include <nlohmann/json.hpp>
 #include <unordered_map>
 #include <unordered_set>
-#include <vector>
 
 #include "base/error.h"
 #include "base/output_file.h"

@@ -22,7 +22,7 @@ Octree measured(const Octree& octree, const IndexRequest& request, Verbosity ver
 struct IndexCommand : CloudRequest {
   std::filesystem::path output;
   IndexRequest index;
-  std::optional<ColorDepth> color_depth;
+  ColorDepth color_depth = ColorDepth::automatic;
 };
 
 ExitCode run(const IndexCommand& command) {
@@ -40,8 +40,7 @@ ExitCode run(const IndexCommand& command) {
                  .found = std::to_string(*command.index.spacing_neighbours)});
   }
   check_writable(command.output, command.index.overwrite, command.files.names());
-  PointCloud cloud =
-      read_shown(command, {.color_depth = command.color_depth.value_or(ColorDepth::automatic)});
+  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
   write_index(command.output, cloud, command.index, command.verbosity);
   return ExitCode::done;
 }
@@ -78,35 +77,32 @@ Command add_index(const Options& program) {
       .required();
   index.file("-o,--output", "FILE.alidade", "index file to write", command->output).required();
   index.choice("--organisation",
-               "how points are spread over the octree; answers are the same (default adaptive): cells "
-               "split until few points are left, a grid of cells of one size, or coarse to fine, so "
-               "that a prefix of levels is a thinned cloud",
+               "how points are spread over the octree; answers are the same (default adaptive): cells split "
+               "until few points are left, a grid of cells of one size, or coarse to fine, so that a prefix "
+               "of levels is a thinned cloud",
                command->index.organisation,
                {{"adaptive", Organisation::adaptive},
                 {"fixed", Organisation::fixed},
                 {"layered", Organisation::layered}});
-  index.length(
-      "--cell-size", "LENGTH",
-      "longest side of a cell of --organisation fixed, in the unit of the CRS, mostly metres (default: cells "
-      "that hold 32 points on average)",
-      command->index.cell_size);
-  index.flag(
-      "--stored-order",
-      "number the points as the octree stores them: 4 bytes per point less, but point ids are not those "
-      "of the input any more",
-      command->index.stored_order);
+  index.length("--cell-size", "LENGTH",
+               "longest side of a cell of --organisation fixed, in the unit of the CRS, mostly metres "
+               "(default: cells that hold 32 points on average)",
+               command->index.cell_size);
+  index.flag("--stored-order",
+             "number the points as the octree stores them: 4 bytes per point less, but point ids are not "
+             "those of the input any more",
+             command->index.stored_order);
   index.choice("--color-depth",
                "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps 16",
                command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
   index.count(
       "--spacings", "N",
       "store the distance of every point to its N-th nearest neighbour, 1 to 64 (the usual one is 8): "
-      "'alidade "
-      "render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
+      "'alidade render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
       command->index.spacing_neighbours, 1, k_most_spacing_neighbours);
   index.flag("--surfaces",
-             "store the surface that each point lies on, for 'alidade visibility', which then has nothing "
-             "to measure; implies --spacings 8; 4 bytes per point",
+             "store the surface that each point lies on, for 'alidade visibility', which then has nothing to "
+             "measure; implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-
 #include <tbb/parallel_for.h>
 #include <algorithm>
 #include <charconv>
@@ -70,8 +69,7 @@ void for_each_row(std::size_t count, const Work& work) {
   });
 }
 
-/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to
-/// others.
+/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to others.
 LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
   const auto steps = to_lattice(lattice, position);
   if (!steps) throw Error({.problem = "position of a point does not stand on the cloud's lattice"});

@@ -175,8 +175,7 @@ AnswerRow answer_row(const Answer& hit) {
   return row;
 }
 
-/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive
-/// them.
+/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive them.
 template <class Answer>
 AnswerRows answer_rows(const Answers<Answer>& answers, std::size_t begin, std::size_t end,
                        std::span<const std::uint64_t> ids) {

@@ -7,9 +7,7 @@
 #include <glm/geometric.hpp>
 #include <initializer_list>
 #include <type_traits>
-#include <utility>
 
-#include "base/bounds.h"
 #include "base/input_file.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
@@ -19,7 +17,6 @@
 #include "tools/query/target_reader.h"
 
 namespace alidade::tools {
-
 namespace {
 
 /// More than rounding moves a coordinate of these numbers by.
@@ -68,8 +65,7 @@ Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
 
 Bounds target_bounds(const Cone& cone, double, const Bounds& within) {
   if (within.empty()) return {};
-  // The farthest place along the axis that a point can project to is that of a corner; there the cone is
-  // widest.
+  // The farthest place along the axis that a point can project to is that of a corner; there the cone is widest.
   Ray axis = cone.axis;
   double farthest = -std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {

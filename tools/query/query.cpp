@@ -2,14 +2,11 @@
 #include "tools/query/query.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
-#include <string_view>
 
 #include "base/error.h"
 #include "base/words.h"
 #include "tools/command.h"
-#include "tools/options.h"
 #include "tools/query/target_kind.h"
 
 namespace alidade::tools {
@@ -19,28 +16,27 @@ struct FamilyWords {
   const char* texts;  ///< option that takes a file
   const char* value;  ///< option that takes one target, or a part of one
   const TargetKind& (*kind)();
+  ExitCode (*run)(const QueryCommand&);
   const char* help;
 };
 
 // In the order of TargetFamily.
 constexpr std::array<FamilyWords, k_target_families> k_families{{
-    {"--rays", "--ray", target_kind<Ray>, "rays: origin, direction of any length"},
-    {"--cones", "--cone", target_kind<Cone>,
+    {"--rays", "--ray", target_kind<Ray>, run_query<Ray>, "rays: origin, direction of any length"},
+    {"--cones", "--cone", target_kind<Cone>, run_query<Cone>,
      "cones: apex, axis, half angle in degrees, radius at the apex (default 0)"},
-    {"--path", "--vertex", target_kind<Path>,
+    {"--path", "--vertex", target_kind<Path>, run_query<Path>,
      "trajectories: vertices in their order; rows of one `path` number are one"},
-    {"--planes", "--plane", target_kind<HalfSpaces>,
+    {"--planes", "--plane", target_kind<HalfSpaces>, run_query<HalfSpaces>,
      "regions: points on the side the normal shows to, of all planes with one `region` number"},
-    {"--boxes", "--box", target_kind<Bounds>, "axis-parallel boxes, faces included"},
-    {"--points", "--point", target_kind<glm::dvec3>, "places"},
+    {"--boxes", "--box", target_kind<Bounds>, run_query<Bounds>, "axis-parallel boxes, faces included"},
+    {"--points", "--point", target_kind<glm::dvec3>, run_query<glm::dvec3>, "places"},
 }};
 
 void add_targets(const Options& query, QueryCommand& command) {
   for (std::size_t i = 0; i < k_target_families; ++i) {
     const FamilyWords& words = k_families[i];
     GivenTargets& given = command.targets[i];
-    given.text_option = words.texts;
-    given.value_option = words.value;
     query.group("Targets").text(words.texts, "FILE|-", words.help, given.text);
     std::string form = words.kind().form();
     std::ranges::transform(form, form.begin(), [](unsigned char c) { return std::toupper(c); });
@@ -52,31 +48,28 @@ void add_conditions(const Options& query, QueryCommand& command) {
   const Options group = query.group("Conditions");
   group.value("--radius", "R", "points at most so far from the ray, path or point, in metres (default: inf)",
               command.radius, parse_length_limit);
-  group.count(
-      "--k", "K",
-      "at most so many points, the first by the measure (default: 1 for rays, paths and points without "
-      "--radius, else all)",
-      command.k, 1, k_all);
+  group.count("--k", "K",
+              "at most so many points, the first by the measure (default: 1 for rays, paths and points "
+              "without --radius, else all)",
+              command.k, 1, k_all);
   group.choice("--measure",
-               "what puts points into order: distance to the ray, place t of the projection, or where "
-               "the ray enters the sphere of the radius around the point (default: rays entry with "
-               "--radius, else distance; cones distance; paths t)",
+               "what puts points into order: distance to the ray, place t of the projection, or where the "
+               "ray enters the sphere of the radius around the point (default: rays entry with --radius, "
+               "else distance; cones distance; paths t)",
                command.measure,
                {{"distance", Measure::distance}, {"t", Measure::t}, {"entry", Measure::entry}});
-  group.value(
-      "--t-min", "A",
-      "points that project to t >= A, metres along the ray, cone or path, where the targets do not say "
-      "it themselves (default: -inf; cones 0)",
-      command.t_min, parse_limit);
+  group.value("--t-min", "A",
+              "points that project to t >= A, metres along the ray, cone or path, where the targets do not "
+              "say it themselves (default: -inf; cones 0)",
+              command.t_min, parse_limit);
   group.value("--t-max", "B", "points that project to t <= B (default: inf)", command.t_max, parse_limit);
   group.value("--entry-min", "E", "of rays with --radius: spheres entered at E or later, metres",
               command.entry_min, parse_limit);
   group.value("--class", "LIST", "points of these classes, as 2,6", command.classes, parse_classes);
-  group.count(
-      "--max-level", "N",
-      "a thinned cloud: points of the levels 0 .. N of a layered octree; made for cloud files, while an "
-      "index file must be one (alidade index --organisation layered)",
-      command.max_level, 0, k_all_levels);
+  group.count("--max-level", "N",
+              "a thinned cloud: points of the levels 0 .. N of a layered octree; made for cloud files, while "
+              "an index file must be one (alidade index --organisation layered)",
+              command.max_level, 0, k_all_levels);
 }
 
 void add_copc(const Options& query, QueryCommand& command) {
@@ -114,12 +107,12 @@ TargetFamily chosen_family(const QueryCommand& command) {
   std::string all;
   for (std::size_t i = 0; i < k_target_families; ++i) {
     const GivenTargets& given = command.targets[i];
-    all += (all.empty() ? "" : ", ") + given.text_option;
+    all += (all.empty() ? "" : ", ") + std::string(k_families[i].texts);
     const bool has_text = !given.text.empty(), has_values = !given.values.empty();
     if (!has_text && !has_values) continue;
     if (has_text && has_values) {
-      throw Error({.problem = fmt::format("targets are given in two ways: {} and {}", given.text_option,
-                                          given.value_option),
+      throw Error({.problem = fmt::format("targets are given in two ways: {} and {}", k_families[i].texts,
+                                          k_families[i].value),
                    .expected = "one of them"});
     }
     if (chosen) {
@@ -156,28 +149,15 @@ ExitCode run(const QueryCommand& given) {
   QueryCommand command = given;
   command.family = chosen_family(command);
   check_options(command);
-  switch (command.family) {
-    case TargetFamily::rays:
-      return run_query<Ray>(command);
-    case TargetFamily::cones:
-      return run_query<Cone>(command);
-    case TargetFamily::path:
-      return run_query<Path>(command);
-    case TargetFamily::planes:
-      return run_query<HalfSpaces>(command);
-    case TargetFamily::boxes:
-      return run_query<Bounds>(command);
-    case TargetFamily::points:
-      break;
-  }
-  return run_query<glm::dvec3>(command);
+  return k_families[static_cast<std::size_t>(command.family)].run(command);
 }
 
 }  // namespace
 
 LineSource open_targets(const QueryCommand& command) {
   const GivenTargets& given = command.given();
-  return given.text.empty() ? LineSource::command_line(given.value_option, given.values)
+  return given.text.empty() ? LineSource::command_line(
+                                  k_families[static_cast<std::size_t>(command.family)].value, given.values)
                             : LineSource::open(given.text);
 }
 

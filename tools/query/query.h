@@ -3,7 +3,6 @@
 
 #include <bitset>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,7 +22,6 @@ constexpr std::size_t k_target_families = 6;
 struct GivenTargets {
   std::string text;  ///< "-" is standard input; empty if none was given
   std::vector<std::string> values;
-  std::string text_option, value_option;  ///< "--rays", "--ray"
 };
 
 enum class AnswerForm { csv, json_lines, las };

@@ -10,16 +10,12 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
-#include <span>
-#include <vector>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "base/words.h"
-#include "tools/query/target_kind.h"
 
 namespace alidade::tools {
-
 namespace {
 
 std::size_t offset_in(const TextLine& line, std::string_view cell) {
@@ -55,8 +51,7 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
   return columns;
 }
 
-/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too
-/// many.
+/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too many.
 std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind& kind) {
   std::vector<std::string_view> cells;
   split_cells(line.text, ',', cells);

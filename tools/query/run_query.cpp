@@ -21,7 +21,6 @@
 #include "tools/query/target_reader.h"
 
 namespace alidade::tools {
-
 namespace {
 
 /// What --explain says: the work of a run in all and for each target.

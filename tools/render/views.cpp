@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "base/error.h"
 #include "camera/camera.h"
@@ -18,9 +17,7 @@ constexpr double k_largest_coordinate = 1e12;
 
 template <std::size_t count>
 std::array<double, count> parse_coordinates(const std::string& text) {
-  std::vector<std::string> words;
-  std::istringstream stream(text + ",");
-  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  const std::vector<std::string> words = split_list(text);
   if (words.size() != count) {
     throw UsageError(fmt::format("expected {} numbers with commas between, found '{}'", count, text));
   }
@@ -146,18 +143,15 @@ void add_camera_options(const Options& render, CameraRequest& request) {
           .excludes(camera);
   const Option above =
       render
-          .value("--orthographic", "top",
-                 "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
-                 [&request](const std::string& text) {
-                   if (text != "top") throw UsageError("expected top, found '" + text + "'");
-                   request.from_above = true;
-                 })
+          .choice("--orthographic",
+                  "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
+                  request.from_above, {{"top", true}})
           .excludes(camera)
           .excludes(panorama);
   const Option size =
       render.value("--size", "WxH",
                    "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
-                   [&request](const std::string& text) { request.size = parse_image_size(text); });
+                   request.size, parse_image_size);
   const Option resolution = render.number("--resolution", "METRES", "from pixel to pixel, for --orthographic",
                                           request.resolution, 1e-6, 1e6);
   resolution.needs(above);
@@ -165,8 +159,8 @@ void add_camera_options(const Options& render, CameraRequest& request) {
   size.excludes(above);
   render
       .value("--extent", "X,Y,X,Y",
-             "least and largest x and y to show from above (default: all of the cloud)",
-             [&request](const std::string& text) { request.extent = parse_coordinates<4>(text); })
+             "least and largest x and y to show from above (default: all of the cloud)", request.extent,
+             parse_coordinates<4>)
       .needs(above);
 }
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -14,7 +13,6 @@
 #include "tools/sql/statements.h"
 
 namespace alidade::tools {
-
 namespace {
 
 /// The code in Unicode of what is one letter of UTF-8.

@@ -3,17 +3,14 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <utility>
 
 #include "base/error.h"
 #include "cloud/point_cloud.h"
 #include "geo/map_unit.h"
 #include "octree/point_surface.h"
-#include "octree/spacing.h"
 #include "tools/cloud/load_cloud.h"
 
 namespace alidade::tools {
-
 namespace {
 
 /// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing
@@ -65,21 +62,20 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 
 void add_occluder_options(const Options& command, OccluderRequest& request) {
   const Options group = command.group("What blocks");
-  group.choice(
-      "--occluder",
-      "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where there is a "
-      "surface and spheres elsewhere (foliage, wires)",
-      request.shape,
-      {{"auto", visibility::OccluderShape::automatic},
-       {"disc", visibility::OccluderShape::disc},
-       {"sphere", visibility::OccluderShape::sphere}});
+  group.choice("--occluder",
+               "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where "
+               "there is a surface and spheres elsewhere (foliage, wires)",
+               request.options.shape,
+               {{"auto", visibility::OccluderShape::automatic},
+                {"disc", visibility::OccluderShape::disc},
+                {"sphere", visibility::OccluderShape::sphere}});
   group.number(
       "--radius", "R",
       "of discs and spheres, in metres (default: each point's own, from the distance to its neighbours)",
-      request.radius, 1e-6, 1e6);
+      request.options.radius, 1e-6, 1e6);
   group.count("--transparency", "K",
               "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
-              request.transparency, 1, 1000);
+              request.options.transparency, 1, 1000);
   group.value(
       "--ignore-classes", "LIST|none",
       "points of these classes block nothing (default: 7,18, which are noise)", request.ignored_classes,
@@ -97,10 +93,7 @@ std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudRequest& request, A
 }
 
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity) {
-  visibility::OccluderOptions options;
-  options.shape = request.shape.value_or(visibility::OccluderShape::automatic);
-  options.radius = request.radius;
-  options.transparency = request.transparency;
+  visibility::OccluderOptions options = request.options;
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   // Asking for every point takes time, so it is left out where no point has such a class.
   const bool has_ignored =

@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "octree/index_file/indexed_cloud.h"
 #include "tools/command.h"
@@ -17,9 +16,7 @@ namespace alidade::tools {
 
 /// What may block sight, as it was asked for on the command line.
 struct OccluderRequest {
-  std::optional<visibility::OccluderShape> shape;
-  std::optional<double> radius;
-  int transparency = 1;
+  visibility::OccluderOptions options;
   /// Classes whose points block nothing, if the cloud has classes. At first the noise of ASPRS.
   std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
 };

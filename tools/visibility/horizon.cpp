@@ -3,19 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <string>
-
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
 #include "camera/camera.h"
 #include "geo/map_unit.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <functional>
 #include <map>
 
 #include "base/error.h"
 #include "base/huge_memory.h"
 #include "octree/distance.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
@@ -99,18 +94,18 @@ void for_each_pair(const LineEnds& ends, const std::function<void(std::size_t, s
 
 void add_pair_options(const Options& command, PairRequest& request) {
   const Options group = command.group("Lines");
-  group.file("--pairs", "FILE",
-             "CSV with a pair per row: names of --places in the columns from and to, or coordinates (see "
-             "below)",
-             request.pairs);
+  group.file(
+      "--pairs", "FILE",
+      "CSV with a pair per row: names of --places in the columns from and to, or coordinates (see below)",
+      request.pairs);
   group.file("--places", "FILE",
              "CSV, GeoJSON, GeoPackage or Shapefile with places, as observers elsewhere; without --pairs "
              "every one is paired with every other",
              request.places);
-  group.text("--places-crs", "CRS",
-             "reference system of the places, such as EPSG:4326 (default: what their file says, of CSV the "
-             "cloud's)",
-             request.places_crs);
+  group.text(
+      "--places-crs", "CRS",
+      "reference system of the places, such as EPSG:4326 (default: what their file says, of CSV the cloud's)",
+      request.places_crs);
   group.number("--end-height", "LENGTH",
                "of ends above their foot (default: 0 for ends with a z, 2 for those on the ground)",
                request.defaults.height, 0.0, 1e6);
@@ -258,7 +253,7 @@ ExitCode run_lines(const LinesCommand& command) {
   load_row_writer(command.output);
   const auto cloud = load_cloud_alone(command, {});
   const visibility::LineReportOptions options = report_options(command, *cloud);
-  visibility::check_line_report(options, command.occluders.transparency);
+  visibility::check_line_report(options, command.occluders.options.transparency);
   const LineEnds ends = load_line_ends(command.pairs, *cloud, command.verbosity);
   check_report_memory(ends, command.frequency.has_value());
   check_margin(ends, command.end_margin);
@@ -269,10 +264,10 @@ ExitCode run_lines(const LinesCommand& command) {
   table.classifications = cloud->columns.classifications;
   LongRun long_run(
       command.checkpoint, [&] { return identity_of(command, *cloud, table.pairs); }, command.verbosity);
-  ProgressLine line("looking along lines", "lines", command.verbosity);
-  table.reports = visibility::report_lines(*cloud->occluders, table.pairs, options, long_run.progress(line),
-                                           long_run.parts());
-  line.finish();
+  table.reports =
+      long_run.work("looking along lines", "lines", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);
+      });
   const PointCloud& facts = cloud->cloud.cloud;
   const bool is_done =
       visibility::write_lines(table, chosen_row_form(command.output), row_file_head(command.words, facts),
@@ -298,14 +293,13 @@ void add_radio(const Options& lines, LinesCommand& command) {
                 command.frequency = visibility::parse_frequency(text);
                 if (!command.frequency) throw UsageError("expected 1MHz to 1000GHz, found '" + text + "'");
               });
-  group.value(
-      "--earth-radius-factor", "K|off",
-      "lines bend down over the ground of a round Earth with K times its radius; K takes in how air bends "
-      "rays (default: 1.3333 with --frequency, otherwise off)",
-      [&command](const std::string& text) {
-        command.earth_factor.emplace();
-        if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
-      });
+  group.value("--earth-radius-factor", "K|off",
+              "lines bend down over the ground of a round Earth with K times its radius; K takes in how air "
+              "bends rays (default: 1.3333 with --frequency, otherwise off)",
+              [&command](const std::string& text) {
+                command.earth_factor.emplace();
+                if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
+              });
 }
 
 }  // namespace
@@ -322,7 +316,7 @@ Command add_visibility_lines(const Options& visibility, const CommandLine& words
   add_occluder_options(lines, command->occluders);
   lines.file("-o,--output", "FILE", "file to write: .csv, .json or .geojson", command->output).required();
   lines.flag("--overwrite", "replace an existing file", command->overwrite);
-  add_checkpoint_options(lines, command->checkpoint);
+  add_checkpoint_options(lines.group("Long runs"), command->checkpoint);
   add_run_options(lines, *command);
   return command_of(lines, command, run_lines);
 }

@@ -9,11 +9,7 @@
 #include "base/words.h"
 #include "geo/map_unit.h"
 #include "image/font.h"
-#include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
-#include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/map_places.h"
 
 namespace alidade::tools {
@@ -43,18 +39,16 @@ Bounds parse_area(const std::string& text) {
 
 void add_ground(const Options& command, MapOptions& map) {
   const Options group = command.group("Ground");
-  group.choice(
-      "--ground",
-      "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest "
-      "points (default: auto, by class if there is class 2)",
-      map.ground_source,
-      {{"auto", visibility::GroundSource::automatic},
-       {"class", visibility::GroundSource::classified},
-       {"lowest", visibility::GroundSource::lowest}});
+  group.choice("--ground",
+               "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the "
+               "lowest points (default: auto, by class if there is class 2)",
+               map.ground_source,
+               {{"auto", visibility::GroundSource::automatic},
+                {"class", visibility::GroundSource::classified},
+                {"lowest", visibility::GroundSource::lowest}});
   group.number("--ground-cell", "LENGTH",
                "side of the cells whose ground is found (default: the mean distance of the points of these "
-               "classes, or "
-               "four times that of all points)",
+               "classes, or four times that of all points)",
                map.ground_cell, 1e-6, 1e9);
   group.number("--ground-reach", "LENGTH",
                "no ground farther than this from the cloud's points (default: 10)", map.ground_reach, 0.0,
@@ -79,12 +73,10 @@ CloudUnit cloud_unit(const Crs& crs) {
 void add_map_options(const Options& command, MapOptions& map) {
   const Options group = command.group(k_map_group);
   group.file("--preview", "FILE.png", "also draw it: relief, marks, scale bar, legend", map.preview);
-  group.number(
-      "--resolution", "LENGTH",
-      "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
-      "none "
-      "smaller than those of the ground)",
-      map.resolution, 1e-6, 1e9);
+  group.number("--resolution", "LENGTH",
+               "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a "
+               "side, none smaller than those of the ground)",
+               map.resolution, 1e-6, 1e9);
   group.value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
               parse_area);
   add_ground(command, map);

@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-
-#include <bitset>
 #include <map>
 
 #include "base/error.h"
-#include "image/image_file.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
@@ -110,11 +105,11 @@ ExitCode run_place(const PlaceCommand& command) {
   say_note(command.verbosity, fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
   LongRun long_run(
       command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, candidates); }, verbosity);
-  ProgressLine line("looking", "sight lines", verbosity);
   const visibility::Coverage coverage =
-      visibility::see_targets(*cloud->occluders, candidates, targets, command.target_height.value_or(0.0),
-                              long_run.progress(line), long_run.parts());
-  line.finish();
+      long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::see_targets(*cloud->occluders, candidates, targets,
+                                       command.target_height.value_or(0.0), progress, parts);
+      });
   const visibility::Placement placement =
       visibility::choose_places(coverage, command.count, weights_of(command, *cloud, targets));
   if (placement.places.empty()) {
@@ -154,8 +149,7 @@ void add_answers(const Options& place, PlaceCommand& command) {
   group.count("--count", "K", "how many places to choose", command.count, 1, 1'000'000'000).required();
   group
       .file("-o,--output", "FILE",
-            "file to write: .csv, .json or .geojson; a row per place, with what it and those before it "
-            "cover",
+            "file to write: .csv, .json or .geojson; a row per place, with what it and those before it cover",
             command.output)
       .required();
   group.file("--curve", "FILE.png", "picture of what each further place adds", command.curve);
@@ -173,7 +167,7 @@ Command add_visibility_place(const Options& visibility, const CommandLine& words
   add_targets(place, *command);
   add_occluder_options(place, command->occluders);
   add_answers(place, *command);
-  add_checkpoint_options(place, command->checkpoint);
+  add_checkpoint_options(place.group("Long runs"), command->checkpoint);
   add_run_options(place, *command);
   return command_of(place, command, run_place);
 }

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
-#include "tools/console.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
@@ -132,7 +128,7 @@ visibility::PointVisibilityOptions visibility_options(const PointsCommand& comma
   return options;
 }
 
-visibility::PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
+visibility::PointVisibility look(const VisibilityCloud& cloud,
                                  std::span<const visibility::Observer> observers,
                                  visibility::PointVisibilityOptions options, LongRun& long_run,
                                  std::optional<SeenList>& list) {
@@ -141,12 +137,11 @@ visibility::PointVisibility look(const PointsCommand& command, const VisibilityC
       list->add(number + 1, seen);
     };
   }
-  ProgressLine line("looking", "sight lines", command.verbosity);
-  options.parts = long_run.parts();
-  options.progress = long_run.progress(line);
-  visibility::PointVisibility seen = visibility::point_visibility(*cloud.occluders, observers, options);
-  line.finish();
-  return seen;
+  return long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+    options.progress = progress;
+    options.parts = parts;
+    return visibility::point_visibility(*cloud.occluders, observers, options);
+  });
 }
 
 ExitCode run(const PointsCommand& command) {
@@ -169,7 +164,7 @@ ExitCode run(const PointsCommand& command) {
       command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, observers); }, verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
-  const visibility::PointVisibility seen = look(command, *cloud, observers, options, long_run, list);
+  const visibility::PointVisibility seen = look(*cloud, observers, options, long_run, list);
   write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
   if (list) list->finish();
   long_run.finish();
@@ -188,15 +183,13 @@ void add_answers(const Options& points, PointsCommand& command) {
       .file("-o,--output", "FILE.las|FILE.laz|FILE.ply", "cloud to write: LAS 1.4, LAZ or PLY, by the ending",
             command.output)
       .required();
-  group.count(
-      "--fraction", "N",
-      "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the share of "
-      "them that is seen (default: off)",
-      command.sub_rays, 2, visibility::k_most_sub_rays);
+  group.count("--fraction", "N",
+              "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the "
+              "share of them that is seen (default: off)",
+              command.sub_rays, 2, visibility::k_most_sub_rays);
   group.choice("--blockers",
-               "whether to tell what blocks the view of each point (default: all for one "
-               "observer, else none); none is "
-               "faster",
+               "whether to tell what blocks the view of each point (default: all for one observer, else "
+               "none); none is faster",
                command.blockers, {{"all", BlockerColumns::all}, {"none", BlockerColumns::none}});
   group.file("--lists", "FILE.csv",
              "also write who sees what: CSV observer,point_id, for any number of observers", command.lists);
@@ -213,7 +206,7 @@ Command add_visibility_points(const Options& visibility) {
   add_observer_options(points, command->observers);
   add_occluder_options(points, command->occluders);
   add_answers(points, *command);
-  add_checkpoint_options(points, command->checkpoint);
+  add_checkpoint_options(points.group("Long runs"), command->checkpoint);
   add_run_options(points, *command);
   return command_of(points, command, run);
 }

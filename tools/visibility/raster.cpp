@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <algorithm>
 #include <chrono>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "base/error.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
@@ -33,41 +24,35 @@ struct RasterCommand : VisibilityRequest {
   ObserverOptions observers;
   MapOptions map;
   CheckpointRequest checkpoint;
-  std::optional<DefaultSet> like;                ///< empty: gdal
-  std::optional<visibility::ViewshedMode> mode;  ///< empty: visible
+  DefaultSet like = DefaultSet::gdal;
+  visibility::ViewshedMode mode = visibility::ViewshedMode::visible;
   std::optional<double> curvature;
   std::optional<double> highest;
   std::optional<int> places_across;
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
 };
 
-DefaultSet default_set(const RasterCommand& command) {
-  return command.like.value_or(DefaultSet::gdal);
-}
-
 void add_values(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Values");
-  group.choice(
-      "--mode",
-      "visible: whether any observer sees the middle of the cell; count: how many do; height: the lowest "
-      "height above the ground that is seen, to 0.01; fraction: share of free sight lines over observers and "
-      "places of the cell (default: visible)",
-      command.mode,
-      {{"visible", visibility::ViewshedMode::visible},
-       {"count", visibility::ViewshedMode::count},
-       {"height", visibility::ViewshedMode::height},
-       {"fraction", visibility::ViewshedMode::fraction}});
+  group.choice("--mode",
+               "visible: whether any observer sees the middle of the cell; count: how many do; height: the "
+               "lowest height above the ground that is seen, to 0.01; fraction: share of free sight lines "
+               "over observers and places of the cell (default: visible)",
+               command.mode,
+               {{"visible", visibility::ViewshedMode::visible},
+                {"count", visibility::ViewshedMode::count},
+                {"height", visibility::ViewshedMode::height},
+                {"fraction", visibility::ViewshedMode::fraction}});
   const auto add_byte = [&](const char* names, const char* help, std::optional<std::uint8_t>& target) {
     group.count(names, "0..255", help, target, 0, 255);
   };
   add_byte("--visible-value,--vv", "of --mode visible: of cells that are seen (default: gdal 255, grass 1)",
            command.visible_value);
   add_byte("--invisible-value,--iv", "of cells that are not (default: 0)", command.invisible_value);
-  add_byte(
-      "--out-of-range-value,--ov",
-      "of cells that nobody looks at: too far, or outside of the field of view (default: gdal 0, grass no "
-      "data)",
-      command.out_of_range_value);
+  add_byte("--out-of-range-value,--ov",
+           "of cells that nobody looks at: too far, or outside of the field of view (default: gdal 0, grass "
+           "no data)",
+           command.out_of_range_value);
   group.number(
       "--highest", "LENGTH",
       "of --mode height: nothing higher is tried; stands for what is not even seen there (default: 200)",
@@ -78,12 +63,11 @@ void add_values(const Options& raster, RasterCommand& command) {
 
 void add_sight(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Sight");
-  group.choice(
-      "--like",
-      "whose defaults hold for what is not said. gdal (gdal_viewshed): observers 2 above the ground, "
-      "curvature 0.85714 where the cloud's unit is known; grass (r.viewshed): observers 1.75 above the "
-      "ground, curvature 0, values 1 and 0, no data out of range (default: gdal)",
-      command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}});
+  group.choice("--like",
+               "whose defaults hold for what is not said. gdal (gdal_viewshed): observers 2 above the "
+               "ground, curvature 0.85714 where the cloud's unit is known; grass (r.viewshed): observers "
+               "1.75 above the ground, curvature 0, values 1 and 0, no data out of range (default: gdal)",
+               command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}});
   const Option curvature = group.number(
       "--curvature,--cc", "C",
       "how much of the Earth's curvature counts: 0 flat, 1 without air, 0.85714 for light, 0.75 for radio",
@@ -97,7 +81,7 @@ void add_sight(const Options& raster, RasterCommand& command) {
 /// The values of the chosen set, but for those that were given.
 visibility::SeenValues seen_values_of(const RasterCommand& command) {
   visibility::SeenValues values;
-  if (default_set(command) == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
+  if (command.like == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
   values.visible = command.visible_value.value_or(values.visible);
   values.invisible = command.invisible_value.value_or(values.invisible);
   if (command.out_of_range_value) values.out_of_range = command.out_of_range_value;
@@ -106,13 +90,9 @@ visibility::SeenValues seen_values_of(const RasterCommand& command) {
 
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction"};
 
-visibility::ViewshedMode mode_of(const RasterCommand& command) {
-  return command.mode.value_or(visibility::ViewshedMode::visible);
-}
-
 /// Errors: options that mean nothing for the mode, or nothing together.
 void check_values(const RasterCommand& command) {
-  const visibility::ViewshedMode mode = mode_of(command);
+  const visibility::ViewshedMode mode = command.mode;
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
     if (!is_given || mode == of) return;
     throw Error({.problem = "option " + option + " means nothing for this map",
@@ -147,14 +127,14 @@ void check_options(const RasterCommand& command) {
 
 /// Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
 visibility::SightCurve curve_of(const RasterCommand& command, const CloudUnit& unit) {
-  const bool usual = default_set(command) == DefaultSet::gdal && unit.metres;
+  const bool usual = command.like == DefaultSet::gdal && unit.metres;
   return visibility::SightCurve(command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0),
                                 unit.metres.value_or(1.0));
 }
 
 visibility::ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) {
   visibility::ViewshedOptions options;
-  options.mode = mode_of(command);
+  options.mode = command.mode;
   options.target_height = command.map.target_height.value_or(0.0);
   options.curve = curve_of(command, unit);
   options.places_across = command.places_across.value_or(options.places_across);
@@ -168,7 +148,7 @@ std::string sight_text(const RasterCommand& command, const visibility::ViewshedO
   std::string text = fmt::format(
       "defaults like {}; observers {:g} above the ground, {:g} above a z of their own; targets {:g} above "
       "the ground; curvature {:g}; maximum distance {:g}; azimuth {:g} to {:g}, elevation {:g} to {:g}",
-      default_set(command) == DefaultSet::gdal ? "gdal_viewshed" : "r.viewshed",
+      command.like == DefaultSet::gdal ? "gdal_viewshed" : "r.viewshed",
       defaults.height.value_or(defaults.height_on_ground), defaults.height.value_or(0.0),
       options.target_height, options.curve.coefficient(), defaults.max_distance, defaults.azimuth_min,
       defaults.azimuth_max, defaults.elevation_min, defaults.elevation_max);
@@ -207,13 +187,12 @@ Identity identity_of(const CheckpointRequest& request, const VisibilityCloud& cl
 
 visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground& ground,
                           std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
-                          visibility::ViewshedOptions options, LongRun& long_run, Verbosity verbosity) {
-  ProgressLine line("looking", "sight lines", verbosity);
-  options.progress = long_run.progress(line);
-  options.parts = long_run.parts();
-  visibility::Viewshed seen = visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
-  line.finish();
-  return seen;
+                          visibility::ViewshedOptions options, LongRun& long_run) {
+  return long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+    options.progress = progress;
+    options.parts = parts;
+    return visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
+  });
 }
 
 ExitCode run(const RasterCommand& given) {
@@ -221,8 +200,7 @@ ExitCode run(const RasterCommand& given) {
   check_options(given);
   RasterCommand command = given;
   const Verbosity verbosity = command.verbosity;
-  if (default_set(command) == DefaultSet::grass)
-    command.observers.defaults.height_on_ground = k_grass_observer;
+  if (command.like == DefaultSet::grass) command.observers.defaults.height_on_ground = k_grass_observer;
   const auto cloud = load_cloud_alone(command, AttributeSet());
   const Crs& crs = cloud->cloud.cloud.crs;
   const CloudUnit unit = cloud_unit(crs);
@@ -242,7 +220,7 @@ ExitCode run(const RasterCommand& given) {
   say_observer_remarks(observers, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
-  const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run, verbosity);
+  const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const visibility::ViewshedBand band =
       visibility::viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
@@ -265,8 +243,7 @@ ExitCode run(const RasterCommand& given) {
                                     ? fmt::format("at {:g} above the ground ", options.target_height)
                                     : "";
   say_note(verbosity, fmt::format("{} sight lines in {:.1f} s ({}/s); seen {}{:.1f} % of the cells in range, "
-                                  "{} cells without a value; "
-                                  "wrote {}",
+                                  "{} cells without a value; wrote {}",
                                   short_count(static_cast<double>(seen.line_count)), seconds,
                                   short_count(static_cast<double>(seen.line_count) / seconds), at_height,
                                   share.percent, share.without, command.output.string()));
@@ -289,7 +266,7 @@ Command add_visibility_raster(const Options& visibility, const CommandLine& word
   add_target_height(raster.group(k_observer_group), command->map.target_height);
   add_sight(raster, *command);
   add_occluder_options(raster, command->occluders);
-  add_checkpoint_options(raster, command->checkpoint);
+  add_checkpoint_options(raster.group("Long runs"), command->checkpoint);
   add_run_options(raster, *command);
   return command_of(raster, command, run);
 }

@@ -2,17 +2,13 @@
 #include "tools/visibility/sky.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/fingerprint.h"
 #include "base/words.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
-#include "tools/visibility/map_options.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/sky/sky_of_cloud.h"
 
@@ -56,27 +52,30 @@ visibility::SkyViewOptions sky_options(const SkyCommand& command) {
 
 /// Answers what was found, for people.
 std::string map_sky(const SkyCommand& command, const SkySite& site, LongRun& long_run) {
-  ProgressLine line("looking at the sky", "cells", command.verbosity);
-  geo::Raster<float> views = visibility::ground_sky_views(
-      *site.cloud->occluders, *site.ground, site.grid, command.map.target_height.value_or(0.0),
-      sky_options(command), {long_run.progress(line), long_run.parts()});
-  line.finish();
+  geo::Raster<float> views =
+      long_run.work("looking at the sky", "cells", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::ground_sky_views(*site.cloud->occluders, *site.ground, site.grid,
+                                            command.map.target_height.value_or(0.0), sky_options(command),
+                                            {progress, parts});
+      });
   const std::string found =
       range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
   const SkyBand band{views, "SkyView", ""};
   write_sky_map(command, site, std::span(&band, 1),
                 {{"alidade_sky",
                   fmt::format("sky-view factor of a horizontal place, {} directions", command.directions)}},
-                {.title = "How much of the sky is seen", .label = "sky-view factor"});
+                {.title = "How much of the sky is seen",
+                 .values = {},
+                 .scale = visibility::MapScale{image::ColorMap::viridis, {0.0, 1.0}, "sky-view factor"}});
   return found;
 }
 
 std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, LongRun& long_run) {
-  ProgressLine line("looking at the sky", "points", command.verbosity);
   const std::vector<float> views =
-      visibility::point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
-                                  {long_run.progress(line), long_run.parts()});
-  line.finish();
+      long_run.work("looking at the sky", "points", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
+                                           {progress, parts});
+      });
   const auto value = [&views](std::size_t id) { return views[id]; };
   write_points(command.output, cloud.cloud,
                {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
@@ -121,7 +120,7 @@ void add_sky_request(const Options& command, SkyRequest& request) {
   add_map_options(command, request.map);
   add_target_height(command.group(k_map_group), request.map.target_height);
   add_occluder_options(command, request.occluders);
-  add_checkpoint_options(command, request.checkpoint);
+  add_checkpoint_options(command.group("Long runs"), request.checkpoint);
   add_run_options(command, request);
 }
 
@@ -147,16 +146,12 @@ Identity sky_identity(const SkyRequest& request, const SkySite& site) {
 }
 
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
-                   const MapMetadata& metadata, const SkyPicture& picture) {
+                   const MapMetadata& metadata, visibility::MapPicture picture) {
   const Crs& crs = site.cloud->cloud.cloud.crs;
   if (!request.map.preview.empty()) {
-    visibility::MapPicture map;
-    map.title = picture.title;
-    map.values = bands.front().values;
-    map.scale = visibility::MapScale{picture.colors, {0.0, picture.highest}, picture.label};
-    map.unit = site.unit;
-    map.notes = picture.notes;
-    image_module().write_map_picture(map, *site.ground, request.map.preview, request.overwrite);
+    picture.values = bands.front().values;
+    picture.unit = site.unit;
+    image_module().write_map_picture(picture, *site.ground, request.map.preview, request.overwrite);
   }
   geo::RasterContents contents;
   contents.grid = site.grid;

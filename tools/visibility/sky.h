@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "image/color_map.h"
 #include "tools/cloud/write_points.h"
 #include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
 #include "visibility/raster/ground.h"
+#include "visibility/raster/map_picture.h"
 #include "visibility/sky/sky_view.h"
 
 // What `visibility sky` and `visibility sun` share: numbers for every point, or for every cell of the ground.
@@ -55,19 +54,10 @@ struct SkyBand {
   std::string description, unit;
 };
 
-/// The picture of a map: colours over the relief of the ground, from 0 to `highest`.
-struct SkyPicture {
-  std::string title;
-  std::string label;  ///< what the numbers are
-  image::ColorMap colors = image::ColorMap::viridis;
-  double highest = 1.0;
-  std::vector<std::string> notes{};
-};
-
 /// Writes a map as GeoTIFF, and the picture of its first band if one is asked for. `metadata`: beside what
-/// all maps say. Afterwards k_no_float stands in the bands.
+/// all maps say. `picture`: without values and unit. Afterwards k_no_float stands in the bands.
 void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
-                   const MapMetadata& metadata, const SkyPicture& picture);
+                   const MapMetadata& metadata, visibility::MapPicture picture);
 
 /// "0.02 to 0.97, mean 0.61": of the values that are numbers.
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count);

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numeric>
-#include <string>
 
 #include "base/date_time.h"
 #include "base/error.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
 #include "tools/visibility/sky.h"
 #include "visibility/sky/sky_of_cloud.h"
@@ -36,19 +32,13 @@ Moment midnight(const Moment& utc, double longitude) {
 /// Errors: UsageError for anything else.
 SunDate parse_sun_date(const std::string& text) {
   constexpr std::size_t k_date_length = 10;
-  SunDate date;
-  date.is_day = text.size() == k_date_length;
-  std::string full = text;
-  if (date.is_day) full += "T00:00Z";
-  if (full.size() > k_date_length && full[k_date_length] == ' ') full[k_date_length] = 'T';
+  if (text.size() != k_date_length) return {parse_moment(text), false};
   try {
-    date.moment = parse_date_time(full);
-  } catch (const Error& error) {
+    return {parse_date_time(text + "T00:00Z"), true};
+  } catch (const Error&) {
     // What was added to a day is nothing that the user wrote.
-    if (!date.is_day) throw UsageError(error.what());
     throw UsageError("expected a day such as 2026-06-21, found '" + text + "'");
   }
-  return date;
 }
 
 /// When a range that begins with the date begins, and when one that ends with it ends. Days begin and end at
@@ -137,12 +127,11 @@ void say_sun(const SunCommand& command, const SunSky& sun) {
                        schedule.longitude,
                        sun.is_map_known ? fmt::format("grid north is {:.4f} degrees off", schedule.grid_north)
                                         : "+y taken for true north"));
-  say_note(
-      fmt::format("up for {:.2f} hours, {} steps, {} directions{}; open ground gets {:.3f} kWh/m2 of direct "
-                  "sun ({})",
-                  sun.hours, sun.steps, sun.bins.size(),
-                  sun.bin > 0.0 ? fmt::format(" (bins of {:g} degrees)", sun.bin) : "", open_energy(sun),
-                  model_text(sun)));
+  say_note(fmt::format(
+      "up for {:.2f} hours, {} steps, {} directions{}; open ground gets {:.3f} kWh/m2 of direct sun ({})",
+      sun.hours, sun.steps, sun.bins.size(),
+      sun.bin > 0.0 ? fmt::format(" (bins of {:g} degrees)", sun.bin) : "", open_energy(sun),
+      model_text(sun)));
   if (sun.bins.empty()) say_warning("the sun is below the horizon all the time");
 }
 
@@ -160,32 +149,34 @@ MapMetadata sun_metadata(const SunSky& sun) {
 }
 
 std::string map_sun(const SunCommand& command, const SkySite& site, const SunSky& sun, LongRun& long_run) {
-  ProgressLine line("looking at the sun", "cells", command.verbosity);
-  visibility::SunMaps maps = visibility::ground_sun_hours(
-      *site.cloud->occluders, *site.ground, site.grid, command.map.target_height.value_or(0.0), sun.bins,
-      {.max_distance = command.max_distance}, {long_run.progress(line), long_run.parts()});
-  line.finish();
+  visibility::SunMaps maps =
+      long_run.work("looking at the sun", "cells", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::ground_sun_hours(*site.cloud->occluders, *site.ground, site.grid,
+                                            command.map.target_height.value_or(0.0), sun.bins,
+                                            {.max_distance = command.max_distance}, {progress, parts});
+      });
   const std::string found =
       range_and_mean([&](std::size_t i) { return maps.hours.values[i]; }, maps.hours.values.size());
   const SkyBand bands[] = {{maps.hours, "SunHours", "h"}, {maps.kilowatt_hours, "SunEnergy", "kWh/m2"}};
-  write_sky_map(command, site, bands, sun_metadata(sun),
-                {.title = "Hours of direct sun",
-                 .label = "hours",
-                 .colors = image::ColorMap::inferno,
-                 .highest = std::max(sun.hours, 1.0),
-                 .notes = {fmt::format("{} to {}", date_time_text(sun.schedule.from),
-                                       date_time_text(sun.schedule.to))}});
+  write_sky_map(
+      command, site, bands, sun_metadata(sun),
+      {.title = "Hours of direct sun",
+       .values = {},
+       .scale = visibility::MapScale{image::ColorMap::inferno, {0.0, std::max(sun.hours, 1.0)}, "hours"},
+       .notes = {
+           fmt::format("{} to {}", date_time_text(sun.schedule.from), date_time_text(sun.schedule.to))}});
   return found;
 }
 
 std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun,
                       LongRun& long_run) {
-  ProgressLine line("looking at the sun", "points", command.verbosity);
-  const std::vector<visibility::SunHours> hours = visibility::point_sun_hours(
-      *cloud.occluders, cloud.columns.normals, sun.bins,
-      {command.receiver.value_or(visibility::SkyReceiver::surface), command.max_distance},
-      {long_run.progress(line), long_run.parts()});
-  line.finish();
+  const std::vector<visibility::SunHours> hours =
+      long_run.work("looking at the sun", "points", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::point_sun_hours(
+            *cloud.occluders, cloud.columns.normals, sun.bins,
+            {command.receiver.value_or(visibility::SkyReceiver::surface), command.max_distance},
+            {progress, parts});
+      });
   write_points(command.output, cloud.cloud,
                {result_column<float>("SunHours", "hours of direct sun", ScalarType::float32,
                                      [&](std::size_t id) { return hours[id].hours; }),
@@ -221,11 +212,10 @@ glm::dvec2 parse_place(const std::string& text) {
 void add_time(const Options& sun, SunCommand& command) {
   const Options group = sun.group("Sun");
   group
-      .value(
-          "--from", "DATE",
-          "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and end "
-          "in the middle of the night at the place",
-          command.from, parse_sun_date)
+      .value("--from", "DATE",
+             "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and "
+             "end in the middle of the night at the place",
+             command.from, parse_sun_date)
       .required();
   group.value("--to", "DATE", "last day, which is counted, or end (default: the day of --from)", command.to,
               parse_sun_date);
@@ -240,12 +230,11 @@ void add_time(const Options& sun, SunCommand& command) {
   group.number("--turbidity", "T",
                "Linke turbidity of the clear sky: 2 very clear, 3 usual (default), 5 humid, 7 polluted",
                command.air.linke_turbidity, 1.0, 20.0);
-  group.value(
-      "--bin", "DEGREES|exact",
-      "positions of the sun this close to each other share one line of sight (default: exact for up to "
-      "1000 positions, 3 degrees for more)",
-      command.bin,
-      [](const std::string& text) { return text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0); });
+  group.value("--bin", "DEGREES|exact",
+              "positions of the sun this close to each other share one line of sight (default: exact for up "
+              "to 1000 positions, 3 degrees for more)",
+              command.bin,
+              [](const std::string& text) { return text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0); });
 }
 
 }  // namespace
