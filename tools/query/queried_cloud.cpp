@@ -190,13 +190,6 @@ template std::optional<Bounds> query_region<HalfSpaces>(const QueryCommand&, Ans
 template std::optional<Bounds> query_region<Bounds>(const QueryCommand&, AnswerForm);
 template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, AnswerForm);
 
-void RenumberedAnswers::write(const AnswerRows& rows) {
-  output_->write({rows.size, [this, &rows](std::size_t first, std::span<AnswerRow> some) {
-                    rows.fill(first, some);
-                    for (AnswerRow& row : some) row.point_id = ids_(row.point_id);
-                  }});
-}
-
 template <class Target>
 QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, const Progress& progress) {
   if (command.files.size() != 1 || command.partial || command.max_level ||

@@ -40,22 +40,6 @@ std::string copc_table(const CopcCache& cache);
 template <class Target>
 std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form);
 
-/// Answers whose points are numbered in another way, in the same order.
-class RenumberedAnswers final : public AnswerOutput {
- public:
-  using Ids = std::function<std::uint64_t(std::uint64_t row)>;
-
-  RenumberedAnswers(std::unique_ptr<AnswerOutput> output, Ids ids)
-      : output_(std::move(output)), ids_(std::move(ids)) {}
-
-  void write(const AnswerRows& rows) override;
-  void finish() override { output_->finish(); }
-
- private:
-  std::unique_ptr<AnswerOutput> output_;
-  Ids ids_;
-};
-
 using QueryPart = std::optional<database::CloudPart>;
 
 /// What answers can come from of a cloud that lies in a database, from a first look through the targets;

@@ -16,21 +16,20 @@ struct FamilyWords {
   const char* texts;  ///< option that takes a file
   const char* value;  ///< option that takes one target, or a part of one
   const TargetKind& (*kind)();
-  ExitCode (*run)(const QueryCommand&);
   const char* help;
 };
 
 // In the order of TargetFamily.
 constexpr std::array<FamilyWords, k_target_families> k_families{{
-    {"--rays", "--ray", target_kind<Ray>, run_query<Ray>, "rays: origin, direction of any length"},
-    {"--cones", "--cone", target_kind<Cone>, run_query<Cone>,
+    {"--rays", "--ray", target_kind<Ray>, "rays: origin, direction of any length"},
+    {"--cones", "--cone", target_kind<Cone>,
      "cones: apex, axis, half angle in degrees, radius at the apex (default 0)"},
-    {"--path", "--vertex", target_kind<Path>, run_query<Path>,
+    {"--path", "--vertex", target_kind<Path>,
      "trajectories: vertices in their order; rows of one `path` number are one"},
-    {"--planes", "--plane", target_kind<HalfSpaces>, run_query<HalfSpaces>,
+    {"--planes", "--plane", target_kind<HalfSpaces>,
      "regions: points on the side the normal shows to, of all planes with one `region` number"},
-    {"--boxes", "--box", target_kind<Bounds>, run_query<Bounds>, "axis-parallel boxes, faces included"},
-    {"--points", "--point", target_kind<glm::dvec3>, run_query<glm::dvec3>, "places"},
+    {"--boxes", "--box", target_kind<Bounds>, "axis-parallel boxes, faces included"},
+    {"--points", "--point", target_kind<glm::dvec3>, "places"},
 }};
 
 void add_targets(const Options& query, QueryCommand& command) {
@@ -149,7 +148,7 @@ ExitCode run(const QueryCommand& given) {
   QueryCommand command = given;
   command.family = chosen_family(command);
   check_options(command);
-  return k_families[static_cast<std::size_t>(command.family)].run(command);
+  return run_query(command);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "octree/query.h"
 #include "tools/console.h"
 #include "tools/options.h"
+#include "tools/query/answers.h"
 #include "tools/query/line_source.h"
 
 namespace alidade::tools {
@@ -23,8 +24,6 @@ struct GivenTargets {
   std::string text;  ///< "-" is standard input; empty if none was given
   std::vector<std::string> values;
 };
-
-enum class AnswerForm { csv, json_lines, las };
 
 /// What was asked of `alidade query`.
 struct QueryCommand : CloudRequest {
@@ -56,7 +55,6 @@ AnswerForm chosen_form(const QueryCommand& command);
 /// cloud and octree: about 200 MB at most, whatever the number of targets and answers; a single target with
 /// more than a million answers takes what these take; if work is explained, some dozens of them. Errors: of
 /// options that do not go together, of cloud, targets and output.
-template <class Target>
 ExitCode run_query(const QueryCommand& command);
 
 }  // namespace alidade::tools

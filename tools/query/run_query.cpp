@@ -85,6 +85,27 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
       {.file = command.files.first_name().string(), .problem = "points have no classification for --class"});
 }
 
+/// Answers whose points are numbered in another way, in the same order.
+class RenumberedAnswers final : public AnswerOutput {
+ public:
+  using Ids = std::function<std::uint64_t(std::uint64_t row)>;
+
+  RenumberedAnswers(std::unique_ptr<AnswerOutput> output, Ids ids)
+      : output_(std::move(output)), ids_(std::move(ids)) {}
+
+  void write(const AnswerRows& rows) override {
+    output_->write({rows.size, [this, &rows](std::size_t first, std::span<AnswerRow> some) {
+                      rows.fill(first, some);
+                      for (AnswerRow& row : some) row.point_id = ids_(row.point_id);
+                    }});
+  }
+  void finish() override { output_->finish(); }
+
+ private:
+  std::unique_ptr<AnswerOutput> output_;
+  Ids ids_;
+};
+
 /// A cloud, all or some of whose points have been loaded.
 struct QueriedCloud {
   IndexedCloud indexed;
@@ -147,18 +168,6 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
   };
 }
 
-template <class Target>
-std::unique_ptr<AnswerOutput> open_las(const QueryCommand& command, const IndexedCloud& cloud) {
-  auto las =
-      std::make_unique<AnswerLas>(command.output, command.overwrite, cloud, answer_dimensions<Target>());
-  if (command.verbosity != Verbosity::quiet) {
-    for (const std::string& name : las->replaced())
-      say_warning(fmt::format("{}: the cloud's own {} gives way to that of this query",
-                              command.output.string(), name));
-  }
-  return las;
-}
-
 /// `ids` tells the numbers of points, if they are not their rows.
 template <class Target>
 std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm form,
@@ -168,8 +177,7 @@ std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm 
                                   : answer_columns<Target>();
   std::unique_ptr<OutputFile> file;
   if (!command.output.empty()) file = std::make_unique<OutputFile>(command.output, command.overwrite);
-  auto text = std::make_unique<AnswerText>(
-      std::move(columns), form == AnswerForm::csv ? TextForm::csv : TextForm::json_lines, std::move(file));
+  auto text = answers_as_text(std::move(columns), form, std::move(file));
   if (!ids || only_numbers(command)) return text;
   return std::make_unique<RenumberedAnswers>(std::move(text), std::move(ids));
 }
@@ -265,10 +273,8 @@ std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const Que
   return explain_table(asker.statistics(), kind, tally.targets, tally.rows);
 }
 
-}  // namespace
-
 template <class Target>
-ExitCode run_query(const QueryCommand& command) {
+ExitCode run_with(const QueryCommand& command) {
   const AnswerForm form = chosen_form(command);
   auto query = conditions<Target>(command);
   if (!command.output.empty()) {
@@ -291,9 +297,10 @@ ExitCode run_query(const QueryCommand& command) {
     const QueriedCloud queried = load_needed<Target>(command, form);
     const IndexedCloud& cloud = queried.indexed;
     query.filter = class_filter(command, cloud);
-    const std::unique_ptr<AnswerOutput> output = form == AnswerForm::las
-                                                     ? open_las<Target>(command, cloud)
-                                                     : open_text<Target>(command, form, ids_of(queried));
+    const std::unique_ptr<AnswerOutput> output =
+        form == AnswerForm::las ? answers_as_las(command.output, command.overwrite, cloud,
+                                                 answer_dimensions<Target>(), command.verbosity)
+                                : open_text<Target>(command, form, ids_of(queried));
     Asker<Target> asker(cloud.octree, query, command.explain);
     table = run_targets(reader, asker, command, *output);
     if (queried.part) table += part_table(*queried.part);
@@ -302,11 +309,14 @@ ExitCode run_query(const QueryCommand& command) {
   return ExitCode::done;
 }
 
-template ExitCode run_query<Ray>(const QueryCommand& command);
-template ExitCode run_query<Cone>(const QueryCommand& command);
-template ExitCode run_query<Path>(const QueryCommand& command);
-template ExitCode run_query<HalfSpaces>(const QueryCommand& command);
-template ExitCode run_query<Bounds>(const QueryCommand& command);
-template ExitCode run_query<glm::dvec3>(const QueryCommand& command);
+}  // namespace
+
+ExitCode run_query(const QueryCommand& command) {
+  // In the order of TargetFamily.
+  constexpr ExitCode (*k_runs[k_target_families])(const QueryCommand&) = {
+      run_with<Ray>,        run_with<Cone>,   run_with<Path>,
+      run_with<HalfSpaces>, run_with<Bounds>, run_with<glm::dvec3>};
+  return k_runs[static_cast<std::size_t>(command.family)](command);
+}
 
 }  // namespace alidade::tools
