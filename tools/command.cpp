@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
-#include <string_view>
 
 #include "base/words.h"
 #include "database/server/server_name.h"

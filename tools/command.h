@@ -8,9 +8,8 @@
 #include "tools/console.h"
 #include "tools/options.h"
 
-// A sub-command is one function: it declares its options on the program and returns what to do when it is
-// chosen. Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown
-// as Error.
+// A sub-command is one function: it declares its options on the program and returns what to do when it is chosen.
+// Work is done by the libraries; a command only reads options, calls, and prints. Bad input is thrown as Error.
 
 namespace alidade::tools {
 
@@ -24,6 +23,13 @@ struct Command {
   /// Of a group: the commands of which one follows its name, or may, if the group does something itself.
   std::vector<Command> parts{};
 };
+
+/// A command that is `run(*request)`, on as many threads as the request wants.
+template <class Request>
+Command command_of(const Options& options, const std::shared_ptr<Request>& request,
+                   ExitCode (*run)(const Request&)) {
+  return {options, [request, run] { return with_threads(request->threads, [&] { return run(*request); }); }};
+}
 
 /// The words the program was started with, as they go into the metadata of what it writes.
 using CommandLine = std::vector<std::string>;

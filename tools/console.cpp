@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <string>
 
 #include "base/error.h"
 
@@ -22,6 +21,15 @@ volatile std::sig_atomic_t signal_came = 0;
 
 void note_signal(int signal) {
   signal_came = signal;
+}
+
+// Back to the first column, and the rest of the terminal's line cleared.
+const std::string k_line_start = "\r\033[K";
+
+void say(std::string_view kind, std::string_view text) {
+  std::string line = "alidade: ";
+  line.append(kind).append(text).append("\n");
+  write_to_stderr(line);
 }
 
 }  // namespace
@@ -60,16 +68,6 @@ bool forget_ctrl_c() {
   return true;
 }
 
-namespace {
-
-void say(std::string_view kind, std::string_view text) {
-  std::string line = "alidade: ";
-  line.append(kind).append(text).append("\n");
-  write_to_stderr(line);
-}
-
-}  // namespace
-
 void write_to_stderr(std::string_view text) {
   std::fwrite(text.data(), 1, text.size(), stderr);
   std::fflush(stderr);
@@ -83,6 +81,15 @@ void say_warning(std::string_view text) {
 }
 void say_note(std::string_view text) {
   say("", text);
+}
+
+void say_warnings(Verbosity verbosity, const std::vector<std::string>& texts) {
+  if (verbosity == Verbosity::quiet) return;
+  for (const std::string& text : texts) say_warning(text);
+}
+
+void say_note(Verbosity verbosity, std::string_view text) {
+  if (verbosity != Verbosity::quiet) say_note(text);
 }
 
 void write_to_stdout(std::string_view text) {
@@ -99,13 +106,6 @@ void write_to_stdout(std::string_view text) {
     }
   }
 }
-
-namespace {
-
-// Back to the first column, and the rest of the terminal's line cleared.
-const std::string k_line_start = "\r\033[K";
-
-}  // namespace
 
 std::string short_count(double count) {
   if (count >= 999.5e6) return fmt::format("{:.3g} G", count / 1e9);

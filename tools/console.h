@@ -5,6 +5,9 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "base/progress.h"
 
@@ -48,15 +51,19 @@ void say_warning(std::string_view text);
 /// "alidade: TEXT": what was assumed or measured on the user's behalf.
 void say_note(std::string_view text);
 
+/// How much the program says on stderr beside errors.
+enum class Verbosity { quiet, normal, verbose };
+
+// The same unless quiet.
+void say_warnings(Verbosity verbosity, const std::vector<std::string>& texts);
+void say_note(Verbosity verbosity, std::string_view text);
+
 /// Thrown where stdout is a pipe whose reader has gone away: nobody wants the rest, so nothing is said.
 struct ReaderGone {};
 
 /// Data for stdout. Errors: stdout cannot take it (no space left, closed); ReaderGone; Cancelled, if the
 /// program is interrupted while it waits for the reader.
 void write_to_stdout(std::string_view text);
-
-/// How much the program says on stderr beside errors.
-enum class Verbosity { quiet, normal, verbose };
 
 /// Shows how far a task is on stderr: percent, rate and time left. One line that is rewritten on a terminal,
 /// a line every tenth of the work (or every half minute) in a log, nothing when quiet. It also stops the task
@@ -99,6 +106,20 @@ class ProgressLine {
   int last_tenth_ = 0;
   Clock::time_point start_, last_shown_;
 };
+
+/// What work(progress) returns, with a ProgressLine around it.
+template <class Work>
+auto with_progress(std::string task, std::string unit, Verbosity verbosity, const Work& work) {
+  ProgressLine line(std::move(task), std::move(unit), verbosity);
+  if constexpr (std::is_void_v<std::invoke_result_t<Work, Progress>>) {
+    work(line.callback());
+    line.finish();
+  } else {
+    auto result = work(line.callback());
+    line.finish();
+    return result;
+  }
+}
 
 /// "1.25 M", "340 k", "12": a count for people to read.
 std::string short_count(double count);

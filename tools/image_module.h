@@ -9,7 +9,6 @@
 #include "geo/raster_file.h"
 #include "geo/read_polygons.h"
 #include "geo/sun.h"
-#include "geo/vector_file.h"
 #include "image/image_file.h"
 #include "image/legend.h"
 #include "image/read_picture.h"
@@ -24,28 +23,30 @@ namespace alidade::tools {
 
 /// The functions of the libraries that need OpenImageIO or GDAL, which bring some 250 libraries: loading these takes
 /// longer, and more memory, than all the work of most commands. So the functions stand in a module beside the
-/// program, and only a command that needs one loads it. Their contracts are those of their headers.
+/// program, and only a command that needs one loads it. Their contracts are those of their headers. Only the module makes
+/// an ImageModule: the program would have to link the functions.
 struct ImageModule {
-  decltype(&renderer::write_image) write_image;
-  decltype(&image::write_legend) write_legend;
-  decltype(&image::read_sky_image) read_sky_image;
-  decltype(&geo::place_sun) place_sun;
-  decltype(&geo::describe) describe_sun;
-  decltype(&geo::write_raster) write_raster;
-  decltype(&geo::read_polygons) read_polygons;
-  decltype(&geo::lon_lat) lon_lat;
-  decltype(static_cast<std::optional<double> (*)(const Crs&)>(&geo::metres_per_unit)) metres_per_unit;
-  decltype(&visibility::read_observers) read_observers;
-  decltype(&visibility::to_cloud_reference) to_cloud_reference;
-  decltype(&visibility::write_map_picture) write_map_picture;
-  decltype(&visibility::write_coverage_picture) write_coverage_picture;
-  decltype(&visibility::write_skyline) write_skyline;
-  decltype(&visibility::place_schedule) place_schedule;
-  decltype(&visibility::sun_steps) sun_steps;
-  decltype(&compare::compare_files) compare_files;
-  decltype(&compare::compare_pairs) compare_pairs;
-  decltype(&compare::report_page) report_page;
-  decltype(&compare::write_difference) write_difference;
+  decltype(&renderer::write_image) write_image = &renderer::write_image;
+  decltype(&image::write_legend) write_legend = &image::write_legend;
+  decltype(&image::read_sky_image) read_sky_image = &image::read_sky_image;
+  decltype(&geo::place_sun) place_sun = &geo::place_sun;
+  decltype(&geo::describe) describe_sun = &geo::describe;
+  decltype(&geo::write_raster) write_raster = &geo::write_raster;
+  decltype(&geo::read_polygons) read_polygons = &geo::read_polygons;
+  decltype(&geo::lon_lat) lon_lat = &geo::lon_lat;
+  decltype(static_cast<std::optional<double> (*)(const Crs&)>(&geo::metres_per_unit)) metres_per_unit =
+      &geo::metres_per_unit;
+  decltype(&visibility::read_observers) read_observers = &visibility::read_observers;
+  decltype(&visibility::to_cloud_reference) to_cloud_reference = &visibility::to_cloud_reference;
+  decltype(&visibility::write_map_picture) write_map_picture = &visibility::write_map_picture;
+  decltype(&visibility::write_coverage_picture) write_coverage_picture = &visibility::write_coverage_picture;
+  decltype(&visibility::write_skyline) write_skyline = &visibility::write_skyline;
+  decltype(&visibility::place_schedule) place_schedule = &visibility::place_schedule;
+  decltype(&visibility::sun_steps) sun_steps = &visibility::sun_steps;
+  decltype(&compare::compare_files) compare_files = &compare::compare_files;
+  decltype(&compare::compare_pairs) compare_pairs = &compare::compare_pairs;
+  decltype(&compare::report_page) report_page = &compare::report_page;
+  decltype(&compare::write_difference) write_difference = &compare::write_difference;
 };
 
 /// Loads the module, which then stays. Errors: it is not where the program was built or installed, or it lacks a

@@ -5,11 +5,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
-#include <string_view>
 
 #include "base/output_file.h"
 #include "renderer/scene.h"
@@ -28,6 +25,23 @@ double parse_double(const std::string& text) {
   const char* const end = text.data() + text.size();
   const auto [stop, error] = std::from_chars(text.data(), end, number);
   return error == std::errc() && stop == end ? number : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// What reads a value, naming the option in its errors.
+Options::Take naming(const std::string& names, Options::Take take) {
+  return [names, take = std::move(take)](const std::string& text) {
+    try {
+      take(text);
+    } catch (const UsageError& error) {
+      throw CLI::ValidationError(names, error.what());
+    }
+  };
+}
+
+std::string full_name(const CLI::Option& option) {
+  if (!option.get_lnames().empty()) return option.get_lnames().front();
+  if (!option.get_snames().empty()) return option.get_snames().front();
+  return option.get_name();
 }
 
 }  // namespace
@@ -55,6 +69,10 @@ std::optional<double> parse_length_limit(const std::string& text) {
     throw UsageError("expected a number, at least 0, or inf, found '" + text + "'");
   }
   return std::isinf(length) ? std::nullopt : std::optional(length);
+}
+
+double parse_distance_limit(const std::string& text) {
+  return parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
 }
 
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
@@ -87,27 +105,6 @@ ImageSize parse_image_size(const std::string& text) {
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }
-
-namespace {
-
-/// What reads a value, naming the option in its errors.
-Options::Take naming(const std::string& names, Options::Take take) {
-  return [names, take = std::move(take)](const std::string& text) {
-    try {
-      take(text);
-    } catch (const UsageError& error) {
-      throw CLI::ValidationError(names, error.what());
-    }
-  };
-}
-
-std::string full_name(const CLI::Option& option) {
-  if (!option.get_lnames().empty()) return option.get_lnames().front();
-  if (!option.get_snames().empty()) return option.get_snames().front();
-  return option.get_name();
-}
-
-}  // namespace
 
 Option Option::required() const {
   option_->required();
@@ -252,9 +249,12 @@ std::string Parser::help() const {
   return app_->help();
 }
 
-void add_verbosity(const Options& command, VerbosityOptions& options) {
-  const Option quiet = command.flag("-q,--quiet", "say nothing but errors", options.quiet);
-  command.flag("-v,--verbose", "say more about what is done", options.verbose).excludes(quiet);
+void add_verbosity(const Options& command, Verbosity& verbosity) {
+  const Option quiet =
+      command.flag("-q,--quiet", "say nothing but errors", [&verbosity] { verbosity = Verbosity::quiet; });
+  command
+      .flag("-v,--verbose", "say more about what is done", [&verbosity] { verbosity = Verbosity::verbose; })
+      .excludes(quiet);
 }
 
 void add_threads(const Options& command, std::optional<int>& threads) {
@@ -330,10 +330,60 @@ void add_cloud(const Options& command, CloudRequest& request) {
   add_cloud_files(command, "cloud", "CLOUD...", k_cloud_help, request.files).required();
 }
 
-void add_run_options(const Options& command, CloudRequest& request) {
+std::vector<std::filesystem::path> CloudRequest::inputs(
+    std::initializer_list<std::filesystem::path> more) const {
+  std::vector<std::filesystem::path> all = files.names();
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+void add_run_options(const Options& command, RunRequest& request) {
   add_partial(command, request.partial);
   add_threads(command, request.threads);
   add_verbosity(command, request.verbosity);
+}
+
+void add_checkpoint_options(const Options& command, CheckpointRequest& request, const std::string& when,
+                            const std::string& output) {
+  constexpr double k_most_seconds = 1e9;
+  request.command = command;
+  const Option checkpoint = command.value(
+      "--checkpoint", "FILE",
+      fmt::format("keep what has been computed in FILE, {} and on Ctrl-C; removed once the {} is written",
+                  when, output),
+      request.file, std::identity());
+  command
+      .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
+              request.interval, 1e-3, k_most_seconds)
+      .needs(checkpoint);
+  command
+      .flag("--resume",
+            fmt::format(
+                "go on from the checkpoint, if it is there; the {} has the bytes of an uninterrupted run",
+                output),
+            request.resume)
+      .needs(checkpoint);
+}
+
+std::function<void(const Error&)> checkpoint_warning() {
+  return [said = false](const Error& error) mutable {
+    if (!said) say_warning(std::string("no checkpoint: ") + error.what());
+    said = true;
+  };
+}
+
+void say_how_to_resume(Verbosity verbosity, const std::string& checkpoint) {
+  say_note(verbosity, checkpoint + " keeps what has been computed; the same command with --resume goes on");
+}
+
+Moment parse_moment(std::string text) {
+  constexpr std::size_t k_date_length = 10;
+  if (text.size() > k_date_length && text[k_date_length] == ' ') text[k_date_length] = 'T';
+  try {
+    return parse_date_time(text);
+  } catch (const Error& error) {
+    throw UsageError(error.what());
+  }
 }
 
 std::bitset<256> parse_classes(const std::string& text) {

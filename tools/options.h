@@ -7,16 +7,18 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/date_time.h"
+#include "base/error.h"
 #include "cloud/cloud_inputs.h"
 #include "tools/console.h"
 
@@ -48,6 +50,9 @@ double parse_limit(const std::string& text);
 
 /// A length, at least 0; empty for inf, which is no limit.
 std::optional<double> parse_length_limit(const std::string& text);
+
+/// The same; infinity for inf.
+double parse_distance_limit(const std::string& text);
 
 /// "600x400": width and height in pixels, each in [1, 65536].
 struct ImageSize {
@@ -107,6 +112,13 @@ class Options {
 
   /// Of an option given more than once the last value holds.
   Option value(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
+
+  /// The same for a value that `parse` makes of the text.
+  template <class Target, class Parse>
+  Option value(const std::string& names, const std::string& kind, const std::string& help, Target& target,
+               Parse parse) const {
+    return value(names, kind, help, [&target, parse](const std::string& text) { target = parse(text); });
+  }
 
   /// An option that may be given again; every value is read.
   Option values(const std::string& names, const std::string& kind, const std::string& help, Take take) const;
@@ -218,13 +230,7 @@ class Parser {
 };
 
 /// -q and -v.
-struct VerbosityOptions {
-  bool quiet = false, verbose = false;
-  Verbosity verbosity() const {
-    return quiet ? Verbosity::quiet : verbose ? Verbosity::verbose : Verbosity::normal;
-  }
-};
-void add_verbosity(const Options& command, VerbosityOptions& options);
+void add_verbosity(const Options& command, Verbosity& verbosity);
 
 /// --threads N; empty = as many as the machine has.
 void add_threads(const Options& command, std::optional<int>& threads);
@@ -233,7 +239,7 @@ void add_threads(const Options& command, std::optional<int>& threads);
 ExitCode with_threads(std::optional<int> threads, const std::function<ExitCode()>& work);
 
 /// Lets a long task fail before it starts: Error if the file is one of `inputs` by whatever name ("-" is
-/// standard input), exists and may not be replaced, is no regular file, or if its folder cannot be written
+/// standard input; empty ones are none), exists and may not be replaced, is no regular file, or if its folder cannot be written
 /// to.
 void check_writable(const std::filesystem::path& output, bool overwrite,
                     std::span<const std::filesystem::path> inputs = {});
@@ -248,8 +254,7 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 /// What the help text says about the files of a cloud, where there is nothing else to say.
 inline constexpr const char* k_cloud_help =
     "cloud files, folders or patterns as 'tiles/*.las', taken together as one, an index file (.alidade), or "
-    "a "
-    "table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+    "a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// What other help texts about them end with.
 inline const std::string k_database_help =
@@ -263,19 +268,48 @@ Option add_cloud_files(const Options& command, const std::string& name, const st
 /// Declares --partial.
 Option add_partial(const Options& command, bool& partial);
 
-/// What all commands on one cloud are asked.
-struct CloudRequest {
-  CloudInputs files;
+/// How a command is to be run, whatever it does.
+struct RunRequest {
   bool partial = false;        ///< ReadOptions::partial
   std::optional<int> threads;  ///< empty: all of the machine
-  VerbosityOptions verbosity;
+  Verbosity verbosity = Verbosity::normal;
+};
+
+/// Declares --partial, --threads, -q and -v.
+void add_run_options(const Options& command, RunRequest& request);
+
+/// What all commands on one cloud are asked.
+struct CloudRequest : RunRequest {
+  CloudInputs files;
+
+  /// The files of the cloud, and what else is read.
+  std::vector<std::filesystem::path> inputs(std::initializer_list<std::filesystem::path> more = {}) const;
 };
 
 /// Declares the operand that names the cloud, which is required.
 void add_cloud(const Options& command, CloudRequest& request);
 
-/// Declares --partial, --threads, -q and -v.
-void add_run_options(const Options& command, CloudRequest& request);
+/// Whether and where to keep what is finished of a long run.
+struct CheckpointRequest {
+  std::optional<Options> command{};  ///< whose options were declared
+  std::filesystem::path file;        ///< --checkpoint; empty: nothing is kept
+  double interval = 60.0;            ///< --checkpoint-interval, seconds
+  bool resume = false;               ///< --resume
+};
+
+/// Declares these options. `when` a checkpoint is written, and what the command writes, are for the manual.
+void add_checkpoint_options(const Options& command, CheckpointRequest& request,
+                            const std::string& when = "every --checkpoint-interval seconds",
+                            const std::string& output = "output");
+
+/// Warns of the first checkpoint that cannot be written: the next ones will probably fail like it.
+std::function<void(const Error&)> checkpoint_warning();
+
+/// Says how to go on after an interruption.
+void say_how_to_resume(Verbosity verbosity, const std::string& checkpoint);
+
+/// A date and time; between them a person may write a blank instead of the T of scene files.
+Moment parse_moment(std::string text);
 
 /// What stands between the commas of a text, one word at least.
 inline std::vector<std::string> split_list(const std::string& text) {

@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <filesystem>
-#include <optional>
-#include <string>
 
 #include "base/bounds.h"
 #include "base/error.h"
@@ -18,12 +14,12 @@
 #include "cloud/select_points.h"
 #include "geo/vector_file.h"
 #include "tools/cloud/index.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 
 namespace alidade::tools {
+namespace {
 
 /// --crop and --crop-crs: which part of a cloud is wanted.
 struct CropOptions {
@@ -34,7 +30,6 @@ struct CropOptions {
 
   bool given() const { return !text.empty(); }
 };
-namespace {
 
 /// Whether a text is meant as a box. A file whose name holds commas comes first.
 bool is_box(const std::string& text) {
@@ -81,8 +76,6 @@ std::vector<PlanePolygon> read_polygons(const CropOptions& options, const Crs& c
       options.polygons,
       {.given = options.reference, .cloud = crs, .option = "--crop-crs", .whose = "polygons"});
 }
-
-}  // namespace
 
 void add_crop_options(const Options& command, CropOptions& options) {
   command.value(
@@ -135,14 +128,12 @@ void crop(PointCloud& cloud, const CropOptions& options, const Progress& progres
   }
 }
 
-namespace {
-
 struct ConvertCommand : CloudRequest {
   std::filesystem::path output;
   CropOptions crop;
   std::uint64_t every = 1;
   std::optional<double> spacing;
-  std::optional<ColorDepth> color_depth;
+  ColorDepth color_depth = ColorDepth::automatic;
   bool overwrite = false;
 };
 
@@ -154,48 +145,29 @@ void check_name(const std::filesystem::path& output) {
                .expected = "a name that ends in .las, .laz, .ply or .alidade"});
 }
 
-PointCloud read(const ConvertCommand& command) {
-  ProgressLine line("reading", "B", command.verbosity.verbosity());
-  PointCloud cloud =
-      read_cloud(command.files, {.color_depth = command.color_depth.value_or(ColorDepth::automatic),
-                                 .partial = command.partial,
-                                 .region = command.crop.box,
-                                 .progress = line.callback()});
-  line.finish();
-  if (command.verbosity.quiet) return cloud;
-  for (const std::string& warning : cloud.warnings) say_warning(warning);
-  return cloud;
-}
-
 /// Leaves the points that were asked for.
 void choose_points(PointCloud& cloud, const ConvertCommand& command) {
   if (command.crop.given()) {
-    ProgressLine line("cropping", "points", command.verbosity.verbosity());
-    crop(cloud, command.crop, line.callback());
-    line.finish();
+    with_progress("cropping", "points", command.verbosity,
+                  [&](const Progress& progress) { crop(cloud, command.crop, progress); });
   }
   if (command.every > 1) keep_every(cloud, command.every);
   if (command.spacing) {
-    ProgressLine line("thinning", "points", command.verbosity.verbosity());
-    thin(cloud, *command.spacing, line.callback());
-    line.finish();
+    with_progress("thinning", "points", command.verbosity,
+                  [&](const Progress& progress) { thin(cloud, *command.spacing, progress); });
   }
 }
 
 void write(const ConvertCommand& command, PointCloud& cloud) {
-  const Verbosity verbosity = command.verbosity.verbosity();
   const std::string ending = file_ending(command.output);
-  if (ending == ".alidade") {
-    write_index(command.output, cloud, {.overwrite = command.overwrite}, verbosity);
-    return;
-  }
-  ProgressLine line("writing", "points", verbosity);
-  if (ending == ".ply") {
-    write_ply(command.output, cloud, {.overwrite = command.overwrite, .progress = line.callback()});
-  } else {
-    write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = line.callback()});
-  }
-  line.finish();
+  if (ending == ".alidade")
+    return write_index(command.output, cloud, {.overwrite = command.overwrite}, command.verbosity);
+  with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
+    if (ending == ".ply")
+      write_ply(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
+    else
+      write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
+  });
 }
 
 /// Whether nothing changes but how the points of one LAS file are packed.
@@ -203,18 +175,19 @@ bool only_packing_changes(const ConvertCommand& command) {
   const std::string ending = file_ending(command.output);
   const bool chooses = command.crop.given() || command.every > 1 || command.spacing.has_value();
   return (ending == ".las" || ending == ".laz") && command.files.size() == 1 && !chooses &&
-         !command.color_depth && !command.partial && can_repack(command.files.first_name());
+         command.color_depth == ColorDepth::automatic && !command.partial &&
+         can_repack(command.files.first_name());
 }
 
 ExitCode repack(const ConvertCommand& command) {
-  ProgressLine line("converting", "B", command.verbosity.verbosity());
-  const RepackedFile repacked = repack_las(command.files.first_name(), command.output,
-                                           {.overwrite = command.overwrite, .progress = line.callback()});
-  line.finish();
-  if (command.verbosity.quiet) return ExitCode::done;
-  for (const std::string& warning : repacked.warnings) say_warning(warning);
-  say_note(fmt::format("all {} points written to {}, in the same records", repacked.point_count,
-                       command.output.string()));
+  const RepackedFile repacked =
+      with_progress("converting", "B", command.verbosity, [&](const Progress& progress) {
+        return repack_las(command.files.first_name(), command.output,
+                          {.overwrite = command.overwrite, .progress = progress});
+      });
+  say_warnings(command.verbosity, repacked.warnings);
+  say_note(command.verbosity, fmt::format("all {} points written to {}, in the same records",
+                                          repacked.point_count, command.output.string()));
   return ExitCode::done;
 }
 
@@ -223,14 +196,14 @@ ExitCode run(const ConvertCommand& command) {
   check_crop(command.crop);
   check_writable(command.output, command.overwrite, command.files.names());
   if (only_packing_changes(command)) return repack(command);
-  PointCloud cloud = read(command);
+  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth, .region = command.crop.box});
   std::uint64_t all = cloud.size();
   for (const CloudFile& file : cloud.files) all += file.skipped_count;
   choose_points(cloud, command);
   const std::size_t count = cloud.size();
   write(command, cloud);
-  if (!command.verbosity.quiet)
-    say_note(fmt::format("{} of {} points written to {}", count, all, command.output.string()));
+  say_note(command.verbosity,
+           fmt::format("{} of {} points written to {}", count, all, command.output.string()));
   return ExitCode::done;
 }
 
@@ -252,11 +225,10 @@ Command add_convert(const Options& program) {
   add_crop_options(convert, command->crop);
   convert.count("--every", "N", "keep the first of the points, and every N-th from there on", command->every,
                 1, UINT64_MAX);
-  convert.length(
-      "--spacing", "LENGTH",
-      "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one nearest to "
-      "the mean of the cube's points, with the mean of their colours and intensities",
-      command->spacing);
+  convert.length("--spacing", "LENGTH",
+                 "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one "
+                 "nearest to the mean of the cube's points, with the mean of their colours and intensities",
+                 command->spacing);
   convert.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
@@ -264,7 +236,7 @@ Command add_convert(const Options& program) {
   convert.flag("--overwrite", "replace an existing output", command->overwrite);
   add_threads(convert, command->threads);
   add_verbosity(convert, command->verbosity);
-  return {convert, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
+  return command_of(convert, command, run);
 }
 
 }  // namespace alidade::tools

@@ -4,10 +4,8 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cctype>
-#include <nlohmann/json.hpp>
 #include <unordered_map>
 #include <unordered_set>
-#include <vector>
 
 #include "base/error.h"
 #include "base/output_file.h"
@@ -53,59 +51,6 @@ void tell_each(const std::vector<Item>& items, const char* kind, Verbosity verbo
     lines.push_back(named(kind, i + 1, items[i].name) + ": " + tell(items[i]));
   }
 }
-
-}  // namespace
-
-Json e57_json(const E57File& file) {
-  Json scans = Json::array(), images = Json::array();
-  for (const E57Scan& scan : file.document().scans) {
-    Json fields = Json::array();
-    for (const E57Field& field : scan.fields) fields.push_back(field.name);
-    scans.push_back({{"name", scan.name},
-                     {"guid", scan.guid},
-                     {"records", scan.record_count},
-                     {"scanner", place_json(scan.pose)},
-                     {"fields", fields}});
-  }
-  for (const E57Image& image : file.document().images) {
-    Json pictures = Json::array();
-    for (const E57Picture& picture : image.pictures) {
-      pictures.push_back({{"projection", name_of(picture.projection)},
-                          {"format", picture.extension},
-                          {"width", picture.width},
-                          {"height", picture.height},
-                          {"bytes", picture.blob.length},
-                          {"mask", picture.mask.has_value()}});
-    }
-    images.push_back({{"name", image.name},
-                      {"guid", image.guid},
-                      {"scan_guid", image.scan_guid},
-                      {"camera", place_json(image.pose)},
-                      {"pictures", pictures}});
-  }
-  return {
-      {"file", file.pages().name()}, {"guid", file.document().guid}, {"scans", scans}, {"images", images}};
-}
-
-std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
-  std::vector<std::string> lines;
-  const auto scan_text = [](const E57Scan& scan) {
-    return fmt::format("{} records, {}", scan.record_count, place_text(scan.pose));
-  };
-  const auto image_text = [](const E57Image& image) {
-    std::vector<std::string> pictures;
-    for (const E57Picture& picture : image.pictures) pictures.push_back(picture_text(picture));
-    if (pictures.empty()) pictures.push_back("no picture");
-    return fmt::format("{}, {}", fmt::join(pictures, ", "), place_text(image.pose));
-  };
-  tell_each(file.document().scans, "scan", verbosity, scan_text, lines);
-  tell_each(file.document().images, "image", verbosity, image_text, lines);
-  return lines;
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// A picture and the names of what is written for it.
 struct Extraction {
@@ -175,6 +120,19 @@ std::string camera_text(const E57Image& image, const E57Picture& picture, const 
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+/// A name that stays in its folder whatever a file says: letters, digits, '-', '_' and '.' of `text`, "_" for
+/// everything else, no '.' in front, 80 bytes at most; "image" if nothing is left.
+std::string safe_file_name(const std::string& text) {
+  constexpr std::size_t k_longest = 80;
+  std::string name;
+  for (const char c : text) {
+    const bool is_safe = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                         c == '-' || c == '_' || c == '.';
+    if (name.size() < k_longest && !(c == '.' && name.empty())) name += is_safe ? c : '_';
+  }
+  return name.find_first_not_of("_.") == std::string::npos ? "image" : name;
+}
+
 class Plan {
  public:
   void add(std::size_t file_number, const E57File& file) {
@@ -239,15 +197,51 @@ void write_text(const std::filesystem::path& path, const std::string& text, bool
 
 }  // namespace
 
-std::string safe_file_name(const std::string& text) {
-  constexpr std::size_t k_longest = 80;
-  std::string name;
-  for (const char c : text) {
-    const bool is_safe = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                         c == '-' || c == '_' || c == '.';
-    if (name.size() < k_longest && !(c == '.' && name.empty())) name += is_safe ? c : '_';
+Json e57_json(const E57File& file) {
+  Json scans = Json::array(), images = Json::array();
+  for (const E57Scan& scan : file.document().scans) {
+    Json fields = Json::array();
+    for (const E57Field& field : scan.fields) fields.push_back(field.name);
+    scans.push_back({{"name", scan.name},
+                     {"guid", scan.guid},
+                     {"records", scan.record_count},
+                     {"scanner", place_json(scan.pose)},
+                     {"fields", fields}});
   }
-  return name.find_first_not_of("_.") == std::string::npos ? "image" : name;
+  for (const E57Image& image : file.document().images) {
+    Json pictures = Json::array();
+    for (const E57Picture& picture : image.pictures) {
+      pictures.push_back({{"projection", name_of(picture.projection)},
+                          {"format", picture.extension},
+                          {"width", picture.width},
+                          {"height", picture.height},
+                          {"bytes", picture.blob.length},
+                          {"mask", picture.mask.has_value()}});
+    }
+    images.push_back({{"name", image.name},
+                      {"guid", image.guid},
+                      {"scan_guid", image.scan_guid},
+                      {"camera", place_json(image.pose)},
+                      {"pictures", pictures}});
+  }
+  return {
+      {"file", file.pages().name()}, {"guid", file.document().guid}, {"scans", scans}, {"images", images}};
+}
+
+std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
+  std::vector<std::string> lines;
+  const auto scan_text = [](const E57Scan& scan) {
+    return fmt::format("{} records, {}", scan.record_count, place_text(scan.pose));
+  };
+  const auto image_text = [](const E57Image& image) {
+    std::vector<std::string> pictures;
+    for (const E57Picture& picture : image.pictures) pictures.push_back(picture_text(picture));
+    if (pictures.empty()) pictures.push_back("no picture");
+    return fmt::format("{}, {}", fmt::join(pictures, ", "), place_text(image.pose));
+  };
+  tell_each(file.document().scans, "scan", verbosity, scan_text, lines);
+  tell_each(file.document().images, "image", verbosity, image_text, lines);
+  return lines;
 }
 
 std::size_t extract_images(std::span<const std::filesystem::path> files, const std::filesystem::path& folder,

@@ -2,8 +2,6 @@
 #include "simulation/courtyard.h"
 
 #include "tools/command.h"
-#include "tools/console.h"
-#include "tools/options.h"
 
 namespace alidade::tools {
 namespace {
@@ -11,20 +9,18 @@ namespace {
 // More cannot be numbered by the index (octree/build.h).
 constexpr std::uint64_t k_most_points = 4'294'967'295;
 
-struct GenerateCommand {
+struct GenerateCommand : RunRequest {
   std::filesystem::path output;
   simulation::GenerateOptions options;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 ExitCode run_courtyard(const GenerateCommand& command) {
   check_writable(command.output, command.options.overwrite);
-  ProgressLine line("scanning", "points", command.verbosity.verbosity());
-  simulation::GenerateOptions options = command.options;
-  options.progress = line.callback();
-  simulation::generate_courtyard(command.output, options);
-  line.finish();
+  with_progress("scanning", "points", command.verbosity, [&](const Progress& progress) {
+    simulation::GenerateOptions options = command.options;
+    options.progress = progress;
+    simulation::generate_courtyard(command.output, options);
+  });
   return ExitCode::done;
 }
 
@@ -53,8 +49,7 @@ Command add_generate(const Options& program) {
   generate.flag("--overwrite", "replace an existing output", command->options.overwrite);
   add_threads(generate, command->threads);
   add_verbosity(generate, command->verbosity);
-  return {generate,
-          [command] { return with_threads(command->threads, [&] { return run_courtyard(*command); }); }};
+  return command_of(generate, command, run_courtyard);
 }
 
 }  // namespace alidade::tools

@@ -3,84 +3,30 @@
 
 #include <fmt/format.h>
 
-#include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
 #include "octree/point_surface.h"
 #include "octree/spacing.h"
+#include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/console.h"
-#include "tools/options.h"
 
 namespace alidade::tools {
 namespace {
 
-Octree build_from(PointCloud& cloud, const IndexRequest& request, Verbosity verbosity) {
-  ProgressLine line("building", "points", verbosity);
-  BuildOptions options;
-  options.organisation = request.organisation;
-  options.cell_size = request.cell_size;
-  options.progress = line.callback();
-  Octree octree =
-      request.stored_order ? build_in_stored_order(cloud, options) : build(std::move(cloud), options);
-  line.finish();
-  return octree;
-}
-
-Octree with_fitted_surfaces(const Octree& octree, Verbosity verbosity) {
-  ProgressLine line("fitting surfaces", "points", verbosity);
-  Octree with = with_surfaces(octree, line.callback());
-  line.finish();
-  return with;
-}
-
 Octree measured(const Octree& octree, const IndexRequest& request, Verbosity verbosity) {
   const std::optional<int> neighbours = request.surfaces ? k_surface_neighbours : request.spacing_neighbours;
   if (!neighbours) return octree;
-  ProgressLine line("measuring spacings", "points", verbosity);
-  const Octree with = with_spacings(octree, *neighbours, line.callback());
-  line.finish();
-  return request.surfaces ? with_fitted_surfaces(with, verbosity) : with;
+  const Octree with = with_spacings_shown(octree, *neighbours, verbosity);
+  return request.surfaces ? with_surfaces_shown(with, verbosity) : with;
 }
-
-}  // namespace
-
-void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
-                 Verbosity verbosity) {
-  const Octree octree = measured(build_from(cloud, request, verbosity), request, verbosity);
-  ProgressLine line("writing", "B", verbosity);
-  save_index(path, octree, cloud, {.overwrite = request.overwrite, .progress = line.callback()});
-  line.finish();
-  if (verbosity == Verbosity::quiet) return;
-  const auto bytes = static_cast<double>(std::filesystem::file_size(path));
-  const auto points = static_cast<double>(octree.size());
-  say_note(fmt::format("{} points, {:.1f} bytes each, {:.1f} of them octree; wrote {}", octree.size(),
-                       octree.size() ? bytes / points : 0.0,
-                       octree.size() ? static_cast<double>(octree.memory()) / points : 0.0, path.string()));
-}
-
-namespace {
 
 struct IndexCommand : CloudRequest {
   std::filesystem::path output;
   IndexRequest index;
-  std::optional<Organisation> organisation;
-  std::optional<ColorDepth> color_depth;
+  ColorDepth color_depth = ColorDepth::automatic;
 };
 
-PointCloud read(const IndexCommand& command) {
-  ProgressLine line("reading", "B", command.verbosity.verbosity());
-  PointCloud cloud =
-      read_cloud(command.files, {.color_depth = command.color_depth.value_or(ColorDepth::automatic),
-                                 .partial = command.partial,
-                                 .progress = line.callback()});
-  line.finish();
-  if (command.verbosity.quiet) return cloud;
-  for (const std::string& warning : cloud.warnings) say_warning(warning);
-  return cloud;
-}
-
 ExitCode run(const IndexCommand& command) {
-  if (command.index.cell_size > 0.0 && command.organisation != Organisation::fixed)
+  if (command.index.cell_size > 0.0 && command.index.organisation != Organisation::fixed)
     throw Error({.problem = "--cell-size is for --organisation fixed"});
   if (command.output.extension() != ".alidade") {
     throw Error({.file = command.output.string(),
@@ -94,14 +40,33 @@ ExitCode run(const IndexCommand& command) {
                  .found = std::to_string(*command.index.spacing_neighbours)});
   }
   check_writable(command.output, command.index.overwrite, command.files.names());
-  IndexRequest request = command.index;
-  request.organisation = command.organisation.value_or(Organisation::adaptive);
-  PointCloud cloud = read(command);
-  write_index(command.output, cloud, request, command.verbosity.verbosity());
+  PointCloud cloud = read_shown(command, {.color_depth = command.color_depth});
+  write_index(command.output, cloud, command.index, command.verbosity);
   return ExitCode::done;
 }
 
 }  // namespace
+
+void write_index(const std::filesystem::path& path, PointCloud& cloud, const IndexRequest& request,
+                 Verbosity verbosity) {
+  BuildOptions options;
+  options.organisation = request.organisation;
+  options.cell_size = request.cell_size;
+  Octree octree = with_progress("building", "points", verbosity, [&](const Progress& progress) {
+    options.progress = progress;
+    return request.stored_order ? build_in_stored_order(cloud, options) : build(std::move(cloud), options);
+  });
+  octree = measured(octree, request, verbosity);
+  with_progress("writing", "B", verbosity, [&](const Progress& progress) {
+    save_index(path, octree, cloud, {.overwrite = request.overwrite, .progress = progress});
+  });
+  if (verbosity == Verbosity::quiet) return;
+  const auto bytes = static_cast<double>(std::filesystem::file_size(path));
+  const auto points = static_cast<double>(octree.size());
+  say_note(fmt::format("{} points, {:.1f} bytes each, {:.1f} of them octree; wrote {}", octree.size(),
+                       octree.size() ? bytes / points : 0.0,
+                       octree.size() ? static_cast<double>(octree.memory()) / points : 0.0, path.string()));
+}
 
 Command add_index(const Options& program) {
   auto command = std::make_shared<IndexCommand>();
@@ -112,39 +77,36 @@ Command add_index(const Options& program) {
       .required();
   index.file("-o,--output", "FILE.alidade", "index file to write", command->output).required();
   index.choice("--organisation",
-               "how points are spread over the octree; answers are the same (default adaptive): cells "
-               "split until few points are left, a grid of cells of one size, or coarse to fine, so "
-               "that a prefix of levels is a thinned cloud",
-               command->organisation,
+               "how points are spread over the octree; answers are the same (default adaptive): cells split "
+               "until few points are left, a grid of cells of one size, or coarse to fine, so that a prefix "
+               "of levels is a thinned cloud",
+               command->index.organisation,
                {{"adaptive", Organisation::adaptive},
                 {"fixed", Organisation::fixed},
                 {"layered", Organisation::layered}});
-  index.length(
-      "--cell-size", "LENGTH",
-      "longest side of a cell of --organisation fixed, in the unit of the CRS, mostly metres (default: cells "
-      "that hold 32 points on average)",
-      command->index.cell_size);
-  index.flag(
-      "--stored-order",
-      "number the points as the octree stores them: 4 bytes per point less, but point ids are not those "
-      "of the input any more",
-      command->index.stored_order);
+  index.length("--cell-size", "LENGTH",
+               "longest side of a cell of --organisation fixed, in the unit of the CRS, mostly metres "
+               "(default: cells that hold 32 points on average)",
+               command->index.cell_size);
+  index.flag("--stored-order",
+             "number the points as the octree stores them: 4 bytes per point less, but point ids are not "
+             "those of the input any more",
+             command->index.stored_order);
   index.choice("--color-depth",
                "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps 16",
                command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
   index.count(
       "--spacings", "N",
       "store the distance of every point to its N-th nearest neighbour, 1 to 64 (the usual one is 8): "
-      "'alidade "
-      "render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
+      "'alidade render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
       command->index.spacing_neighbours, 1, k_most_spacing_neighbours);
   index.flag("--surfaces",
-             "store the surface that each point lies on, for 'alidade visibility', which then has nothing "
-             "to measure; implies --spacings 8; 4 bytes per point",
+             "store the surface that each point lies on, for 'alidade visibility', which then has nothing to "
+             "measure; implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);
-  return {index, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
+  return command_of(index, command, run);
 }
 
 }  // namespace alidade::tools

@@ -1,29 +1,27 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/error.h"
 #include "cloud/cloud_reader.h"
+#include "cloud/copc/copc_file.h"
 #include "cloud/crs.h"
 #include "cloud/point_cloud.h"
 #include "cloud/read_cloud.h"
 #include "octree/index_file/index_file.h"
-#include "tools/cloud/describe.h"
 #include "tools/cloud/e57_images.h"
 #include "tools/command.h"
-#include "tools/console.h"
-#include "tools/options.h"
 
 namespace alidade::tools {
 namespace {
 
-struct InfoOptions {
-  CloudInputs files;
-  bool partial = false, json = false, verify = false, overwrite = false;
+using Json = nlohmann::ordered_json;
+
+struct InfoOptions : CloudRequest {
+  bool json = false, verify = false, overwrite = false;
   std::filesystem::path image_folder;  ///< empty: no images are extracted
-  VerbosityOptions verbosity;
 };
 
 /// What `alidade info` tells about its files, taken together as one cloud.
@@ -66,13 +64,13 @@ Description describe(const InfoOptions& options) {
     description.e57_files.back().pages().rest();
   }
   // Colours are read to learn their depth, extra dimensions for their names; the rest is told by the headers.
-  ProgressLine line("reading", "B", options.verbosity.verbosity());
+  ProgressLine line("reading", "B", options.verbosity);
   const AttributeSet wanted = Attribute::color | Attribute::extra_dimensions;
   description.cloud = read_cloud(
       options.files, {.attributes = wanted, .partial = options.partial, .progress = line.callback()});
   description.point_count = description.cloud.size();
   description.bounds = description.cloud.bounds();
-  if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+  if (options.verbosity == Verbosity::verbose) line.finish();
   return description;
 }
 
@@ -85,10 +83,120 @@ void verify(const InfoOptions& options) {
                    .problem = "has no checksums to verify",
                    .expected = "an index file (alidade index)"});
     }
-    ProgressLine line("verifying", "B", options.verbosity.verbosity());
+    ProgressLine line("verifying", "B", options.verbosity);
     IndexFile(file).verify(line.callback());
-    if (options.verbosity.verbosity() == Verbosity::verbose) line.finish();
+    if (options.verbosity == Verbosity::verbose) line.finish();
   }
+}
+
+/// How the box in a file's header differs from that of its points, in words for people: how far it lies beyond them
+/// ("wider"), how far they lie beyond it ("leaves out"). Empty if no face is off by more than a hundredth of a step
+/// of the lattice, or if there are no points. Half a step is common and told, too: who crops by the box loses points.
+std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& points,
+                                           const Lattice& lattice) {
+  if (points.empty()) return std::nullopt;
+  double wider = 0.0, left_out = 0.0, finest = lattice.scale.x;
+  for (int axis = 0; axis < 3; ++axis) {
+    finest = std::min(finest, lattice.scale[axis]);
+    for (const double beyond : {points.min[axis] - stated.min[axis], stated.max[axis] - points.max[axis]}) {
+      if (std::fabs(beyond) <= 0.01 * lattice.scale[axis]) continue;
+      wider = std::max(wider, beyond);
+      left_out = std::max(left_out, -beyond);
+    }
+  }
+  if (wider == 0.0 && left_out == 0.0) return std::nullopt;
+  const int decimals = static_cast<int>(std::clamp(std::ceil(-std::log10(finest) - 1e-9) + 1.0, 0.0, 17.0));
+  std::string text;
+  if (wider > 0.0) text = fmt::format("up to {:.{}f} wider than the points", wider, decimals);
+  if (left_out > 0.0)
+    text += fmt::format("{}leaves out points by up to {:.{}f}", text.empty() ? "" : "; ", left_out, decimals);
+  return text;
+}
+
+/// Box of the rows [begin, end) of a cloud, of those of them that it has. Cost: linear.
+Bounds bounds_of_rows(const PointCloud& cloud, std::size_t begin, std::size_t end) {
+  Bounds bounds;
+  for (std::size_t row = begin; row < std::min(end, cloud.size()); ++row) bounds.grow(cloud.world(row));
+  return bounds;
+}
+
+/// What `alidade info` tells about the octree of a COPC file: levels, nodes and spacing, or what is wrong with it.
+std::string copc_text(const std::filesystem::path& file) {
+  try {
+    const CopcFile copc{InputFile(file)};
+    const auto& nodes = copc.hierarchy().nodes;
+    const auto chunks =
+        std::ranges::count_if(nodes, [](const CopcNode& node) { return node.chunk.point_count > 0; });
+    return fmt::format("octree of {} levels, {} nodes with points, spacing {} in the root",
+                       copc.hierarchy().levels(), chunks, copc.info().spacing);
+  } catch (const Error& error) {
+    return fmt::format("octree that cannot be used: {}", error.parts().problem);
+  }
+}
+
+const char* organisation_name(Organisation organisation) {
+  switch (organisation) {
+    case Organisation::fixed:
+      return "fixed";
+    case Organisation::layered:
+      return "layered";
+    case Organisation::adaptive:
+      break;
+  }
+  return "adaptive";
+}
+
+/// Bytes of a file, or of its octree alone, for each of its points.
+double bytes_per_point(const IndexFile& index, std::uint64_t bytes) {
+  const std::uint32_t points = index.header().tree.point_count;
+  return points > 0 ? static_cast<double>(bytes) / points : 0.0;
+}
+
+std::uint64_t octree_bytes(const IndexFile& index) {
+  std::uint64_t bytes = 0;
+  for (const SectionEntry& section : index.header().sections) {
+    if (section.kind <= IndexSection::sheet_edges) bytes += section.bytes;
+  }
+  return bytes;
+}
+
+bool is_in_stored_order(const IndexHeader& header) {
+  return header.tree.point_count > 0 && header.find(IndexSection::ids) == nullptr;
+}
+
+std::string spacing_text(const IndexHeader& header) {
+  const int neighbours = header.tree.spacing_neighbours;
+  return (neighbours > 0 ? fmt::format(", spacings to neighbour {}", neighbours) : "") +
+         (header.tree.surface_unit > 0.0 ? ", surfaces" : "");
+}
+
+/// What `alidade info --json` tells about an index file beside what its points tell.
+Json index_json(const IndexFile& index, bool verified) {
+  const IndexHeader& header = index.header();
+  return {{"file", index.name()},
+          {"version", k_index_version},
+          {"bytes", header.file_bytes},
+          {"bytes_per_point", bytes_per_point(index, header.file_bytes)},
+          {"octree_bytes_per_point", bytes_per_point(index, octree_bytes(index))},
+          {"organisation", organisation_name(header.tree.organisation)},
+          {"levels", header.tree.level_count},
+          {"nodes", header.tree.node_count},
+          {"stored_order", is_in_stored_order(header)},
+          {"spacing_neighbours", header.tree.spacing_neighbours},
+          {"surfaces", header.tree.surface_unit > 0.0},
+          {"verified", verified}};
+}
+
+/// The same as lines for people.
+std::vector<std::string> index_lines(const IndexFile& index, bool verified) {
+  const IndexHeader& header = index.header();
+  return {fmt::format("version {}, {} octree of {} nodes on {} levels{}", k_index_version,
+                      organisation_name(header.tree.organisation), header.tree.node_count,
+                      header.tree.level_count,
+                      (is_in_stored_order(header) ? ", points in its order" : "") + spacing_text(header)),
+          fmt::format("{} bytes, {:.2f} per point, {:.2f} of them octree{}", header.file_bytes,
+                      bytes_per_point(index, header.file_bytes), bytes_per_point(index, octree_bytes(index)),
+                      verified ? "; verified: undamaged" : "")};
 }
 
 /// Largest difference between a coordinate in the files and the one in the cloud, per axis.
@@ -241,10 +349,8 @@ ExitCode run(const InfoOptions& options) {
                     "\n");
     return ExitCode::done;
   }
-  write_to_stdout(to_table(description, options.verify, options.verbosity.verbosity()));
-  if (!options.verbosity.quiet) {
-    for (const std::string& warning : description.cloud.warnings) say_warning(warning);
-  }
+  write_to_stdout(to_table(description, options.verify, options.verbosity));
+  say_warnings(options.verbosity, description.cloud.warnings);
   return ExitCode::done;
 }
 

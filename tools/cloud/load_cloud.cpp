@@ -6,6 +6,8 @@
 #include "database/server/read_server.h"
 #include "database/sqlite/stored_cloud.h"
 #include "octree/index_file/index_file.h"
+#include "octree/point_surface.h"
+#include "octree/spacing.h"
 
 namespace alidade::tools {
 
@@ -13,6 +15,36 @@ CloudFormats cloud_formats() {
   static const std::vector<const CloudFormat*> formats =
       with_file_formats({&database::k_server_format, &database::k_sqlite_format, &k_index_format});
   return formats;
+}
+
+PointCloud read_shown(const CloudRequest& request, ReadOptions options) {
+  options.partial = request.partial;
+  PointCloud cloud = with_progress("reading", "B", request.verbosity, [&](const Progress& progress) {
+    options.progress = progress;
+    return read_cloud(request.files, options);
+  });
+  say_warnings(request.verbosity, cloud.warnings);
+  return cloud;
+}
+
+IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options) {
+  options.read.partial = request.partial;
+  IndexedCloud cloud = with_progress("loading cloud", "B", request.verbosity, [&](const Progress& progress) {
+    options.read.progress = progress;
+    return load_indexed_cloud(request.files, options);
+  });
+  say_warnings(request.verbosity, cloud.cloud.warnings);
+  return cloud;
+}
+
+Octree with_spacings_shown(const Octree& octree, int neighbours, Verbosity verbosity) {
+  return with_progress("measuring spacings", "points", verbosity,
+                       [&](const Progress& progress) { return with_spacings(octree, neighbours, progress); });
+}
+
+Octree with_surfaces_shown(const Octree& octree, Verbosity verbosity) {
+  return with_progress("fitting surfaces", "points", verbosity,
+                       [&](const Progress& progress) { return with_surfaces(octree, progress); });
 }
 
 bool has_parts(const CloudInput& input) {

@@ -5,12 +5,24 @@
 
 #include "base/progress.h"
 #include "cloud/cloud_inputs.h"
+#include "cloud/read_cloud.h"
 #include "database/point_filter.h"
+#include "octree/index_file/indexed_cloud.h"
+#include "tools/options.h"
 
 namespace alidade::tools {
 
 /// All formats that the program reads: tables of servers, SQLite, index files, and those of files.
 CloudFormats cloud_formats();
+
+/// Reads the files of a request, or loads them with an octree: with progress, and the warnings of the cloud said. Of
+/// the options all but `partial` and `progress` count.
+PointCloud read_shown(const CloudRequest& request, ReadOptions options);
+IndexedCloud load_shown(const CloudRequest& request, IndexCloudOptions options);
+
+/// with_spacings() and with_surfaces(), with progress.
+Octree with_spacings_shown(const Octree& octree, int neighbours, Verbosity verbosity);
+Octree with_surfaces_shown(const Octree& octree, Verbosity verbosity);
 
 /// Whether it is a cloud in a database that can be asked for a part of it: one that 'alidade sql load' made.
 /// Errors: those of opening a table on a server.

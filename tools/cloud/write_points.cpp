@@ -9,7 +9,6 @@
 #include "cloud/las/write_las.h"
 #include "cloud/ply/write_ply.h"
 #include "octree/tree_walk.h"
-#include "tools/console.h"
 
 namespace alidade::tools {
 

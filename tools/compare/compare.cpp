@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <algorithm>
 #include <new>
-#include <string>
-#include <vector>
 
 #include "base/error.h"
 #include "cloud/las/write_las.h"
@@ -18,13 +14,13 @@
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
 #include "tools/compare/compare_options.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
 #include "tools/manuals.h"
 
 namespace alidade::tools {
-
 namespace {
+
+namespace fs = std::filesystem;
 
 std::string facts_text(const char* side, const compare::PictureFacts& facts) {
   return fmt::format("{:<10} {}  {} x {}, {}\n", side, facts.file.string(), facts.width, facts.height,
@@ -45,8 +41,6 @@ std::string regions_text(const compare::ChangeRegions& changes) {
     text += fmt::format("  and {} more, see --json or --report\n", changes.regions.size() - k_most_lines);
   return text;
 }
-
-}  // namespace
 
 /// "flip=0.05: 0.08", for those that fail.
 std::vector<std::string> failures_of(const compare::Verdict& verdict) {
@@ -110,10 +104,6 @@ std::string batch_text(const std::vector<compare::PairOutcome>& outcomes) {
                             failed == 0 ? "pass" : "fail");
 }
 
-namespace {
-
-namespace fs = std::filesystem;
-
 ExitCode exit_code(const CompareRequest& request, bool pass, bool warned) {
   if (!pass) return request.idiff_codes ? ExitCode::failed : ExitCode::no;
   return request.idiff_codes && warned ? ExitCode::no : ExitCode::done;
@@ -141,18 +131,18 @@ struct PointsOutput {
 };
 
 /// Errors: no layer of ids; a cloud that cannot be read or is another one.
-void find_points(std::vector<PointsOutput>& outputs, const RegionPointsRequest& wish,
-                 const compare::PictureFacts& facts, const compare::ChangeRegions& changes,
-                 Verbosity verbosity) {
+void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& request,
+                 const RegionPointsRequest& wish, const compare::PictureFacts& facts,
+                 const compare::ChangeRegions& changes) {
   if (wish.output.empty()) return;
   if (facts.ids.empty())
     throw Error({.file = facts.file.string(),
                  .problem = "has no layer of point ids",
                  .expected = "an EXR file rendered with the layer id"});
-  ProgressLine line("reading", "B", verbosity);
-  const PointCloud cloud = read_cloud(resolve_clouds(std::vector{wish.cloud}, cloud_formats()),
-                                      {.partial = wish.partial, .progress = line.callback()});
-  line.finish();
+  const PointCloud cloud = with_progress("reading", "B", request.verbosity, [&](const Progress& progress) {
+    return read_cloud(resolve_clouds(std::vector{wish.cloud}, cloud_formats()),
+                      {.partial = request.partial, .progress = progress});
+  });
   const std::vector<compare::RegionPoint> found =
       compare::region_points(facts.ids, changes, cloud.positions.size());
   if (found.empty()) {
@@ -197,31 +187,30 @@ void write_files(const CompareRequest& request, const compare::Comparison& compa
   if (comparison.pictures) maps = maps_to_write(request, *comparison.pictures);
   std::vector<PointsOutput> points;
   if (comparison.changes) {
-    const Verbosity verbosity = request.verbosity.verbosity();
-    find_points(points, request.reference_points, comparison.reference, *comparison.changes, verbosity);
-    find_points(points, request.test_points, comparison.test, *comparison.changes, verbosity);
+    find_points(points, request, request.reference_points, comparison.reference, *comparison.changes);
+    find_points(points, request, request.test_points, comparison.test, *comparison.changes);
   }
   // Maps first: they need a font, which may be missing.
   for (const MapOutput& map : maps) image_module().write_difference(*map.map, map.file, request.overwrite);
   if (!request.report.empty()) compare::write_page(page, request.report, request.overwrite);
   for (const PointsOutput& output : points) {
     write_las(output.file, output.points, {.overwrite = request.overwrite});
-    if (!request.verbosity.quiet)
-      say_note(fmt::format("wrote {} points to {}", output.points.size(), output.file.string()));
+    say_note(request.verbosity,
+             fmt::format("wrote {} points to {}", output.points.size(), output.file.string()));
   }
 }
 
 ExitCode compare_one(const CompareRequest& request) {
   compare::ComparisonOptions options = request.comparison;
   options.keep_pictures = !request.report.empty() || request.has_maps();
-  ProgressLine line("comparing", "pixels", request.verbosity.verbosity());
   const compare::Comparison comparison =
-      image_module().compare_files(request.reference, request.test, options, line.callback());
-  line.finish();
+      with_progress("comparing", "pixels", request.verbosity, [&](const Progress& progress) {
+        return image_module().compare_files(request.reference, request.test, options, progress);
+      });
   const compare::Verdict verdict = compare::judge(comparison, request.fail_above),
                          warnings = compare::judge(comparison, request.warn_above);
   write_files(request, comparison, verdict, warnings);
-  if (!request.verbosity.quiet) {
+  if (request.verbosity != Verbosity::quiet) {
     for (const std::string& remark : comparison.remarks) say_note(remark);
     for (const std::string& failure : failures_of(warnings)) say_warning("beyond " + failure);
   }
@@ -243,10 +232,9 @@ ExitCode compare_many(const CompareRequest& request) {
                                       .packing = request.packing.value_or(image::PicturePacking::automatic),
                                       .overwrite = request.overwrite,
                                       .kept = {request.pairs, request.comparison.mask, request.report}};
-  ProgressLine line("comparing", "pairs", request.verbosity.verbosity());
-  const std::vector<compare::PairOutcome> outcomes =
-      image_module().compare_pairs(pairs, options, line.callback());
-  line.finish();
+  const std::vector<compare::PairOutcome> outcomes = with_progress(
+      "comparing", "pairs", request.verbosity,
+      [&](const Progress& progress) { return image_module().compare_pairs(pairs, options, progress); });
   if (!request.report.empty()) {
     const bool is_table = !request.pairs.empty();
     compare::write_page(
@@ -255,7 +243,7 @@ ExitCode compare_many(const CompareRequest& request) {
         request.report, request.overwrite);
   }
   write_to_stdout(request.json ? compare::batch_json(outcomes) : batch_text(outcomes));
-  if (!request.verbosity.quiet)
+  if (request.verbosity != Verbosity::quiet)
     for (const compare::PairOutcome& outcome : outcomes)
       for (const std::string& failure : failures_of(outcome.warnings))
         say_warning(outcome.pair.name + " is beyond " + failure);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "tools/compare/compare_options.h"
 
-#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 
@@ -9,6 +8,8 @@
 
 namespace alidade::tools {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// "LEFT,TOP,RIGHT,BOTTOM" in pixels.
 compare::PixelRectangle parse_rectangle(const std::string& text) {
@@ -50,11 +51,10 @@ void add_rectangles(const Options& group, const std::string& name, const std::st
 
 void add_what_counts(const Options& command, compare::ComparisonOptions& options) {
   const Options group = command.group("What counts");
-  group.value(
-      "--crop", "L,T,R,B",
-      "compare only this part of both pictures: columns L to R - 1 and rows T to B - 1, in pixels from "
-      "the top left",
-      [&options](const std::string& text) { options.crop = parse_rectangle(text); });
+  group.value("--crop", "L,T,R,B",
+              "compare only this part of both pictures: columns L to R - 1 and rows T to B - 1, in pixels "
+              "from the top left",
+              options.crop, parse_rectangle);
   group.choice("--resize",
                "of pictures of different size: none is an error (default), reference resizes the test",
                options.resize_to_reference, {{"none", false}, {"reference", true}});
@@ -75,15 +75,12 @@ void add_photographs(const Options& command, compare::ComparisonOptions& options
   group.choice(
       "--match",
       "fit the colours of the test to the reference, and tell the figures again with matched colours: "
-      "exposure is "
-      "a factor per channel (exposure, white balance), affine an offset too (haze, black level)",
+      "exposure is a factor per channel (exposure, white balance), affine an offset too (haze, black level)",
       options.match, {{"exposure", compare::ColorModel::exposure}, {"affine", compare::ColorModel::affine}});
-  const Option align =
-      group.flag("--align",
-                 "look for the shift at which the edges of both fit best, which tells a camera that is off "
-                 "from colours that "
-                 "differ",
-                 options.align);
+  const Option align = group.flag("--align",
+                                  "look for the shift at which the edges of both fit best, which tells a "
+                                  "camera that is off from colours that differ",
+                                  options.align);
   group
       .count("--largest-shift", "PIXELS", "up to which --align looks (default: 64)", options.largest_shift, 1,
              4096)
@@ -114,14 +111,13 @@ void add_flip(const Options& command, compare::FlipOptions& flip) {
 void add_changes(const Options& command, CompareRequest& request) {
   const Options group = command.group("Where it changed");
   compare::ComparisonOptions& options = request.comparison;
-  const Option changes = group.choice(
-      "--changes",
-      "list regions of changed pixels by size: by FLIP, by the difference of colours (0 to 1), or of "
-      "depth (metres)",
-      options.find_changes,
-      {{"flip", compare::ChangeMap::flip},
-       {"color", compare::ChangeMap::color},
-       {"depth", compare::ChangeMap::depth}});
+  const Option changes = group.choice("--changes",
+                                      "list regions of changed pixels by size: by FLIP, by the difference of "
+                                      "colours (0 to 1), or of depth (metres)",
+                                      options.find_changes,
+                                      {{"flip", compare::ChangeMap::flip},
+                                       {"color", compare::ChangeMap::color},
+                                       {"depth", compare::ChangeMap::depth}});
   group
       .number("--change-threshold", "VALUE", "pixels above it have changed (default: 0.2)",
               options.changes.threshold, 0.0, 1e9)
@@ -139,7 +135,7 @@ void add_changes(const Options& command, CompareRequest& request) {
              "points that the regions show in the test, of --test-cloud", request.test_points.output);
   group.file("--test-cloud", "CLOUD", "the cloud that the test was made of", request.test_points.cloud);
   group.flag("--partial", "read what is whole of damaged clouds, as the pictures were made with --partial",
-             [&request] { request.reference_points.partial = request.test_points.partial = true; });
+             request.partial);
 }
 
 void add_verdict(const Options& command, CompareRequest& request) {
@@ -162,8 +158,7 @@ void add_answers(const Options& command, CompareRequest& request) {
   group.flag("--json", "print the result as JSON instead of a table", request.json);
   group.file("--report", "FILE.html",
              "a page for people, in one file that needs no network: pictures to swipe and blink, maps, "
-             "regions, figures; of "
-             "many pairs a summary",
+             "regions, figures; of many pairs a summary",
              request.report);
   group.file("--reports", "FOLDER", "of many pairs: a page for each, in this folder", request.reports);
   group.choice(
@@ -178,39 +173,15 @@ void add_answers(const Options& command, CompareRequest& request) {
   group.flag("--overwrite", "replace existing files", request.overwrite);
 }
 
-}  // namespace
-
-void add_compare_options(const Options& command, CompareRequest& request) {
-  command.file("reference", "REFERENCE", "picture, or folder of pictures, that is right", request.reference);
-  command.file("test", "TEST", "picture, or folder of pictures, that is judged", request.test);
-  command.group("Pairs").file(
-      "--pairs", "FILE.csv",
-      "pairs of pictures, instead of REFERENCE and TEST: a table with the header reference,test[,name], "
-      "paths from its "
-      "folder on",
-      request.pairs);
-  add_what_counts(command, request.comparison);
-  add_photographs(command, request.comparison);
-  add_flip(command, request.comparison.flip);
-  add_changes(command, request);
-  add_verdict(command, request);
-  add_answers(command, request);
-  add_threads(command, request.threads);
-  add_verbosity(command, request.verbosity);
-}
-
+/// Files that the run writes, all of them.
 std::vector<std::filesystem::path> outputs_of(const CompareRequest& request) {
-  std::vector<std::filesystem::path> outputs;
-  for (const std::filesystem::path& output :
-       {request.report, request.color_map, request.flip_map, request.depth_map,
-        request.reference_points.output, request.test_points.output})
-    if (!output.empty()) outputs.push_back(output);
-  return outputs;
+  return {request.report,
+          request.color_map,
+          request.flip_map,
+          request.depth_map,
+          request.reference_points.output,
+          request.test_points.output};
 }
-
-namespace {
-
-namespace fs = std::filesystem;
 
 void require(bool holds, const char* problem, const char* expected) {
   if (!holds) throw Error({.problem = problem, .expected = expected});
@@ -249,6 +220,23 @@ void check_wishes_for_one(const CompareRequest& request) {
 
 }  // namespace
 
+void add_compare_options(const Options& command, CompareRequest& request) {
+  command.file("reference", "REFERENCE", "picture, or folder of pictures, that is right", request.reference);
+  command.file("test", "TEST", "picture, or folder of pictures, that is judged", request.test);
+  command.group("Pairs").file("--pairs", "FILE.csv",
+                              "pairs of pictures, instead of REFERENCE and TEST: a table with the header "
+                              "reference,test[,name], paths from its folder on",
+                              request.pairs);
+  add_what_counts(command, request.comparison);
+  add_photographs(command, request.comparison);
+  add_flip(command, request.comparison.flip);
+  add_changes(command, request);
+  add_verdict(command, request);
+  add_answers(command, request);
+  add_threads(command, request.threads);
+  add_verbosity(command, request.verbosity);
+}
+
 bool is_batch(const CompareRequest& request) {
   std::error_code error;
   return !request.pairs.empty() || fs::is_directory(request.reference, error) ||
@@ -262,18 +250,18 @@ void check_request(const CompareRequest& request) {
   } else {
     check_wishes_for_one(request);
   }
-  std::vector<fs::path> inputs;
-  for (const fs::path& input : {request.reference, request.test, request.pairs, request.comparison.mask,
-                                request.reference_points.cloud, request.test_points.cloud})
-    if (!input.empty()) inputs.push_back(input);
+  const fs::path inputs[] = {request.reference,
+                             request.test,
+                             request.pairs,
+                             request.comparison.mask,
+                             request.reference_points.cloud,
+                             request.test_points.cloud};
   check_outputs(outputs_of(request), request.overwrite, inputs);
 }
 
 void check_pairs(const CompareRequest& request, const std::vector<compare::ImagePair>& pairs) {
   std::vector<fs::path> inputs;
-  for (const compare::ImagePair& pair : pairs)
-    for (const fs::path& file : {pair.reference, pair.test})
-      if (!file.empty()) inputs.push_back(file);
+  for (const compare::ImagePair& pair : pairs) inputs.insert(inputs.end(), {pair.reference, pair.test});
   check_outputs(outputs_of(request), request.overwrite, inputs);
 }
 

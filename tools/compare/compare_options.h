@@ -14,11 +14,10 @@ namespace alidade::tools {
 /// Points behind regions of change: the cloud that a picture was made of, and where its points go.
 struct RegionPointsRequest {
   std::filesystem::path cloud, output;
-  bool partial = false;  ///< ReadOptions::partial, as when the picture was made
 };
 
 /// What the command line of `alidade compare` asks for.
-struct CompareRequest {
+struct CompareRequest : RunRequest {
   std::filesystem::path reference, test;  ///< two files or two folders
   std::filesystem::path pairs;            ///< or a table
   compare::ComparisonOptions comparison;
@@ -29,8 +28,6 @@ struct CompareRequest {
   std::filesystem::path color_map, flip_map, depth_map;
   RegionPointsRequest reference_points, test_points;
   bool overwrite = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 
   bool has_maps() const { return !color_map.empty() || !flip_map.empty() || !depth_map.empty(); }
   bool has_points() const { return !reference_points.output.empty() || !test_points.output.empty(); }
@@ -38,9 +35,6 @@ struct CompareRequest {
 
 /// Declares the options.
 void add_compare_options(const Options& command, CompareRequest& request);
-
-/// Files that the run writes, all of them.
-std::vector<std::filesystem::path> outputs_of(const CompareRequest& request);
 
 // What can be wrong with a request before any pixel is looked at.
 

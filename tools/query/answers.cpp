@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <algorithm>
 #include <charconv>
@@ -28,10 +28,10 @@ void add(std::string& text, double value) {
               std::to_chars(std::begin(digits), std::end(digits), value, std::chars_format::general, 17).ptr);
 }
 
-void add_value(std::string& text, const AnswerColumn& column, const AnswerRow& row, TextForm form) {
+void add_value(std::string& text, const AnswerColumn& column, const AnswerRow& row, AnswerForm form) {
   if (column.whole != nullptr) return add(text, row.*column.whole);
   const double value = column.real != nullptr ? row.*column.real : row.position[column.axis];
-  if (form == TextForm::json_lines && !std::isfinite(value)) {
+  if (form == AnswerForm::json_lines && !std::isfinite(value)) {
     text += "null";
   } else {
     add(text, value);
@@ -39,8 +39,8 @@ void add_value(std::string& text, const AnswerColumn& column, const AnswerRow& r
 }
 
 void add_row(std::string& text, const std::vector<AnswerColumn>& columns, const AnswerRow& row,
-             TextForm form) {
-  const bool json = form == TextForm::json_lines;
+             AnswerForm form) {
+  const bool json = form == AnswerForm::json_lines;
   char separator = json ? '{' : '\0';
   for (const AnswerColumn& column : columns) {
     if (separator != '\0') text += separator;
@@ -50,50 +50,6 @@ void add_row(std::string& text, const std::vector<AnswerColumn>& columns, const 
   }
   text += json ? "}\n" : "\n";
 }
-
-}  // namespace
-
-AnswerText::AnswerText(std::vector<AnswerColumn> columns, TextForm form, std::unique_ptr<OutputFile> file)
-    : columns_(std::move(columns)), form_(form), file_(std::move(file)) {
-  if (form_ == TextForm::json_lines) return;
-  for (const AnswerColumn& column : columns_) header_ += (header_.empty() ? "" : ",") + column.name;
-  header_ += "\n";
-}
-
-void AnswerText::put(const std::string& text) {
-  if (file_) {
-    file_->write(std::as_bytes(std::span(text)));
-  } else {
-    write_to_stdout(text);
-  }
-}
-
-void AnswerText::put_header() {
-  put(std::exchange(header_, {}));
-}
-
-void AnswerText::write(const AnswerRows& rows) {
-  put_header();
-  for (std::size_t begin = 0; begin < rows.size; begin += k_rows_at_once) {
-    const std::size_t end = std::min(begin + k_rows_at_once, rows.size);
-    std::vector<std::string> parts((end - begin + k_rows_per_text - 1) / k_rows_per_text);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
-      const std::size_t first = begin + p * k_rows_per_text;
-      std::vector<AnswerRow> part_rows(std::min(k_rows_per_text, end - first));
-      rows.fill(first, part_rows);
-      parts[p].reserve(part_rows.size() * 24 * columns_.size());
-      for (const AnswerRow& row : part_rows) add_row(parts[p], columns_, row, form_);
-    });
-    for (const std::string& part : parts) put(part);
-  }
-}
-
-void AnswerText::finish() {
-  put_header();
-  if (file_) file_->commit();
-}
-
-namespace {
 
 constexpr std::size_t k_rows_per_task = 4096;
 
@@ -114,77 +70,148 @@ void for_each_row(std::size_t count, const Work& work) {
   });
 }
 
-/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to
-/// others.
+/// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to others.
 LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
   const auto steps = to_lattice(lattice, position);
   if (!steps) throw Error({.problem = "position of a point does not stand on the cloud's lattice"});
   return *steps;
 }
 
+/// Rows of an AnswerRows for which room is made at once: bounds memory whatever the number of answers.
+constexpr std::size_t k_rows_per_write = 1 << 17;
+
+class AnswerText final : public AnswerOutput {
+ public:
+  AnswerText(std::vector<AnswerColumn> columns, AnswerForm form, std::unique_ptr<OutputFile> file)
+      : columns_(std::move(columns)), form_(form), file_(std::move(file)) {
+    if (form_ == AnswerForm::json_lines) return;
+    for (const AnswerColumn& column : columns_) header_ += (header_.empty() ? "" : ",") + column.name;
+    header_ += "\n";
+  }
+
+  void write(const AnswerRows& rows) override {
+    put_header();
+    for (std::size_t begin = 0; begin < rows.size; begin += k_rows_per_write) {
+      const std::size_t end = std::min(begin + k_rows_per_write, rows.size);
+      std::vector<std::string> parts((end - begin + k_rows_per_text - 1) / k_rows_per_text);
+      tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t p) {
+        const std::size_t first = begin + p * k_rows_per_text;
+        std::vector<AnswerRow> part_rows(std::min(k_rows_per_text, end - first));
+        rows.fill(first, part_rows);
+        parts[p].reserve(part_rows.size() * 24 * columns_.size());
+        for (const AnswerRow& row : part_rows) add_row(parts[p], columns_, row, form_);
+      });
+      for (const std::string& part : parts) put(part);
+    }
+  }
+
+  void finish() override {
+    put_header();
+    if (file_) file_->commit();
+  }
+
+ private:
+  void put(const std::string& text) {
+    if (file_) {
+      file_->write(std::as_bytes(std::span(text)));
+    } else {
+      write_to_stdout(text);
+    }
+  }
+
+  void put_header() { put(std::exchange(header_, {})); }
+
+  std::vector<AnswerColumn> columns_;
+  AnswerForm form_;
+  std::string header_;  ///< until it is written: with the first rows, so that bad targets leave stdout empty
+  std::unique_ptr<OutputFile> file_;
+};
+
+class AnswerLas final : public AnswerOutput {
+ public:
+  AnswerLas(const std::filesystem::path& file, bool overwrite, const IndexedCloud& cloud,
+            std::vector<AnswerDimension> dimensions, Verbosity verbosity)
+      : cloud_(cloud), columns_(cloud.columns()), dimensions_(std::move(dimensions)) {
+    std::vector<std::string> warnings;
+    std::erase_if(columns_.extra_dimensions, [&](const ExtraColumn& column) {
+      const std::string& name = column.description.name;
+      if (std::ranges::find(dimensions_, name, &AnswerDimension::name) == dimensions_.end()) return false;
+      warnings.push_back(
+          fmt::format("{}: the cloud's own {} gives way to that of this query", file.string(), name));
+      return true;
+    });
+    PointCloud like = description_of(cloud);
+    for (const ExtraColumn& column : columns_.extra_dimensions)
+      like.extra_dimensions.push_back(column.description);
+    for (const AnswerDimension& dimension : dimensions_)
+      like.extra_dimensions.push_back(described(dimension));
+    LasWriteOptions options;
+    options.overwrite = overwrite;
+    writer_ = std::make_unique<LasWriter>(file, like, columns_.attributes(), options);
+    say_warnings(verbosity, warnings);
+  }
+
+  void write(const AnswerRows& rows) override {
+    std::vector<AnswerRow> block;
+    for (std::size_t first = 0; first < rows.size; first += k_rows_per_write) {
+      block.assign(std::min(k_rows_per_write, rows.size - first), {});
+      rows.fill(first, block);
+      writer_->write(points(block));
+    }
+  }
+
+  void finish() override { writer_->finish(); }
+
+ private:
+  PointCloud points(std::span<const AnswerRow> rows) const {
+    PointCloud batch;
+    batch.lattice = cloud_.octree.lattice();
+    batch.positions.resize(rows.size());
+    for_each_row(rows.size(),
+                 [&](std::size_t i) { batch.positions[i] = steps_of(batch.lattice, rows[i].position); });
+    for_each_column(batch, columns_, [&](Attribute, auto& column, const auto& all) {
+      if (all.empty()) return;
+      column.resize(rows.size());
+      for_each_row(rows.size(), [&](std::size_t i) { column[i] = all[rows[i].point_id]; });
+    });
+    for (const ExtraColumn& column : columns_.extra_dimensions) {
+      ExtraDimension& extra = batch.extra_dimensions.emplace_back(column.description);
+      const auto bytes = static_cast<std::size_t>(extra.byte_count);
+      extra.values.resize(rows.size() * bytes);
+      for_each_row(rows.size(), [&](std::size_t i) {
+        std::memcpy(extra.values.data() + i * bytes, column.values.data() + rows[i].point_id * bytes, bytes);
+      });
+    }
+    for (const AnswerDimension& dimension : dimensions_) {
+      ExtraDimension& extra = batch.extra_dimensions.emplace_back(described(dimension));
+      extra.values.resize(rows.size() * 8);
+      for_each_row(rows.size(), [&](std::size_t i) {
+        const void* const value = dimension.whole != nullptr
+                                      ? static_cast<const void*>(&(rows[i].*dimension.whole))
+                                      : &(rows[i].*dimension.real);
+        std::memcpy(extra.values.data() + i * 8, value, 8);
+      });
+    }
+    return batch;
+  }
+
+  const IndexedCloud& cloud_;
+  AttributeColumns columns_;  ///< without those that are left out
+  std::vector<AnswerDimension> dimensions_;
+  std::unique_ptr<LasWriter> writer_;
+};
+
 }  // namespace
 
-AnswerLas::AnswerLas(const std::filesystem::path& file, bool overwrite, const IndexedCloud& cloud,
-                     std::vector<AnswerDimension> dimensions)
-    : cloud_(cloud), columns_(cloud.columns()), dimensions_(std::move(dimensions)) {
-  std::erase_if(columns_.extra_dimensions, [&](const ExtraColumn& column) {
-    const std::string& name = column.description.name;
-    if (std::ranges::find(dimensions_, name, &AnswerDimension::name) == dimensions_.end()) return false;
-    replaced_.push_back(name);
-    return true;
-  });
-  PointCloud like = description_of(cloud);
-  for (const ExtraColumn& column : columns_.extra_dimensions)
-    like.extra_dimensions.push_back(column.description);
-  for (const AnswerDimension& dimension : dimensions_) like.extra_dimensions.push_back(described(dimension));
-  LasWriteOptions options;
-  options.overwrite = overwrite;
-  writer_ = std::make_unique<LasWriter>(file, like, columns_.attributes(), options);
+std::unique_ptr<AnswerOutput> answers_as_text(std::vector<AnswerColumn> columns, AnswerForm form,
+                                              std::unique_ptr<OutputFile> file) {
+  return std::make_unique<AnswerText>(std::move(columns), form, std::move(file));
 }
 
-PointCloud AnswerLas::points(std::span<const AnswerRow> rows) const {
-  PointCloud batch;
-  batch.lattice = cloud_.octree.lattice();
-  batch.positions.resize(rows.size());
-  for_each_row(rows.size(),
-               [&](std::size_t i) { batch.positions[i] = steps_of(batch.lattice, rows[i].position); });
-  for_each_column(batch, columns_, [&](Attribute, auto& column, const auto& all) {
-    if (all.empty()) return;
-    column.resize(rows.size());
-    for_each_row(rows.size(), [&](std::size_t i) { column[i] = all[rows[i].point_id]; });
-  });
-  for (const ExtraColumn& column : columns_.extra_dimensions) {
-    ExtraDimension& extra = batch.extra_dimensions.emplace_back(column.description);
-    const auto bytes = static_cast<std::size_t>(extra.byte_count);
-    extra.values.resize(rows.size() * bytes);
-    for_each_row(rows.size(), [&](std::size_t i) {
-      std::memcpy(extra.values.data() + i * bytes, column.values.data() + rows[i].point_id * bytes, bytes);
-    });
-  }
-  for (const AnswerDimension& dimension : dimensions_) {
-    ExtraDimension& extra = batch.extra_dimensions.emplace_back(described(dimension));
-    extra.values.resize(rows.size() * 8);
-    for_each_row(rows.size(), [&](std::size_t i) {
-      const void* const value = dimension.whole != nullptr
-                                    ? static_cast<const void*>(&(rows[i].*dimension.whole))
-                                    : &(rows[i].*dimension.real);
-      std::memcpy(extra.values.data() + i * 8, value, 8);
-    });
-  }
-  return batch;
-}
-
-void AnswerLas::write(const AnswerRows& rows) {
-  std::vector<AnswerRow> block;
-  for (std::size_t first = 0; first < rows.size; first += k_rows_at_once) {
-    block.assign(std::min(k_rows_at_once, rows.size - first), {});
-    rows.fill(first, block);
-    writer_->write(points(block));
-  }
-}
-
-void AnswerLas::finish() {
-  writer_->finish();
+std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, bool overwrite,
+                                             const IndexedCloud& cloud,
+                                             std::vector<AnswerDimension> dimensions, Verbosity verbosity) {
+  return std::make_unique<AnswerLas>(file, overwrite, cloud, std::move(dimensions), verbosity);
 }
 
 }  // namespace alidade::tools

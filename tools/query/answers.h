@@ -16,6 +16,7 @@
 #include "cloud/las/write_las.h"
 #include "octree/index_file/indexed_cloud.h"
 #include "octree/query.h"
+#include "tools/console.h"
 #include "tools/query/ask.h"
 #include "tools/query/target_kind.h"
 
@@ -57,32 +58,15 @@ class AnswerOutput {
   virtual void finish() = 0;
 };
 
-/// Rows of an AnswerRows for which room is made at once: bounds memory whatever the number of answers.
-constexpr std::size_t k_rows_at_once = 1 << 17;
-
-enum class TextForm {
+enum class AnswerForm {
   csv,         ///< a header and a line per row; numbers with 17 significant digits, "inf" and "-inf"
   json_lines,  ///< an object per row; the same numbers, null for infinite ones
+  las,         ///< found points
 };
 
-/// Answers as text, to stdout or into a file. Rows are worded in parallel.
-class AnswerText final : public AnswerOutput {
- public:
-  /// To stdout without a file. Errors: OutputFile's.
-  AnswerText(std::vector<AnswerColumn> columns, TextForm form, std::unique_ptr<OutputFile> file);
-
-  void write(const AnswerRows& rows) override;
-  void finish() override;
-
- private:
-  void put(const std::string& text);
-  void put_header();
-
-  std::vector<AnswerColumn> columns_;
-  TextForm form_;
-  std::string header_;  ///< until it is written: with the first rows, so that bad targets leave stdout empty
-  std::unique_ptr<OutputFile> file_;
-};
+/// Answers as text of the form, to stdout without a file. Rows are worded in parallel. Errors: OutputFile's.
+std::unique_ptr<AnswerOutput> answers_as_text(std::vector<AnswerColumn> columns, AnswerForm form,
+                                              std::unique_ptr<OutputFile> file);
 
 /// An extra dimension of found points: its name and the value of a row.
 struct AnswerDimension {
@@ -91,30 +75,13 @@ struct AnswerDimension {
   double AnswerRow::*real = nullptr;          ///< written as float64
 };
 
-/// Found points as LAS 1.4: a point for every row, with the integers, all attributes, coordinate reference
-/// system and records of the cloud, and with what the query found as extra dimensions. A dimension of the
-/// cloud's own that has one of these names is left out. Attributes are fetched in parallel.
-class AnswerLas final : public AnswerOutput {
- public:
-  /// `cloud` must outlive this object. Errors: LasWriter's.
-  AnswerLas(const std::filesystem::path& file, bool overwrite, const IndexedCloud& cloud,
-            std::vector<AnswerDimension> dimensions);
-
-  void write(const AnswerRows& rows) override;
-  void finish() override;
-
-  /// Names of the cloud's own dimensions that are left out.
-  const std::vector<std::string>& replaced() const { return replaced_; }
-
- private:
-  PointCloud points(std::span<const AnswerRow> rows) const;
-
-  const IndexedCloud& cloud_;
-  AttributeColumns columns_;  ///< without those that are left out
-  std::vector<AnswerDimension> dimensions_;
-  std::vector<std::string> replaced_;
-  std::unique_ptr<LasWriter> writer_;
-};
+/// Found points as LAS 1.4: a point for every row, with the integers, all attributes, coordinate reference system and
+/// records of the cloud, and with what the query found as extra dimensions. A dimension of the cloud's own that has one
+/// of these names is left out, which is said. Attributes are fetched in parallel. `cloud` must outlive the output.
+/// Errors: LasWriter's.
+std::unique_ptr<AnswerOutput> answers_as_las(const std::filesystem::path& file, bool overwrite,
+                                             const IndexedCloud& cloud,
+                                             std::vector<AnswerDimension> dimensions, Verbosity verbosity);
 
 // What the answers of each family look like.
 
@@ -175,8 +142,7 @@ AnswerRow answer_row(const Answer& hit) {
   return row;
 }
 
-/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive
-/// them.
+/// The answers of the targets [begin, end) as rows; ids: of all targets. What they are made of must outlive them.
 template <class Answer>
 AnswerRows answer_rows(const Answers<Answer>& answers, std::size_t begin, std::size_t end,
                        std::span<const std::uint64_t> ids) {

@@ -50,33 +50,36 @@ class BatchSize {
   std::size_t targets_ = 32;
 };
 
-/// Asks any tree many targets by Algorithm 1, in parallel, and counts its steps.
-template <class Target>
+/// Asks one tree many batches of targets by Algorithm 1, in parallel, and counts its steps.
+template <class Target, SpatialTree Tree>
 class TreeAsker {
  public:
   using Query = typename Family<Target>::Query;
   using Answer = typename Family<Target>::Answer;
 
-  /// As find() of octree/query.h.
-  template <SpatialTree Tree>
-  Answers<Answer> find(const Tree& tree, std::span<const Target> targets, const Query& query) {
+  TreeAsker(Tree tree, Query query) : tree_(std::move(tree)), query_(std::move(query)) {}
+
+  std::size_t k() const { return query_.k; }
+
+  /// The first `most` of the answers that the query asks for, for each target: as find() of octree/query.h.
+  Answers<Answer> find(std::span<const Target> targets, std::size_t most) {
+    const std::size_t k = std::min(query_.k, most);
     return answer_all<Answer>(targets, k_grain, [&](std::size_t i, std::vector<Answer>& answers) {
-      const auto asked = make_target(targets[i], query, i);
-      Nearest neighbors(asked, query.k);
-      statistics_.local() += tree_query(tree, asked, neighbors);
+      const auto asked = make_target(targets[i], query_, i);
+      Nearest neighbors(asked, k);
+      statistics_.local() += tree_query(tree_, asked, neighbors);
       const std::vector<Answer> found = neighbors.in_order();
       answers.insert(answers.end(), found.begin(), found.end());
     });
   }
 
-  /// As count() of octree/query.h.
-  template <SpatialTree Tree>
-  std::vector<std::size_t> count(const Tree& tree, std::span<const Target> targets, const Query& query) {
+  /// How many answers each target has: as count() of octree/query.h; with `any_is_enough` 0 or 1.
+  std::vector<std::size_t> count(std::span<const Target> targets, bool any_is_enough) {
     std::vector<std::size_t> counts(targets.size());
     for_each_range(targets, k_grain, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
-        Counter counter(query.k);
-        statistics_.local() += tree_query(tree, make_target(targets[i], query, i), counter);
+        Counter counter(any_is_enough ? 1 : query_.k);
+        statistics_.local() += tree_query(tree_, make_target(targets[i], query_, i), counter);
         counts[i] = counter.count();
       }
     });
@@ -93,11 +96,13 @@ class TreeAsker {
  private:
   static constexpr std::size_t k_grain = 4;
 
+  Tree tree_;
+  Query query_;
   tbb::enumerable_thread_specific<QueryStatistics> statistics_;
 };
 
-/// Asks one octree many batches of targets: by the functions of octree/query.h, or, if work is to be
-/// explained, by Algorithm 1 with its steps counted. Answers are the same.
+/// Asks one octree: by the functions of octree/query.h, or, if work is to be explained, as TreeAsker. Has the same
+/// functions, and the same answers.
 template <class Target>
 class Asker {
  public:
@@ -105,28 +110,29 @@ class Asker {
   using Answer = typename Family<Target>::Answer;
 
   /// The octree must outlive this object.
-  Asker(const Octree& octree, Query query, bool is_explained)
-      : octree_(octree), query_(std::move(query)), is_explained_(is_explained) {}
+  Asker(const Octree& octree, const Query& query, bool is_explained)
+      : octree_(octree),
+        query_(query),
+        is_explained_(is_explained),
+        explaining_(OctreeTree(octree.view(), query.max_level), query) {}
 
   std::size_t k() const { return query_.k; }
 
-  /// The first `most` of the answers that the query asks for, for each target.
   Answers<Answer> find(std::span<const Target> targets, std::size_t most) {
+    if (is_explained_) return explaining_.find(targets, most);
     Query query = query_;
     query.k = std::min(query.k, most);
-    if (is_explained_) return explaining_.find(tree(), targets, query);
     if constexpr (std::is_same_v<Target, Ray>) {
       if (query.k == 1) return closest_of(targets, query);
     }
     return alidade::find(octree_, targets, query);
   }
 
-  /// How many answers each target has; with `any_is_enough` 0 or 1.
   std::vector<std::size_t> count(std::span<const Target> targets, bool any_is_enough) {
+    if (is_explained_) return explaining_.count(targets, any_is_enough);
     Query query = query_;
     if (any_is_enough) query.k = 1;
     std::vector<std::size_t> counts(targets.size());
-    if (is_explained_) return explaining_.count(tree(), targets, query);
     if constexpr (std::is_same_v<Target, Ray>) {
       if (any_is_enough) {
         std::vector<std::uint8_t> answers(targets.size());
@@ -143,8 +149,6 @@ class Asker {
   QueryStatistics statistics() const { return explaining_.statistics(); }
 
  private:
-  OctreeTree tree() const { return OctreeTree(octree_.view(), query_.max_level); }
-
   Answers<Answer> closest_of(std::span<const Ray> rays, const RayQuery& query) {
     std::vector<std::optional<Hit>> hits(rays.size());
     closest(octree_, rays, query, hits);
@@ -159,40 +163,7 @@ class Asker {
   const Octree& octree_;
   Query query_;
   bool is_explained_;
-  TreeAsker<Target> explaining_;
-};
-
-/// Asks a COPC file where it lies, as Asker asks an octree: by Algorithm 1 over the file's own hierarchy. Has
-/// the same functions, and the same answers.
-template <class Target>
-class CopcAsker {
- public:
-  using Query = typename Family<Target>::Query;
-  using Answer = typename Family<Target>::Answer;
-
-  /// The cache must outlive this object.
-  CopcAsker(const CopcCache& cache, Query query) : tree_(cache), query_(std::move(query)) {}
-
-  std::size_t k() const { return query_.k; }
-
-  Answers<Answer> find(std::span<const Target> targets, std::size_t most) {
-    Query query = query_;
-    query.k = std::min(query.k, most);
-    return asker_.find(tree_, targets, query);
-  }
-
-  std::vector<std::size_t> count(std::span<const Target> targets, bool any_is_enough) {
-    Query query = query_;
-    if (any_is_enough) query.k = 1;
-    return asker_.count(tree_, targets, query);
-  }
-
-  QueryStatistics statistics() const { return asker_.statistics(); }
-
- private:
-  CopcTree tree_;
-  Query query_;
-  TreeAsker<Target> asker_;
+  TreeAsker<Target, OctreeTree> explaining_;
 };
 
 }  // namespace alidade::tools

@@ -7,9 +7,7 @@
 #include <glm/geometric.hpp>
 #include <initializer_list>
 #include <type_traits>
-#include <utility>
 
-#include "base/bounds.h"
 #include "base/input_file.h"
 #include "cloud/cloud_inputs.h"
 #include "cloud/read_cloud.h"
@@ -19,18 +17,6 @@
 #include "tools/query/target_reader.h"
 
 namespace alidade::tools {
-
-// Boxes around the points of a cloud that lies in the box `within` which can answer a target: of all points
-// at most `radius` from it. A little larger than need be, so that rounding leaves no point out; empty if
-// there are none. `radius` means nothing for cones, half-spaces and boxes.
-
-Bounds target_bounds(const Ray& ray, double radius, const Bounds& within);
-Bounds target_bounds(const Cone& cone, double radius, const Bounds& within);
-Bounds target_bounds(const Path& path, double radius, const Bounds& within);
-Bounds target_bounds(const HalfSpaces& region, double radius, const Bounds& within);
-Bounds target_bounds(const Bounds& box, double radius, const Bounds& within);
-Bounds target_bounds(const glm::dvec3& place, double radius, const Bounds& within);
-
 namespace {
 
 /// More than rounding moves a coordinate of these numbers by.
@@ -60,7 +46,9 @@ void clip(const Ray& axis, const Bounds& box, double& t_min, double& t_max) {
   }
 }
 
-}  // namespace
+// Boxes around the points of a cloud that lies in the box `within` which can answer a target: of all points
+// at most `radius` from it. A little larger than need be, so that rounding leaves no point out; empty if
+// there are none. `radius` means nothing for cones, half-spaces and boxes.
 
 Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
   if (within.empty() || !(ray.t_min <= ray.t_max)) return {};
@@ -77,8 +65,7 @@ Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
 
 Bounds target_bounds(const Cone& cone, double, const Bounds& within) {
   if (within.empty()) return {};
-  // The farthest place along the axis that a point can project to is that of a corner; there the cone is
-  // widest.
+  // The farthest place along the axis that a point can project to is that of a corner; there the cone is widest.
   Ray axis = cone.axis;
   double farthest = -std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
@@ -110,6 +97,41 @@ Bounds target_bounds(const Bounds& box, double, const Bounds&) {
 Bounds target_bounds(const glm::dvec3& place, double radius, const Bounds&) {
   return widened({place, place}, radius + margin_of({place}, radius));
 }
+
+constexpr std::size_t k_batch = 4096;
+
+/// More targets than these are not looked through before they are asked.
+constexpr std::uint64_t k_most_looked_through = 1'000'000;
+
+/// More than these are asked for by one box around all.
+constexpr std::size_t k_most_filters = 4096;
+
+/// What holds for all points that can answer a target; maybe for some more.
+template <class Target>
+database::PointFilter filter_of(const Target& target, double radius, const Bounds& within) {
+  database::PointFilter filter;
+  if constexpr (std::is_same_v<Target, Ray>) {
+    filter.lines.push_back({target, {0.0, radius}, {target.t_min - radius, target.t_max + radius}});
+  } else if constexpr (std::is_same_v<Target, HalfSpaces>) {
+    for (const Plane& plane : target.planes)
+      filter.planes.push_back({plane, {0.0, std::numeric_limits<double>::infinity()}});
+  } else {
+    filter.box = target_bounds(target, radius, within);
+  }
+  return filter;
+}
+
+/// Whether targets can be looked through before they are asked, and tell how far away answers can be.
+template <class Target>
+bool can_be_looked_through(const QueryCommand& command) {
+  constexpr bool needs_radius =
+      std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
+  std::error_code error;
+  const std::string& text = command.given().text;
+  return (!needs_radius || command.radius) && (text.empty() || std::filesystem::is_regular_file(text, error));
+}
+
+}  // namespace
 
 bool asks_in_place(const QueryCommand& command, AnswerForm form) {
   return command.files.only(k_copc_format) != nullptr && !command.is_loaded && !command.partial &&
@@ -143,94 +165,38 @@ std::string copc_table(const CopcCache& cache) {
                      share(reads.points_decoded, points));
 }
 
-namespace {
-
-constexpr std::size_t k_batch = 4096;
-
-bool contains(const Bounds& outer, const Bounds& inner) {
-  return outer.contains(inner.min) && outer.contains(inner.max);
-}
-
-}  // namespace
-
-bool can_be_read_twice(const GivenTargets& given) {
-  std::error_code error;
-  return given.text.empty() || std::filesystem::is_regular_file(given.text, error);
-}
-
 template <class Target>
-std::optional<Bounds> query_region(const QueryCommand& command, TargetFamily family, AnswerForm form) {
-  constexpr bool needs_radius =
-      std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
-  const bool is_bounded = needs_radius ? command.radius.has_value() : !std::is_same_v<Target, HalfSpaces>;
-  if (command.files.size() < 2 || !is_bounded || command.partial || command.max_level ||
-      form == AnswerForm::las || !can_be_read_twice(command.targets[static_cast<std::size_t>(family)]))
+std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form) {
+  if (command.files.size() < 2 || std::is_same_v<Target, HalfSpaces> || command.partial ||
+      command.max_level || form == AnswerForm::las || !can_be_looked_through<Target>(command))
     return std::nullopt;
   const Bounds within = stated_box(command.files);
-  TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
+  TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
   Bounds region;
   for (std::uint64_t count = 0; reader.next(k_batch, batch); count += batch.targets.size()) {
     if (count > k_most_looked_through) return std::nullopt;
     for (const Target& target : batch.targets)
       region.grow(target_bounds(target, command.radius.value_or(0.0), within));
-    if (contains(region, within)) return std::nullopt;
+    if (region.contains(within.min) && region.contains(within.max)) return std::nullopt;
   }
   return region;
 }
 
-template std::optional<Bounds> query_region<Ray>(const QueryCommand&, TargetFamily, AnswerForm);
-template std::optional<Bounds> query_region<Cone>(const QueryCommand&, TargetFamily, AnswerForm);
-template std::optional<Bounds> query_region<Path>(const QueryCommand&, TargetFamily, AnswerForm);
-template std::optional<Bounds> query_region<HalfSpaces>(const QueryCommand&, TargetFamily, AnswerForm);
-template std::optional<Bounds> query_region<Bounds>(const QueryCommand&, TargetFamily, AnswerForm);
-template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, TargetFamily, AnswerForm);
-
-void RenumberedAnswers::write(const AnswerRows& rows) {
-  output_->write({rows.size, [this, &rows](std::size_t first, std::span<AnswerRow> some) {
-                    rows.fill(first, some);
-                    for (AnswerRow& row : some) row.point_id = ids_(row.point_id);
-                  }});
-}
-
-namespace {
-
-/// More than these are asked for by one box around all.
-constexpr std::size_t k_most_filters = 4096;
-
-/// What holds for all points that can answer a target; maybe for some more.
-template <class Target>
-database::PointFilter filter_of(const Target& target, double radius, const Bounds& within) {
-  database::PointFilter filter;
-  if constexpr (std::is_same_v<Target, Ray>) {
-    filter.lines.push_back({target, {0.0, radius}, {target.t_min - radius, target.t_max + radius}});
-  } else if constexpr (std::is_same_v<Target, HalfSpaces>) {
-    for (const Plane& plane : target.planes)
-      filter.planes.push_back({plane, {0.0, std::numeric_limits<double>::infinity()}});
-  } else {
-    filter.box = target_bounds(target, radius, within);
-  }
-  return filter;
-}
-
-/// Whether the only cloud lies in a database that can be asked for a part of it.
-bool lies_in_asked_database(const QueryCommand& command) {
-  return command.files.size() == 1 && !command.partial && !command.max_level &&
-         has_parts(command.files.inputs.front());
-}
-
-}  // namespace
+template std::optional<Bounds> query_region<Ray>(const QueryCommand&, AnswerForm);
+template std::optional<Bounds> query_region<Cone>(const QueryCommand&, AnswerForm);
+template std::optional<Bounds> query_region<Path>(const QueryCommand&, AnswerForm);
+template std::optional<Bounds> query_region<HalfSpaces>(const QueryCommand&, AnswerForm);
+template std::optional<Bounds> query_region<Bounds>(const QueryCommand&, AnswerForm);
+template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, AnswerForm);
 
 template <class Target>
-std::optional<database::CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
-                                                   AttributeSet attributes, const Progress& progress) {
-  constexpr bool needs_radius =
-      std::is_same_v<Target, Ray> || std::is_same_v<Target, Path> || std::is_same_v<Target, glm::dvec3>;
-  if (!lies_in_asked_database(command) || (needs_radius && !command.radius) ||
-      !can_be_read_twice(command.targets[static_cast<std::size_t>(family)]))
+QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, const Progress& progress) {
+  if (command.files.size() != 1 || command.partial || command.max_level ||
+      !has_parts(command.files.inputs.front()) || !can_be_looked_through<Target>(command))
     return std::nullopt;
   const Bounds within = stated_box(command.files);
-  TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
+  TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   TargetBatch<Target> batch;
   std::vector<database::PointFilter> filters;
   Bounds region;
@@ -251,17 +217,11 @@ std::optional<database::CloudPart> read_query_part(const QueryCommand& command, 
   return read_database_part(command.files.inputs.front(), filters, attributes, progress);
 }
 
-template std::optional<database::CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily,
-                                                                 AttributeSet, const Progress&);
-template std::optional<database::CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily,
-                                                                  AttributeSet, const Progress&);
-template std::optional<database::CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily,
-                                                                  AttributeSet, const Progress&);
-template std::optional<database::CloudPart> read_query_part<HalfSpaces>(const QueryCommand&, TargetFamily,
-                                                                        AttributeSet, const Progress&);
-template std::optional<database::CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily,
-                                                                    AttributeSet, const Progress&);
-template std::optional<database::CloudPart> read_query_part<glm::dvec3>(const QueryCommand&, TargetFamily,
-                                                                        AttributeSet, const Progress&);
+template QueryPart read_query_part<Ray>(const QueryCommand&, AttributeSet, const Progress&);
+template QueryPart read_query_part<Cone>(const QueryCommand&, AttributeSet, const Progress&);
+template QueryPart read_query_part<Path>(const QueryCommand&, AttributeSet, const Progress&);
+template QueryPart read_query_part<HalfSpaces>(const QueryCommand&, AttributeSet, const Progress&);
+template QueryPart read_query_part<Bounds>(const QueryCommand&, AttributeSet, const Progress&);
+template QueryPart read_query_part<glm::dvec3>(const QueryCommand&, AttributeSet, const Progress&);
 
 }  // namespace alidade::tools

@@ -38,57 +38,14 @@ std::string copc_table(const CopcCache& cache);
 /// come through a pipe or are more than a million, and where the answer also depends on points that are not
 /// in it (levels, colours in LAS). Errors: those of targets, and of opening files.
 template <class Target>
-std::optional<Bounds> query_region(const QueryCommand& command, TargetFamily family, AnswerForm form);
+std::optional<Bounds> query_region(const QueryCommand& command, AnswerForm form);
 
-extern template std::optional<Bounds> query_region<Ray>(const QueryCommand&, TargetFamily, AnswerForm);
-extern template std::optional<Bounds> query_region<Cone>(const QueryCommand&, TargetFamily, AnswerForm);
-extern template std::optional<Bounds> query_region<Path>(const QueryCommand&, TargetFamily, AnswerForm);
-extern template std::optional<Bounds> query_region<HalfSpaces>(const QueryCommand&, TargetFamily, AnswerForm);
-extern template std::optional<Bounds> query_region<Bounds>(const QueryCommand&, TargetFamily, AnswerForm);
-extern template std::optional<Bounds> query_region<glm::dvec3>(const QueryCommand&, TargetFamily, AnswerForm);
-
-/// More targets than these are not looked through before they are asked.
-inline constexpr std::uint64_t k_most_looked_through = 1'000'000;
-
-/// Whether targets can be looked through before they are asked.
-bool can_be_read_twice(const GivenTargets& given);
-
-/// Answers whose points are numbered in another way, in the same order.
-class RenumberedAnswers final : public AnswerOutput {
- public:
-  using Ids = std::function<std::uint64_t(std::uint64_t row)>;
-
-  RenumberedAnswers(std::unique_ptr<AnswerOutput> output, Ids ids)
-      : output_(std::move(output)), ids_(std::move(ids)) {}
-
-  void write(const AnswerRows& rows) override;
-  void finish() override { output_->finish(); }
-
- private:
-  std::unique_ptr<AnswerOutput> output_;
-  Ids ids_;
-};
+using QueryPart = std::optional<database::CloudPart>;
 
 /// What answers can come from of a cloud that lies in a database, from a first look through the targets;
 /// empty if that is all of it, or cannot be known: without a radius, for targets that come through a pipe,
 /// and for levels. Errors: those of targets, and of the database.
 template <class Target>
-std::optional<database::CloudPart> read_query_part(const QueryCommand& command, TargetFamily family,
-                                                   AttributeSet attributes, const Progress& progress);
-
-extern template std::optional<database::CloudPart> read_query_part<Ray>(const QueryCommand&, TargetFamily,
-                                                                        AttributeSet, const Progress&);
-extern template std::optional<database::CloudPart> read_query_part<Cone>(const QueryCommand&, TargetFamily,
-                                                                         AttributeSet, const Progress&);
-extern template std::optional<database::CloudPart> read_query_part<Path>(const QueryCommand&, TargetFamily,
-                                                                         AttributeSet, const Progress&);
-extern template std::optional<database::CloudPart> read_query_part<HalfSpaces>(const QueryCommand&,
-                                                                               TargetFamily, AttributeSet,
-                                                                               const Progress&);
-extern template std::optional<database::CloudPart> read_query_part<Bounds>(const QueryCommand&, TargetFamily,
-                                                                           AttributeSet, const Progress&);
-extern template std::optional<database::CloudPart> read_query_part<glm::dvec3>(const QueryCommand&,
-                                                                               TargetFamily, AttributeSet,
-                                                                               const Progress&);
+QueryPart read_query_part(const QueryCommand& command, AttributeSet attributes, const Progress& progress);
 
 }  // namespace alidade::tools

@@ -2,14 +2,11 @@
 #include "tools/query/query.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
-#include <string_view>
 
 #include "base/error.h"
 #include "base/words.h"
 #include "tools/command.h"
-#include "tools/options.h"
 #include "tools/query/target_kind.h"
 
 namespace alidade::tools {
@@ -39,8 +36,6 @@ void add_targets(const Options& query, QueryCommand& command) {
   for (std::size_t i = 0; i < k_target_families; ++i) {
     const FamilyWords& words = k_families[i];
     GivenTargets& given = command.targets[i];
-    given.text_option = words.texts;
-    given.value_option = words.value;
     query.group("Targets").text(words.texts, "FILE|-", words.help, given.text);
     std::string form = words.kind().form();
     std::ranges::transform(form, form.begin(), [](unsigned char c) { return std::toupper(c); });
@@ -51,34 +46,29 @@ void add_targets(const Options& query, QueryCommand& command) {
 void add_conditions(const Options& query, QueryCommand& command) {
   const Options group = query.group("Conditions");
   group.value("--radius", "R", "points at most so far from the ray, path or point, in metres (default: inf)",
-              [&command](const std::string& text) { command.radius = parse_length_limit(text); });
-  group.count(
-      "--k", "K",
-      "at most so many points, the first by the measure (default: 1 for rays, paths and points without "
-      "--radius, else all)",
-      command.k, 1, k_all);
+              command.radius, parse_length_limit);
+  group.count("--k", "K",
+              "at most so many points, the first by the measure (default: 1 for rays, paths and points "
+              "without --radius, else all)",
+              command.k, 1, k_all);
   group.choice("--measure",
-               "what puts points into order: distance to the ray, place t of the projection, or where "
-               "the ray enters the sphere of the radius around the point (default: rays entry with "
-               "--radius, else distance; cones distance; paths t)",
+               "what puts points into order: distance to the ray, place t of the projection, or where the "
+               "ray enters the sphere of the radius around the point (default: rays entry with --radius, "
+               "else distance; cones distance; paths t)",
                command.measure,
                {{"distance", Measure::distance}, {"t", Measure::t}, {"entry", Measure::entry}});
-  group.value(
-      "--t-min", "A",
-      "points that project to t >= A, metres along the ray, cone or path, where the targets do not say "
-      "it themselves (default: -inf; cones 0)",
-      [&command](const std::string& text) { command.t_min = parse_limit(text); });
-  group.value("--t-max", "B", "points that project to t <= B (default: inf)",
-              [&command](const std::string& text) { command.t_max = parse_limit(text); });
+  group.value("--t-min", "A",
+              "points that project to t >= A, metres along the ray, cone or path, where the targets do not "
+              "say it themselves (default: -inf; cones 0)",
+              command.t_min, parse_limit);
+  group.value("--t-max", "B", "points that project to t <= B (default: inf)", command.t_max, parse_limit);
   group.value("--entry-min", "E", "of rays with --radius: spheres entered at E or later, metres",
-              [&command](const std::string& text) { command.entry_min = parse_limit(text); });
-  group.value("--class", "LIST", "points of these classes, as 2,6",
-              [&command](const std::string& text) { command.classes = parse_classes(text); });
-  group.count(
-      "--max-level", "N",
-      "a thinned cloud: points of the levels 0 .. N of a layered octree; made for cloud files, while an "
-      "index file must be one (alidade index --organisation layered)",
-      command.max_level, 0, k_all_levels);
+              command.entry_min, parse_limit);
+  group.value("--class", "LIST", "points of these classes, as 2,6", command.classes, parse_classes);
+  group.count("--max-level", "N",
+              "a thinned cloud: points of the levels 0 .. N of a layered octree; made for cloud files, while "
+              "an index file must be one (alidade index --organisation layered)",
+              command.max_level, 0, k_all_levels);
 }
 
 void add_copc(const Options& query, QueryCommand& command) {
@@ -89,7 +79,7 @@ void add_copc(const Options& query, QueryCommand& command) {
              command.is_loaded);
   group.value("--memory", "SIZE",
               "points of a COPC file to keep in memory: bytes, or a number with k, M, G or T (default: 512M)",
-              [&command](const std::string& text) { command.memory = parse_size(text); });
+              command.memory, parse_size);
 }
 
 void add_answers(const Options& query, QueryCommand& command) {
@@ -110,30 +100,18 @@ void add_answers(const Options& query, QueryCommand& command) {
   throw Error({.problem = fmt::format("{} is not for {}", option, words.kind().plural)});
 }
 
-}  // namespace
-
-std::shared_ptr<QueryCommand> add_query_options(const Options& query) {
-  auto command = std::make_shared<QueryCommand>();
-  add_cloud(query, *command);
-  add_targets(query, *command);
-  add_conditions(query, *command);
-  add_answers(query, *command);
-  add_copc(query, *command);
-  add_run_options(query, *command);
-  return command;
-}
-
+/// The family that targets were given of. Errors: none, several, or in two ways.
 TargetFamily chosen_family(const QueryCommand& command) {
   std::optional<std::size_t> chosen;
   std::string all;
   for (std::size_t i = 0; i < k_target_families; ++i) {
     const GivenTargets& given = command.targets[i];
-    all += (all.empty() ? "" : ", ") + given.text_option;
+    all += (all.empty() ? "" : ", ") + std::string(k_families[i].texts);
     const bool has_text = !given.text.empty(), has_values = !given.values.empty();
     if (!has_text && !has_values) continue;
     if (has_text && has_values) {
-      throw Error({.problem = fmt::format("targets are given in two ways: {} and {}", given.text_option,
-                                          given.value_option),
+      throw Error({.problem = fmt::format("targets are given in two ways: {} and {}", k_families[i].texts,
+                                          k_families[i].value),
                    .expected = "one of them"});
     }
     if (chosen) {
@@ -147,9 +125,38 @@ TargetFamily chosen_family(const QueryCommand& command) {
   return static_cast<TargetFamily>(*chosen);
 }
 
-LineSource open_targets(const QueryCommand& command, TargetFamily family) {
-  const GivenTargets& given = command.targets[static_cast<std::size_t>(family)];
-  return given.text.empty() ? LineSource::command_line(given.value_option, given.values)
+/// Errors: an option was given that means nothing for this family, or without another.
+void check_options(const QueryCommand& command) {
+  using enum TargetFamily;
+  const TargetFamily family = command.family;
+  const FamilyWords& words = k_families[static_cast<std::size_t>(family)];
+  const bool has_t = family == rays || family == cones || family == path;
+  if (command.radius && (family == cones || family == planes || family == boxes)) refuse("--radius", words);
+  if (command.measure && !has_t) refuse("--measure", words);
+  if (command.t_min && !has_t) refuse("--t-min", words);
+  if (command.t_max && !has_t) refuse("--t-max", words);
+  if (command.entry_min && family != rays) refuse("--entry-min", words);
+  if (command.entry_min && !command.radius)
+    throw Error({.problem = "--entry-min needs a radius", .expected = "--radius R"});
+  if (command.measure == Measure::entry && family == rays && !command.radius)
+    throw Error({.problem = "--measure entry needs a radius", .expected = "--radius R"});
+  if (command.measure == Measure::entry && family == path)
+    throw Error({.problem = "--measure entry is not for paths", .expected = "t or distance"});
+}
+
+ExitCode run(const QueryCommand& given) {
+  QueryCommand command = given;
+  command.family = chosen_family(command);
+  check_options(command);
+  return run_query(command);
+}
+
+}  // namespace
+
+LineSource open_targets(const QueryCommand& command) {
+  const GivenTargets& given = command.given();
+  return given.text.empty() ? LineSource::command_line(
+                                  k_families[static_cast<std::size_t>(command.family)].value, given.values)
                             : LineSource::open(given.text);
 }
 
@@ -175,52 +182,17 @@ AnswerForm chosen_form(const QueryCommand& command) {
   return *form;
 }
 
-void check_options(const QueryCommand& command, TargetFamily family) {
-  using enum TargetFamily;
-  const FamilyWords& words = k_families[static_cast<std::size_t>(family)];
-  const bool has_t = family == rays || family == cones || family == path;
-  if (command.radius && (family == cones || family == planes || family == boxes)) refuse("--radius", words);
-  if (command.measure && !has_t) refuse("--measure", words);
-  if (command.t_min && !has_t) refuse("--t-min", words);
-  if (command.t_max && !has_t) refuse("--t-max", words);
-  if (command.entry_min && family != rays) refuse("--entry-min", words);
-  if (command.entry_min && !command.radius)
-    throw Error({.problem = "--entry-min needs a radius", .expected = "--radius R"});
-  if (command.measure == Measure::entry && family == rays && !command.radius)
-    throw Error({.problem = "--measure entry needs a radius", .expected = "--radius R"});
-  if (command.measure == Measure::entry && family == path)
-    throw Error({.problem = "--measure entry is not for paths", .expected = "t or distance"});
-}
-
-namespace {
-
-ExitCode run(const QueryCommand& command) {
-  const TargetFamily family = chosen_family(command);
-  check_options(command, family);
-  switch (family) {
-    case TargetFamily::rays:
-      return run_query<Ray>(command, family);
-    case TargetFamily::cones:
-      return run_query<Cone>(command, family);
-    case TargetFamily::path:
-      return run_query<Path>(command, family);
-    case TargetFamily::planes:
-      return run_query<HalfSpaces>(command, family);
-    case TargetFamily::boxes:
-      return run_query<Bounds>(command, family);
-    case TargetFamily::points:
-      break;
-  }
-  return run_query<glm::dvec3>(command, family);
-}
-
-}  // namespace
-
 Command add_query(const Options& program) {
   const Options query =
       program.command("query", "Find the points that rays, cones, paths, planes, boxes or places meet");
-  const std::shared_ptr<QueryCommand> command = add_query_options(query);
-  return {query, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
+  auto command = std::make_shared<QueryCommand>();
+  add_cloud(query, *command);
+  add_targets(query, *command);
+  add_conditions(query, *command);
+  add_answers(query, *command);
+  add_copc(query, *command);
+  add_run_options(query, *command);
+  return command_of(query, command, run);
 }
 
 }  // namespace alidade::tools

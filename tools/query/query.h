@@ -3,7 +3,6 @@
 
 #include <bitset>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "octree/query.h"
 #include "tools/console.h"
 #include "tools/options.h"
+#include "tools/query/answers.h"
 #include "tools/query/line_source.h"
 
 namespace alidade::tools {
@@ -23,14 +23,12 @@ constexpr std::size_t k_target_families = 6;
 struct GivenTargets {
   std::string text;  ///< "-" is standard input; empty if none was given
   std::vector<std::string> values;
-  std::string text_option, value_option;  ///< "--rays", "--ray"
 };
-
-enum class AnswerForm { csv, json_lines, las };
 
 /// What was asked of `alidade query`.
 struct QueryCommand : CloudRequest {
   GivenTargets targets[k_target_families];
+  TargetFamily family = TargetFamily::rays;  ///< chosen_family()
   std::optional<double> radius, t_min, t_max, entry_min;
   std::optional<std::size_t> k;
   std::optional<Measure> measure;
@@ -42,36 +40,21 @@ struct QueryCommand : CloudRequest {
   std::filesystem::path output;
   std::optional<AnswerForm> format;
   bool overwrite = false;
+
+  const GivenTargets& given() const { return targets[static_cast<std::size_t>(family)]; }
 };
 
-/// Declares the command's options; they fill what is returned.
-std::shared_ptr<QueryCommand> add_query_options(const Options& query);
-
-/// The family that targets were given of. Errors: none, several, or in two ways.
-TargetFamily chosen_family(const QueryCommand& command);
-
 /// The text the targets stand in. Errors: LineSource::open().
-LineSource open_targets(const QueryCommand& command, TargetFamily family);
+LineSource open_targets(const QueryCommand& command);
 
 /// The form of the output: as asked for, else by the ending of its name; csv for stdout. Errors: neither
 /// tells; las without a file, or for numbers only.
 AnswerForm chosen_form(const QueryCommand& command);
 
-/// Errors: an option was given that means nothing for this family, or without another.
-void check_options(const QueryCommand& command, TargetFamily family);
-
 /// Does what was asked: reads targets, asks the octree batch by batch in parallel, writes. Memory beside
 /// cloud and octree: about 200 MB at most, whatever the number of targets and answers; a single target with
 /// more than a million answers takes what these take; if work is explained, some dozens of them. Errors: of
 /// options that do not go together, of cloud, targets and output.
-template <class Target>
-ExitCode run_query(const QueryCommand& command, TargetFamily family);
-
-extern template ExitCode run_query<Ray>(const QueryCommand& command, TargetFamily family);
-extern template ExitCode run_query<Cone>(const QueryCommand& command, TargetFamily family);
-extern template ExitCode run_query<Path>(const QueryCommand& command, TargetFamily family);
-extern template ExitCode run_query<HalfSpaces>(const QueryCommand& command, TargetFamily family);
-extern template ExitCode run_query<Bounds>(const QueryCommand& command, TargetFamily family);
-extern template ExitCode run_query<glm::dvec3>(const QueryCommand& command, TargetFamily family);
+ExitCode run_query(const QueryCommand& command);
 
 }  // namespace alidade::tools

@@ -10,16 +10,12 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
-#include <span>
-#include <vector>
 
 #include "base/error.h"
 #include "base/json.h"
 #include "base/words.h"
-#include "tools/query/target_kind.h"
 
 namespace alidade::tools {
-
 namespace {
 
 std::size_t offset_in(const TextLine& line, std::string_view cell) {
@@ -29,8 +25,6 @@ std::size_t offset_in(const TextLine& line, std::string_view cell) {
 std::string count_of(std::size_t count, const char* what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
 }
-
-}  // namespace
 
 /// The header of a CSV: for every cell the kind's column. Errors: a name that is unknown or stands twice, a
 /// required column that is missing, no names at all.
@@ -57,8 +51,7 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
   return columns;
 }
 
-/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too
-/// many.
+/// The columns of values without a header, as many as there are: the kind's own order. Errors: too few or too many.
 std::vector<std::size_t> columns_in_order(const TextLine& line, const TargetKind& kind) {
   std::vector<std::string_view> cells;
   split_cells(line.text, ',', cells);
@@ -101,8 +94,6 @@ void parse_cells(const TextLine& line, const TargetKind& kind, std::span<const s
   }
   check_row(line, kind, row, std::span(offsets).first(row.size()));
 }
-
-namespace {
 
 /// The line as a document; errors get the line's own number.
 JsonDocument parse_line(const TextLine& line) {
@@ -185,8 +176,6 @@ class RowFiller {
   std::array<std::size_t, k_most_target_columns> offsets_{};
 };
 
-}  // namespace
-
 /// Reads a line of JSON into `row`, which holds one value per column of the kind; NaN for those that are not
 /// given. The line is an object whose keys are columns ("ox": 1) or vectors ("origin": [1, 2, 3]) of the
 /// kind, or an array in the kind's order. Values are numbers, "inf" or "-inf"; null counts as not given.
@@ -196,8 +185,6 @@ void parse_json_row(const TextLine& line, const TargetKind& kind, std::span<doub
   const JsonDocument document = parse_line(line);
   RowFiller(line, document, kind, row).fill();
 }
-
-namespace {
 
 constexpr std::size_t k_grain = 512;
 

@@ -21,6 +21,7 @@
 #include "tools/query/target_reader.h"
 
 namespace alidade::tools {
+namespace {
 
 /// What --explain says: the work of a run in all and for each target.
 std::string explain_table(const QueryStatistics& statistics, const TargetKind& kind, std::uint64_t targets,
@@ -40,8 +41,6 @@ std::string explain_table(const QueryStatistics& statistics, const TargetKind& k
   row("rows answered", answers);
   return text;
 }
-
-namespace {
 
 using Clock = std::chrono::steady_clock;
 
@@ -86,6 +85,27 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
       {.file = command.files.first_name().string(), .problem = "points have no classification for --class"});
 }
 
+/// Answers whose points are numbered in another way, in the same order.
+class RenumberedAnswers final : public AnswerOutput {
+ public:
+  using Ids = std::function<std::uint64_t(std::uint64_t row)>;
+
+  RenumberedAnswers(std::unique_ptr<AnswerOutput> output, Ids ids)
+      : output_(std::move(output)), ids_(std::move(ids)) {}
+
+  void write(const AnswerRows& rows) override {
+    output_->write({rows.size, [this, &rows](std::size_t first, std::span<AnswerRow> some) {
+                      rows.fill(first, some);
+                      for (AnswerRow& row : some) row.point_id = ids_(row.point_id);
+                    }});
+  }
+  void finish() override { output_->finish(); }
+
+ private:
+  std::unique_ptr<AnswerOutput> output_;
+  Ids ids_;
+};
+
 /// A cloud, all or some of whose points have been loaded.
 struct QueriedCloud {
   IndexedCloud indexed;
@@ -93,24 +113,17 @@ struct QueriedCloud {
 };
 
 IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::optional<Bounds>& region) {
-  const Verbosity verbosity = command.verbosity.verbosity();
-  ProgressLine line("loading cloud", "B", verbosity);
   IndexCloudOptions options;
-  options.read.progress = line.callback();
-  options.read.partial = command.partial;
   options.read.region = region;
   options.read.attributes = needed_attributes(command, all_attributes);
   if (command.max_level) options.build.organisation = Organisation::layered;
-  IndexedCloud cloud = load_indexed_cloud(command.files, options);
-  line.finish();
-  if (verbosity != Verbosity::quiet) {
-    for (const std::string& warning : cloud.cloud.warnings) say_warning(warning);
-    const std::size_t all_files = cloud.cloud.files.size();
-    const std::size_t skipped_files = RowIds(cloud.cloud.files).skipped_files();
-    if (skipped_files > 0)
-      say_note(fmt::format("read {} of {} files: no target comes near the boxes that the others state",
-                           all_files - skipped_files, all_files));
-  }
+  IndexedCloud cloud = load_shown(command, options);
+  const std::size_t all_files = cloud.cloud.files.size();
+  const std::size_t skipped_files = RowIds(cloud.cloud.files).skipped_files();
+  if (skipped_files > 0)
+    say_note(command.verbosity,
+             fmt::format("read {} of {} files: no target comes near the boxes that the others state",
+                         all_files - skipped_files, all_files));
   if (command.max_level && cloud.octree.view().organisation != Organisation::layered) {
     throw Error({.file = command.files.first_name().string(),
                  .problem = "has no levels for --max-level",
@@ -121,17 +134,16 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
 
 /// Of a cloud in a database, what the targets need.
 template <class Target>
-QueriedCloud load_needed(const QueryCommand& command, TargetFamily family, AnswerForm form) {
+QueriedCloud load_needed(const QueryCommand& command, AnswerForm form) {
   const bool all_attributes = form == AnswerForm::las;
   const char* const unit = part_unit(command.files.inputs.front());
-  ProgressLine line(fmt::format("loading {}", unit), unit, command.verbosity.verbosity());
+  ProgressLine line(fmt::format("loading {}", unit), unit, command.verbosity);
   QueriedCloud cloud;
-  cloud.part =
-      read_query_part<Target>(command, family, needed_attributes(command, all_attributes), line.callback());
+  cloud.part = read_query_part<Target>(command, needed_attributes(command, all_attributes), line.callback());
   // A LAS file has the columns of the cloud even if it has no points.
   if (cloud.part && cloud.part->ids.empty() && all_attributes) cloud.part.reset();
   if (!cloud.part) {
-    cloud.indexed = load(command, all_attributes, query_region<Target>(command, family, form));
+    cloud.indexed = load(command, all_attributes, query_region<Target>(command, form));
     return cloud;
   }
   line.finish();
@@ -156,18 +168,6 @@ CandidateFilter class_filter(const QueryCommand& command, const IndexedCloud& cl
   };
 }
 
-template <class Target>
-std::unique_ptr<AnswerOutput> open_las(const QueryCommand& command, const IndexedCloud& cloud) {
-  auto las =
-      std::make_unique<AnswerLas>(command.output, command.overwrite, cloud, answer_dimensions<Target>());
-  if (!command.verbosity.quiet) {
-    for (const std::string& name : las->replaced())
-      say_warning(fmt::format("{}: the cloud's own {} gives way to that of this query",
-                              command.output.string(), name));
-  }
-  return las;
-}
-
 /// `ids` tells the numbers of points, if they are not their rows.
 template <class Target>
 std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm form,
@@ -177,8 +177,7 @@ std::unique_ptr<AnswerOutput> open_text(const QueryCommand& command, AnswerForm 
                                   : answer_columns<Target>();
   std::unique_ptr<OutputFile> file;
   if (!command.output.empty()) file = std::make_unique<OutputFile>(command.output, command.overwrite);
-  auto text = std::make_unique<AnswerText>(
-      std::move(columns), form == AnswerForm::csv ? TextForm::csv : TextForm::json_lines, std::move(file));
+  auto text = answers_as_text(std::move(columns), form, std::move(file));
   if (!ids || only_numbers(command)) return text;
   return std::make_unique<RenumberedAnswers>(std::move(text), std::move(ids));
 }
@@ -263,39 +262,31 @@ std::string run_targets(TargetReader<Target>& reader, AnyAsker& asker, const Que
   // Two texts on one terminal would run into each other.
   const bool to_terminal = command.output.empty() && isatty(STDOUT_FILENO) == 1;
   const TargetKind& kind = target_kind<Target>();
-  ProgressLine line("asking", std::string(kind.plural),
-                    to_terminal ? Verbosity::quiet : command.verbosity.verbosity());
+  ProgressLine line("asking", std::string(kind.plural), to_terminal ? Verbosity::quiet : command.verbosity);
   const Tally tally = answer_all_targets(reader, asker, command, output, line.callback());
   output.finish();
   line.finish();
-  if (!command.output.empty() && !command.verbosity.quiet) {
-    say_note(fmt::format("{} {} in {}", tally.rows, only_numbers(command) ? "rows" : "points found",
+  if (!command.output.empty())
+    say_note(command.verbosity,
+             fmt::format("{} {} in {}", tally.rows, only_numbers(command) ? "rows" : "points found",
                          command.output.string()));
-  }
   return explain_table(asker.statistics(), kind, tally.targets, tally.rows);
 }
 
-}  // namespace
-
 template <class Target>
-ExitCode run_query(const QueryCommand& command, TargetFamily family) {
+ExitCode run_with(const QueryCommand& command) {
   const AnswerForm form = chosen_form(command);
   auto query = conditions<Target>(command);
   if (!command.output.empty()) {
-    std::vector<std::filesystem::path> inputs = command.files.names();
-    const std::string& text = command.targets[static_cast<std::size_t>(family)].text;
-    if (!text.empty()) inputs.emplace_back(text);
-    check_writable(command.output, command.overwrite, inputs);
+    check_writable(command.output, command.overwrite, command.inputs({command.given().text}));
   }
-  TargetReader<Target> reader(open_targets(command, family), {command.t_min, command.t_max});
+  TargetReader<Target> reader(open_targets(command), {command.t_min, command.t_max});
   std::string table;
   if (asks_in_place(command, form)) {
     const CopcSource source = open_copc(command);
-    if (!command.verbosity.quiet) {
-      for (const std::string& warning : source.file->warnings()) say_warning(warning);
-    }
+    say_warnings(command.verbosity, source.file->warnings());
     const std::unique_ptr<AnswerOutput> output = open_text<Target>(command, form);
-    CopcAsker<Target> asker(*source.cache, query);
+    TreeAsker<Target, CopcTree> asker(CopcTree(*source.cache), query);
     table = run_targets(reader, asker, command, *output);
     table += copc_table(*source.cache);
   } else {
@@ -303,12 +294,13 @@ ExitCode run_query(const QueryCommand& command, TargetFamily family) {
       throw Error({.problem = "--memory limits nothing here",
                    .expected = "a COPC file as the only cloud, asked where it lies"});
     }
-    const QueriedCloud queried = load_needed<Target>(command, family, form);
+    const QueriedCloud queried = load_needed<Target>(command, form);
     const IndexedCloud& cloud = queried.indexed;
     query.filter = class_filter(command, cloud);
-    const std::unique_ptr<AnswerOutput> output = form == AnswerForm::las
-                                                     ? open_las<Target>(command, cloud)
-                                                     : open_text<Target>(command, form, ids_of(queried));
+    const std::unique_ptr<AnswerOutput> output =
+        form == AnswerForm::las ? answers_as_las(command.output, command.overwrite, cloud,
+                                                 answer_dimensions<Target>(), command.verbosity)
+                                : open_text<Target>(command, form, ids_of(queried));
     Asker<Target> asker(cloud.octree, query, command.explain);
     table = run_targets(reader, asker, command, *output);
     if (queried.part) table += part_table(*queried.part);
@@ -317,11 +309,14 @@ ExitCode run_query(const QueryCommand& command, TargetFamily family) {
   return ExitCode::done;
 }
 
-template ExitCode run_query<Ray>(const QueryCommand& command, TargetFamily family);
-template ExitCode run_query<Cone>(const QueryCommand& command, TargetFamily family);
-template ExitCode run_query<Path>(const QueryCommand& command, TargetFamily family);
-template ExitCode run_query<HalfSpaces>(const QueryCommand& command, TargetFamily family);
-template ExitCode run_query<Bounds>(const QueryCommand& command, TargetFamily family);
-template ExitCode run_query<glm::dvec3>(const QueryCommand& command, TargetFamily family);
+}  // namespace
+
+ExitCode run_query(const QueryCommand& command) {
+  // In the order of TargetFamily.
+  constexpr ExitCode (*k_runs[k_target_families])(const QueryCommand&) = {
+      run_with<Ray>,        run_with<Cone>,   run_with<Path>,
+      run_with<HalfSpaces>, run_with<Bounds>, run_with<glm::dvec3>};
+  return k_runs[static_cast<std::size_t>(command.family)](command);
+}
 
 }  // namespace alidade::tools

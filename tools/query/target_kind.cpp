@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "base/error.h"
 #include "base/words.h"
@@ -45,31 +46,6 @@ const char* expectation(ValueRule rule, double value) {
   return nullptr;
 }
 
-}  // namespace
-
-void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
-                 std::string_view found) {
-  const char* const expected = expectation(column.rule, value);
-  if (expected != nullptr)
-    line.fail(offset, fmt::format("{} is out of range", column.name), expected, quote(found));
-}
-
-void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
-               std::span<const std::size_t> offsets) {
-  for (std::size_t i = 0; i < row.size(); ++i) {
-    if (kind.columns[i].required && std::isnan(row[i]))
-      line.fail(offsets[i], fmt::format("no value for {}", kind.columns[i].name), kind.form());
-  }
-  for (const TargetVector& vector : kind.vectors) {
-    const std::size_t x = vector.first;
-    if (!vector.is_direction || row[x] != 0.0 || row[x + 1] != 0.0 || row[x + 2] != 0.0) continue;
-    line.fail(offsets[x], fmt::format("{} of the {} has length zero", vector.name, kind.name),
-              "a direction of any other length", "0,0,0");
-  }
-}
-
-namespace {
-
 using enum ValueRule;
 
 constexpr TargetColumn k_ray_columns[] = {
@@ -107,6 +83,27 @@ constexpr TargetKind k_point{"point", "points", "query_id", "Query", k_point_col
 
 }  // namespace
 
+void check_value(const TextLine& line, std::size_t offset, const TargetColumn& column, double value,
+                 std::string_view found) {
+  const char* const expected = expectation(column.rule, value);
+  if (expected != nullptr)
+    line.fail(offset, fmt::format("{} is out of range", column.name), expected, quote(found));
+}
+
+void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
+               std::span<const std::size_t> offsets) {
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    if (kind.columns[i].required && std::isnan(row[i]))
+      line.fail(offsets[i], fmt::format("no value for {}", kind.columns[i].name), kind.form());
+  }
+  for (const TargetVector& vector : kind.vectors) {
+    const std::size_t x = vector.first;
+    if (!vector.is_direction || row[x] != 0.0 || row[x + 1] != 0.0 || row[x + 2] != 0.0) continue;
+    line.fail(offsets[x], fmt::format("{} of the {} has length zero", vector.name, kind.name),
+              "a direction of any other length", "0,0,0");
+  }
+}
+
 std::size_t TargetKind::required_count() const {
   return static_cast<std::size_t>(std::ranges::count(columns, true, &TargetColumn::required));
 }
@@ -134,29 +131,21 @@ std::size_t TargetKind::column(std::string_view name_asked) const {
                                   columns.begin());
 }
 
-template <>
-const TargetKind& target_kind<Ray>() {
-  return k_ray;
+template <class Target>
+const TargetKind& target_kind() {
+  if constexpr (std::is_same_v<Target, Ray>) return k_ray;
+  if constexpr (std::is_same_v<Target, Cone>) return k_cone;
+  if constexpr (std::is_same_v<Target, Path>) return k_path;
+  if constexpr (std::is_same_v<Target, HalfSpaces>) return k_region;
+  if constexpr (std::is_same_v<Target, Bounds>) return k_box;
+  if constexpr (std::is_same_v<Target, glm::dvec3>) return k_point;
 }
-template <>
-const TargetKind& target_kind<Cone>() {
-  return k_cone;
-}
-template <>
-const TargetKind& target_kind<Path>() {
-  return k_path;
-}
-template <>
-const TargetKind& target_kind<HalfSpaces>() {
-  return k_region;
-}
-template <>
-const TargetKind& target_kind<Bounds>() {
-  return k_box;
-}
-template <>
-const TargetKind& target_kind<glm::dvec3>() {
-  return k_point;
-}
+
+template const TargetKind& target_kind<Ray>();
+template const TargetKind& target_kind<Cone>();
+template const TargetKind& target_kind<Path>();
+template const TargetKind& target_kind<HalfSpaces>();
+template const TargetKind& target_kind<Bounds>();
+template const TargetKind& target_kind<glm::dvec3>();
 
 }  // namespace alidade::tools

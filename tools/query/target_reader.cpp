@@ -2,7 +2,6 @@
 #include "tools/query/target_reader.h"
 
 #include <fmt/format.h>
-
 #include <cmath>
 #include <limits>
 #include <span>

@@ -57,11 +57,4 @@ class TargetReader {
   std::vector<Plane> planes_;
 };
 
-extern template class TargetReader<Ray>;
-extern template class TargetReader<Cone>;
-extern template class TargetReader<Path>;
-extern template class TargetReader<HalfSpaces>;
-extern template class TargetReader<Bounds>;
-extern template class TargetReader<glm::dvec3>;
-
 }  // namespace alidade::tools

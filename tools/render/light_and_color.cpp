@@ -2,16 +2,12 @@
 #include "tools/render/light_and_color.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include "base/error.h"
 #include "image/color_key.h"
 #include "renderer/render_modes.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 
 namespace alidade::tools {
 namespace {
@@ -30,17 +26,6 @@ glm::dvec2 parse_pair(const std::string& text, double largest_first, double larg
           parse_number(without_blanks_around(text.substr(comma + 1)), -largest_second, largest_second)};
 }
 
-/// Between date and time a person may write a blank instead of the T of scene files.
-Moment parse_moment(std::string text) {
-  constexpr std::size_t k_date_length = 10;
-  if (text.size() > k_date_length && text[k_date_length] == ' ') text[k_date_length] = 'T';
-  try {
-    return parse_date_time(text);
-  } catch (const Error& error) {
-    throw UsageError(error.what());
-  }
-}
-
 void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* cloud, Verbosity verbosity) {
   std::optional<geo::SceneMap> map;
   if (cloud != nullptr && cloud->octree.size() > 0)
@@ -49,12 +34,56 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
   scene.sun_origin = image_module().describe_sun(*scene.sun_by_time, placed);
   scene.sun_by_time.reset();
   if (placed.is_up) scene.sun = placed.sun;
-  if (verbosity == Verbosity::quiet) return;
-  say_note(scene.sun_origin);
+  say_note(verbosity, scene.sun_origin);
   if (!placed.is_up) {
-    say_warning(fmt::format("the sun is below the horizon, at elevation {:.3f} degrees: it lights nothing",
-                            placed.sun.elevation));
+    say_warnings(verbosity,
+                 {fmt::format("the sun is below the horizon, at elevation {:.3f} degrees: it lights nothing",
+                              placed.sun.elevation)});
   }
+}
+
+image::ValueRange parse_range(const std::string& text, double least, double most) {
+  const std::vector<std::string> ends = split_list(text);
+  if (ends.size() != 2) throw UsageError("expected two numbers, found '" + text + "'");
+  const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
+  if (!(range.low < range.high)) throw UsageError("expected the smaller number first, found '" + text + "'");
+  return range;
+}
+
+std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
+  std::vector<image::ClassColor> classes;
+  for (const std::string& part : split_list(text)) {
+    const std::size_t sign = part.find('=');
+    const std::optional<Color16> color =
+        sign == std::string::npos ? std::nullopt : image::parse_hex_color(part.substr(sign + 1));
+    if (!color) throw UsageError("expected CLASS=#rrggbb, found '" + part + "'");
+    classes.push_back({static_cast<std::uint8_t>(parse_count(part.substr(0, sign), 0, 255)), *color});
+  }
+  return classes;
+}
+
+std::filesystem::path parse_legend(const std::string& text) {
+  const std::filesystem::path file(text);
+  if (file.extension() != ".png" && file.extension() != ".PNG")
+    throw UsageError("expected a name ending in .png, found '" + text + "'");
+  return file;
+}
+
+glm::ivec2 parse_legend_size(const std::string& text) {
+  // Margins and a line of the smallest type take more than this, whatever the legend says.
+  constexpr int k_least_side = 24;
+  const ImageSize size = parse_image_size(text);
+  if (size.width < k_least_side || size.height < k_least_side) {
+    throw UsageError("expected at least " + std::to_string(k_least_side) + " pixels each way, found '" +
+                     text + "'");
+  }
+  return {size.width, size.height};
+}
+
+std::vector<std::pair<std::string, std::optional<image::ColorMap>>> map_words() {
+  std::vector<std::pair<std::string, std::optional<image::ColorMap>>> words{{"auto", std::nullopt}};
+  for (const image::NamedColorMap& known : image::k_color_maps) words.emplace_back(known.name, known.map);
+  return words;
 }
 
 }  // namespace
@@ -63,8 +92,7 @@ void add_light_options(const Options& render, LightRequest& request) {
   render.choice(
       "--mode",
       "path: light of sun, sky and lamps (default); ambient_occlusion: colours, darker where other surfaces "
-      "are "
-      "near; headlight: colours lit from the camera, no shadows; flat: the colours themselves",
+      "are near; headlight: colours lit from the camera, no shadows; flat: the colours themselves",
       request.mode, [] {
         std::vector<std::pair<std::string, renderer::RenderMode>> words;
         for (const renderer::NamedMode& each : renderer::k_modes) words.emplace_back(each.name, each.mode);
@@ -73,35 +101,30 @@ void add_light_options(const Options& render, LightRequest& request) {
   render.value(
       "--ao-distance", "METRES|auto",
       "what counts as near for ambient_occlusion (default auto: a twentieth of the cloud's diagonal)",
-      [&request](const std::string& text) {
-        if (text == "auto")
-          request.ao_distance.emplace();
-        else
-          request.ao_distance.emplace(parse_number(text, 1e-6, 1e12));
+      request.ao_distance, [](const std::string& text) {
+        return text == "auto" ? std::nullopt : std::optional(parse_number(text, 1e-6, 1e12));
       });
-  const Option sun = render.value(
-      "--sun", "AZIMUTH,ELEVATION",
-      "where the sun stands, degrees: azimuth clockwise from north (+y), elevation above the horizon; the "
-      "scene's brightness stays",
-      [&request](const std::string& text) {
-        request.sun = parse_pair(text, 360.0, 90.0);
-        if (request.sun->y == -90.0)
-          throw UsageError("expected an elevation above -90, found '" + text + "'");
-      });
-  const Option time =
-      render
-          .value(
-              "--sun-time", "DATE-TIME",
-              "the sun as it stands then, such as 2026-06-21T12:00:00+02:00; brightness by elevation, even "
-              "where the scene's sun by angles has its own",
-              [&request](const std::string& text) { request.sun_time = parse_moment(text); })
-          .excludes(sun);
+  const Option sun =
+      render.value("--sun", "AZIMUTH,ELEVATION",
+                   "where the sun stands, degrees: azimuth clockwise from north (+y), elevation above the "
+                   "horizon; the scene's brightness stays",
+                   [&request](const std::string& text) {
+                     request.sun = parse_pair(text, 360.0, 90.0);
+                     if (request.sun->y == -90.0)
+                       throw UsageError("expected an elevation above -90, found '" + text + "'");
+                   });
+  const Option time = render
+                          .value("--sun-time", "DATE-TIME",
+                                 "the sun as it stands then, such as 2026-06-21T12:00:00+02:00; brightness "
+                                 "by elevation, even where the scene's sun by angles has its own",
+                                 request.sun_time, parse_moment)
+                          .excludes(sun);
   const Option place =
       render
           .value(
               "--sun-place", "LAT,LON",
               "latitude and longitude for --sun-time, degrees (default: from the cloud's reference system)",
-              [&request](const std::string& text) { request.sun_place = parse_pair(text, 90.0, 180.0); })
+              request.sun_place, [](const std::string& text) { return parse_pair(text, 90.0, 180.0); })
           .excludes(sun);
   render.flag("--no-sun", "no sun, only the sky", request.no_sun)
       .excludes(sun)
@@ -192,96 +215,38 @@ void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, V
   }
 }
 
-namespace {
-
-std::vector<std::string> parts_of(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  std::istringstream stream(text + separator);
-  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
-  return parts;
-}
-
-image::ValueRange parse_range(const std::string& text, double least, double most) {
-  const std::vector<std::string> ends = parts_of(text, ',');
-  if (ends.size() != 2) throw UsageError("expected two numbers, found '" + text + "'");
-  const image::ValueRange range{parse_number(ends[0], least, most), parse_number(ends[1], least, most)};
-  if (!(range.low < range.high)) throw UsageError("expected the smaller number first, found '" + text + "'");
-  return range;
-}
-
-std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
-  std::vector<image::ClassColor> classes;
-  for (const std::string& part : parts_of(text, ',')) {
-    const std::size_t sign = part.find('=');
-    const std::optional<Color16> color =
-        sign == std::string::npos ? std::nullopt : image::parse_hex_color(part.substr(sign + 1));
-    if (!color) throw UsageError("expected CLASS=#rrggbb, found '" + part + "'");
-    classes.push_back({static_cast<std::uint8_t>(parse_count(part.substr(0, sign), 0, 255)), *color});
-  }
-  return classes;
-}
-
-std::filesystem::path parse_legend(const std::string& text) {
-  const std::filesystem::path file(text);
-  if (file.extension() != ".png" && file.extension() != ".PNG")
-    throw UsageError("expected a name ending in .png, found '" + text + "'");
-  return file;
-}
-
-ImageSize parse_legend_size(const std::string& text) {
-  // Margins and a line of the smallest type take more than this, whatever the legend says.
-  constexpr int k_least_side = 24;
-  const ImageSize size = parse_image_size(text);
-  if (size.width < k_least_side || size.height < k_least_side) {
-    throw UsageError("expected at least " + std::to_string(k_least_side) + " pixels each way, found '" +
-                     text + "'");
-  }
-  return size;
-}
-
-std::vector<std::pair<std::string, std::optional<image::ColorMap>>> map_words() {
-  std::vector<std::pair<std::string, std::optional<image::ColorMap>>> words{{"auto", std::nullopt}};
-  for (const image::NamedColorMap& known : image::k_color_maps) words.emplace_back(known.name, known.map);
-  return words;
-}
-
-}  // namespace
-
 void add_color_options(const Options& command, ColorRequest& request) {
-  command.value("--color-by,--color", "NAME",
-                "what colours the points: rgb, intensity, height, classification, normal, gps_time, "
-                "return_number, number_of_returns, or another attribute by its name (default: rgb, else "
-                "intensity, else height)",
-                [&request](const std::string& text) {
-                  if (text.empty()) throw UsageError("expected a name, found ''");
-                  request.by = text;
-                });
+  command.value(
+      "--color-by,--color", "NAME",
+      "what colours the points: rgb, intensity, height, classification, normal, gps_time, return_number, "
+      "number_of_returns, or another attribute by its name (default: rgb, else intensity, else height)",
+      [&request](const std::string& text) {
+        if (text.empty()) throw UsageError("expected a name, found ''");
+        request.by = text;
+      });
   command.choice("--color-map",
                  "colours of numbers (default auto: grey for intensity, terrain for height, else viridis)",
                  request.map, map_words());
   const Option range = command.value(
       "--color-range", "MIN,MAX", "values of the first and last colour (default: by percentiles)",
-      [&request](const std::string& text) {
-        request.range = parse_range(text, -image::k_largest_value, image::k_largest_value);
+      request.range, [](const std::string& text) {
+        return parse_range(text, -image::k_largest_value, image::k_largest_value);
       });
   command
       .value("--color-percentiles", "LOW,HIGH",
-             "percentiles of the values that the colours span (default 1,99)",
-             [&request](const std::string& text) { request.percentiles = parse_range(text, 0.0, 100.0); })
+             "percentiles of the values that the colours span (default 1,99)", request.percentiles,
+             [](const std::string& text) { return parse_range(text, 0.0, 100.0); })
       .excludes(range);
   command.value("--class-color", "CLASS=#RRGGBB,...",
-                "other colours for single classes of --color-by classification",
-                [&request](const std::string& text) { request.classes = parse_class_colors(text); });
+                "other colours for single classes of --color-by classification", request.classes,
+                parse_class_colors);
   const Option legend = command.value(
       "--legend", "FILE.png",
       "also write what the colours mean: a colour bar, or the classes with their numbers of points",
-      [&request](const std::string& text) { request.legend = parse_legend(text); });
+      request.legend, parse_legend);
   command
       .value("--legend-size", "WIDTHxHEIGHT", "size of the legend in pixels (default: as its texts need)",
-             [&request](const std::string& text) {
-               const ImageSize size = parse_legend_size(text);
-               request.legend_size = glm::ivec2(size.width, size.height);
-             })
+             request.legend_size, parse_legend_size)
       .needs(legend);
 }
 

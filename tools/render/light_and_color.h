@@ -27,10 +27,9 @@ struct LightRequest {
 /// Declares the options; they fill `request`.
 void add_light_options(const Options& render, LightRequest& request);
 
-/// Lays the options over the scene. A sun that gets another place in the sky keeps its brightness, one that
-/// gets another time keeps all else; one that had no time keeps its angular diameter only, since brightness
-/// goes by elevation. Errors: a place for a sun that has no time; a sun or a distance that the mode does not
-/// use.
+/// Lays the options over the scene. A sun that gets another place in the sky keeps its brightness, one that gets
+/// another time keeps all else; one that had no time keeps its angular diameter only, since brightness goes by
+/// elevation. Errors: a place for a sun that has no time; a sun or a distance that the mode does not use.
 void apply_light_options(const LightRequest& request, renderer::Scene& scene);
 
 /// Error, naming the option, unless the scene's pictures show light of the sun and of surfaces.
@@ -61,9 +60,8 @@ void add_color_options(const Options& command, ColorRequest& request);
 /// The name of one of the options that were given; empty if there is none.
 std::string given_option(const ColorRequest& request);
 
-/// Lays the options over a scene's colouring. Another thing to colour by stands for all that the scene says
-/// of it, since its map and range were meant for the scene's own. Errors: a legend for the points'
-/// own colours.
+/// Lays the options over a scene's colouring. Another thing to colour by stands for all that the scene says of it,
+/// since its map and range were meant for the scene's own. Errors: a legend for the points' own colours.
 void apply(const ColorRequest& request, image::PointColoring& coloring);
 
 }  // namespace alidade::tools

@@ -2,9 +2,9 @@
 #include "tools/render/long_render.h"
 
 #include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "base/error.h"
@@ -79,18 +79,17 @@ class PreviewFile {
 void add_long_render_options(const Options& render, LongRenderRequest& request) {
   render.number(
       "--time-limit", "S",
-      "seconds for each picture: it ends with what there is by then, and says how many samples that "
-      "were. One sample per pixel is always taken, --samples is the most. The bytes depend on the time",
+      "seconds for each picture: it ends with what there is by then, and says how many samples that were. "
+      "One sample per pixel is always taken, --samples is the most. The bytes depend on the time",
       request.time_limit, 0.0, k_most_seconds);
-  render.number(
-      "--target-noise", "E",
-      "stop where the estimated relative error of a tile of about 16x16 pixels is at most E, such as "
-      "0.02; a tile gets 32 samples at least and --samples at most",
-      request.target_noise, 1e-6, 1e6);
+  render.number("--target-noise", "E",
+                "stop where the estimated relative error of a tile of about 16x16 pixels is at most E, such "
+                "as 0.02; a tile gets 32 samples at least and --samples at most",
+                request.target_noise, 1e-6, 1e6);
   const Option preview =
       render.value("--preview", "FILE",
                    "a small picture of what there is so far, .png or .jpg, written anew every few seconds",
-                   [&request](const std::string& text) { request.preview = text; });
+                   request.preview, std::identity());
   render
       .number("--preview-interval", "S", "seconds between previews (default 3)", request.preview_interval,
               0.0, k_most_seconds)
@@ -98,24 +97,10 @@ void add_long_render_options(const Options& render, LongRenderRequest& request) 
   render
       .count("--preview-points", "N",
              "before COPC files of more than 2 N points are loaded, the preview shows N of them, those the "
-             "camera "
-             "sees best, then 8 N and so on (default 300000; 0: only the picture itself)",
+             "camera sees best, then 8 N and so on (default 300000; 0: only the picture itself)",
              request.preview_points, 0, k_most_preview_points)
       .needs(preview);
-  const Option checkpoint = render.value(
-      "--checkpoint", "FILE",
-      "keep what has been computed in FILE, written anew every minute and on Ctrl-C; removed once the "
-      "picture is written",
-      [&request](const std::string& text) { request.checkpoint = text; });
-  render
-      .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
-              request.checkpoint_interval, 1e-3, k_most_seconds)
-      .needs(checkpoint);
-  render
-      .flag("--resume",
-            "go on from the checkpoint, if it is there; the picture has the bytes of an uninterrupted run",
-            request.resume)
-      .needs(checkpoint);
+  add_checkpoint_options(render, request.checkpoint, "written anew every minute", "picture");
 }
 
 void check_long_render(const LongRenderRequest& request, Replaceable replaceable,
@@ -136,22 +121,22 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
                    .problem = "unknown kind of preview",
                    .expected = "a name that ends in .png, .jpg or .jpeg"});
     }
-    if (!request.checkpoint.empty() && same_file(request.preview, request.checkpoint))
+    if (!request.checkpoint.file.empty() && same_file(request.preview, request.checkpoint.file))
       throw Error({.file = request.preview.string(), .problem = "is both preview and checkpoint"});
   }
   std::error_code error;
-  const bool keeps_checkpoint = std::filesystem::exists(request.checkpoint, error);
-  if (keeps_checkpoint && !request.resume && !replaceable.any) {
-    throw Error({.file = request.checkpoint.string(),
+  const bool keeps_checkpoint = std::filesystem::exists(request.checkpoint.file, error);
+  if (keeps_checkpoint && !request.checkpoint.resume && !replaceable.any) {
+    throw Error({.file = request.checkpoint.file.string(),
                  .problem = "exists already",
                  .expected = "--resume to go on from it, or --overwrite"});
   }
   check(request.preview,
         replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
-  check(request.checkpoint, true);
+  check(request.checkpoint.file, true);
   // It would be replaced, and removed in the end.
-  if (keeps_checkpoint && !renderer::is_checkpoint(request.checkpoint)) {
-    throw Error({.file = request.checkpoint.string(),
+  if (keeps_checkpoint && !renderer::is_checkpoint(request.checkpoint.file)) {
+    throw Error({.file = request.checkpoint.file.string(),
                  .place = "byte 0",
                  .problem = "is not a checkpoint of Alidade",
                  .expected = "a checkpoint, or the name of a file that does not exist"});
@@ -162,17 +147,14 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
                                           std::span<const std::filesystem::path> pictures,
                                           std::span<const std::filesystem::path> finished,
                                           Verbosity verbosity) {
-  if (!request.resume) return std::nullopt;
-  const auto note = [&](const std::string& text) {
-    if (verbosity != Verbosity::quiet) say_note(text);
-  };
-  const std::string file = request.checkpoint.string();
+  if (!request.checkpoint.resume) return std::nullopt;
+  const std::string file = request.checkpoint.file.string();
   std::error_code error;
-  if (!std::filesystem::exists(request.checkpoint, error)) {
-    note(fmt::format("there is no checkpoint {} yet: starting afresh", file));
+  if (!std::filesystem::exists(request.checkpoint.file, error)) {
+    say_note(verbosity, fmt::format("there is no checkpoint {} yet: starting afresh", file));
     return std::nullopt;
   }
-  const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(request.checkpoint);
+  const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(request.checkpoint.file);
   const std::string picture = pictures.front().string();
   if (summary.picture == name_in_checkpoint(picture)) {
     return Resumption{summary.samples_taken,
@@ -185,7 +167,7 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
                  .expected = fmt::format("one of {}", picture),
                  .found = summary.picture});
   }
-  note(fmt::format("{} is of {}, which is finished: starting afresh", file, summary.picture));
+  say_note(verbosity, fmt::format("{} is of {}, which is finished: starting afresh", file, summary.picture));
   return std::nullopt;
 }
 
@@ -202,16 +184,12 @@ renderer::RenderOptions render_options(const LongRenderRequest& request, const i
     options.preview = {.show = [file](const image::Film& film) { file->show(film); },
                        .interval = request.preview_interval};
   }
-  if (!request.checkpoint.empty()) {
-    options.checkpoint = {.file = request.checkpoint,
-                          .interval = request.checkpoint_interval,
+  if (!request.checkpoint.file.empty()) {
+    options.checkpoint = {.file = request.checkpoint.file,
+                          .interval = request.checkpoint.interval,
                           .resume = resume,
                           .picture = name_in_checkpoint(output.file),
-                          // The next ones will probably fail like the first.
-                          .failed = [said = false](const Error& error) mutable {
-                            if (!said) say_warning(std::string("no checkpoint: ") + error.what());
-                            said = true;
-                          }};
+                          .failed = checkpoint_warning()};
   }
   return options;
 }
@@ -259,21 +237,15 @@ void warn_of_few_samples(const LongRenderRequest& request, int samples) {
 
 void remove_checkpoint(const LongRenderRequest& request) {
   std::error_code error;
-  if (!request.checkpoint.empty()) std::filesystem::remove(request.checkpoint, error);
+  if (!request.checkpoint.file.empty()) std::filesystem::remove(request.checkpoint.file, error);
 }
 
 void remove_finished_checkpoint(const LongRenderRequest& request,
                                 std::span<const std::filesystem::path> finished) {
   std::error_code error;
-  if (!request.resume || !std::filesystem::exists(request.checkpoint, error)) return;
-  if (is_of_one_of(renderer::read_checkpoint_summary(request.checkpoint), finished))
+  if (!request.checkpoint.resume || !std::filesystem::exists(request.checkpoint.file, error)) return;
+  if (is_of_one_of(renderer::read_checkpoint_summary(request.checkpoint.file), finished))
     remove_checkpoint(request);
-}
-
-void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity) {
-  if (request.checkpoint.empty() || verbosity == Verbosity::quiet) return;
-  say_note(fmt::format("{} keeps what has been computed; the same command with --resume goes on",
-                       request.checkpoint.string()));
 }
 
 }  // namespace alidade::tools

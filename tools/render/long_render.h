@@ -19,10 +19,10 @@ inline constexpr std::uint64_t k_most_preview_points = 50'000'000;
 
 struct LongRenderRequest {
   std::optional<double> time_limit, target_noise;
-  std::filesystem::path preview, checkpoint;  ///< empty = none
-  double preview_interval = 3.0, checkpoint_interval = 60.0;
+  std::filesystem::path preview;  ///< empty = none
+  double preview_interval = 3.0;
   std::uint64_t preview_points = 300'000;  ///< of the first look at COPC files; 0 = none
-  bool resume = false;
+  CheckpointRequest checkpoint;
 };
 
 /// Declares the options; they fill `request`.
@@ -74,8 +74,5 @@ void remove_checkpoint(const LongRenderRequest& request);
 /// The same if it is still that of a finished picture: a program was killed in between.
 void remove_finished_checkpoint(const LongRenderRequest& request,
                                 std::span<const std::filesystem::path> finished);
-
-/// Says how to go on after an interruption, if there is a way.
-void say_how_to_resume(const LongRenderRequest& request, Verbosity verbosity);
 
 }  // namespace alidade::tools

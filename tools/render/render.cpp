@@ -5,12 +5,13 @@
 
 #include "base/instruction_set.h"
 #include "camera/camera.h"
+#include "image/color_points.h"
 #include "image/image_file.h"
+#include "renderer/cloud_in_view.h"
+#include "renderer/load_cloud.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/render/load_scene.h"
 #include "tools/render/long_render.h"
 #include "tools/render/render_options.h"
 #include "tools/render/views.h"
@@ -19,13 +20,9 @@ namespace alidade::tools {
 namespace {
 
 std::vector<std::filesystem::path> input_files(const RenderCommand& command, const renderer::Scene& scene) {
-  std::vector<std::filesystem::path> files;
-  if (scene.cloud) files = scene.cloud->files;
+  std::vector<std::filesystem::path> files{command.scene_file, command.camera.file, command.camera.lens_file};
+  if (scene.cloud) files.insert(files.end(), scene.cloud->files.begin(), scene.cloud->files.end());
   if (const auto* sky = std::get_if<renderer::ImageSky>(&scene.sky)) files.push_back(sky->file);
-  for (const std::filesystem::path& file :
-       {command.scene_file, command.camera.file, command.camera.lens_file}) {
-    if (!file.empty()) files.push_back(file);
-  }
   return files;
 }
 
@@ -38,11 +35,120 @@ std::string radius_text(const renderer::CloudSettings& settings, const renderer:
                      settings.radius ? "" : " (from the spacing of the points)");
 }
 
+constexpr std::uint64_t k_growth = 8;
+// What 2 cores do in half a second.
+constexpr int k_longest_side = 640;
+constexpr int k_samples = 8;
+constexpr double k_seconds = 0.5;
+
+/// The camera for a picture no larger than a first look needs.
+camera::Camera reduced(const camera::Camera& camera) {
+  const double share = static_cast<double>(k_longest_side) / std::max(camera.width, camera.height);
+  if (share >= 1.0) return camera;
+  const auto side = [&](int pixels) { return std::max(1, static_cast<int>(pixels * share)); };
+  return camera::resized(camera, side(camera.width), side(camera.height));
+}
+
+/// Renders a scene of which only a part of the cloud is there, and shows it.
+void show(const RenderCommand& command, renderer::Scene scene, const View* view,
+          const renderer::LoadedCloud& cloud, const Progress& progress) {
+  scene.camera =
+      reduced(view ? view->camera : view_of_cloud(command.camera, scene, &cloud, command.scene_file).camera);
+  prepare_light(scene, &cloud, Verbosity::quiet);
+  scene.render.samples = std::min(scene.render.samples, k_samples);
+  LongRenderRequest preview_only;
+  preview_only.preview = command.long_render.preview;
+  render_options(preview_only, scene.output, false, {})
+      .preview->show(renderer::render(
+          scene, &cloud,
+          {.progress = progress, .layers = std::vector{image::Layer::color}, .time_limit = k_seconds}));
+}
+
+void check_in_view(const renderer::CloudSettings& settings, const renderer::Scene& scene,
+                   const CloudInputs& clouds, std::span<const View> views) {
+  if (clouds.size() != 1 || !has_parts(clouds.inputs.front())) {
+    throw Error({.file = settings.files.empty() ? "" : settings.files.front().string(),
+                 .problem = "--in-view needs one cloud that lies in a database",
+                 .expected = "a database that 'alidade sql load' wrote"});
+  }
+  if (views.empty())
+    throw Error({.problem = "--in-view needs a camera that does not go by the cloud",
+                 .expected = "--camera, --panorama or a scene file"});
+  if (settings.max_level < renderer::k_max_level || settings.partial)
+    throw Error({.problem = "--in-view cannot be used with --max-level or --partial"});
+  if (std::ranges::find(scene.output.layers, image::Layer::id) != scene.output.layers.end()) {
+    throw Error({.problem = "--in-view does not know the ids that points have in the whole cloud",
+                 .expected = "layers without id"});
+  }
+}
+
+/// One filter per view; points further from its half-spaces than their radius are not seen.
+std::vector<database::PointFilter> view_filters(std::span<const View> views, double radius) {
+  std::vector<database::PointFilter> filters;
+  for (const View& view : views) {
+    database::PointFilter& filter = filters.emplace_back();
+    for (const Plane& plane : renderer::view_planes(view.camera).planes)
+      filter.planes.push_back({plane, {-radius, std::numeric_limits<double>::infinity()}});
+  }
+  return filters;
+}
+
+/// Shows a picture in its preview file before its cloud is loaded, if the cloud is made of COPC files with more than
+/// twice `preview_points` points: first with so many of them, then with eight times as many, and so on up to half of
+/// them or 50 million. `view` is that of the picture, or null if the whole cloud is to be shown; `scene` has its sky.
+/// What cannot be shown in this way is no error: loading will tell. Errors: Cancelled.
+void show_first_looks(const RenderCommand& command, const renderer::Scene& scene, const CloudInputs& clouds,
+                      const View* view) {
+  const Verbosity verbosity = command.verbosity;
+  const Progress progress = [](std::uint64_t, std::uint64_t) { return !interrupted(); };
+  try {
+    const std::vector<std::unique_ptr<CopcFile>> files = renderer::open_copc_cloud(clouds);
+    std::uint64_t all = 0;
+    for (const auto& file : files) all += file->header().point_count;
+    for (std::uint64_t points = command.long_render.preview_points;
+         points > 0 && points <= std::min(all / 2, k_most_preview_points); points *= k_growth) {
+      const renderer::LoadedCloud cloud = renderer::load_coarse_cloud(
+          *scene.cloud, clouds, files, view ? &view->camera : nullptr, points, progress);
+      if (cloud.octree.size() == 0) return;
+      show(command, scene, view, cloud, progress);
+      say_note(verbosity, fmt::format("{} shows {} of {} points", command.long_render.preview.string(),
+                                      short_count(static_cast<double>(cloud.octree.size())),
+                                      short_count(static_cast<double>(all))));
+    }
+  } catch (const Error& error) {
+    if (verbosity == Verbosity::verbose) say_note(fmt::format("no first look: {}", error.what()));
+  }
+}
+
+/// What the cameras of some views see of the scene's cloud, which lies in a database: points whose spheres, as far as
+/// their radius is given, may be in a picture. `measuring` as in load_cloud(). Says how much was read. Errors: the
+/// cloud is of another kind; no camera is given; layers that need the whole cloud; the database's.
+renderer::LoadedCloud load_in_view(const RenderCommand& command, const renderer::Scene& scene,
+                                   const CloudInputs& clouds, std::span<const View> views,
+                                   const Progress& measuring) {
+  const renderer::CloudSettings& settings = *scene.cloud;
+  check_in_view(settings, scene, clouds, views);
+  const CloudInput& input = clouds.inputs.front();
+  const Verbosity verbosity = command.verbosity;
+  const char* const unit = part_unit(input);
+  ProgressLine line(fmt::format("loading {} in view", unit), unit, verbosity);
+  database::CloudPart part = read_database_part(input, view_filters(views, settings.radius.value_or(0.0)),
+                                                image::attributes_for(settings.color), line.callback());
+  line.finish();
+  if (verbosity != Verbosity::quiet && part.chunk_count > 0)
+    say_note(
+        fmt::format("read {} of {} chunks of {}", part.chunks_read, part.chunk_count, input.name.string()));
+  renderer::LoadedCloud loaded =
+      renderer::index_cloud(std::move(part.cloud), part.attributes, settings, input.name.string());
+  renderer::choose_radius(settings, loaded, measuring);
+  return loaded;
+}
+
 /// `views` are those of the pictures, if they are known before the cloud is.
 renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& scene,
                            const CloudInputs& clouds, std::span<const View> views) {
   const renderer::CloudSettings& settings = *scene.cloud;
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   ProgressLine line("loading cloud", "B", verbosity);
   std::optional<ProgressLine> measuring;
   const Progress measure = [&](std::uint64_t done, std::uint64_t total) {
@@ -56,12 +162,11 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
                                     ? load_in_view(command, scene, clouds, views, measure)
                                     : renderer::load_cloud(settings, clouds, line.callback(), measure);
   if (measuring || !command.in_view) (measuring ? *measuring : line).finish();
-  if (verbosity == Verbosity::quiet) return cloud;
-  for (const std::string& warning : cloud.warnings) say_warning(warning);
+  say_warnings(verbosity, cloud.warnings);
   const std::string color = cloud.color.by == image::PointColor::rgb ? "their rgb values" : cloud.color.word;
-  say_note(
-      fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color, radius_text(settings, cloud)));
-  if (cloud.color.scale) say_note(cloud.color.word + ": " + image::scale_text(cloud.color));
+  say_note(verbosity, fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color,
+                                  radius_text(settings, cloud)));
+  if (cloud.color.scale) say_note(verbosity, cloud.color.word + ": " + image::scale_text(cloud.color));
   return cloud;
 }
 
@@ -100,10 +205,10 @@ PictureList requested_pictures(const RenderCommand& command, const renderer::Sce
     list.pictures.push_back({i < views.size() ? views[i] : View(), names[i]});
   }
   if (!command.color.legend.empty()) names.push_back(command.color.legend);
-  check_long_render(
-      command.long_render,
-      {.any = command.overwrite, .earlier_preview = command.skip_existing || command.long_render.resume},
-      names, inputs);
+  check_long_render(command.long_render,
+                    {.any = command.overwrite,
+                     .earlier_preview = command.skip_existing || command.long_render.checkpoint.resume},
+                    names, inputs);
   return list;
 }
 
@@ -172,10 +277,10 @@ void check_views(std::span<const Picture> pictures, const renderer::Scene& scene
 /// on from.
 renderer::RenderStatistics render_all(std::span<const Picture> pictures, renderer::Scene& scene,
                                       const renderer::LoadedCloud* cloud, const RenderCommand& command,
-                                      const CommandLine& words, const std::optional<Resumption>& resumed) {
+                                      const std::optional<Resumption>& resumed) {
   std::uint64_t total = 0, done = 0;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   ProgressLine line(
       pictures.size() == 1 ? "rendering" : fmt::format("rendering {} pictures", pictures.size()),
       "camera rays", verbosity);
@@ -187,7 +292,7 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
     scene.output.file = picture.file;
     total -= camera_rays(scene, picture.view.camera);
     std::uint64_t rays_of_picture = 0;
-    renderer::ImageMetadata texts = metadata(scene, picture.view, cloud, words);
+    renderer::ImageMetadata texts = metadata(scene, picture.view, cloud, command.words);
     renderer::RenderOptions options =
         render_options(command.long_render, scene.output, resumed && &picture == &pictures.front(), texts);
     if (options.checkpoint && resumed && verbosity != Verbosity::quiet)
@@ -213,20 +318,18 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
   return statistics;
 }
 
-ExitCode run(const RenderCommand& command, const CommandLine& words) {
-  const Verbosity verbosity = command.verbosity.verbosity();
+ExitCode run(const RenderCommand& command) {
+  const Verbosity verbosity = command.verbosity;
   renderer::Scene scene = requested_scene(command);
   image::check_image_name(scene.output.file);
   std::vector<std::string> warnings;
   const std::vector<View> views = requested_views(command.camera, scene, warnings);
-  if (verbosity != Verbosity::quiet) {
-    for (const std::string& warning : warnings) say_warning(warning);
-  }
+  say_warnings(verbosity, warnings);
   PictureList list = requested_pictures(command, scene, views);
   std::vector<Picture>& pictures = list.pictures;
   if (pictures.empty()) {
     remove_finished_checkpoint(command.long_render, list.finished);
-    if (verbosity != Verbosity::quiet) say_note("every picture is there already");
+    say_note(verbosity, "every picture is there already");
     return ExitCode::done;
   }
   const std::optional<Resumption> resumed =
@@ -242,7 +345,7 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
   if (!views.empty()) check_views(pictures, scene, nullptr);
   prepare_sky(scene, command.scene_file, verbosity);
 
-  CloudInputs clouds = command.cloud_files;
+  CloudInputs clouds = command.files;
   if (scene.cloud && clouds.empty()) clouds = resolve_clouds(scene.cloud->files, cloud_formats());
   if (scene.cloud && !command.long_render.preview.empty() && !resumed)
     show_first_looks(command, scene, clouds, views.empty() ? nullptr : &pictures.front().view);
@@ -258,20 +361,20 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
 
   renderer::RenderStatistics statistics;
   try {
-    statistics = render_all(pictures, scene, cloud, command, words, resumed);
+    statistics = render_all(pictures, scene, cloud, command, resumed);
   } catch (const Cancelled&) {
-    say_how_to_resume(command.long_render, verbosity);
+    const std::filesystem::path& checkpoint = command.long_render.checkpoint.file;
+    if (!checkpoint.empty()) say_how_to_resume(verbosity, checkpoint.string());
     throw;
   }
-  if (verbosity != Verbosity::quiet) {
-    const std::string written = pictures.size() == 1 ? pictures.front().file.string()
-                                                     : fmt::format("{} to {}", pictures.front().file.string(),
-                                                                   pictures.back().file.string());
-    say_note(fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}",
-                         short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
-                         short_count(static_cast<double>(statistics.ray_count) / statistics.seconds),
-                         written));
-  }
+  const std::string written = pictures.size() == 1 ? pictures.front().file.string()
+                                                   : fmt::format("{} to {}", pictures.front().file.string(),
+                                                                 pictures.back().file.string());
+  say_note(verbosity,
+           fmt::format("{} rays in {:.1f} s ({} rays/s); wrote {}",
+                       short_count(static_cast<double>(statistics.ray_count)), statistics.seconds,
+                       short_count(static_cast<double>(statistics.ray_count) / statistics.seconds), written));
+
   return ExitCode::done;
 }
 
@@ -280,9 +383,8 @@ ExitCode run(const RenderCommand& command, const CommandLine& words) {
 Command add_render(const Options& program, const CommandLine& command_line) {
   const Options render = program.command("render", "Path-trace a picture of a scene or of cloud files");
   const std::shared_ptr<RenderCommand> command = add_render_options(render);
-  return {render, [command, command_line] {
-            return with_threads(command->threads, [&] { return run(*command, command_line); });
-          }};
+  command->words = command_line;
+  return command_of(render, command, run);
 }
 
 }  // namespace alidade::tools

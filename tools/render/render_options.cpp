@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tools/render/render_options.h"
 
-#include <algorithm>
-#include <functional>
-#include <sstream>
-
 #include "base/error.h"
-#include "image/image_file.h"
 #include "octree/spacing.h"
 #include "renderer/read_scene.h"
 #include "tools/options.h"
@@ -23,8 +18,7 @@ std::string layer_list() {
 
 std::vector<image::Layer> parse_layers(const std::string& text) {
   std::vector<image::Layer> layers;
-  std::istringstream words(text + ",");
-  for (std::string word; std::getline(words, word, ',');) {
+  for (const std::string& word : split_list(text)) {
     const auto known = std::ranges::find(image::k_layers, word, &image::NamedLayer::name);
     if (known == image::k_layers.end()) {
       throw UsageError("expected some of " + layer_list() + ", found '" + word + "'");
@@ -69,8 +63,8 @@ void add_picture_options(const Options& render, RenderCommand& command) {
   render.number("--exposure", "STOPS",
                 "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)", command.exposure,
                 -64.0, 64.0);
-  render.value("--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)",
-               [&command](const std::string& text) { command.layers = parse_layers(text); });
+  render.value("--layers", "LIST", "layers of an EXR: " + layer_list() + " (default color)", command.layers,
+               parse_layers);
   render.count("--seed", "N", "seed of the samples; the same seed gives the same bytes (default 1)",
                command.seed, 0, UINT64_MAX);
 }
@@ -79,22 +73,19 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
   RadiusRequest& radius = command.radius;
   render.value(
       "--radius", "R|auto|adapted",
-      "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; "
-      "adapted: each point its own, from the distance to its neighbours, small where the scan is dense "
-      "(default auto)",
+      "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; adapted: "
+      "each point its own, from the distance to its neighbours, small where the scan is dense (default auto)",
       [&radius](const std::string& text) { parse_radius(text, radius); });
   add_adapted_radius_option(
       render, radius, "--radius-factor", "F",
-      "adapted radii are F times the distance to the neighbour (default 0.75); implies "
-      "--radius adapted",
+      "adapted radii are F times the distance to the neighbour (default 0.75); implies --radius adapted",
       [&radius](const std::string& text) { radius.factor = parse_positive(text, "a number above 0"); });
-  add_adapted_radius_option(render, radius, "--radius-neighbours", "N",
-                            "adapted radii go by the N-th nearest neighbour, 1 to 64 (default 8); implies "
-                            "--radius adapted",
-                            [&radius](const std::string& text) {
-                              radius.neighbours =
-                                  static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
-                            });
+  add_adapted_radius_option(
+      render, radius, "--radius-neighbours", "N",
+      "adapted radii go by the N-th nearest neighbour, 1 to 64 (default 8); implies --radius adapted",
+      [&radius](const std::string& text) {
+        radius.neighbours = static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
+      });
   add_adapted_radius_option(render, radius, "--radius-max", "R|auto",
                             "adapted radii are at most R metres (default auto: four times what --radius auto "
                             "would be); implies --radius adapted",
@@ -112,15 +103,13 @@ void add_cloud_options(const Options& render, RenderCommand& command) {
                 "scene's; smooth without a scene)",
                 command.normals,
                 {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}});
-  render.count(
-      "--max-level", "N",
-      "only levels 0 to N of an index file made with --organisation layered: a quick preview of a thinned "
-      "cloud (default: all levels)",
-      command.max_level, 0, renderer::k_max_level);
+  render.count("--max-level", "N",
+               "only levels 0 to N of an index file made with --organisation layered: a quick preview of a "
+               "thinned cloud (default: all levels)",
+               command.max_level, 0, renderer::k_max_level);
 }
 
-/// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their
-/// shading.
+/// A cloud without a scene: a sun in the south-east, and a sky dim enough for white walls to keep their shading.
 renderer::Scene daylight_scene(const CloudInputs& clouds) {
   renderer::Scene scene;
   scene.sky = renderer::GradientSky{.horizon = {0.72f, 0.80f, 0.88f}, .zenith = {0.30f, 0.48f, 0.80f}};
@@ -186,18 +175,17 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   add_cloud_files(
       render, "--cloud", "FILE...",
       "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file" + k_database_help,
-      command->cloud_files)
+      command->files)
       .excludes(scene);
   render.file("-o,--output", "FILE",
-              "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, "
-              "with %04d (number, from 0) or %s (name) in it",
+              "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, with "
+              "%04d (number, from 0) or %s (name) in it",
               command->output);
-  render.flag(
-      "--in-view",
-      "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, sends no "
-      "light, and has no say in automatic radii, colour scales and the smooth normals of points at the "
-      "border",
-      command->in_view);
+  render.flag("--in-view",
+              "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, "
+              "sends no light, and has no say in automatic radii, colour scales and the smooth normals of "
+              "points at the border",
+              command->in_view);
   render.flag("--overwrite", "replace an existing picture", command->overwrite);
   render.flag("--skip-existing", "leave out pictures that are there already: goes on with an interrupted set",
               command->skip_existing);
@@ -207,18 +195,16 @@ std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   add_cloud_options(render, *command);
   add_color_options(render, command->color);
   add_long_render_options(render, command->long_render);
-  add_partial(render, command->partial);
-  add_threads(render, command->threads);
-  add_verbosity(render, command->verbosity);
+  add_run_options(render, *command);
   return command;
 }
 
 renderer::Scene requested_scene(const RenderCommand& command) {
-  if (command.scene_file.empty() && command.cloud_files.empty()) {
+  if (command.scene_file.empty() && command.files.empty()) {
     throw Error({.problem = "nothing to render", .expected = "SCENE.json or --cloud FILE..."});
   }
-  renderer::Scene scene = command.scene_file.empty() ? daylight_scene(command.cloud_files)
-                                                     : renderer::read_scene(command.scene_file);
+  renderer::Scene scene =
+      command.scene_file.empty() ? daylight_scene(command.files) : renderer::read_scene(command.scene_file);
   apply_cloud_options(command, scene);
   apply_light_options(command.light, scene);
   if (command.max_bounces) require_path_mode(scene, "--max-bounces");

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "renderer/scene.h"
-#include "tools/options.h"
+#include "tools/command.h"
 #include "tools/render/light_and_color.h"
 #include "tools/render/long_render.h"
 #include "tools/render/views.h"
@@ -26,10 +26,8 @@ struct RadiusRequest {
 };
 
 /// What was asked of `alidade render`. Everything that is empty is left as the scene has it.
-struct RenderCommand {
+struct RenderCommand : CloudRequest {
   std::filesystem::path scene_file;
-  CloudInputs cloud_files;
-  bool partial = false;
   bool in_view = false;  ///< of a cloud in a database, only what the cameras see is read
   std::filesystem::path output;
   CameraRequest camera;
@@ -46,8 +44,7 @@ struct RenderCommand {
   std::vector<image::Layer> layers;
   LongRenderRequest long_render;
   bool overwrite = false, skip_existing = false;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
+  CommandLine words;  ///< of the program, for metadata
 };
 
 /// Declares the command's options; they fill what is returned.

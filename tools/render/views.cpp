@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 #include "base/error.h"
 #include "camera/camera.h"
@@ -18,9 +17,7 @@ constexpr double k_largest_coordinate = 1e12;
 
 template <std::size_t count>
 std::array<double, count> parse_coordinates(const std::string& text) {
-  std::vector<std::string> words;
-  std::istringstream stream(text + ",");
-  for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
+  const std::vector<std::string> words = split_list(text);
   if (words.size() != count) {
     throw UsageError(fmt::format("expected {} numbers with commas between, found '{}'", count, text));
   }
@@ -60,6 +57,59 @@ std::vector<View> views_of_file(const CameraRequest& request, const renderer::Sc
   return views;
 }
 
+/// A pattern taken apart: text, one field, text.
+struct Pattern {
+  std::string before, after;
+  bool has_field = false, by_name = false;
+  std::size_t width = 0;
+};
+
+[[noreturn]] void fail(const std::filesystem::path& pattern, const std::string& problem) {
+  throw Error(
+      {.file = pattern.string(),
+       .problem = problem,
+       .expected = "one %04d (number) or %s (name) in the name of the pictures, such as out_%04d.png"});
+}
+
+Pattern take_apart(const std::filesystem::path& file) {
+  constexpr std::size_t k_largest_width = 9;
+  Pattern pattern;
+  const std::string text = file.string();
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    std::string& part = pattern.has_field ? pattern.after : pattern.before;
+    if (text[i] != '%') {
+      part += text[i];
+    } else if (text.compare(i, 2, "%%") == 0) {
+      part += text[++i];
+    } else {
+      if (pattern.has_field) fail(file, "several numbers or names in one name");
+      pattern.has_field = true;
+      std::size_t end = i + 1;
+      for (; end < text.size() && text[end] >= '0' && text[end] <= '9' && pattern.width <= k_largest_width;
+           ++end)
+        pattern.width = 10 * pattern.width + static_cast<std::size_t>(text[end] - '0');
+      const char kind = end < text.size() ? text[end] : ' ';
+      pattern.by_name = kind == 's' && end == i + 1;
+      if ((kind != 'd' && !pattern.by_name) || pattern.width > k_largest_width)
+        fail(file, "a percent sign that begins neither a number nor a name");
+      i = end;
+    }
+  }
+  return pattern;
+}
+
+std::string file_name_of(const std::string& name) {
+  const std::size_t folder = name.find_last_of('/') + 1, dot = name.find_last_of('.');
+  // A dot at the very beginning of a file's name begins no extension.
+  const bool has_extension = dot != std::string::npos && dot > folder;
+  std::string result = has_extension ? name.substr(0, dot) : name;
+  for (char& c : result) {
+    const bool fine = static_cast<unsigned char>(c) >= 0x20 && c != '/' && c != '\\' && c != ':' && c != 0x7F;
+    if (!fine) c = '_';
+  }
+  return result;
+}
+
 }  // namespace
 
 void add_camera_options(const Options& render, CameraRequest& request) {
@@ -93,18 +143,15 @@ void add_camera_options(const Options& render, CameraRequest& request) {
           .excludes(camera);
   const Option above =
       render
-          .value("--orthographic", "top",
-                 "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
-                 [&request](const std::string& text) {
-                   if (text != "top") throw UsageError("expected top, found '" + text + "'");
-                   request.from_above = true;
-                 })
+          .choice("--orthographic",
+                  "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
+                  request.from_above, {{"top", true}})
           .excludes(camera)
           .excludes(panorama);
   const Option size =
       render.value("--size", "WxH",
                    "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
-                   [&request](const std::string& text) { request.size = parse_image_size(text); });
+                   request.size, parse_image_size);
   const Option resolution = render.number("--resolution", "METRES", "from pixel to pixel, for --orthographic",
                                           request.resolution, 1e-6, 1e6);
   resolution.needs(above);
@@ -112,8 +159,8 @@ void add_camera_options(const Options& render, CameraRequest& request) {
   size.excludes(above);
   render
       .value("--extent", "X,Y,X,Y",
-             "least and largest x and y to show from above (default: all of the cloud)",
-             [&request](const std::string& text) { request.extent = parse_coordinates<4>(text); })
+             "least and largest x and y to show from above (default: all of the cloud)", request.extent,
+             parse_coordinates<4>)
       .needs(above);
 }
 
@@ -172,63 +219,6 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   }
   return {"", camera::orthophoto_camera(bounds, *request.resolution)};
 }
-
-namespace {
-
-/// A pattern taken apart: text, one field, text.
-struct Pattern {
-  std::string before, after;
-  bool has_field = false, by_name = false;
-  std::size_t width = 0;
-};
-
-[[noreturn]] void fail(const std::filesystem::path& pattern, const std::string& problem) {
-  throw Error(
-      {.file = pattern.string(),
-       .problem = problem,
-       .expected = "one %04d (number) or %s (name) in the name of the pictures, such as out_%04d.png"});
-}
-
-Pattern take_apart(const std::filesystem::path& file) {
-  constexpr std::size_t k_largest_width = 9;
-  Pattern pattern;
-  const std::string text = file.string();
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    std::string& part = pattern.has_field ? pattern.after : pattern.before;
-    if (text[i] != '%') {
-      part += text[i];
-    } else if (text.compare(i, 2, "%%") == 0) {
-      part += text[++i];
-    } else {
-      if (pattern.has_field) fail(file, "several numbers or names in one name");
-      pattern.has_field = true;
-      std::size_t end = i + 1;
-      for (; end < text.size() && text[end] >= '0' && text[end] <= '9' && pattern.width <= k_largest_width;
-           ++end)
-        pattern.width = 10 * pattern.width + static_cast<std::size_t>(text[end] - '0');
-      const char kind = end < text.size() ? text[end] : ' ';
-      pattern.by_name = kind == 's' && end == i + 1;
-      if ((kind != 'd' && !pattern.by_name) || pattern.width > k_largest_width)
-        fail(file, "a percent sign that begins neither a number nor a name");
-      i = end;
-    }
-  }
-  return pattern;
-}
-
-std::string file_name_of(const std::string& name) {
-  const std::size_t folder = name.find_last_of('/') + 1, dot = name.find_last_of('.');
-  // A dot at the very beginning of a file's name begins no extension.
-  const bool has_extension = dot != std::string::npos && dot > folder;
-  std::string result = has_extension ? name.substr(0, dot) : name;
-  for (char& c : result) {
-    const bool fine = static_cast<unsigned char>(c) >= 0x20 && c != '/' && c != '\\' && c != ':' && c != 0x7F;
-    if (!fine) c = '_';
-  }
-  return result;
-}
-
-}  // namespace
 
 std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pattern,
                                                  std::span<const View> views) {

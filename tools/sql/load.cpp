@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <algorithm>
-#include <functional>
-#include <memory>
-#include <optional>
 
 #include "base/words.h"
 #include "cloud/read_cloud.h"
@@ -14,18 +9,14 @@
 #include "database/sqlite/store_cloud.h"
 #include "tools/cloud/load_cloud.h"
 #include "tools/command.h"
-#include "tools/console.h"
-#include "tools/options.h"
 
 namespace alidade::tools {
+namespace {
 
 /// What commands have in common that put clouds into databases, which memory need not hold.
-struct LoadOptions {
-  bool partial = false;
-  std::optional<ColorDepth> color_depth;
+struct LoadOptions : RunRequest {
+  ColorDepth color_depth = ColorDepth::automatic;
   std::uint64_t memory = std::uint64_t{1} << 30;
-  std::optional<int> threads;
-  VerbosityOptions verbosity;
 };
 
 /// Declares them.
@@ -42,42 +33,35 @@ void add_load_options(const Options& command, LoadOptions& options) {
   command.choice("--color-depth",
                  "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are stored",
                  options.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  add_partial(command, options.partial);
-  add_threads(command, options.threads);
-  add_verbosity(command, options.verbosity);
+  add_run_options(command, options);
 }
 
-/// Does `work`, which reads files and then stores points, with a progress line for each; prints the warnings
-/// that it answers. `storing` is what the second line says.
-void load_with_progress(const LoadOptions& options, const std::string& storing,
-                        const std::function<std::vector<std::string>(const ReadOptions& reading,
-                                                                     const Progress& storing)>& work) {
-  const Verbosity verbosity = options.verbosity.verbosity();
-  ProgressLine read_line("reading", "B", verbosity);
+/// Does `work`, which reads files and then stores points, with a progress line for each; prints its warnings.
+/// `storing` is what the second line says. Returns how many points there were.
+std::uint64_t load_with_progress(
+    const LoadOptions& options, const std::string& storing,
+    const std::function<database::StoredFiles(const ReadOptions& reading, const Progress& storing)>& work) {
+  ProgressLine read_line("reading", "B", options.verbosity);
   std::optional<ProgressLine> store_line;
   Progress store_progress;
-  const ReadOptions reading{.color_depth = options.color_depth.value_or(ColorDepth::automatic),
-                            .partial = options.partial,
-                            .progress = read_line.callback()};
-  const std::vector<std::string> warnings = work(reading, [&](std::uint64_t done, std::uint64_t total) {
+  const ReadOptions reading{
+      .color_depth = options.color_depth, .partial = options.partial, .progress = read_line.callback()};
+  const database::StoredFiles stored = work(reading, [&](std::uint64_t done, std::uint64_t total) {
     if (!store_line) {
       read_line.finish();
-      store_line.emplace(storing, "points", verbosity);
+      store_line.emplace(storing, "points", options.verbosity);
       store_progress = store_line->callback();
     }
     return store_progress(done, total);
   });
   if (store_line) store_line->finish();
-  if (verbosity == Verbosity::quiet) return;
-  for (const std::string& warning : warnings) say_warning(warning);
+  say_warnings(options.verbosity, stored.warnings);
+  return stored.point_count;
 }
 
-namespace {
-
-struct LoadCommand {
+struct LoadCommand : LoadOptions {
   std::vector<std::filesystem::path> files;  ///< the last one is the database
   database::StoreOptions store;
-  LoadOptions load;
 };
 
 /// Who forgot the database has named a cloud there.
@@ -105,43 +89,51 @@ database::ServerName server_name(const LoadCommand& command) {
   return name;
 }
 
-/// Stores files, and answers where.
-using Store = std::function<database::StoredFiles(const CloudInputs& files, const ReadOptions& reading,
-                                                  const Progress& storing)>;
-
 ExitCode run(const LoadCommand& command) {
   const std::filesystem::path& database = command.files.back();
-  const bool is_server = database::is_server_name(database.string());
   const CloudInputs files =
       resolve_clouds(std::span(command.files).first(command.files.size() - 1), cloud_formats());
-  Store store;
-  std::string place;
-  if (is_server) {
-    const database::ServerName name = server_name(command);
-    place = name.shown();
-    store = [&, name](const CloudInputs& some, const ReadOptions& reading, const Progress& storing) {
-      return database::store_on_server(name, some, reading,
-                                       {command.store.replace, command.load.memory, storing});
-    };
+  std::optional<database::ServerName> server;
+  if (database::is_server_name(database.string())) {
+    server = server_name(command);
   } else {
     check_name(database);
     // A database that is there stays: what may be replaced is a table in it.
     check_writable(database, true, files.names());
-    place = fmt::format("table {} of {}", command.store.table, database.string());
-    store = [&](const CloudInputs& some, const ReadOptions& reading, const Progress& storing) {
-      database::StoreOptions options = command.store;
-      options.memory = command.load.memory;
-      options.progress = storing;
-      return database::store_files(database, some, reading, options);
-    };
   }
-  std::uint64_t count = 0;
-  load_with_progress(command.load, "storing", [&](const ReadOptions& reading, const Progress& storing) {
-    database::StoredFiles stored = store(files, reading, storing);
-    count = stored.point_count;
-    return std::move(stored.warnings);
-  });
-  if (!command.load.verbosity.quiet) say_note(fmt::format("{} points are {}", count, place));
+  const std::uint64_t count =
+      load_with_progress(command, "storing", [&](const ReadOptions& reading, const Progress& storing) {
+        if (server)
+          return database::store_on_server(*server, files, reading,
+                                           {command.store.replace, command.memory, storing});
+        database::StoreOptions options = command.store;
+        options.memory = command.memory;
+        options.progress = storing;
+        return database::store_files(database, files, reading, options);
+      });
+  const std::string place =
+      server ? server->shown() : fmt::format("table {} of {}", command.store.table, database.string());
+  say_note(command.verbosity, fmt::format("{} points are {}", count, place));
+  return ExitCode::done;
+}
+
+struct ShardPlanCommand : LoadOptions {
+  CloudInputs files;
+  std::filesystem::path output;
+  std::vector<database::Shard> shards;
+  std::string table = "points";
+};
+
+ExitCode run(const ShardPlanCommand& command) {
+  const std::uint64_t count =
+      load_with_progress(command, "writing", [&](const ReadOptions& reading, const Progress& writing) {
+        return database::write_shard_plan(
+            command.output, command.files, reading, command.shards,
+            {.table = command.table, .memory = command.memory, .progress = writing});
+      });
+  say_note(command.verbosity,
+           fmt::format("{} points for {} shards in {}; {} tells what to type", count, command.shards.size(),
+                       command.output.string(), (command.output / "README.txt").string()));
   return ExitCode::done;
 }
 
@@ -162,37 +154,9 @@ Command add_sql_load(const Options& sql) {
   load.count("--chunk-points", "N", "points that SQLite reads together, 1 to 65536 (default: 1024)",
              command->store.chunk_points, 1, 65536);
   load.flag("--overwrite", "replace a table of that name, if it is a cloud", command->store.replace);
-  add_load_options(load, command->load);
-  return {load, [command] { return with_threads(command->load.threads, [&] { return run(*command); }); }};
+  add_load_options(load, *command);
+  return command_of(load, command, run);
 }
-
-namespace {
-
-struct ShardPlanCommand {
-  CloudInputs files;
-  std::filesystem::path output;
-  std::vector<database::Shard> shards;
-  std::string table = "points";
-  LoadOptions load;
-};
-
-ExitCode run(const ShardPlanCommand& command) {
-  std::uint64_t count = 0;
-  load_with_progress(command.load, "writing", [&](const ReadOptions& reading, const Progress& writing) {
-    database::StoredFiles plan = database::write_shard_plan(
-        command.output, command.files, reading, command.shards,
-        {.table = command.table, .memory = command.load.memory, .progress = writing});
-    count = plan.point_count;
-    return std::move(plan.warnings);
-  });
-  if (!command.load.verbosity.quiet) {
-    say_note(fmt::format("{} points for {} shards in {}; {} tells what to type", count, command.shards.size(),
-                         command.output.string(), (command.output / "README.txt").string()));
-  }
-  return ExitCode::done;
-}
-
-}  // namespace
 
 Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();
@@ -210,8 +174,8 @@ Command add_sql_shard_plan(const Options& sql) {
              })
       .required();
   plan.text("--table", "NAME", "what SQL calls the cloud (default: points)", command->table);
-  add_load_options(plan, command->load);
-  return {plan, [command] { return with_threads(command->load.threads, [&] { return run(*command); }); }};
+  add_load_options(plan, *command);
+  return command_of(plan, command, run);
 }
 
 }  // namespace alidade::tools

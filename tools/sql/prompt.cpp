@@ -23,28 +23,6 @@
 #include "tools/console.h"
 
 namespace alidade::tools {
-
-/// Lines typed at a terminal, which can be edited and called back as in a shell. That is libedit's work,
-/// which is loaded only here; without it lines are read as the terminal gives them.
-class LineEditor {
- public:
-  /// Earlier lines come from that file, if it can be read.
-  explicit LineEditor(std::filesystem::path history);
-  /// Writes the last 1000 lines to it, if it can be written.
-  ~LineEditor();
-  LineEditor(const LineEditor&) = delete;
-  LineEditor& operator=(const LineEditor&) = delete;
-
-  /// Waits for a line; none at the end of input, or if the program was interrupted meanwhile.
-  std::optional<std::string> read(const std::string& prompt);
-
- private:
-  struct Library;
-
-  std::filesystem::path history_;
-  std::unique_ptr<Library> library_;
-};
-
 namespace {
 
 constexpr int k_kept_lines = 1000;
@@ -92,10 +70,8 @@ std::optional<std::string> read_plain_line(const std::string& prompt) {
   return line;
 }
 
-}  // namespace
-
 /// The part of libedit that has readline's names.
-struct LineEditor::Library {
+struct EditLibrary {
   char* (*read_line)(const char*) = nullptr;
   int (*add_history)(const char*) = nullptr;
   int (*read_history)(const char*) = nullptr;
@@ -103,10 +79,10 @@ struct LineEditor::Library {
   void (*stifle_history)(int) = nullptr;
 
   /// Nothing if it is not there or another library than expected.
-  static std::unique_ptr<Library> load() {
+  static std::unique_ptr<EditLibrary> load() {
     void* const handle = ::dlopen("libedit.so.2", RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) return nullptr;
-    auto library = std::make_unique<Library>();
+    auto library = std::make_unique<EditLibrary>();
     const auto find = [&](auto& function, const char* name) {
       function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(handle, name));
       return function != nullptr;
@@ -139,35 +115,46 @@ std::filesystem::path sql_history_file() {
   return home.empty() ? home : home / ".local" / "state" / "alidade" / "sql_history";
 }
 
-LineEditor::LineEditor(std::filesystem::path history)
-    : history_(std::move(history)), library_(Library::load()) {
-  if (library_ == nullptr) return;
-  library_->stifle_history(k_kept_lines);
-  if (!history_.empty()) library_->read_history(history_.c_str());
-}
+/// Lines typed at a terminal, which can be edited and called back as in a shell. That is libedit's work,
+/// which is loaded only here; without it lines are read as the terminal gives them.
+class LineEditor {
+ public:
+  /// Earlier lines come from that file, if it can be read.
+  explicit LineEditor(std::filesystem::path history)
+      : history_(std::move(history)), library_(EditLibrary::load()) {
+    if (library_ == nullptr) return;
+    library_->stifle_history(k_kept_lines);
+    if (!history_.empty()) library_->read_history(history_.c_str());
+  }
+  /// Writes the last 1000 lines to it, if it can be written.
+  ~LineEditor() {
+    if (library_ == nullptr || history_.empty()) return;
+    std::error_code error;
+    std::filesystem::create_directories(history_.parent_path(), error);
+    // Nobody else's to read.
+    const ::mode_t before = ::umask(0077);
+    library_->write_history(history_.c_str());
+    ::umask(before);
+  }
+  LineEditor(const LineEditor&) = delete;
+  LineEditor& operator=(const LineEditor&) = delete;
 
-LineEditor::~LineEditor() {
-  if (library_ == nullptr || history_.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(history_.parent_path(), error);
-  // Nobody else's to read.
-  const ::mode_t before = ::umask(0077);
-  library_->write_history(history_.c_str());
-  ::umask(before);
-}
+  /// Waits for a line; none at the end of input, or if the program was interrupted meanwhile.
+  std::optional<std::string> read(const std::string& prompt) {
+    if (library_ == nullptr) return read_plain_line(prompt);
+    char* const typed = library_->read_line(prompt.c_str());
+    if (typed == nullptr) return std::nullopt;
+    std::string line = typed;
+    std::free(typed);
+    if (interrupted()) return std::nullopt;
+    if (!line.empty()) library_->add_history(line.c_str());
+    return line;
+  }
 
-std::optional<std::string> LineEditor::read(const std::string& prompt) {
-  if (library_ == nullptr) return read_plain_line(prompt);
-  char* const typed = library_->read_line(prompt.c_str());
-  if (typed == nullptr) return std::nullopt;
-  std::string line = typed;
-  std::free(typed);
-  if (interrupted()) return std::nullopt;
-  if (!line.empty()) library_->add_history(line.c_str());
-  return line;
-}
-
-namespace {
+ private:
+  std::filesystem::path history_;
+  std::unique_ptr<EditLibrary> library_;
+};
 
 constexpr const char* k_commands =
     "STATEMENT;             run it\n"
@@ -179,17 +166,15 @@ constexpr const char* k_commands =
     ".quit                  or Ctrl-D: leave\n";
 
 constexpr const char* k_tables =
-    "SELECT name, CASE type WHEN 'virtual' THEN 'cloud' ELSE type END AS type FROM pragma_table_list "
-    "WHERE schema = 'main' AND type IN ('table', 'view', 'virtual') AND name NOT LIKE 'sqlite\\_%' ESCAPE "
-    "'\\' "
+    "SELECT name, CASE type WHEN 'virtual' THEN 'cloud' ELSE type END AS type FROM pragma_table_list WHERE "
+    "schema = 'main' AND type IN ('table', 'view', 'virtual') AND name NOT LIKE 'sqlite\\_%' ESCAPE '\\' "
     "ORDER BY name";
 
 constexpr const char* k_columns =
     "SELECT t.name AS \"table\", c.name AS \"column\", c.type, iif(c.hidden = 1, 'hidden', '') AS \"in *\" "
-    "FROM pragma_table_list t, pragma_table_xinfo(t.name) c "
-    "WHERE t.schema = 'main' AND t.type IN ('table', 'view', 'virtual') AND t.name NOT LIKE 'sqlite\\_%' "
-    "ESCAPE '\\' "
-    "AND (?1 IS NULL OR t.name = ?1 COLLATE NOCASE) ORDER BY t.name, c.cid";
+    "FROM pragma_table_list t, pragma_table_xinfo(t.name) c WHERE t.schema = 'main' AND t.type IN ('table', "
+    "'view', 'virtual') AND t.name NOT LIKE 'sqlite\\_%' ESCAPE '\\' AND (?1 IS NULL OR t.name = ?1 COLLATE "
+    "NOCASE) ORDER BY t.name, c.cid";
 
 class Prompt {
  public:

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
@@ -14,7 +13,6 @@
 #include "tools/sql/statements.h"
 
 namespace alidade::tools {
-
 namespace {
 
 /// The code in Unicode of what is one letter of UTF-8.
@@ -31,8 +29,6 @@ bool is_command(unsigned code) {
   return (code >= 0x80 && code <= 0x9f) || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
 }
-
-}  // namespace
 
 /// The shortest text that reads as this number again: 1.0, 0.1, 1e+300, inf.
 std::string real_text(double value) {
@@ -95,8 +91,6 @@ std::size_t letter_count(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(
       text, [](char letter) { return (static_cast<unsigned char>(letter) & 0xc0u) != 0x80u; }));
 }
-
-namespace {
 
 /// Collects text for stdout, so that not every row is a system call.
 class Output {

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include <unistd.h>
-
-#include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
 
 #include "base/error.h"
 #include "database/server/server_name.h"
 #include "database/sqlite/sql_tokens.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/sql/statements.h"
 
 namespace alidade::tools {

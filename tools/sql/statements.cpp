@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
@@ -82,20 +81,8 @@ void bind(sqlite3_stmt* statement, int place, SqlParameter& parameter) {
   if (result != SQLITE_OK) throw Error({.file = "--param", .problem = sqlite3_errstr(result)});
 }
 
-}  // namespace
-
-SqlParameter parse_sql_parameter(const std::string& text) {
-  SqlParameter parameter;
-  std::string_view value = text;
-  const std::size_t equals = value.find('=');
-  if (equals != std::string_view::npos && is_name(value.substr(0, equals))) {
-    parameter.name = value.substr(0, equals);
-    value.remove_prefix(equals + 1);
-  }
-  parameter.value = sql_value(value);
-  return parameter;
-}
-
+/// Gives all parameters of a statement their values: ? those without a name in their order, ?2 the second one of
+/// these, :name, @name and $name those of that name. Errors: one has no value.
 void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& parameters) {
   int named = 0;
   for (int place = 1; place <= sqlite3_bind_parameter_count(statement); ++place) {
@@ -118,8 +105,6 @@ void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& paramet
     bind(statement, place, *found);
   }
 }
-
-namespace {
 
 [[noreturn]] void refuse_writing(const std::string& file, std::string place, std::string found) {
   throw Error({.file = file,
@@ -208,6 +193,18 @@ void run_one(const database::Connection& connection, database::Prepared& prepare
 }
 
 }  // namespace
+
+SqlParameter parse_sql_parameter(const std::string& text) {
+  SqlParameter parameter;
+  std::string_view value = text;
+  const std::size_t equals = value.find('=');
+  if (equals != std::string_view::npos && is_name(value.substr(0, equals))) {
+    parameter.name = value.substr(0, equals);
+    value.remove_prefix(equals + 1);
+  }
+  parameter.value = sql_value(value);
+  return parameter;
+}
 
 void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run) {

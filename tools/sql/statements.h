@@ -48,11 +48,6 @@ struct SqlParameter {
 /// that begins like a number, with a digit, dot or sign.
 SqlParameter parse_sql_parameter(const std::string& text);
 
-/// Gives all parameters of a statement their values: ? those without a name in their order, ?2 the second one
-/// of these, :name,
-/// @name and $name those of that name. Errors: one has no value.
-void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& parameters);
-
 struct SqlRun {
   RowForm form = RowForm::table;
   bool explain = false;  ///< say what was read behind the rows of each statement, and whether it was pruned
@@ -60,18 +55,16 @@ struct SqlRun {
   bool are_all_used = true;  ///< whether a parameter that no statement has is an error
 };
 
-/// Runs all statements of a text, which `file` is called in messages, and prints their rows; not the first
-/// one if a later one is wrong. Conditions on dist_ray and dist_plane leave chunks unread
-/// (database/sqlite/prepare.h). Errors: a statement that does not only read, has a parameter without value,
-/// or that SQLite does not understand; a parameter that no statement has; SQLite's. Cancelled, also while it
-/// waits for who writes.
+/// Runs all statements of a text, which `file` is called in messages, and prints their rows; not the first one if a
+/// later one is wrong. Conditions on dist_ray and dist_plane leave chunks unread (database/sqlite/prepare.h). Errors:
+/// a statement that does not only read, has a parameter without value, or that SQLite does not understand; a
+/// parameter that no statement has; SQLite's. Cancelled, also while it waits for who writes.
 void run_statements(const database::Connection& connection, const std::string& text, const std::string& file,
                     SqlRun run);
 
-/// Asks for statements at the terminal and runs them until its end or .quit. A statement ends with a
-/// semicolon and may take several lines; a line that begins with a dot is a command of the prompt (.help).
-/// Errors are told, and it goes on; so it does after Ctrl-C, which drops what is typed or runs. Other signals
-/// are thrown as Cancelled.
+/// Asks for statements at the terminal and runs them until its end or .quit. A statement ends with a semicolon and
+/// may take several lines; a line that begins with a dot is a command of the prompt (.help). Errors are told, and it
+/// goes on; so it does after Ctrl-C, which drops what is typed or runs. Other signals are thrown as Cancelled.
 void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run);
 
 }  // namespace alidade::tools

@@ -3,17 +3,15 @@
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <utility>
 
 #include "base/error.h"
 #include "cloud/point_cloud.h"
 #include "geo/map_unit.h"
 #include "octree/point_surface.h"
-#include "octree/spacing.h"
-#include "tools/console.h"
-#include "tools/options.h"
+#include "tools/cloud/load_cloud.h"
 
 namespace alidade::tools {
+namespace {
 
 /// Error if x and y of the cloud are degrees and z is a length: then no distance can be measured and nothing
 /// has an elevation, so that all answers about sight would be wrong.
@@ -24,69 +22,15 @@ void check_map_unit(const PointCloud& cloud) {
                .expected = "a cloud in a projected reference system"});
 }
 
-namespace {
-
-constexpr const char* k_group = "What blocks";
-
-}  // namespace
-
-void add_occluder_options(const Options& command, OccluderRequest& request) {
-  command.group(k_group).choice(
-      "--occluder",
-      "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where there is a "
-      "surface and spheres elsewhere (foliage, wires)",
-      request.shape,
-      {{"auto", visibility::OccluderShape::automatic},
-       {"disc", visibility::OccluderShape::disc},
-       {"sphere", visibility::OccluderShape::sphere}});
-  command.group(k_group).number(
-      "--radius", "R",
-      "of discs and spheres, in metres (default: each point's own, from the distance to its neighbours)",
-      request.radius, 1e-6, 1e6);
-  command.group(k_group).count(
-      "--transparency", "K",
-      "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
-      request.transparency, 1, 1000);
-  command.group(k_group).value("--ignore-classes", "LIST|none",
-                               "points of these classes block nothing (default: 7,18, which are noise)",
-                               [&request](const std::string& text) {
-                                 request.ignored_classes =
-                                     text == "none" ? std::bitset<256>() : parse_classes(text);
-                               });
-}
-
-namespace {
-
-IndexedCloud load(const CloudRequest& request, AttributeSet attributes) {
-  const Verbosity verbosity = request.verbosity.verbosity();
-  ProgressLine line("loading cloud", "B", verbosity);
-  IndexCloudOptions options;
-  options.read.progress = line.callback();
-  options.read.partial = request.partial;
-  options.read.attributes = attributes | Attribute::classification;
-  IndexedCloud cloud = load_indexed_cloud(request.files, options);
-  line.finish();
-  if (verbosity != Verbosity::quiet) {
-    for (const std::string& warning : cloud.cloud.warnings) say_warning(warning);
-  }
-  if (cloud.octree.size() == 0)
-    throw Error({.file = request.files.first_name().string(), .problem = "holds no points"});
-  return cloud;
-}
-
 /// With all that occluders would measure themselves, in steps that show their progress.
 Octree measured(Octree octree, const visibility::OccluderOptions& options, Verbosity verbosity) {
   const bool needs_surfaces = options.shape != visibility::OccluderShape::sphere;
   const bool needs_spacings = needs_surfaces || !options.radius;
   if (needs_spacings && octree.view().spacing_neighbours != k_surface_neighbours) {
-    ProgressLine line("measuring spacings", "points", verbosity);
-    octree = with_spacings(octree, k_surface_neighbours, line.callback());
-    line.finish();
+    octree = with_spacings_shown(octree, k_surface_neighbours, verbosity);
   }
   if (needs_surfaces && octree.view().surfaces == nullptr) {
-    ProgressLine line("fitting surfaces", "points", verbosity);
-    octree = with_surfaces(octree, line.callback());
-    line.finish();
+    octree = with_surfaces_shown(octree, verbosity);
   }
   return octree;
 }
@@ -116,19 +60,40 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 
 }  // namespace
 
+void add_occluder_options(const Options& command, OccluderRequest& request) {
+  const Options group = command.group("What blocks");
+  group.choice("--occluder",
+               "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where "
+               "there is a surface and spheres elsewhere (foliage, wires)",
+               request.options.shape,
+               {{"auto", visibility::OccluderShape::automatic},
+                {"disc", visibility::OccluderShape::disc},
+                {"sphere", visibility::OccluderShape::sphere}});
+  group.number(
+      "--radius", "R",
+      "of discs and spheres, in metres (default: each point's own, from the distance to its neighbours)",
+      request.options.radius, 1e-6, 1e6);
+  group.count("--transparency", "K",
+              "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
+              request.options.transparency, 1, 1000);
+  group.value(
+      "--ignore-classes", "LIST|none",
+      "points of these classes block nothing (default: 7,18, which are noise)", request.ignored_classes,
+      [](const std::string& text) { return text == "none" ? std::bitset<256>() : parse_classes(text); });
+}
+
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudRequest& request, AttributeSet attributes) {
   auto loaded = std::make_unique<VisibilityCloud>();
-  loaded->cloud = load(request, attributes);
+  loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification}});
+  if (loaded->cloud.octree.size() == 0)
+    throw Error({.file = request.files.first_name().string(), .problem = "holds no points"});
   check_map_unit(loaded->cloud.cloud);
   loaded->columns = loaded->cloud.columns();
   return loaded;
 }
 
 void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, Verbosity verbosity) {
-  visibility::OccluderOptions options;
-  options.shape = request.shape.value_or(visibility::OccluderShape::automatic);
-  options.radius = request.radius;
-  options.transparency = request.transparency;
+  visibility::OccluderOptions options = request.options;
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   // Asking for every point takes time, so it is left out where no point has such a class.
   const bool has_ignored =
@@ -140,16 +105,15 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
   }
   cloud.occluders.emplace(measured(cloud.cloud.octree, options, verbosity), options);
   cloud.what_blocks = description_of(*cloud.occluders, request, has_ignored);
-  if (verbosity != Verbosity::quiet) say_note(cloud.what_blocks);
+  say_note(verbosity, cloud.what_blocks);
 }
 
 visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundOptions options,
                                Verbosity verbosity) {
-  ProgressLine line("finding the ground", "points", verbosity);
-  options.progress = line.callback();
-  visibility::Ground ground = visibility::make_ground(cloud.octree(), cloud.columns.classifications, options);
-  line.finish();
-  return ground;
+  return with_progress("finding the ground", "points", verbosity, [&](const Progress& progress) {
+    options.progress = progress;
+    return visibility::make_ground(cloud.octree(), cloud.columns.classifications, options);
+  });
 }
 
 }  // namespace alidade::tools

@@ -6,11 +6,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "octree/index_file/indexed_cloud.h"
-#include "tools/console.h"
-#include "tools/options.h"
+#include "tools/command.h"
 #include "visibility/raster/ground.h"
 #include "visibility/sight_line.h"
 
@@ -18,15 +16,21 @@ namespace alidade::tools {
 
 /// What may block sight, as it was asked for on the command line.
 struct OccluderRequest {
-  std::optional<visibility::OccluderShape> shape;
-  std::optional<double> radius;
-  int transparency = 1;
+  visibility::OccluderOptions options;
   /// Classes whose points block nothing, if the cloud has classes. At first the noise of ASPRS.
   std::bitset<256> ignored_classes = std::bitset<256>{}.set(7).set(18);
 };
 
 /// Declares the options in a group of their own; they fill `request`.
 void add_occluder_options(const Options& command, OccluderRequest& request);
+
+/// What all commands of `alidade visibility` are asked.
+struct VisibilityRequest : CloudRequest {
+  OccluderRequest occluders;
+  std::filesystem::path output;
+  bool overwrite = false;
+  CommandLine words;  ///< of the program, for what is written
+};
 
 /// A cloud, and what of it blocks sight.
 struct VisibilityCloud {

@@ -3,19 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <string>
-
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
 #include "camera/camera.h"
 #include "geo/map_unit.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
@@ -25,16 +19,12 @@
 namespace alidade::tools {
 namespace {
 
-struct HorizonCommand : CloudRequest {
+struct HorizonCommand : VisibilityRequest {
   ObserverOptions observers;
-  OccluderRequest occluders;
   double step = 0.5, resolution = 0.01;
   int sky_directions = 4096;
-  std::filesystem::path output, skyline, depth;
+  std::filesystem::path skyline, depth;
   ImageSize depth_size{2048, 1024};
-  bool overwrite = false;
-
-  CommandLine words;
 };
 
 /// Who looks, and what it saw.
@@ -63,15 +53,13 @@ void check_options(const HorizonCommand& command) {
           "a name ending in .csv or .geojson");
   require(command.skyline, ends_in(command.skyline, {".png"}), "a name ending in .png");
   require(command.depth, ends_in(command.depth, {".exr"}), "a name ending in .exr");
-  std::vector<std::filesystem::path> taken = command.files.names();
-  if (!command.observers.file.empty()) taken.push_back(command.observers.file);
   const std::filesystem::path outputs[] = {command.output, command.skyline, command.depth};
-  check_outputs(outputs, command.overwrite, taken);
+  check_outputs(outputs, command.overwrite, command.inputs({command.observers.file}));
 }
 
 visibility::Observer only_observer(const HorizonCommand& command, const VisibilityCloud& cloud) {
   const std::vector<visibility::Observer> observers =
-      load_observers(command.observers, cloud, command.verbosity.verbosity());
+      load_observers(command.observers, cloud, command.verbosity);
   if (observers.size() != 1) {
     throw Error({.problem = "a horizon is that of one place",
                  .expected = "one observer",
@@ -100,9 +88,9 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud,
   options.elevation_min = view.observer.elevation_min;
   options.elevation_max = view.observer.elevation_max;
   options.max_distance = view.observer.max_distance;
-  ProgressLine line("looking around", "azimuths", command.verbosity.verbosity());
-  view.line = visibility::horizon(occluders, view.eye, options, line.callback());
-  line.finish();
+  view.line = with_progress("looking around", "azimuths", command.verbosity, [&](const Progress& progress) {
+    return visibility::horizon(occluders, view.eye, options, progress);
+  });
   if (view.line.empty()) {
     throw Error({.problem = "no azimuth of the field of view is looked at",
                  .expected = "a smaller --step or a wider --horizontal-fov"});
@@ -116,17 +104,16 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud,
 }
 
 void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
-  if (!is_geojson(command.output)) {
-    const std::string text = visibility::horizon_csv(view.line);
-    if (command.output.empty()) return write_to_stdout(text);
-    OutputFile file(command.output, command.overwrite);
-    file.write(std::as_bytes(std::span(text)));
-    return file.commit();
+  std::string text;
+  if (is_geojson(command.output)) {
+    const auto on_globe =
+        image_module().lon_lat(cloud.cloud.cloud.crs, visibility::horizon_places(view.line, view.facts));
+    if (!on_globe && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
+    text = visibility::horizon_geojson(view.line, view.facts, on_globe);
+  } else {
+    text = visibility::horizon_csv(view.line);
   }
-  const auto on_globe =
-      image_module().lon_lat(cloud.cloud.cloud.crs, visibility::horizon_places(view.line, view.facts));
-  if (!on_globe && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
-  const std::string text = visibility::horizon_geojson(view.line, view.facts, on_globe);
+  if (command.output.empty()) return write_to_stdout(text);
   OutputFile file(command.output, command.overwrite);
   file.write(std::as_bytes(std::span(text)));
   file.commit();
@@ -141,9 +128,9 @@ void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, 
   const double from = view.observer.azimuth_min;
   visibility::DepthStrip strip =
       visibility::strip_around(view.line, from, from + width_of_view(view.observer));
-  ProgressLine line("drawing the skyline", "sight lines", command.verbosity.verbosity());
-  visibility::fill_strip(*cloud.occluders, view.eye, view.observer.max_distance, strip, line.callback());
-  line.finish();
+  with_progress("drawing the skyline", "sight lines", command.verbosity, [&](const Progress& progress) {
+    visibility::fill_strip(*cloud.occluders, view.eye, view.observer.max_distance, strip, progress);
+  });
   const glm::dvec3& eye = view.observer.position;
   const visibility::SkylineTexts texts{
       fmt::format("Skyline from {:.2f}, {:.2f}, {:.2f}", eye.x, eye.y, eye.z), sky_text(view.facts.sky),
@@ -152,12 +139,12 @@ void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, 
 }
 
 void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
-  const Verbosity verbosity = command.verbosity.verbosity();
-  const auto [width, height] = command.depth_size;
-  ProgressLine line("measuring the panorama", "sight lines", verbosity);
-  const image::Film film = visibility::depth_panorama(*cloud.occluders, view.eye, width, height,
-                                                      view.observer.max_distance, line.callback());
-  line.finish();
+  const int width = command.depth_size.width, height = command.depth_size.height;
+  const image::Film film = with_progress(
+      "measuring the panorama", "sight lines", command.verbosity, [&](const Progress& progress) {
+        return visibility::depth_panorama(*cloud.occluders, view.eye, width, height,
+                                          view.observer.max_distance, progress);
+      });
   image::OutputSettings output;
   output.file = command.depth;
   output.layers = {image::Layer::depth, image::Layer::distance, image::Layer::id};
@@ -173,7 +160,7 @@ void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, co
 }
 
 void say_findings(const HorizonCommand& command, const View& view) {
-  if (command.verbosity.quiet) return;
+  if (command.verbosity == Verbosity::quiet) return;
   const auto highest = std::ranges::max_element(
       view.line, {},
       [](const visibility::HorizonDirection& direction) { return direction.elevation.value_or(-100.0); });
@@ -195,7 +182,7 @@ ExitCode run(const HorizonCommand& command) {
   check_options(command);
   // Fails before the work if what it ends in cannot be written here.
   if (!command.skyline.empty() || !command.depth.empty() || is_geojson(command.output)) image_module();
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   const auto cloud = load_cloud_alone(command, Attribute::classification);
   const visibility::Observer observer = only_observer(command, *cloud);
   measure_occluders(*cloud, command.occluders, verbosity);
@@ -217,8 +204,8 @@ void add_answers(const Options& horizon, HorizonCommand& command) {
   group.file("--depth", "FILE.exr",
              "also write a panorama of distances (layers Z, distance and id), north in the middle",
              command.depth);
-  group.value("--depth-size", "WxH", "pixels of the panorama (default: 2048x1024)",
-              [&command](const std::string& text) { command.depth_size = parse_image_size(text); });
+  group.value("--depth-size", "WxH", "pixels of the panorama (default: 2048x1024)", command.depth_size,
+              parse_image_size);
   group.number("--step", "DEGREES", "between azimuths; divides 360 (default: 0.5)", command.step, 0.001,
                120.0);
   group.number("--resolution", "DEGREES", "between elevations; divides 90 (default: 0.01)",
@@ -240,7 +227,7 @@ Command add_visibility_horizon(const Options& visibility, const CommandLine& wor
   add_occluder_options(horizon, command->occluders);
   add_answers(horizon, *command);
   add_run_options(horizon, *command);
-  return {horizon, [command] { return with_threads(command->threads, [&] { return run(*command); }); }};
+  return command_of(horizon, command, run);
 }
 
 }  // namespace alidade::tools

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-
-#include <algorithm>
+#include <map>
 
 #include "base/error.h"
+#include "base/huge_memory.h"
+#include "octree/distance.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
-#include "tools/visibility/line_pairs.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
 #include "tools/visibility/row_output.h"
@@ -21,17 +19,175 @@ namespace {
 
 constexpr double k_radio_factor = 4.0 / 3.0;
 
-struct LinesCommand : CloudRequest {
-  CommandLine command_line;
+/// Which sight lines were asked for on the command line.
+struct PairRequest {
+  std::filesystem::path pairs, places;    ///< --pairs, --places; empty: none
+  std::string places_crs;                 ///< --places-crs
+  visibility::ObserverDefaults defaults;  ///< --end-height
+};
+
+struct LinesCommand : VisibilityRequest {
   PairRequest pairs;
   std::optional<double> frequency;                    ///< Hz
   std::optional<std::optional<double>> earth_factor;  ///< empty inside: off
   double end_margin = 0.0;
-  OccluderRequest occluders;
   CheckpointRequest checkpoint;
-  std::filesystem::path output;
-  bool overwrite = false;
 };
+
+/// The ends of lines.
+struct LineEnds {
+  std::vector<visibility::Observer> places;
+  bool are_pairs = false;  ///< first and second end of each line after each other; else all are paired
+};
+
+const visibility::Observer& place_called(const std::map<std::string, const visibility::Observer*>& places,
+                                         const visibility::GivenObserver& end) {
+  const auto found = places.find(end.name);
+  if (found != places.end()) return *found->second;
+  throw Error({.file = end.source,
+               .problem = fmt::format("no place is called '{}'", end.name),
+               .expected = places.empty() ? "places with names (--places), or pairs with coordinates"
+                                          : "a name of --places"});
+}
+
+/// The ends of pairs with coordinates, first and second of each after each other.
+ObserverOptions ends_with_places(const std::vector<visibility::GivenPair>& pairs) {
+  ObserverOptions ends;
+  for (const visibility::GivenPair& pair : pairs) {
+    // Who has no name is called by the pair's number.
+    const std::size_t number = ends.places.size() / 2 + 1;
+    ends.places.push_back(pair.from);
+    if (pair.from.name.empty()) ends.places.back().name = fmt::format("from {}", number);
+    ends.places.push_back(pair.to);
+    if (pair.to.name.empty()) ends.places.back().name = fmt::format("to {}", number);
+  }
+  return ends;
+}
+
+/// Those of pairs with names.
+std::vector<visibility::Observer> ends_with_names(std::span<const visibility::Observer> places,
+                                                  const std::vector<visibility::GivenPair>& pairs) {
+  std::map<std::string, const visibility::Observer*> by_name;
+  for (const visibility::Observer& place : places) {
+    if (!by_name.emplace(place.name, &place).second)
+      throw Error({.problem = fmt::format("two places are called '{}'", place.name)});
+  }
+  std::vector<visibility::Observer> ends;
+  for (const visibility::GivenPair& pair : pairs) {
+    ends.push_back(place_called(by_name, pair.from));
+    ends.push_back(place_called(by_name, pair.to));
+  }
+  return ends;
+}
+
+/// Calls visit(first end, second end) for every line, in order.
+void for_each_pair(const LineEnds& ends, const std::function<void(std::size_t, std::size_t)>& visit) {
+  const std::size_t count = ends.places.size();
+  if (ends.are_pairs) {
+    for (std::size_t i = 0; i + 1 < count; i += 2) visit(i, i + 1);
+    return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t j = i + 1; j < count; ++j) visit(i, j);
+  }
+}
+
+void add_pair_options(const Options& command, PairRequest& request) {
+  const Options group = command.group("Lines");
+  group.file(
+      "--pairs", "FILE",
+      "CSV with a pair per row: names of --places in the columns from and to, or coordinates (see below)",
+      request.pairs);
+  group.file("--places", "FILE",
+             "CSV, GeoJSON, GeoPackage or Shapefile with places, as observers elsewhere; without --pairs "
+             "every one is paired with every other",
+             request.places);
+  group.text(
+      "--places-crs", "CRS",
+      "reference system of the places, such as EPSG:4326 (default: what their file says, of CSV the cloud's)",
+      request.places_crs);
+  group.number("--end-height", "LENGTH",
+               "of ends above their foot (default: 0 for ends with a z, 2 for those on the ground)",
+               request.defaults.height, 0.0, 1e6);
+}
+
+/// Errors that need no cloud: nothing asked for, --places-crs alone.
+void check_pair_request(const PairRequest& request) {
+  if (request.pairs.empty() && request.places.empty())
+    throw Error({.problem = "no sight lines are given", .expected = "--pairs FILE or --places FILE"});
+  if (request.places.empty() && !request.places_crs.empty())
+    throw Error({.problem = "--places-crs is for --places", .expected = "--places FILE"});
+}
+
+/// Reads places and pairs and gives them their places on the cloud. Surfaces need not be measured. Errors:
+/// those of read_pair_table() and load_observers(); names that no place or two have; coordinates beside
+/// --places; a single place.
+LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
+  std::vector<visibility::GivenPair> given;
+  if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
+  const bool has_places = !given.empty() && given.front().has_places;
+  if (has_places && !request.places.empty()) {
+    throw Error({.file = request.pairs.string(),
+                 .problem = "has coordinates of its own",
+                 .expected = "names of --places, or no --places"});
+  }
+  ObserverOptions options;
+  if (has_places) options = ends_with_places(given);
+  options.file = request.places;
+  options.reference = request.places_crs;
+  options.reference_option = "--places-crs";
+  options.defaults = request.defaults;
+  LineEnds ends;
+  ends.are_pairs = !given.empty();
+  if (has_places || !request.places.empty()) ends.places = load_observers(options, cloud, verbosity);
+  if (ends.are_pairs) {
+    if (!has_places) ends.places = ends_with_names(ends.places, given);
+    return ends;
+  }
+  if (ends.places.size() < 2) {
+    throw Error({.file = request.places.string(),
+                 .problem = "holds a single place",
+                 .expected = "two or more, which are paired"});
+  }
+  return ends;
+}
+
+/// Errors: more lines than fit into memory, each with all obstructions that it can have.
+void check_report_memory(const LineEnds& ends, bool has_zones) {
+  std::uint64_t bytes_per_line = sizeof(visibility::LinePair) + sizeof(visibility::LineReport);
+  if (has_zones) bytes_per_line += visibility::k_most_obstructions * sizeof(visibility::Obstruction);
+  const std::uint64_t places = ends.places.size();
+  const std::uint64_t lines = ends.are_pairs ? places / 2 : places * (places - 1) / 2;
+  std::uint64_t bytes = 0;
+  if (__builtin_mul_overflow(lines, bytes_per_line, &bytes))
+    bytes = std::numeric_limits<std::uint64_t>::max();
+  check_memory(bytes, "the reports on all pairs");
+}
+
+/// Errors: a margin at either end that leaves nothing of a line.
+void check_margin(const LineEnds& ends, double margin) {
+  if (margin == 0.0) return;
+  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
+    const double length = distance(ends.places[from].position, ends.places[to].position);
+    if (2.0 * margin < length) return;
+    throw Error({.problem = fmt::format("--end-margin leaves nothing of the line from '{}' to '{}'",
+                                        ends.places[from].name, ends.places[to].name),
+                 .expected = fmt::format("less than half of its {:.6g}", length),
+                 .found = fmt::format("{:.6g}", margin)});
+  });
+}
+
+/// The lines: the pairs of a file, or every place with every other.
+std::vector<visibility::LinePair> pairs_of(const LineEnds& ends, const visibility::Occluders& occluders) {
+  std::vector<visibility::SightEnd> sight_ends;
+  for (const visibility::Observer& place : ends.places)
+    sight_ends.push_back(visibility::end_near_surface(occluders, place.position));
+  std::vector<visibility::LinePair> pairs;
+  for_each_pair(ends, [&](std::size_t from, std::size_t to) {
+    pairs.push_back({ends.places[from].name, sight_ends[from], ends.places[to].name, sight_ends[to]});
+  });
+  return pairs;
+}
 
 /// Metres of the cloud's unit, which wavelengths and the Earth are measured by.
 double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) {
@@ -57,7 +213,7 @@ visibility::LineReportOptions report_options(const LinesCommand& command, const 
 }
 
 void say_result(const LinesCommand& command, const visibility::LineTable& table) {
-  if (command.verbosity.quiet) return;
+  if (command.verbosity == Verbosity::quiet) return;
   const auto visible =
       std::ranges::count_if(table.reports, [](const visibility::LineReport& line) { return !line.blocker; });
   std::string text = fmt::format("{} of {} lines are free", visible, table.reports.size());
@@ -73,17 +229,15 @@ void say_result(const LinesCommand& command, const visibility::LineTable& table)
 void check_options(const LinesCommand& command) {
   chosen_row_form(command.output);
   check_pair_request(command.pairs);
-  std::vector<std::filesystem::path> inputs = command.files.names();
-  for (const std::filesystem::path& input : {command.pairs.pairs, command.pairs.places}) {
-    if (!input.empty()) inputs.push_back(input);
-  }
+  const std::vector<std::filesystem::path> inputs =
+      command.inputs({command.pairs.pairs, command.pairs.places});
   check_writable(command.output, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, {&command.output, 1}, inputs);
 }
 
-Identity identity_of(const Options& words, const VisibilityCloud& cloud,
+Identity identity_of(const LinesCommand& command, const VisibilityCloud& cloud,
                      std::span<const visibility::LinePair> pairs) {
-  Identity identity = run_identity(words, cloud);
+  Identity identity = run_identity(command.checkpoint, cloud);
   std::vector<double> numbers;
   for (const visibility::LinePair& pair : pairs) {
     for (const glm::dvec3& end : {pair.from.position, pair.to.position})
@@ -94,33 +248,32 @@ Identity identity_of(const Options& words, const VisibilityCloud& cloud,
   return identity;
 }
 
-ExitCode run_lines(const LinesCommand& command, const Options& words) {
+ExitCode run_lines(const LinesCommand& command) {
   check_options(command);
-  const Verbosity verbosity = command.verbosity.verbosity();
   load_row_writer(command.output);
   const auto cloud = load_cloud_alone(command, {});
   const visibility::LineReportOptions options = report_options(command, *cloud);
-  visibility::check_line_report(options, command.occluders.transparency);
-  const LineEnds ends = load_line_ends(command.pairs, *cloud, verbosity);
-  check_report_memory(ends, command.frequency ? LineZones::fresnel : LineZones::none);
+  visibility::check_line_report(options, command.occluders.options.transparency);
+  const LineEnds ends = load_line_ends(command.pairs, *cloud, command.verbosity);
+  check_report_memory(ends, command.frequency.has_value());
   check_margin(ends, command.end_margin);
-  measure_occluders(*cloud, command.occluders, verbosity);
-  say_observer_remarks(ends.places, *cloud, verbosity);
+  measure_occluders(*cloud, command.occluders, command.verbosity);
+  say_observer_remarks(ends.places, *cloud, command.verbosity);
   visibility::LineTable table;
   table.pairs = pairs_of(ends, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
   LongRun long_run(
-      command.checkpoint, [&] { return identity_of(words, *cloud, table.pairs); }, verbosity);
-  ProgressLine line("looking along lines", "lines", verbosity);
-  table.reports = visibility::report_lines(*cloud->occluders, table.pairs, options, long_run.progress(line),
-                                           long_run.parts());
-  line.finish();
+      command.checkpoint, [&] { return identity_of(command, *cloud, table.pairs); }, command.verbosity);
+  table.reports =
+      long_run.work("looking along lines", "lines", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);
+      });
   const PointCloud& facts = cloud->cloud.cloud;
-  const bool is_done = visibility::write_lines(table, chosen_row_form(command.output),
-                                               row_file_head(command.command_line, facts),
-                                               to_lon_lat_of(facts.crs), command.output, command.overwrite);
+  const bool is_done =
+      visibility::write_lines(table, chosen_row_form(command.output), row_file_head(command.words, facts),
+                              to_lon_lat_of(facts.crs), command.output, command.overwrite);
   long_run.finish();
-  if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
+  if (!is_done && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
   say_result(command, table);
   return ExitCode::done;
 }
@@ -140,21 +293,20 @@ void add_radio(const Options& lines, LinesCommand& command) {
                 command.frequency = visibility::parse_frequency(text);
                 if (!command.frequency) throw UsageError("expected 1MHz to 1000GHz, found '" + text + "'");
               });
-  group.value(
-      "--earth-radius-factor", "K|off",
-      "lines bend down over the ground of a round Earth with K times its radius; K takes in how air bends "
-      "rays (default: 1.3333 with --frequency, otherwise off)",
-      [&command](const std::string& text) {
-        command.earth_factor.emplace();
-        if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
-      });
+  group.value("--earth-radius-factor", "K|off",
+              "lines bend down over the ground of a round Earth with K times its radius; K takes in how air "
+              "bends rays (default: 1.3333 with --frequency, otherwise off)",
+              [&command](const std::string& text) {
+                command.earth_factor.emplace();
+                if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
+              });
 }
 
 }  // namespace
 
-Command add_visibility_lines(const Options& visibility, const CommandLine& command_line) {
+Command add_visibility_lines(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<LinesCommand>();
-  command->command_line = command_line;
+  command->words = words;
   const Options lines = visibility.command(
       "lines", "Report on sight lines between pairs of places, and on their Fresnel zones");
   add_cloud(lines, *command);
@@ -164,11 +316,9 @@ Command add_visibility_lines(const Options& visibility, const CommandLine& comma
   add_occluder_options(lines, command->occluders);
   lines.file("-o,--output", "FILE", "file to write: .csv, .json or .geojson", command->output).required();
   lines.flag("--overwrite", "replace an existing file", command->overwrite);
-  add_checkpoint_options(lines, command->checkpoint);
+  add_checkpoint_options(lines.group("Long runs"), command->checkpoint);
   add_run_options(lines, *command);
-  return {lines, [command, lines] {
-            return with_threads(command->threads, [&] { return run_lines(*command, lines); });
-          }};
+  return command_of(lines, command, run_lines);
 }
 
 }  // namespace alidade::tools

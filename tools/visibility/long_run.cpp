@@ -2,38 +2,14 @@
 #include "tools/visibility/long_run.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <array>
 #include <string_view>
-#include <utility>
 
-#include "base/checkpoint.h"
 #include "base/error.h"
 #include "base/fingerprint.h"
-#include "tools/console.h"
-#include "tools/options.h"
 #include "visibility/sight_line.h"
 
 namespace alidade::tools {
-
-void add_checkpoint_options(const Options& command, CheckpointRequest& request) {
-  constexpr double k_most_seconds = 1e9;
-  const Options group = command.group("Long runs");
-  const Option checkpoint = group.value(
-      "--checkpoint", "FILE",
-      "keep what has been computed in FILE, every --checkpoint-interval seconds and on Ctrl-C; removed "
-      "once the output is written",
-      [&request](const std::string& text) { request.file = text; });
-  group
-      .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
-              request.interval, 1e-3, k_most_seconds)
-      .needs(checkpoint);
-  group
-      .flag("--resume",
-            "go on from the checkpoint, if it is there; the output has the bytes of an uninterrupted run",
-            request.resume)
-      .needs(checkpoint);
-}
 
 void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                       std::span<const std::filesystem::path> outputs,
@@ -111,10 +87,10 @@ std::string crs_checksum(const Crs& crs) {
 
 }  // namespace
 
-Identity run_identity(const Options& command, const VisibilityCloud& cloud) {
-  Identity identity{{"command", command.name()},
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud) {
+  Identity identity{{"command", request.command->name()},
                     {"version of answers", std::to_string(visibility::k_answers_version)}};
-  for (const auto& [name, words] : command.given()) {
+  for (const auto& [name, words] : request.command->given()) {
     if (std::ranges::find(k_silent_options, name) != k_silent_options.end()) continue;
     identity.push_back({"--" + name, joined(words)});
   }
@@ -130,7 +106,9 @@ Identity run_identity(const Options& command, const VisibilityCloud& cloud) {
   return identity;
 }
 
-void add_to_identity(std::span<const visibility::Observer> observers, Identity& identity) {
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                      std::span<const visibility::Observer> observers) {
+  Identity identity = run_identity(request, cloud);
   std::vector<double> numbers;
   for (const visibility::Observer& one : observers) {
     numbers.insert(numbers.end(), {one.position.x, one.position.y, one.position.z, one.azimuth_min,
@@ -138,6 +116,7 @@ void add_to_identity(std::span<const visibility::Observer> observers, Identity& 
   }
   identity.push_back({"number of observers", std::to_string(observers.size())});
   add_to_identity("observers", numbers, identity);
+  return identity;
 }
 
 void add_to_identity(const geo::RasterGrid& grid, Identity& identity) {
@@ -154,12 +133,10 @@ LongRun::LongRun(const CheckpointRequest& request, const std::function<Identity(
     : verbosity_(verbosity) {
   if (request.file.empty()) return;
   const std::string name = request.file.string();
-  PartsOptions options{.file = request.file, .interval = request.interval, .resume = request.resume};
-  // The next ones will probably fail like the first.
-  options.failed = [said = false](const Error& error) mutable {
-    if (!said) say_warning(std::string("no checkpoint: ") + error.what());
-    said = true;
-  };
+  PartsOptions options{.file = request.file,
+                       .interval = request.interval,
+                       .resume = request.resume,
+                       .failed = checkpoint_warning()};
   parts_.emplace(std::move(options), identity());
   if (!request.resume || verbosity == Verbosity::quiet) return;
   if (parts_->is_kept()) {
@@ -175,8 +152,7 @@ LongRun::~LongRun() {
   if (!parts_ || !parts_->is_kept() || verbosity_ == Verbosity::quiet) return;
   parts_->flush();
   if (parts_->finished() == 0) return;
-  say_note(
-      fmt::format("{} keeps what has been computed; the same command with --resume goes on", parts_->name()));
+  say_how_to_resume(verbosity_, parts_->name());
 }
 
 Progress LongRun::progress(ProgressLine& line) {

@@ -16,31 +16,20 @@
 
 namespace alidade::tools {
 
-/// Whether and where to keep what is finished of a long run.
-struct CheckpointRequest {
-  std::filesystem::path file;  ///< --checkpoint; empty: nothing is kept
-  double interval = 60.0;      ///< --checkpoint-interval, seconds
-  bool resume = false;         ///< --resume
-};
-
-/// Declares the options in a group of their own; they fill `request`.
-void add_checkpoint_options(const Options& command, CheckpointRequest& request);
-
 /// Lets a run fail before it starts. Errors: the checkpoint is one of the outputs or inputs, exists and may
 /// neither be gone on from nor replaced, is another kind of file, or cannot be written.
 void check_checkpoint(const CheckpointRequest& request, bool overwrite,
                       std::span<const std::filesystem::path> outputs,
                       std::span<const std::filesystem::path> inputs);
 
-/// What the answers of a command depend on: its name, all its options but those that cannot change them
-/// (outputs, threads, and how it is watched), the points, surfaces, classes and reference system of the cloud
-/// as it was loaded. Requires that the options were read. Cost: the cloud is read once.
-Identity run_identity(const Options& command, const VisibilityCloud& cloud);
+/// What the answers of a command depend on: its name, all its options but those that cannot change them (outputs,
+/// threads, and how it is watched), the points, surfaces, classes and reference system of the cloud as it was loaded;
+/// and on observers as they are placed. Requires that the options were read. Cost: the cloud is read once.
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud);
+Identity run_identity(const CheckpointRequest& request, const VisibilityCloud& cloud,
+                      std::span<const visibility::Observer> observers);
 
-/// Adds observers as they are placed.
-void add_to_identity(std::span<const visibility::Observer> observers, Identity& identity);
-
-/// The same for the cells of a map.
+/// Adds the cells of a map.
 void add_to_identity(const geo::RasterGrid& grid, Identity& identity);
 
 /// The same for numbers of any other kind; `name` is how a message calls them.
@@ -49,9 +38,8 @@ void add_to_identity(const std::string& name, std::span<const double> numbers, I
 /// A run that keeps what is finished, if that is wanted.
 ///
 ///   LongRun run(command.checkpoint, [&] { return run_identity(...); }, verbosity);
-///   options.parts = run.parts();
-///   options.progress = run.progress(line);
-///   ... compute, write ...
+///   run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) { return ...; });
+///   ... write ...
 ///   run.finish();
 class LongRun {
  public:
@@ -63,15 +51,22 @@ class LongRun {
   LongRun(const LongRun&) = delete;
   LongRun& operator=(const LongRun&) = delete;
 
-  /// Null if nothing is kept.
-  FinishedParts* parts() { return parts_ ? &*parts_ : nullptr; }
-  /// The line's callback, for which parts that were there count as done, but not for the rate. Valid as long
-  /// as both objects.
-  Progress progress(ProgressLine& line);
+  /// What compute(progress, parts) returns, with a ProgressLine around it, for which parts that were there count as
+  /// done, but not for the rate. `parts` is null if nothing is kept.
+  template <class Compute>
+  auto work(const std::string& task, const std::string& unit, const Compute& compute) {
+    ProgressLine line(task, unit, verbosity_);
+    auto result = compute(progress(line), parts_ ? &*parts_ : nullptr);
+    line.finish();
+    return result;
+  }
+
   /// Removes the checkpoint: everything is written.
   void finish();
 
  private:
+  Progress progress(ProgressLine& line);
+
   Verbosity verbosity_;
   std::optional<FinishedParts> parts_;
 };

@@ -9,11 +9,7 @@
 #include "base/words.h"
 #include "geo/map_unit.h"
 #include "image/font.h"
-#include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
-#include "tools/visibility/blocking_cloud.h"
 #include "visibility/raster/map_targets.h"
 
 namespace alidade::tools {
@@ -25,23 +21,6 @@ std::string name_of(double metres) {
   if (std::fabs(metres - 1.0) < k_rounding) return "m";
   return std::fabs(metres - k_foot) < k_rounding ? "ft" : "";
 }
-
-}  // namespace
-
-CloudUnit cloud_unit(const Crs& crs) {
-  if (crs.empty()) return {};
-  CloudUnit unit;
-  unit.metres = image_module().metres_per_unit(crs);
-  if (!unit.metres) {
-    const geo::MapUnit told = geo::map_unit(crs);
-    if (told == geo::MapUnit::unknown) return {};
-    unit.metres = geo::metres_per_unit(told);
-  }
-  unit.name = name_of(*unit.metres);
-  return unit;
-}
-
-namespace {
 
 Bounds parse_area(const std::string& text) {
   std::array<double, 4> numbers{};
@@ -60,18 +39,16 @@ Bounds parse_area(const std::string& text) {
 
 void add_ground(const Options& command, MapOptions& map) {
   const Options group = command.group("Ground");
-  group.choice(
-      "--ground",
-      "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest "
-      "points (default: auto, by class if there is class 2)",
-      map.ground_source,
-      {{"auto", visibility::GroundSource::automatic},
-       {"class", visibility::GroundSource::classified},
-       {"lowest", visibility::GroundSource::lowest}});
+  group.choice("--ground",
+               "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the "
+               "lowest points (default: auto, by class if there is class 2)",
+               map.ground_source,
+               {{"auto", visibility::GroundSource::automatic},
+                {"class", visibility::GroundSource::classified},
+                {"lowest", visibility::GroundSource::lowest}});
   group.number("--ground-cell", "LENGTH",
                "side of the cells whose ground is found (default: the mean distance of the points of these "
-               "classes, or "
-               "four times that of all points)",
+               "classes, or four times that of all points)",
                map.ground_cell, 1e-6, 1e9);
   group.number("--ground-reach", "LENGTH",
                "no ground farther than this from the cloud's points (default: 10)", map.ground_reach, 0.0,
@@ -80,18 +57,28 @@ void add_ground(const Options& command, MapOptions& map) {
 
 }  // namespace
 
+CloudUnit cloud_unit(const Crs& crs) {
+  if (crs.empty()) return {};
+  CloudUnit unit;
+  unit.metres = image_module().metres_per_unit(crs);
+  if (!unit.metres) {
+    const geo::MapUnit told = geo::map_unit(crs);
+    if (told == geo::MapUnit::unknown) return {};
+    unit.metres = geo::metres_per_unit(told);
+  }
+  unit.name = name_of(*unit.metres);
+  return unit;
+}
+
 void add_map_options(const Options& command, MapOptions& map) {
-  command.group(k_map_group)
-      .file("--preview", "FILE.png", "also draw it: relief, marks, scale bar, legend", map.preview);
-  command.group(k_map_group)
-      .number("--resolution", "LENGTH",
-              "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
-              "none "
-              "smaller than those of the ground)",
-              map.resolution, 1e-6, 1e9);
-  command.group(k_map_group)
-      .value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)",
-             [&map](const std::string& text) { map.area = parse_area(text); });
+  const Options group = command.group(k_map_group);
+  group.file("--preview", "FILE.png", "also draw it: relief, marks, scale bar, legend", map.preview);
+  group.number("--resolution", "LENGTH",
+               "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a "
+               "side, none smaller than those of the ground)",
+               map.resolution, 1e-6, 1e9);
+  group.value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
+              parse_area);
   add_ground(command, map);
 }
 
@@ -124,7 +111,7 @@ visibility::Ground find_map_ground(const MapOptions& map, const VisibilityCloud&
   options.cell_size = map.ground_cell;
   options.reach = map.ground_reach.value_or(options.reach);
   visibility::Ground ground = find_ground(cloud, options, verbosity);
-  if (verbosity != Verbosity::quiet) say_note("ground: " + ground_text(ground));
+  say_note(verbosity, "ground: " + ground_text(ground));
   return ground;
 }
 
@@ -150,10 +137,8 @@ geo::RasterGrid map_grid(const MapOptions& map, const Bounds& area, const visibi
   const double usual = visibility::usual_resolution(area, ground.heights().grid.cell_size);
   const geo::RasterGrid grid = geo::grid_over(area, map.resolution.value_or(usual));
   geo::check_map_memory(grid, bands);
-  if (verbosity != Verbosity::quiet) {
-    say_note(fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
-                         unit.empty() ? "" : " ", unit));
-  }
+  say_note(verbosity, fmt::format("map: {} x {} cells of {:g}{}{}", grid.columns, grid.rows, grid.cell_size,
+                                  unit.empty() ? "" : " ", unit));
   return grid;
 }
 

@@ -3,15 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <utility>
-
 #include "base/error.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
-#include "tools/visibility/blocking_cloud.h"
-#include "visibility/observers.h"
 
 namespace alidade::tools {
 namespace {
@@ -28,20 +21,17 @@ std::pair<double, double> parse_angles(const std::string& text, double least, do
 void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
   group.value("--max-distance,--md,--max_distance", "LENGTH",
               "nothing farther from the observer is seen (default: inf); along the line of sight",
-              [&defaults](const std::string& text) {
-                defaults.max_distance =
-                    parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
-              });
-  const Option azimuths = group.value(
-      "--horizontal-fov", "A0,A1",
-      "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks north "
-      "(default: 0,360)",
-      [&defaults](const std::string& text) {
-        const auto [from, to] = parse_angles(text, -360.0, 720.0);
-        if (from == to) throw UsageError("expected two angles that differ, found '" + text + "'");
-        defaults.azimuth_min = from;
-        defaults.azimuth_max = to;
-      });
+              defaults.max_distance, parse_distance_limit);
+  const Option azimuths =
+      group.value("--horizontal-fov", "A0,A1",
+                  "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks "
+                  "north (default: 0,360)",
+                  [&defaults](const std::string& text) {
+                    const auto [from, to] = parse_angles(text, -360.0, 720.0);
+                    if (from == to) throw UsageError("expected two angles that differ, found '" + text + "'");
+                    defaults.azimuth_min = from;
+                    defaults.azimuth_max = to;
+                  });
   group
       .value("--direction_range", "D0,D1",
              "the same as r.viewshed has it: from D0 to D1 counterclockwise, 0 is east",
@@ -94,18 +84,17 @@ void add_observer_options(const Options& command, ObserverOptions& options) {
       "repeated",
       [&options](const std::string& text) { options.places.push_back(visibility::parse_observer(text)); });
   group.file("--observers", "FILE",
-             "observers from a file: CSV with the header x,y[,z][,name][,height][,azimuth_min][,azimuth_max]"
-             "[,elevation_min][,elevation_max][,max_distance], or points of GeoJSON, GeoPackage or Shapefile "
-             "with attributes of these names",
+             "observers from a file: CSV with the header "
+             "x,y[,z][,name][,height][,azimuth_min][,azimuth_max][,elevation_min][,elevation_max][,max_"
+             "distance], or points of GeoJSON, GeoPackage or Shapefile with attributes of these names",
              options.file);
-  group.value(
-      "--observers-crs", "SYSTEM|cloud",
-      "reference system of the observers, as EPSG:4326 (x is east), whatever their file says; cloud: the "
-      "cloud's own (default: the file's, of CSV and --observer the cloud's)",
-      [&options](const std::string& text) {
-        if (text.empty()) throw UsageError("expected a reference system, found nothing");
-        options.reference = text;
-      });
+  group.value("--observers-crs", "SYSTEM|cloud",
+              "reference system of the observers, as EPSG:4326 (x is east), whatever their file says; cloud: "
+              "the cloud's own (default: the file's, of CSV and --observer the cloud's)",
+              [&options](const std::string& text) {
+                if (text.empty()) throw UsageError("expected a reference system, found nothing");
+                options.reference = text;
+              });
   group.number("--observer-grid", "LENGTH",
                "an observer on the ground in every square cell of this width over the cloud's extent",
                options.grid, 1e-3, 1e9);
@@ -133,10 +122,9 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
   const visibility::GroundHeight height_at =
       ground ? ground : [&](const glm::dvec2& place) { return own_ground->at(place); };
   if (options.grid) {
-    ProgressLine line("placing observers", "cells", verbosity);
-    const auto grid =
-        visibility::observer_grid(cloud.octree().bounds(), *options.grid, height_at, line.callback());
-    line.finish();
+    const auto grid = with_progress("placing observers", "cells", verbosity, [&](const Progress& progress) {
+      return visibility::observer_grid(cloud.octree().bounds(), *options.grid, height_at, progress);
+    });
     given.insert(given.end(), grid.begin(), grid.end());
   }
   std::vector<visibility::Observer> observers =

@@ -42,8 +42,7 @@ std::vector<visibility::Observer> load_observers(const ObserverOptions& options,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground = {});
 
-/// Says what is strange about observers: observer_remarks() of visibility/observers.h. Requires
-/// measured occluders.
+/// Says what is strange about observers: observer_remarks() of visibility/observers.h. Requires measured occluders.
 void say_observer_remarks(std::span<const visibility::Observer> observers, const VisibilityCloud& cloud,
                           Verbosity verbosity);
 

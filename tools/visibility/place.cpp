@@ -1,15 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
-
-#include <bitset>
 #include <map>
 
 #include "base/error.h"
-#include "image/image_file.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
@@ -20,23 +15,16 @@
 namespace alidade::tools {
 namespace {
 
-struct PlaceCommand : CloudRequest {
-  CommandLine command_line;
+struct PlaceCommand : VisibilityRequest {
   ObserverOptions candidates;
   std::optional<double> target_height;
   double target_spacing = 1.0;
   std::optional<std::bitset<256>> target_classes;
   std::map<int, double> class_weights;
   std::size_t count = 0;
-  OccluderRequest occluders;
   CheckpointRequest checkpoint;
-  std::filesystem::path output, curve;
-  bool overwrite = false;
+  std::filesystem::path curve;
 };
-
-int parse_class(const std::string& text) {
-  return static_cast<int>(parse_count(text, 0, 255));
-}
 
 /// "2=1,6=5".
 std::map<int, double> parse_weights(const std::string& text) {
@@ -45,7 +33,7 @@ std::map<int, double> parse_weights(const std::string& text) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos)
       throw UsageError("expected CLASS=WEIGHT, as 6=2.5, found '" + word + "'");
-    const int number = parse_class(word.substr(0, equals));
+    const auto number = static_cast<int>(parse_count(word.substr(0, equals), 0, 255));
     if (!weights.emplace(number, parse_number(word.substr(equals + 1), 0.0, 1e9)).second)
       throw UsageError(fmt::format("class {} is weighed twice", number));
   }
@@ -55,8 +43,7 @@ std::map<int, double> parse_weights(const std::string& text) {
 /// Errors that need no cloud.
 void check_options(const PlaceCommand& command) {
   chosen_row_form(command.output);
-  std::vector<std::filesystem::path> inputs = command.files.names();
-  if (!command.candidates.file.empty()) inputs.push_back(command.candidates.file);
+  const std::vector<std::filesystem::path> inputs = command.inputs({command.candidates.file});
   const std::filesystem::path outputs[] = {command.output, command.curve};
   if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png) {
     throw Error({.file = command.curve.string(),
@@ -96,7 +83,7 @@ std::vector<double> weights_of(const PlaceCommand& command, const VisibilityClou
 }
 
 void say_result(const PlaceCommand& command, const visibility::Placement& placement) {
-  if (command.verbosity.quiet) return;
+  if (command.verbosity == Verbosity::quiet) return;
   const double covered = placement.places.back().covered;
   say_note(fmt::format("{} places see {:.2f} % of the targets; no choice of {} sees more than {:.2f} %",
                        placement.places.size(), 100.0 * covered / placement.total, command.count,
@@ -104,9 +91,9 @@ void say_result(const PlaceCommand& command, const visibility::Placement& placem
   if (placement.places.size() < command.count) say_note("more places would add nothing");
 }
 
-ExitCode run_place(const PlaceCommand& command, const Options& words) {
+ExitCode run_place(const PlaceCommand& command) {
   check_options(command);
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   load_row_writer(command.output);
   if (!command.curve.empty()) image_module();
   const auto cloud = load_cloud_alone(command, {});
@@ -115,19 +102,14 @@ ExitCode run_place(const PlaceCommand& command, const Options& words) {
   visibility::check_coverage(candidates.size(), targets.size());
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(candidates, *cloud, verbosity);
-  if (!command.verbosity.quiet)
-    say_note(fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
-  const auto identity = [&] {
-    Identity made = run_identity(words, *cloud);
-    add_to_identity(candidates, made);
-    return made;
-  };
-  LongRun long_run(command.checkpoint, identity, verbosity);
-  ProgressLine line("looking", "sight lines", verbosity);
+  say_note(command.verbosity, fmt::format("{} candidates, {} targets", candidates.size(), targets.size()));
+  LongRun long_run(
+      command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, candidates); }, verbosity);
   const visibility::Coverage coverage =
-      visibility::see_targets(*cloud->occluders, candidates, targets, command.target_height.value_or(0.0),
-                              long_run.progress(line), long_run.parts());
-  line.finish();
+      long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::see_targets(*cloud->occluders, candidates, targets,
+                                       command.target_height.value_or(0.0), progress, parts);
+      });
   const visibility::Placement placement =
       visibility::choose_places(coverage, command.count, weights_of(command, *cloud, targets));
   if (placement.places.empty()) {
@@ -137,9 +119,9 @@ ExitCode run_place(const PlaceCommand& command, const Options& words) {
   }
   const PointCloud& facts = cloud->cloud.cloud;
   const bool is_done = visibility::write_placement(
-      placement, candidates, chosen_row_form(command.output), row_file_head(command.command_line, facts),
+      placement, candidates, chosen_row_form(command.output), row_file_head(command.words, facts),
       to_lon_lat_of(facts.crs), command.output, command.overwrite);
-  if (!is_done && !command.verbosity.quiet) warn_of_cloud_coordinates(command.output);
+  if (!is_done && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
   if (!command.curve.empty())
     image_module().write_coverage_picture(placement, command.curve, command.overwrite);
   long_run.finish();
@@ -157,13 +139,9 @@ void add_targets(const Options& place, PlaceCommand& command) {
                command.target_height, 0.0, 1e6);
   group.value("--target-classes", "LIST",
               "points of these classes only, as 2,11 (default: all but those of --ignore-classes)",
-              [&command](const std::string& text) {
-                command.target_classes.emplace();
-                for (const std::string& word : split_list(text))
-                  command.target_classes->set(static_cast<std::size_t>(parse_class(word)));
-              });
+              command.target_classes, parse_classes);
   group.value("--class-weights", "LIST", "how much targets of a class count, as 6=5,2=0.5 (default: 1 each)",
-              [&command](const std::string& text) { command.class_weights = parse_weights(text); });
+              command.class_weights, parse_weights);
 }
 
 void add_answers(const Options& place, PlaceCommand& command) {
@@ -171,8 +149,7 @@ void add_answers(const Options& place, PlaceCommand& command) {
   group.count("--count", "K", "how many places to choose", command.count, 1, 1'000'000'000).required();
   group
       .file("-o,--output", "FILE",
-            "file to write: .csv, .json or .geojson; a row per place, with what it and those before it "
-            "cover",
+            "file to write: .csv, .json or .geojson; a row per place, with what it and those before it cover",
             command.output)
       .required();
   group.file("--curve", "FILE.png", "picture of what each further place adds", command.curve);
@@ -181,20 +158,18 @@ void add_answers(const Options& place, PlaceCommand& command) {
 
 }  // namespace
 
-Command add_visibility_place(const Options& visibility, const CommandLine& command_line) {
+Command add_visibility_place(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<PlaceCommand>();
-  command->command_line = command_line;
+  command->words = words;
   const Options place = visibility.command("place", "Choose the few of many places from which one sees most");
   add_cloud(place, *command);
   add_observer_options(place, command->candidates);
   add_targets(place, *command);
   add_occluder_options(place, command->occluders);
   add_answers(place, *command);
-  add_checkpoint_options(place, command->checkpoint);
+  add_checkpoint_options(place.group("Long runs"), command->checkpoint);
   add_run_options(place, *command);
-  return {place, [command, place] {
-            return with_threads(command->threads, [&] { return run_place(*command, place); });
-          }};
+  return command_of(place, command, run_place);
 }
 
 }  // namespace alidade::tools

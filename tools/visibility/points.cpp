@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "base/output_file.h"
 #include "base/words.h"
 #include "tools/cloud/write_points.h"
 #include "tools/command.h"
-#include "tools/console.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/observer_options.h"
@@ -20,14 +16,12 @@ namespace {
 
 enum class BlockerColumns { none, all };
 
-struct PointsCommand : CloudRequest {
+struct PointsCommand : VisibilityRequest {
   ObserverOptions observers;
-  OccluderRequest occluders;
   CheckpointRequest checkpoint;
   int sub_rays = 1;
   std::optional<BlockerColumns> blockers;
-  std::filesystem::path output, lists;
-  bool overwrite = false;
+  std::filesystem::path lists;
 };
 
 /// "observer,point_id" for every point that an observer sees.
@@ -93,8 +87,7 @@ std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
 /// Errors that need no cloud.
 void check_options(const PointsCommand& command) {
   check_points_name(command.output);
-  std::vector<std::filesystem::path> inputs = command.files.names();
-  if (!command.observers.file.empty()) inputs.push_back(command.observers.file);
+  const std::vector<std::filesystem::path> inputs = command.inputs({command.observers.file});
   const std::filesystem::path outputs[] = {command.output, command.lists};
   check_outputs(outputs, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
@@ -135,7 +128,7 @@ visibility::PointVisibilityOptions visibility_options(const PointsCommand& comma
   return options;
 }
 
-visibility::PointVisibility look(const PointsCommand& command, const VisibilityCloud& cloud,
+visibility::PointVisibility look(const VisibilityCloud& cloud,
                                  std::span<const visibility::Observer> observers,
                                  visibility::PointVisibilityOptions options, LongRun& long_run,
                                  std::optional<SeenList>& list) {
@@ -144,17 +137,16 @@ visibility::PointVisibility look(const PointsCommand& command, const VisibilityC
       list->add(number + 1, seen);
     };
   }
-  ProgressLine line("looking", "sight lines", command.verbosity.verbosity());
-  options.parts = long_run.parts();
-  options.progress = long_run.progress(line);
-  visibility::PointVisibility seen = visibility::point_visibility(*cloud.occluders, observers, options);
-  line.finish();
-  return seen;
+  return long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+    options.progress = progress;
+    options.parts = parts;
+    return visibility::point_visibility(*cloud.occluders, observers, options);
+  });
 }
 
-ExitCode run(const PointsCommand& command, const Options& words) {
+ExitCode run(const PointsCommand& command) {
   check_options(command);
-  const Verbosity verbosity = command.verbosity.verbosity();
+  const Verbosity verbosity = command.verbosity;
   const auto cloud = load_cloud_alone(command, AttributeSet::all());
   const std::vector<visibility::Observer> observers = load_observers(command.observers, *cloud, verbosity);
   check_observer_count(command, observers.size());
@@ -162,31 +154,26 @@ ExitCode run(const PointsCommand& command, const Options& words) {
       visibility_options(command, cloud->octree().size(), observers.size());
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
-  if (observers.size() > visibility::k_most_mask_observers && command.lists.empty() &&
-      !command.verbosity.quiet) {
+  if (observers.size() > visibility::k_most_mask_observers && command.lists.empty()) {
     say_note(
+        verbosity,
         fmt::format("{} observers are more than the {} bits of VisibleBy; --lists FILE tells who sees what",
                     observers.size(), visibility::k_most_mask_observers));
   }
-  const auto identity = [&] {
-    Identity made = run_identity(words, *cloud);
-    add_to_identity(observers, made);
-    return made;
-  };
-  LongRun long_run(command.checkpoint, identity, verbosity);
+  LongRun long_run(
+      command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, observers); }, verbosity);
   std::optional<SeenList> list;
   if (!command.lists.empty()) list.emplace(command.lists, command.overwrite);
-  const visibility::PointVisibility seen = look(command, *cloud, observers, options, long_run, list);
+  const visibility::PointVisibility seen = look(*cloud, observers, options, long_run, list);
   write_points(command.output, cloud->cloud, columns_of(seen), command.overwrite, verbosity);
   if (list) list->finish();
   long_run.finish();
-  if (!command.verbosity.quiet) {
-    const auto count = static_cast<std::size_t>(std::ranges::count_if(
-        seen.counts, [](std::uint32_t observers_of_it) { return observers_of_it > 0; }));
-    say_note(fmt::format("{} of {} points are seen ({:.1f} %); wrote {}", count, seen.counts.size(),
-                         100.0 * static_cast<double>(count) / static_cast<double>(seen.counts.size()),
-                         command.output.string()));
-  }
+  const auto count = static_cast<std::size_t>(
+      std::ranges::count_if(seen.counts, [](std::uint32_t observers_of_it) { return observers_of_it > 0; }));
+  say_note(verbosity,
+           fmt::format("{} of {} points are seen ({:.1f} %); wrote {}", count, seen.counts.size(),
+                       100.0 * static_cast<double>(count) / static_cast<double>(seen.counts.size()),
+                       command.output.string()));
   return ExitCode::done;
 }
 
@@ -196,15 +183,13 @@ void add_answers(const Options& points, PointsCommand& command) {
       .file("-o,--output", "FILE.las|FILE.laz|FILE.ply", "cloud to write: LAS 1.4, LAZ or PLY, by the ending",
             command.output)
       .required();
-  group.count(
-      "--fraction", "N",
-      "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the share of "
-      "them that is seen (default: off)",
-      command.sub_rays, 2, visibility::k_most_sub_rays);
+  group.count("--fraction", "N",
+              "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the "
+              "share of them that is seen (default: off)",
+              command.sub_rays, 2, visibility::k_most_sub_rays);
   group.choice("--blockers",
-               "whether to tell what blocks the view of each point (default: all for one "
-               "observer, else none); none is "
-               "faster",
+               "whether to tell what blocks the view of each point (default: all for one observer, else "
+               "none); none is faster",
                command.blockers, {{"all", BlockerColumns::all}, {"none", BlockerColumns::none}});
   group.file("--lists", "FILE.csv",
              "also write who sees what: CSV observer,point_id, for any number of observers", command.lists);
@@ -221,11 +206,9 @@ Command add_visibility_points(const Options& visibility) {
   add_observer_options(points, command->observers);
   add_occluder_options(points, command->occluders);
   add_answers(points, *command);
-  add_checkpoint_options(points, command->checkpoint);
+  add_checkpoint_options(points.group("Long runs"), command->checkpoint);
   add_run_options(points, *command);
-  return {points, [command, points] {
-            return with_threads(command->threads, [&] { return run(*command, points); });
-          }};
+  return command_of(points, command, run);
 }
 
 }  // namespace alidade::tools

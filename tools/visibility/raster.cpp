@@ -1,19 +1,10 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <algorithm>
 #include <chrono>
-#include <filesystem>
-#include <memory>
-#include <optional>
-#include <string>
-#include <vector>
 
 #include "base/error.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
@@ -23,62 +14,45 @@
 #include "visibility/raster/viewshed_file.h"
 
 namespace alidade::tools {
+namespace {
 
 /// Whose defaults hold for what is not said.
 enum class DefaultSet { gdal, grass };
 
 /// What was asked of `alidade visibility raster`.
-struct RasterCommand : CloudRequest {
+struct RasterCommand : VisibilityRequest {
   ObserverOptions observers;
-  OccluderRequest occluders;
   MapOptions map;
   CheckpointRequest checkpoint;
-  std::optional<DefaultSet> like;                ///< empty: gdal
-  std::optional<visibility::ViewshedMode> mode;  ///< empty: visible
+  DefaultSet like = DefaultSet::gdal;
+  visibility::ViewshedMode mode = visibility::ViewshedMode::visible;
   std::optional<double> curvature;
   std::optional<double> highest;
   std::optional<int> places_across;
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
-  std::filesystem::path output;
-  bool overwrite = false;
 };
-
-inline DefaultSet default_set(const RasterCommand& command) {
-  return command.like.value_or(DefaultSet::gdal);
-}
-
-namespace {
-
-void add_output(const Options& raster, RasterCommand& command) {
-  raster.group(k_map_group)
-      .file("-o,--output", "FILE.tif", "map to write: cloud-optimised GeoTIFF", command.output)
-      .required();
-  raster.group(k_map_group).flag("--overwrite", "replace existing files", command.overwrite);
-}
 
 void add_values(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Values");
-  group.choice(
-      "--mode",
-      "visible: whether any observer sees the middle of the cell; count: how many do; height: the lowest "
-      "height above the ground that is seen, to 0.01; fraction: share of free sight lines over observers and "
-      "places of the cell (default: visible)",
-      command.mode,
-      {{"visible", visibility::ViewshedMode::visible},
-       {"count", visibility::ViewshedMode::count},
-       {"height", visibility::ViewshedMode::height},
-       {"fraction", visibility::ViewshedMode::fraction}});
+  group.choice("--mode",
+               "visible: whether any observer sees the middle of the cell; count: how many do; height: the "
+               "lowest height above the ground that is seen, to 0.01; fraction: share of free sight lines "
+               "over observers and places of the cell (default: visible)",
+               command.mode,
+               {{"visible", visibility::ViewshedMode::visible},
+                {"count", visibility::ViewshedMode::count},
+                {"height", visibility::ViewshedMode::height},
+                {"fraction", visibility::ViewshedMode::fraction}});
   const auto add_byte = [&](const char* names, const char* help, std::optional<std::uint8_t>& target) {
     group.count(names, "0..255", help, target, 0, 255);
   };
   add_byte("--visible-value,--vv", "of --mode visible: of cells that are seen (default: gdal 255, grass 1)",
            command.visible_value);
   add_byte("--invisible-value,--iv", "of cells that are not (default: 0)", command.invisible_value);
-  add_byte(
-      "--out-of-range-value,--ov",
-      "of cells that nobody looks at: too far, or outside of the field of view (default: gdal 0, grass no "
-      "data)",
-      command.out_of_range_value);
+  add_byte("--out-of-range-value,--ov",
+           "of cells that nobody looks at: too far, or outside of the field of view (default: gdal 0, grass "
+           "no data)",
+           command.out_of_range_value);
   group.number(
       "--highest", "LENGTH",
       "of --mode height: nothing higher is tried; stands for what is not even seen there (default: 200)",
@@ -89,12 +63,11 @@ void add_values(const Options& raster, RasterCommand& command) {
 
 void add_sight(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Sight");
-  group.choice(
-      "--like",
-      "whose defaults hold for what is not said. gdal (gdal_viewshed): observers 2 above the ground, "
-      "curvature 0.85714 where the cloud's unit is known; grass (r.viewshed): observers 1.75 above the "
-      "ground, curvature 0, values 1 and 0, no data out of range (default: gdal)",
-      command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}});
+  group.choice("--like",
+               "whose defaults hold for what is not said. gdal (gdal_viewshed): observers 2 above the "
+               "ground, curvature 0.85714 where the cloud's unit is known; grass (r.viewshed): observers "
+               "1.75 above the ground, curvature 0, values 1 and 0, no data out of range (default: gdal)",
+               command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}});
   const Option curvature = group.number(
       "--curvature,--cc", "C",
       "how much of the Earth's curvature counts: 0 flat, 1 without air, 0.85714 for light, 0.75 for radio",
@@ -105,45 +78,21 @@ void add_sight(const Options& raster, RasterCommand& command) {
       .excludes(curvature);
 }
 
-}  // namespace
-
-/// Declares the command's options; they fill what is returned.
-std::shared_ptr<RasterCommand> add_raster_options(const Options& raster) {
-  auto command = std::make_shared<RasterCommand>();
-  add_cloud(raster, *command);
-  add_output(raster, *command);
-  add_map_options(raster, command->map);
-  add_values(raster, *command);
-  add_observer_options(raster, command->observers);
-  add_target_height(raster.group(k_observer_group), command->map.target_height);
-  add_sight(raster, *command);
-  add_occluder_options(raster, command->occluders);
-  add_checkpoint_options(raster, command->checkpoint);
-  add_run_options(raster, *command);
-  return command;
-}
-
 /// The values of the chosen set, but for those that were given.
 visibility::SeenValues seen_values_of(const RasterCommand& command) {
   visibility::SeenValues values;
-  if (default_set(command) == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
+  if (command.like == DefaultSet::grass) values = {.visible = 1, .invisible = 0, .out_of_range = {}};
   values.visible = command.visible_value.value_or(values.visible);
   values.invisible = command.invisible_value.value_or(values.invisible);
   if (command.out_of_range_value) values.out_of_range = command.out_of_range_value;
   return values;
 }
 
-namespace {
-
 constexpr const char* k_mode_words[] = {"visible", "count", "height", "fraction"};
-
-visibility::ViewshedMode mode_of(const RasterCommand& command) {
-  return command.mode.value_or(visibility::ViewshedMode::visible);
-}
 
 /// Errors: options that mean nothing for the mode, or nothing together.
 void check_values(const RasterCommand& command) {
-  const visibility::ViewshedMode mode = mode_of(command);
+  const visibility::ViewshedMode mode = command.mode;
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
     if (!is_given || mode == of) return;
     throw Error({.problem = "option " + option + " means nothing for this map",
@@ -169,8 +118,7 @@ void check_values(const RasterCommand& command) {
 void check_options(const RasterCommand& command) {
   check_values(command);
   geo::check_raster_name(command.output);
-  std::vector<std::filesystem::path> others = command.files.names();
-  if (!command.observers.file.empty()) others.push_back(command.observers.file);
+  std::vector<std::filesystem::path> others = command.inputs({command.observers.file});
   check_writable(command.output, command.overwrite, others);
   check_checkpoint(command.checkpoint, command.overwrite, {{command.output, command.map.preview}}, others);
   others.push_back(command.output);
@@ -179,14 +127,14 @@ void check_options(const RasterCommand& command) {
 
 /// Sight bent as asked for, or as the chosen set has it where the cloud's unit is known.
 visibility::SightCurve curve_of(const RasterCommand& command, const CloudUnit& unit) {
-  const bool usual = default_set(command) == DefaultSet::gdal && unit.metres;
+  const bool usual = command.like == DefaultSet::gdal && unit.metres;
   return visibility::SightCurve(command.curvature.value_or(usual ? visibility::k_usual_curvature : 0.0),
                                 unit.metres.value_or(1.0));
 }
 
 visibility::ViewshedOptions options_of(const RasterCommand& command, const CloudUnit& unit) {
   visibility::ViewshedOptions options;
-  options.mode = mode_of(command);
+  options.mode = command.mode;
   options.target_height = command.map.target_height.value_or(0.0);
   options.curve = curve_of(command, unit);
   options.places_across = command.places_across.value_or(options.places_across);
@@ -200,7 +148,7 @@ std::string sight_text(const RasterCommand& command, const visibility::ViewshedO
   std::string text = fmt::format(
       "defaults like {}; observers {:g} above the ground, {:g} above a z of their own; targets {:g} above "
       "the ground; curvature {:g}; maximum distance {:g}; azimuth {:g} to {:g}, elevation {:g} to {:g}",
-      default_set(command) == DefaultSet::gdal ? "gdal_viewshed" : "r.viewshed",
+      command.like == DefaultSet::gdal ? "gdal_viewshed" : "r.viewshed",
       defaults.height.value_or(defaults.height_on_ground), defaults.height.value_or(0.0),
       options.target_height, options.curve.coefficient(), defaults.max_distance, defaults.azimuth_min,
       defaults.azimuth_max, defaults.elevation_min, defaults.elevation_max);
@@ -228,11 +176,10 @@ void add_observers(std::span<const visibility::Observer> observers, MapMetadata&
 }
 
 /// All that the values depend on.
-Identity identity_of(const Options& given, const VisibilityCloud& cloud,
+Identity identity_of(const CheckpointRequest& request, const VisibilityCloud& cloud,
                      std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
                      const visibility::ViewshedOptions& options) {
-  Identity identity = run_identity(given, cloud);
-  add_to_identity(observers, identity);
+  Identity identity = run_identity(request, cloud, observers);
   add_to_identity(grid, identity);
   identity.push_back({"curvature", fmt::format("{:.17g}", options.curve.drop(1.0))});
   return identity;
@@ -240,24 +187,20 @@ Identity identity_of(const Options& given, const VisibilityCloud& cloud,
 
 visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground& ground,
                           std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
-                          visibility::ViewshedOptions options, LongRun& long_run, Verbosity verbosity) {
-  ProgressLine line("looking", "sight lines", verbosity);
-  options.progress = long_run.progress(line);
-  options.parts = long_run.parts();
-  visibility::Viewshed seen = visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
-  line.finish();
-  return seen;
+                          visibility::ViewshedOptions options, LongRun& long_run) {
+  return long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+    options.progress = progress;
+    options.parts = parts;
+    return visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
+  });
 }
 
-ExitCode run(RasterCommand command, const CommandLine& words, const Options& given) {
+ExitCode run(const RasterCommand& given) {
   constexpr double k_grass_observer = 1.75;
-  check_options(command);
-  const Verbosity verbosity = command.verbosity.verbosity();
-  const auto say = [&](const std::string& text) {
-    if (verbosity != Verbosity::quiet) say_note(text);
-  };
-  if (default_set(command) == DefaultSet::grass)
-    command.observers.defaults.height_on_ground = k_grass_observer;
+  check_options(given);
+  RasterCommand command = given;
+  const Verbosity verbosity = command.verbosity;
+  if (command.like == DefaultSet::grass) command.observers.defaults.height_on_ground = k_grass_observer;
   const auto cloud = load_cloud_alone(command, AttributeSet());
   const Crs& crs = cloud->cloud.cloud.crs;
   const CloudUnit unit = cloud_unit(crs);
@@ -269,21 +212,23 @@ ExitCode run(RasterCommand command, const CommandLine& words, const Options& giv
       map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers), ground, 1,
                unit.name, verbosity);
   const std::string sight = sight_text(command, options);
-  say("sight: " + sight);
+  say_note(verbosity, "sight: " + sight);
   LongRun long_run(
-      command.checkpoint, [&] { return identity_of(given, *cloud, observers, grid, options); }, verbosity);
+      command.checkpoint, [&] { return identity_of(command.checkpoint, *cloud, observers, grid, options); },
+      verbosity);
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
 
   const auto start = std::chrono::steady_clock::now();
-  const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run, verbosity);
+  const visibility::Viewshed seen = look(*cloud, ground, observers, grid, options, long_run);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   const visibility::ViewshedBand band =
       visibility::viewshed_band(seen, options.mode, seen_values_of(command), observers.size(), unit.name);
-  geo::RasterContents contents{.grid = grid,
-                               .bands = {band.band()},
-                               .crs = crs,
-                               .metadata = map_metadata(words, command.files.names(), *cloud, ground)};
+  geo::RasterContents contents{
+      .grid = grid,
+      .bands = {band.band()},
+      .crs = crs,
+      .metadata = map_metadata(command.words, command.files.names(), *cloud, ground)};
   contents.metadata.emplace_back("alidade_mode", k_mode_words[static_cast<std::size_t>(options.mode)]);
   contents.metadata.emplace_back("alidade_sight", sight);
   add_observers(observers, contents.metadata);
@@ -297,23 +242,33 @@ ExitCode run(RasterCommand command, const CommandLine& words, const Options& giv
   const std::string at_height = options.mode == visibility::ViewshedMode::height
                                     ? fmt::format("at {:g} above the ground ", options.target_height)
                                     : "";
-  say(fmt::format(
-      "{} sight lines in {:.1f} s ({}/s); seen {}{:.1f} % of the cells in range, {} cells without a value; "
-      "wrote {}",
-      short_count(static_cast<double>(seen.line_count)), seconds,
-      short_count(static_cast<double>(seen.line_count) / seconds), at_height, share.percent, share.without,
-      command.output.string()));
+  say_note(verbosity, fmt::format("{} sight lines in {:.1f} s ({}/s); seen {}{:.1f} % of the cells in range, "
+                                  "{} cells without a value; wrote {}",
+                                  short_count(static_cast<double>(seen.line_count)), seconds,
+                                  short_count(static_cast<double>(seen.line_count) / seconds), at_height,
+                                  share.percent, share.without, command.output.string()));
   return ExitCode::done;
 }
 
 }  // namespace
 
-Command add_visibility_raster(const Options& visibility, const CommandLine& command_line) {
+Command add_visibility_raster(const Options& visibility, const CommandLine& words) {
   const Options raster = visibility.command("raster", "Make a map of what is seen of the ground: a viewshed");
-  const std::shared_ptr<RasterCommand> command = add_raster_options(raster);
-  return {raster, [command, command_line, raster] {
-            return with_threads(command->threads, [&] { return run(*command, command_line, raster); });
-          }};
+  auto command = std::make_shared<RasterCommand>();
+  command->words = words;
+  const Options map = raster.group(k_map_group);
+  add_cloud(raster, *command);
+  map.file("-o,--output", "FILE.tif", "map to write: cloud-optimised GeoTIFF", command->output).required();
+  map.flag("--overwrite", "replace existing files", command->overwrite);
+  add_map_options(raster, command->map);
+  add_values(raster, *command);
+  add_observer_options(raster, command->observers);
+  add_target_height(raster.group(k_observer_group), command->map.target_height);
+  add_sight(raster, *command);
+  add_occluder_options(raster, command->occluders);
+  add_checkpoint_options(raster.group("Long runs"), command->checkpoint);
+  add_run_options(raster, *command);
+  return command_of(raster, command, run);
 }
 
 }  // namespace alidade::tools

@@ -2,8 +2,6 @@
 #include "tools/visibility/row_output.h"
 
 #include "base/error.h"
-#include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
 
 namespace alidade::tools {

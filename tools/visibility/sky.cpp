@@ -2,24 +2,18 @@
 #include "tools/visibility/sky.h"
 
 #include <fmt/format.h>
-#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
 #include "base/fingerprint.h"
 #include "base/words.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
-#include "tools/options.h"
-#include "tools/visibility/map_options.h"
 #include "tools/visibility/observer_options.h"
 #include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade::tools {
 namespace {
-
-constexpr const char* k_group = "Answers";
 
 /// Errors that need no cloud: the output's name or place; options that mean nothing for this kind of output.
 void check_sky_request(const SkyRequest& request) {
@@ -38,13 +32,67 @@ void check_sky_request(const SkyRequest& request) {
     if (const std::string option = given_map_option(request.map); !option.empty())
       refuse(option, "a map (.tif)");
   }
-  check_writable(request.output, request.overwrite, request.files.names());
+  check_writable(request.output, request.overwrite, request.inputs());
   check_checkpoint(request.checkpoint, request.overwrite, {{request.output, request.map.preview}},
-                   request.files.names());
-  if (!request.is_map()) return;
-  std::vector<std::filesystem::path> others = request.files.names();
-  others.push_back(request.output);
-  check_map_writing(request.map, request.overwrite, others);
+                   request.inputs());
+  if (request.is_map()) check_map_writing(request.map, request.overwrite, request.inputs({request.output}));
+}
+
+struct SkyCommand : SkyRequest {
+  int directions = 128;
+};
+
+visibility::SkyViewOptions sky_options(const SkyCommand& command) {
+  visibility::SkyViewOptions options;
+  options.directions = command.directions;
+  options.receiver = command.receiver.value_or(visibility::SkyReceiver::surface);
+  options.max_distance = command.max_distance;
+  return options;
+}
+
+/// Answers what was found, for people.
+std::string map_sky(const SkyCommand& command, const SkySite& site, LongRun& long_run) {
+  geo::Raster<float> views =
+      long_run.work("looking at the sky", "cells", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::ground_sky_views(*site.cloud->occluders, *site.ground, site.grid,
+                                            command.map.target_height.value_or(0.0), sky_options(command),
+                                            {progress, parts});
+      });
+  const std::string found =
+      range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
+  const SkyBand band{views, "SkyView", ""};
+  write_sky_map(command, site, std::span(&band, 1),
+                {{"alidade_sky",
+                  fmt::format("sky-view factor of a horizontal place, {} directions", command.directions)}},
+                {.title = "How much of the sky is seen",
+                 .values = {},
+                 .scale = visibility::MapScale{image::ColorMap::viridis, {0.0, 1.0}, "sky-view factor"}});
+  return found;
+}
+
+std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, LongRun& long_run) {
+  const std::vector<float> views =
+      long_run.work("looking at the sky", "points", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
+                                           {progress, parts});
+      });
+  const auto value = [&views](std::size_t id) { return views[id]; };
+  write_points(command.output, cloud.cloud,
+               {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
+               command.overwrite, command.verbosity);
+  return range_and_mean(value, views.size());
+}
+
+ExitCode run(const SkyCommand& command) {
+  const SkySite site = load_sky_site(command, 1);
+  LongRun long_run(
+      command.checkpoint, [&] { return sky_identity(command, site); }, command.verbosity);
+  measure_occluders(*site.cloud, command.occluders, command.verbosity);
+  const std::string found =
+      command.is_map() ? map_sky(command, site, long_run) : point_sky(command, *site.cloud, long_run);
+  long_run.finish();
+  say_note(command.verbosity, fmt::format("sky-view factors {}; wrote {}", found, command.output.string()));
+  return ExitCode::done;
 }
 
 }  // namespace
@@ -56,7 +104,7 @@ bool SkyRequest::is_map() const {
 
 void add_sky_request(const Options& command, SkyRequest& request) {
   add_cloud(command, request);
-  const Options group = command.group(k_group);
+  const Options group = command.group("Answers");
   group
       .file("-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",
             "LAS 1.4 or PLY: the cloud with a value for every point; GeoTIFF: a map of the ground",
@@ -67,22 +115,19 @@ void add_sky_request(const Options& command, SkyRequest& request) {
       "--receiver", "what the light falls on at each point: its surface (default), or a horizontal one",
       request.receiver,
       {{"surface", visibility::SkyReceiver::surface}, {"horizontal", visibility::SkyReceiver::horizontal}});
-  group.value("--max-distance", "LENGTH", "nothing farther blocks (default: inf)",
-              [&request](const std::string& text) {
-                request.max_distance =
-                    parse_length_limit(text).value_or(std::numeric_limits<double>::infinity());
-              });
+  group.value("--max-distance", "LENGTH", "nothing farther blocks (default: inf)", request.max_distance,
+              parse_distance_limit);
   add_map_options(command, request.map);
   add_target_height(command.group(k_map_group), request.map.target_height);
   add_occluder_options(command, request.occluders);
-  add_checkpoint_options(command, request.checkpoint);
+  add_checkpoint_options(command.group("Long runs"), request.checkpoint);
   add_run_options(command, request);
 }
 
 SkySite load_sky_site(const SkyRequest& request, int bands) {
   check_sky_request(request);
   const AttributeSet attributes = request.is_map() ? Attribute::classification : AttributeSet::all();
-  const Verbosity verbosity = request.verbosity.verbosity();
+  const Verbosity verbosity = request.verbosity;
   SkySite site{load_cloud_alone(request, attributes), {}, {}, {}};
   if (!request.is_map()) return site;
   site.ground = find_map_ground(request.map, *site.cloud, verbosity);
@@ -92,25 +137,21 @@ SkySite load_sky_site(const SkyRequest& request, int bands) {
   return site;
 }
 
-Identity sky_identity(const Options& given, const SkySite& site) {
-  Identity identity = run_identity(given, *site.cloud);
+Identity sky_identity(const SkyRequest& request, const SkySite& site) {
+  Identity identity = run_identity(request.checkpoint, *site.cloud);
   if (site.ground) add_to_identity(site.grid, identity);
   const std::span<const glm::vec3> normals = site.cloud->columns.normals;
   identity.push_back({"normals", fmt::format("{:016x}", checksum(std::as_bytes(normals)))});
   return identity;
 }
 
-void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,
-                   std::span<const SkyBand> bands, const MapMetadata& metadata, const SkyPicture& picture) {
+void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
+                   const MapMetadata& metadata, visibility::MapPicture picture) {
   const Crs& crs = site.cloud->cloud.cloud.crs;
   if (!request.map.preview.empty()) {
-    visibility::MapPicture map;
-    map.title = picture.title;
-    map.values = bands.front().values;
-    map.scale = visibility::MapScale{picture.colors, {0.0, picture.highest}, picture.label};
-    map.unit = site.unit;
-    map.notes = picture.notes;
-    image_module().write_map_picture(map, *site.ground, request.map.preview, request.overwrite);
+    picture.values = bands.front().values;
+    picture.unit = site.unit;
+    image_module().write_map_picture(picture, *site.ground, request.map.preview, request.overwrite);
   }
   geo::RasterContents contents;
   contents.grid = site.grid;
@@ -121,7 +162,7 @@ void write_sky_map(const SkyRequest& request, const CommandLine& words, const Sk
         {std::span<const float>(band.values.values), k_no_float, band.description, band.unit});
   }
   contents.crs = crs;
-  contents.metadata = map_metadata(words, request.files.names(), *site.cloud, *site.ground);
+  contents.metadata = map_metadata(request.words, request.files.names(), *site.cloud, *site.ground);
   contents.metadata.insert(contents.metadata.end(), metadata.begin(), metadata.end());
   contents.metadata.emplace_back("alidade_target_height",
                                  fmt::format("{:g}", request.map.target_height.value_or(0.0)));
@@ -144,82 +185,16 @@ std::string range_and_mean(const std::function<float(std::size_t)>& value, std::
   return fmt::format("{:.4g} to {:.4g}, mean {:.4g}", low, high, sum / static_cast<double>(numbers));
 }
 
-namespace {
-
-struct SkyCommand {
-  SkyRequest request;
-  int directions = 128;
-};
-
-visibility::SkyViewOptions sky_options(const SkyCommand& command) {
-  visibility::SkyViewOptions options;
-  options.directions = command.directions;
-  options.receiver = command.request.receiver.value_or(visibility::SkyReceiver::surface);
-  options.max_distance = command.request.max_distance;
-  return options;
-}
-
-/// Answers what was found, for people.
-std::string map_sky(const SkyCommand& command, const CommandLine& words, const SkySite& site,
-                    LongRun& long_run) {
-  const SkyRequest& request = command.request;
-  ProgressLine line("looking at the sky", "cells", request.verbosity.verbosity());
-  geo::Raster<float> views = visibility::ground_sky_views(
-      *site.cloud->occluders, *site.ground, site.grid, request.map.target_height.value_or(0.0),
-      sky_options(command), {long_run.progress(line), long_run.parts()});
-  line.finish();
-  const std::string found =
-      range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
-  const SkyBand band{views, "SkyView", ""};
-  write_sky_map(request, words, site, std::span(&band, 1),
-                {{"alidade_sky",
-                  fmt::format("sky-view factor of a horizontal place, {} directions", command.directions)}},
-                {.title = "How much of the sky is seen", .label = "sky-view factor"});
-  return found;
-}
-
-std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, LongRun& long_run) {
-  const SkyRequest& request = command.request;
-  const Verbosity verbosity = request.verbosity.verbosity();
-  ProgressLine line("looking at the sky", "points", verbosity);
-  const std::vector<float> views =
-      visibility::point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
-                                  {long_run.progress(line), long_run.parts()});
-  line.finish();
-  const auto value = [&views](std::size_t id) { return views[id]; };
-  write_points(request.output, cloud.cloud,
-               {result_column<float>("SkyView", "sky-view factor, 0 to 1", ScalarType::float32, value)},
-               request.overwrite, verbosity);
-  return range_and_mean(value, views.size());
-}
-
-ExitCode run(const SkyCommand& command, const CommandLine& words, const Options& given) {
-  const SkyRequest& request = command.request;
-  const SkySite site = load_sky_site(request, 1);
-  LongRun long_run(
-      request.checkpoint, [&] { return sky_identity(given, site); }, request.verbosity.verbosity());
-  measure_occluders(*site.cloud, request.occluders, request.verbosity.verbosity());
-  const std::string found =
-      request.is_map() ? map_sky(command, words, site, long_run) : point_sky(command, *site.cloud, long_run);
-  long_run.finish();
-  if (!request.verbosity.quiet)
-    say_note(fmt::format("sky-view factors {}; wrote {}", found, request.output.string()));
-  return ExitCode::done;
-}
-
-}  // namespace
-
 Command add_visibility_sky(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<SkyCommand>();
+  command->words = words;
   const Options sky =
       visibility.command("sky", "Say how much of the sky every point or place on the ground sees");
-  add_sky_request(sky, command->request);
+  add_sky_request(sky, *command);
   sky.group("Answers").count("--directions", "N",
                              "lines of sight per point or cell (default: 128, for an error of about 0.01)",
                              command->directions, 1, visibility::k_most_sky_directions);
-  return {sky, [command, words, sky] {
-            return with_threads(command->request.threads, [&] { return run(*command, words, sky); });
-          }};
+  return command_of(sky, command, run);
 }
 
 }  // namespace alidade::tools

@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "image/color_map.h"
 #include "tools/cloud/write_points.h"
 #include "tools/options.h"
 #include "tools/visibility/blocking_cloud.h"
 #include "tools/visibility/long_run.h"
 #include "tools/visibility/map_options.h"
 #include "visibility/raster/ground.h"
+#include "visibility/raster/map_picture.h"
 #include "visibility/sky/sky_view.h"
 
 // What `visibility sky` and `visibility sun` share: numbers for every point, or for every cell of the ground.
@@ -20,14 +19,11 @@
 namespace alidade::tools {
 
 /// What both commands are asked.
-struct SkyRequest : CloudRequest {
-  OccluderRequest occluders;
+struct SkyRequest : VisibilityRequest {
   std::optional<visibility::SkyReceiver> receiver;  ///< points only
   MapOptions map;                                   ///< maps only
   CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();
-  std::filesystem::path output;
-  bool overwrite = false;
 
   /// Whether the answers are for cells, by the ending of the output.
   bool is_map() const;
@@ -49,8 +45,8 @@ struct SkySite {
 /// written here; those of load_cloud_alone(), map_grid().
 SkySite load_sky_site(const SkyRequest& request, int bands);
 
-/// All that the answers depend on, as far as both commands share it. `given`: the command as it was read.
-Identity sky_identity(const Options& given, const SkySite& site);
+/// All that the answers depend on, as far as both commands share it.
+Identity sky_identity(const SkyRequest& request, const SkySite& site);
 
 /// A band of a map; not a number where there is no value, which k_no_float is written for.
 struct SkyBand {
@@ -58,19 +54,10 @@ struct SkyBand {
   std::string description, unit;
 };
 
-/// The picture of a map: colours over the relief of the ground, from 0 to `highest`.
-struct SkyPicture {
-  std::string title;
-  std::string label;  ///< what the numbers are
-  image::ColorMap colors = image::ColorMap::viridis;
-  double highest = 1.0;
-  std::vector<std::string> notes{};
-};
-
 /// Writes a map as GeoTIFF, and the picture of its first band if one is asked for. `metadata`: beside what
-/// all maps say. Afterwards k_no_float stands in the bands.
-void write_sky_map(const SkyRequest& request, const CommandLine& words, const SkySite& site,
-                   std::span<const SkyBand> bands, const MapMetadata& metadata, const SkyPicture& picture);
+/// all maps say. `picture`: without values and unit. Afterwards k_no_float stands in the bands.
+void write_sky_map(const SkyRequest& request, const SkySite& site, std::span<const SkyBand> bands,
+                   const MapMetadata& metadata, visibility::MapPicture picture);
 
 /// "0.02 to 0.97, mean 0.61": of the values that are numbers.
 std::string range_and_mean(const std::function<float(std::size_t)>& value, std::size_t count);

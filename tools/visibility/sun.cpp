@@ -1,29 +1,24 @@
 // SPDX-License-Identifier: MIT
-
 #include <fmt/format.h>
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <numeric>
-#include <string>
 
 #include "base/date_time.h"
 #include "base/error.h"
 #include "tools/command.h"
-#include "tools/console.h"
 #include "tools/image_module.h"
 #include "tools/visibility/sky.h"
 #include "visibility/sky/sky_of_cloud.h"
 
 namespace alidade::tools {
+namespace {
 
 /// A date as people give it for sunshine: a whole day, or a moment.
 struct SunDate {
   Moment moment;  ///< of a day: its begin in UTC, whatever the place
   bool is_day = false;
 };
-
-namespace {
 
 constexpr double k_seconds_per_day = 86400.0;
 
@@ -33,25 +28,17 @@ Moment midnight(const Moment& utc, double longitude) {
   return {utc.day + std::chrono::days(static_cast<int>(days)), seconds - days * k_seconds_per_day};
 }
 
-}  // namespace
-
 /// Reads "2026-06-21", a day, or "2026-06-21T10:00Z", a moment with its zone (a blank may stand for the T).
 /// Errors: UsageError for anything else.
 SunDate parse_sun_date(const std::string& text) {
   constexpr std::size_t k_date_length = 10;
-  SunDate date;
-  date.is_day = text.size() == k_date_length;
-  std::string full = text;
-  if (date.is_day) full += "T00:00Z";
-  if (full.size() > k_date_length && full[k_date_length] == ' ') full[k_date_length] = 'T';
+  if (text.size() != k_date_length) return {parse_moment(text), false};
   try {
-    date.moment = parse_date_time(full);
-  } catch (const Error& error) {
+    return {parse_date_time(text + "T00:00Z"), true};
+  } catch (const Error&) {
     // What was added to a day is nothing that the user wrote.
-    if (!date.is_day) throw UsageError(error.what());
     throw UsageError("expected a day such as 2026-06-21, found '" + text + "'");
   }
-  return date;
 }
 
 /// When a range that begins with the date begins, and when one that ends with it ends. Days begin and end at
@@ -67,10 +54,7 @@ Moment end_of(const SunDate& date, double longitude) {
   return midnight(next, longitude);
 }
 
-namespace {
-
-struct SunCommand {
-  SkyRequest request;
+struct SunCommand : SkyRequest {
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
   std::optional<glm::dvec2> place;  ///< latitude, longitude
@@ -100,9 +84,9 @@ SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
   schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
   schedule.step_minutes = command.step_minutes;
   schedule.air = command.air;
-  ProgressLine line("following the sun", "steps", command.request.verbosity.verbosity());
-  const std::vector<visibility::SunStep> steps = image_module().sun_steps(schedule, line.callback());
-  line.finish();
+  const std::vector<visibility::SunStep> steps =
+      with_progress("following the sun", "steps", command.verbosity,
+                    [&](const Progress& progress) { return image_module().sun_steps(schedule, progress); });
   sun.steps = steps.size();
   for (const visibility::SunStep& step : steps) sun.hours += step.hours;
   sun.bin = command.bin.value_or(steps.size() > k_most_exact_steps ? k_usual_bin : 0.0);
@@ -118,8 +102,8 @@ double open_energy(const SunSky& sun) {
 }
 
 /// All that the answers depend on.
-Identity identity_of(const Options& given, const SkySite& site, const SunSky& sun) {
-  Identity identity = sky_identity(given, site);
+Identity identity_of(const SunCommand& command, const SkySite& site, const SunSky& sun) {
+  Identity identity = sky_identity(command, site);
   std::vector<double> numbers;
   for (const visibility::SunBin& bin : sun.bins) {
     numbers.insert(numbers.end(), {bin.direction.x, bin.direction.y, bin.direction.z, bin.hours, bin.energy.x,
@@ -136,19 +120,18 @@ std::string model_text(const SunSky& sun) {
 }
 
 void say_sun(const SunCommand& command, const SunSky& sun) {
-  if (command.request.verbosity.quiet) return;
+  if (command.verbosity == Verbosity::quiet) return;
   const visibility::SunSchedule& schedule = sun.schedule;
   say_note(fmt::format("sun from {} to {} at latitude {:.5f}, longitude {:.5f}; {}",
                        date_time_text(schedule.from), date_time_text(schedule.to), schedule.latitude,
                        schedule.longitude,
                        sun.is_map_known ? fmt::format("grid north is {:.4f} degrees off", schedule.grid_north)
                                         : "+y taken for true north"));
-  say_note(
-      fmt::format("up for {:.2f} hours, {} steps, {} directions{}; open ground gets {:.3f} kWh/m2 of direct "
-                  "sun ({})",
-                  sun.hours, sun.steps, sun.bins.size(),
-                  sun.bin > 0.0 ? fmt::format(" (bins of {:g} degrees)", sun.bin) : "", open_energy(sun),
-                  model_text(sun)));
+  say_note(fmt::format(
+      "up for {:.2f} hours, {} steps, {} directions{}; open ground gets {:.3f} kWh/m2 of direct sun ({})",
+      sun.hours, sun.steps, sun.bins.size(),
+      sun.bin > 0.0 ? fmt::format(" (bins of {:g} degrees)", sun.bin) : "", open_energy(sun),
+      model_text(sun)));
   if (sun.bins.empty()) say_warning("the sun is below the horizon all the time");
 }
 
@@ -165,59 +148,55 @@ MapMetadata sun_metadata(const SunSky& sun) {
           {"alidade_clear_sky", model_text(sun)}};
 }
 
-std::string map_sun(const SunCommand& command, const CommandLine& words, const SkySite& site,
-                    const SunSky& sun, LongRun& long_run) {
-  const SkyRequest& request = command.request;
-  ProgressLine line("looking at the sun", "cells", request.verbosity.verbosity());
-  visibility::SunMaps maps = visibility::ground_sun_hours(
-      *site.cloud->occluders, *site.ground, site.grid, request.map.target_height.value_or(0.0), sun.bins,
-      {.max_distance = request.max_distance}, {long_run.progress(line), long_run.parts()});
-  line.finish();
+std::string map_sun(const SunCommand& command, const SkySite& site, const SunSky& sun, LongRun& long_run) {
+  visibility::SunMaps maps =
+      long_run.work("looking at the sun", "cells", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::ground_sun_hours(*site.cloud->occluders, *site.ground, site.grid,
+                                            command.map.target_height.value_or(0.0), sun.bins,
+                                            {.max_distance = command.max_distance}, {progress, parts});
+      });
   const std::string found =
       range_and_mean([&](std::size_t i) { return maps.hours.values[i]; }, maps.hours.values.size());
   const SkyBand bands[] = {{maps.hours, "SunHours", "h"}, {maps.kilowatt_hours, "SunEnergy", "kWh/m2"}};
-  write_sky_map(request, words, site, bands, sun_metadata(sun),
-                {.title = "Hours of direct sun",
-                 .label = "hours",
-                 .colors = image::ColorMap::inferno,
-                 .highest = std::max(sun.hours, 1.0),
-                 .notes = {fmt::format("{} to {}", date_time_text(sun.schedule.from),
-                                       date_time_text(sun.schedule.to))}});
+  write_sky_map(
+      command, site, bands, sun_metadata(sun),
+      {.title = "Hours of direct sun",
+       .values = {},
+       .scale = visibility::MapScale{image::ColorMap::inferno, {0.0, std::max(sun.hours, 1.0)}, "hours"},
+       .notes = {
+           fmt::format("{} to {}", date_time_text(sun.schedule.from), date_time_text(sun.schedule.to))}});
   return found;
 }
 
 std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun,
                       LongRun& long_run) {
-  const SkyRequest& request = command.request;
-  const Verbosity verbosity = request.verbosity.verbosity();
-  ProgressLine line("looking at the sun", "points", verbosity);
-  const std::vector<visibility::SunHours> hours = visibility::point_sun_hours(
-      *cloud.occluders, cloud.columns.normals, sun.bins,
-      {request.receiver.value_or(visibility::SkyReceiver::surface), request.max_distance},
-      {long_run.progress(line), long_run.parts()});
-  line.finish();
-  write_points(request.output, cloud.cloud,
+  const std::vector<visibility::SunHours> hours =
+      long_run.work("looking at the sun", "points", [&](const Progress& progress, FinishedParts* parts) {
+        return visibility::point_sun_hours(
+            *cloud.occluders, cloud.columns.normals, sun.bins,
+            {command.receiver.value_or(visibility::SkyReceiver::surface), command.max_distance},
+            {progress, parts});
+      });
+  write_points(command.output, cloud.cloud,
                {result_column<float>("SunHours", "hours of direct sun", ScalarType::float32,
                                      [&](std::size_t id) { return hours[id].hours; }),
                 result_column<float>("SunEnergy", "direct sun, kWh/m2", ScalarType::float32,
                                      [&](std::size_t id) { return hours[id].kilowatt_hours; })},
-               request.overwrite, verbosity);
+               command.overwrite, command.verbosity);
   return range_and_mean([&](std::size_t id) { return hours[id].hours; }, hours.size());
 }
 
-ExitCode run(const SunCommand& command, const CommandLine& words, const Options& given) {
-  const SkyRequest& request = command.request;
-  const SkySite site = load_sky_site(request, 2);
+ExitCode run(const SunCommand& command) {
+  const SkySite site = load_sky_site(command, 2);
   const SunSky sun = sun_of(command, *site.cloud);
   say_sun(command, sun);
   LongRun long_run(
-      request.checkpoint, [&] { return identity_of(given, site, sun); }, request.verbosity.verbosity());
-  measure_occluders(*site.cloud, request.occluders, request.verbosity.verbosity());
-  const std::string found = request.is_map() ? map_sun(command, words, site, sun, long_run)
+      command.checkpoint, [&] { return identity_of(command, site, sun); }, command.verbosity);
+  measure_occluders(*site.cloud, command.occluders, command.verbosity);
+  const std::string found = command.is_map() ? map_sun(command, site, sun, long_run)
                                              : point_sun(command, *site.cloud, sun, long_run);
   long_run.finish();
-  if (!request.verbosity.quiet)
-    say_note(fmt::format("hours of sun {}; wrote {}", found, request.output.string()));
+  say_note(command.verbosity, fmt::format("hours of sun {}; wrote {}", found, command.output.string()));
   return ExitCode::done;
 }
 
@@ -233,45 +212,41 @@ glm::dvec2 parse_place(const std::string& text) {
 void add_time(const Options& sun, SunCommand& command) {
   const Options group = sun.group("Sun");
   group
-      .value(
-          "--from", "DATE",
-          "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and end "
-          "in the middle of the night at the place",
-          [&command](const std::string& text) { command.from = parse_sun_date(text); })
+      .value("--from", "DATE",
+             "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and "
+             "end in the middle of the night at the place",
+             command.from, parse_sun_date)
       .required();
-  group.value("--to", "DATE", "last day, which is counted, or end (default: the day of --from)",
-              [&command](const std::string& text) { command.to = parse_sun_date(text); });
+  group.value("--to", "DATE", "last day, which is counted, or end (default: the day of --from)", command.to,
+              parse_sun_date);
   group.number("--step", "MINUTES",
                "between positions of the sun, each taken in the middle of its step (default: 10)",
                command.step_minutes, 0.1, 1440.0);
   group.value("--place", "LAT,LON",
-              "in degrees, WGS 84 (default: the middle of the cloud by its reference system)",
-              [&command](const std::string& text) { command.place = parse_place(text); });
+              "in degrees, WGS 84 (default: the middle of the cloud by its reference system)", command.place,
+              parse_place);
   group.number("--height", "METRES", "of the place above the sea, which thins the air (default: 0)",
                command.air.height, -1000.0, 10000.0);
   group.number("--turbidity", "T",
                "Linke turbidity of the clear sky: 2 very clear, 3 usual (default), 5 humid, 7 polluted",
                command.air.linke_turbidity, 1.0, 20.0);
-  group.value(
-      "--bin", "DEGREES|exact",
-      "positions of the sun this close to each other share one line of sight (default: exact for up to "
-      "1000 positions, 3 degrees for more)",
-      [&command](const std::string& text) {
-        command.bin = text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0);
-      });
+  group.value("--bin", "DEGREES|exact",
+              "positions of the sun this close to each other share one line of sight (default: exact for up "
+              "to 1000 positions, 3 degrees for more)",
+              command.bin,
+              [](const std::string& text) { return text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0); });
 }
 
 }  // namespace
 
 Command add_visibility_sun(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<SunCommand>();
+  command->words = words;
   const Options sun = visibility.command(
       "sun", "Count the hours and the energy of direct sun on every point or place on the ground");
-  add_sky_request(sun, command->request);
+  add_sky_request(sun, *command);
   add_time(sun, *command);
-  return {sun, [command, words, sun] {
-            return with_threads(command->request.threads, [&] { return run(*command, words, sun); });
-          }};
+  return command_of(sun, command, run);
 }
 
 }  // namespace alidade::tools
