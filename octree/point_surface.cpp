@@ -69,12 +69,11 @@ std::array<double, k_directions> reaches(const Octree& octree, const glm::dvec3&
   for (const PointHit& point : find(octree, position, PointQuery{.radius = k_reach * spacing})) {
     const glm::dvec3 offset = point.position - position;
     if (std::fabs(glm::dot(offset, surface.normal) + surface.height) > thickness) continue;
-    const glm::dvec2 position(glm::dot(offset, axes.first) / spacing,
-                              glm::dot(offset, axes.second) / spacing);
+    const glm::dvec2 across(glm::dot(offset, axes.first) / spacing, glm::dot(offset, axes.second) / spacing);
     for (int i = 0; i < k_directions; ++i) {
       const glm::dvec2& direction = directions()[i];
-      const double beside = std::fabs(position.x * direction.y - position.y * direction.x);
-      const double along = position.x * direction.x + position.y * direction.y;
+      const double beside = std::fabs(across.x * direction.y - across.y * direction.x);
+      const double along = across.x * direction.x + across.y * direction.y;
       farthest[i] = beside < k_half_width ? std::max(farthest[i], along) : farthest[i];
     }
   }

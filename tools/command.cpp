@@ -71,7 +71,7 @@ std::string explain_unknown_word(std::span<const std::string> words, const std::
     if (std::find(option_names.begin(), option_names.end(), option) == option_names.end()) {
       return unknown("option", option, option_names);
     }
-    if (words[i].ends_with("=")) return fmt::format("option {} has no value behind its '='", option);
+    if (words[i].ends_with("=")) return fmt::format("missing value after '=' of option {}", option);
   }
   return {};
 }
@@ -130,7 +130,7 @@ std::string picture_command(const CommandLine& words) {
 
 Command add_visibility(const Options& program, const CommandLine& command_line) {
   const Options visibility =
-      program.command("visibility", "Find what is seen from where, on the cloud itself").require_command();
+      program.command("visibility", "Compute visibility on the points").require_command();
   return {visibility,
           {},
           {add_visibility_points(visibility), add_visibility_raster(visibility, command_line),

@@ -19,7 +19,7 @@ std::filesystem::path module_file() {
 [[noreturn]] void fail(const std::filesystem::path& file) {
   const char* const reason = ::dlerror();
   throw Error({.file = file.string(),
-               .problem = "pictures and maps cannot be read or written without this part of the program",
+               .problem = "missing module for images and maps",
                .found = reason != nullptr ? reason : "nothing"});
 }
 

@@ -77,7 +77,7 @@ double parse_distance_limit(const std::string& text) {
 
 std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uint64_t most) {
   const auto refuse = [&]() -> UsageError {
-    return UsageError(fmt::format("expected a whole number from {} to {}, found '{}'", least, most, text));
+    return UsageError(fmt::format("expected an integer from {} to {}, found '{}'", least, most, text));
   };
   std::uint64_t count = 0;
   const char* const end = text.data() + text.size();
@@ -95,13 +95,13 @@ std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uin
 ImageSize parse_image_size(const std::string& text) {
   const std::size_t cross = text.find('x');
   if (cross == std::string::npos) {
-    throw UsageError("expected WIDTHxHEIGHT in pixels, as 600x400, found '" + text + "'");
+    throw UsageError("expected WIDTHxHEIGHT in pixels, such as 600x400, found '" + text + "'");
   }
   const std::uint64_t width = parse_count(text.substr(0, cross), 1, k_largest_side);
   const std::uint64_t height = parse_count(text.substr(cross + 1), 1, k_largest_side);
   if (width * height > camera::k_max_pixels) {
     throw UsageError(
-        fmt::format("expected at most {} pixels in all, found {}", camera::k_max_pixels, width * height));
+        fmt::format("expected at most {} pixels in total, found {}", camera::k_max_pixels, width * height));
   }
   return {static_cast<int>(width), static_cast<int>(height)};
 }
@@ -219,7 +219,7 @@ std::vector<std::string> Options::long_names() const {
 
 Parser::Parser()
     : app_(std::make_unique<CLI::App>(
-          "Alidade: ray queries on raw point clouds, and path-traced pictures of them.", "alidade")) {
+          "Alidade: ray queries on raw point clouds, and path-traced images of them.", "alidade")) {
   app_->require_subcommand(1);
   app_->set_version_flag("--version", ALIDADE_VERSION);
   app_->footer(std::string(manual("alidade")));
@@ -251,15 +251,13 @@ std::string Parser::help() const {
 
 void add_verbosity(const Options& command, Verbosity& verbosity) {
   const Option quiet =
-      command.flag("-q,--quiet", "say nothing but errors", [&verbosity] { verbosity = Verbosity::quiet; });
-  command
-      .flag("-v,--verbose", "say more about what is done", [&verbosity] { verbosity = Verbosity::verbose; })
+      command.flag("-q,--quiet", "print errors only", [&verbosity] { verbosity = Verbosity::quiet; });
+  command.flag("-v,--verbose", "print details", [&verbosity] { verbosity = Verbosity::verbose; })
       .excludes(quiet);
 }
 
 void add_threads(const Options& command, std::optional<int>& threads) {
-  command.count("--threads", "N",
-                "number of threads (default: all of the machine); results do not depend on it", threads, 1,
+  command.count("--threads", "N", "number of threads (default: all); results do not depend on it", threads, 1,
                 k_most_threads);
 }
 
@@ -279,13 +277,13 @@ void check_writable(const std::filesystem::path& output, bool overwrite,
     // Files that are not there are no equals; that they are missing is said by whoever reads them.
     if (std::filesystem::equivalent(output, input == "-" ? "/dev/stdin" : input, error)) {
       throw Error({.file = output.string(),
-                   .problem = "is read from as well, and would be lost",
-                   .expected = "another name for the output"});
+                   .problem = "the output is also an input",
+                   .expected = "another output name"});
     }
   }
   if (!overwrite && std::filesystem::is_regular_file(output, error)) {
     throw Error(
-        {.file = output.string(), .problem = "exists already", .expected = "another name, or --overwrite"});
+        {.file = output.string(), .problem = "the file exists", .expected = "another name, or --overwrite"});
   }
   // Opened and given up at once: this finds a missing or read-only folder as the later writing would.
   const OutputFile attempt(output, overwrite);
@@ -299,8 +297,8 @@ void check_outputs(std::span<const std::filesystem::path> outputs, bool overwrit
     for (const std::filesystem::path& earlier : outputs.first(i)) {
       if (earlier.empty() || !same_file(earlier, outputs[i])) continue;
       throw Error({.file = outputs[i].string(),
-                   .problem = "is the name of two outputs",
-                   .expected = "another name for one of them"});
+                   .problem = "two outputs have this name",
+                   .expected = "different names"});
     }
   }
 }
@@ -321,9 +319,9 @@ Option add_cloud_files(const Options& command, const std::string& name, const st
 }
 
 Option add_partial(const Options& command, bool& partial) {
-  return command.flag("--partial",
-                      "read what is whole of damaged files, and say what is lost; without it they are errors",
-                      partial);
+  return command.flag(
+      "--partial", "read the intact part of damaged files and report what is lost; otherwise they are errors",
+      partial);
 }
 
 void add_cloud(const Options& command, CloudRequest& request) {
@@ -349,8 +347,8 @@ void add_checkpoint_options(const Options& command, CheckpointRequest& request, 
   request.command = command;
   const Option checkpoint = command.value(
       "--checkpoint", "FILE",
-      fmt::format("keep what has been computed in FILE, {} and on Ctrl-C; removed once the {} is written",
-                  when, output),
+      fmt::format("save finished work to FILE, {} and on Ctrl-C; deleted once the {} is written", when,
+                  output),
       request.file, std::identity());
   command
       .number("--checkpoint-interval", "S", "seconds between checkpoints, above 0 (default 60)",
@@ -359,7 +357,7 @@ void add_checkpoint_options(const Options& command, CheckpointRequest& request, 
   command
       .flag("--resume",
             fmt::format(
-                "go on from the checkpoint, if it is there; the {} has the bytes of an uninterrupted run",
+                "continue from the checkpoint if it exists; the {} has the bytes of an uninterrupted run",
                 output),
             request.resume)
       .needs(checkpoint);
@@ -373,7 +371,7 @@ std::function<void(const Error&)> checkpoint_warning() {
 }
 
 void say_how_to_resume(Verbosity verbosity, const std::string& checkpoint) {
-  say_note(verbosity, checkpoint + " keeps what has been computed; the same command with --resume goes on");
+  say_note(verbosity, "saved to " + checkpoint + "; the same command with --resume continues");
 }
 
 Moment parse_moment(std::string text) {

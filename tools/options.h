@@ -45,7 +45,7 @@ std::uint64_t parse_count(const std::string& text, std::uint64_t least, std::uin
 double parse_number(const std::string& text, double least = std::numeric_limits<double>::lowest(),
                     double most = std::numeric_limits<double>::max());
 
-/// A place on a scale: a number, inf or -inf.
+/// A position on a scale: a number, inf or -inf.
 double parse_limit(const std::string& text);
 
 /// A length, at least 0; empty for inf, which is no limit.
@@ -156,7 +156,7 @@ class Options {
                 Target& target) const {
     return value(names, kind, help, [&target](const std::string& text) {
       const double number = parse_number(text, 0.0);
-      if (number == 0.0) throw UsageError("expected a length above 0, found '0'");
+      if (number == 0.0) throw UsageError("expected a positive length, found '0'");
       target = number;
     });
   }
@@ -253,12 +253,12 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// What the help text says about the files of a cloud, where there is nothing else to say.
 inline constexpr const char* k_cloud_help =
-    "cloud files, folders or patterns as 'tiles/*.las', taken together as one, an index file (.alidade), or "
-    "a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+    "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, an index file "
+    "(.alidade), or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// What other help texts about them end with.
 inline const std::string k_database_help =
-    "; a table of a database, too: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
+    "; or a table of a database: site.db?table=NAME or postgresql://HOST/DATABASE?table=NAME";
 
 /// Declares the option, or the operand, that takes the files of a cloud; folders and patterns are expanded
 /// (resolve_clouds()) while the command line is read. Errors then: those of resolve_clouds().

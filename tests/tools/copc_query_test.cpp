@@ -35,7 +35,7 @@ class CopcQueryTest : public ProgramTest {
     return run(words);
   }
 
-  /// The same answers in place and loaded, byte for byte; and some.
+  /// The same answers in position and loaded, byte for byte; and some.
   void expect_same(const Words& words) {
     Words loaded = words;
     loaded.push_back("--load");
@@ -48,7 +48,7 @@ class CopcQueryTest : public ProgramTest {
   std::size_t nodes_ = 0;
 };
 
-TEST_F(CopcQueryTest, answers_in_place_have_the_bytes_of_those_of_the_loaded_cloud) {
+TEST_F(CopcQueryTest, answers_in_position_have_the_bytes_of_those_of_the_loaded_cloud) {
   expect_same({"--rays", "rays.csv", "--radius", "2"});
   expect_same({"--rays", "rays.csv", "--radius", "3", "--k", "2", "--measure", "t"});
   expect_same({"--rays", "rays.csv", "--radius", "2", "--count"});
@@ -82,7 +82,7 @@ TEST_F(CopcQueryTest, little_memory_gives_the_same_answers) {
   EXPECT_EQ(ask(narrow).out, ask(words).out);
 }
 
-TEST_F(CopcQueryTest, memory_without_a_copc_file_in_place_is_an_error) {
+TEST_F(CopcQueryTest, memory_without_a_copc_file_in_position_is_an_error) {
   for (const Words& words : {Words{"--load"}, Words{"--max-level", "2"}}) {
     Words all = {"--point", "0,0,0", "--memory", "1M"};
     all.insert(all.end(), words.begin(), words.end());
@@ -95,14 +95,15 @@ TEST_F(CopcQueryTest, memory_without_a_copc_file_in_place_is_an_error) {
 TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_threads_and_none_when_loaded) {
   CopcSample sample = build_copc(3000);
   const double centre = 690003.0;
-  std::memcpy(sample.bytes.data() + sample.info_place, &centre, sizeof centre);
+  std::memcpy(sample.bytes.data() + sample.info_position, &centre, sizeof centre);
   std::ofstream(folder / "moved.copc.laz", std::ios::binary)
       .write(reinterpret_cast<const char*>(sample.bytes.data()),
              static_cast<std::streamsize>(sample.bytes.size()));
-  std::string places = "x,y,z\n";
+  std::string positions = "x,y,z\n";
   for (int i = 0; i < 300; ++i)
-    places += std::to_string(690060 - i * 37 % 120) + "," + std::to_string(5325060 - i * 53 % 120) + ",480\n";
-  write("places.csv", places);
+    positions +=
+        std::to_string(690060 - i * 37 % 120) + "," + std::to_string(5325060 - i * 53 % 120) + ",480\n";
+  write("places.csv", positions);
   const Words words = {"query", "moved.copc.laz", "-q", "--points", "places.csv", "--k", "3"};
   std::string first;
   for (const char* const threads : {"1", "4", "4", "2"}) {

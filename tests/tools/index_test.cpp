@@ -34,9 +34,9 @@ class IndexTest : public ProgramTest {
   }
 
   /// Adds one to a byte of a file.
-  void damage(const std::string& name, std::size_t place) {
+  void damage(const std::string& name, std::size_t position) {
     std::string content = read(name);
-    ++content.at(place);
+    ++content.at(position);
     write(name, content);
   }
 };
@@ -173,11 +173,11 @@ TEST_F(IndexTest, verify_finds_damage_and_names_section_and_byte) {
   result = run({"render", "--cloud", "site.alidade", "-o", "out.png", "--size", "8x8", "--samples", "1"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_TRUE(contains(result.err, "section nodes corrupt checkpoint")) << result.err;
-  for (const std::size_t place : {std::size_t{0}, std::size_t{50}, size / 2, size - 1}) {
+  for (const std::size_t position : {std::size_t{0}, std::size_t{50}, size / 2, size - 1}) {
     ASSERT_EQ(run({"index", "site.las", "-o", "site.alidade", "-q", "--overwrite"}).exit_code, 0);
-    damage("site.alidade", place);
+    damage("site.alidade", position);
     result = run({"info", "--verify", "site.alidade"});
-    EXPECT_EQ(result.exit_code, 2) << place;
+    EXPECT_EQ(result.exit_code, 2) << position;
     EXPECT_TRUE(contains(result.err, "alidade: error: site.alidade")) << result.err;
   }
 }

@@ -168,13 +168,13 @@ TEST_F(LongRenderTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
 }
 
 TEST_F(LongRenderTest, going_on_replaces_earlier_previews_and_no_other_picture) {
-  for (const std::string ending : {"png", "jpg"}) {
-    const std::string preview = "now." + ending;
+  for (const std::string extension : {"png", "jpg"}) {
+    const std::string preview = "now." + extension;
     const Words words = with(k_render, {"--samples=2", "--checkpoint=state", "--preview", preview, "-o"});
-    ASSERT_EQ(run(with(words, {"1" + ending + ".png"})).exit_code, 0);
+    ASSERT_EQ(run(with(words, {"1" + extension + ".png"})).exit_code, 0);
     const std::string first = read(preview);
     for (const Words& flags : {Words{"--resume"}, Words{"--skip-existing"}}) {
-      const Words again = with(with(words, {"2" + ending + flags[0] + ".png", "--seed=2"}), flags);
+      const Words again = with(with(words, {"2" + extension + flags[0] + ".png", "--seed=2"}), flags);
       write(preview, "precious");
       const ProgramResult refused = run(again);
       EXPECT_EQ(refused.exit_code, 2);

@@ -119,9 +119,9 @@ TEST_F(HostileTest, sixty_thousand_records_in_each_of_five_files_are_joined) {
   file.points.resize(1);
   for (int i = 0; i < 60000; ++i) file.records.push_back({"", i, "", {}});
   std::vector<std::string> names;
-  for (const char letter : {'a', 'b', 'c', 'd', 'e'}) {
-    for (LasRecord& record : file.records) record.user_id = letter;
-    names.push_back(std::string(1, letter) + ".las");
+  for (const char character : {'a', 'b', 'c', 'd', 'e'}) {
+    for (LasRecord& record : file.records) record.user_id = character;
+    names.push_back(std::string(1, character) + ".las");
     write_las(names.back(), file);
   }
   expect_exit(0, names);

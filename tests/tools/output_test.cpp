@@ -82,12 +82,13 @@ TEST_F(OutputTest, file_that_is_read_is_never_replaced_whatever_it_is_called) {
               "cloud.png"},
         Words{"render", "scene.json", "--size=8x8", "--samples=1", "--overwrite", "-o", "cloud.png"}}) {
     SCOPED_TRACE(::testing::PrintToString(words));
-    const std::string cloud = read("cloud.png"), places = read("places.csv"), index = read("square.alidade");
+    const std::string cloud = read("cloud.png"), positions = read("places.csv"),
+                      index = read("square.alidade");
     const ProgramResult result = run(words);
     EXPECT_EQ(result.exit_code, 2);
     EXPECT_TRUE(contains(result.err, "the output is also an input")) << result.err;
     EXPECT_EQ(read("cloud.png"), cloud);
-    EXPECT_EQ(read("places.csv"), places);
+    EXPECT_EQ(read("places.csv"), positions);
     EXPECT_TRUE(read("square.alidade") == index);
   }
 }

@@ -30,7 +30,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST_F(RenderLightTest, sun_by_time_and_place_is_told_and_stored) {
+TEST_F(RenderLightTest, sun_by_time_and_position_is_told_and_stored) {
   const ProgramResult result =
       render_square({"--sun-time", "2003-10-17T12:30:30-07:00", "--sun-place", "39.742476,-105.1786"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
@@ -41,7 +41,7 @@ TEST_F(RenderLightTest, sun_by_time_and_place_is_told_and_stored) {
   EXPECT_TRUE(contains(read("out.png"), "2003-10-17T19:30:30Z at latitude 39.742476"));
 }
 
-TEST_F(RenderLightTest, sun_of_a_cloud_with_a_map_needs_no_place_and_is_turned_to_grid_north) {
+TEST_F(RenderLightTest, sun_of_a_cloud_with_a_map_needs_no_position_and_is_turned_to_grid_north) {
   ASSERT_EQ(run({"generate", "courtyard", "--points", "2000", "-o", "yard.las", "-q"}).exit_code, 0);
   const ProgramResult result =
       render({"--cloud", "yard.las", "-o", "out.png", "--sun-time", "2026-06-21T10:00:00Z"});
@@ -108,16 +108,16 @@ TEST_F(RenderLightTest, options_that_a_mode_does_not_use_are_errors) {
 }
 
 TEST_F(RenderLightTest, blanks_may_stand_where_people_write_them) {
-  const auto sun = [&](const std::string& time, const std::string& place) {
-    const ProgramResult result = render_square({"--sun-time", time, "--sun-place", place});
+  const auto sun = [&](const std::string& time, const std::string& location) {
+    const ProgramResult result = render_square({"--sun-time", time, "--sun-place", location});
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.err.substr(0, result.err.find("elevation"));
   };
   EXPECT_EQ(sun("2026-06-21 12:00:00+02:00", " 48.1, 11.6 "), sun("2026-06-21T12:00:00+02:00", "48.1,11.6"));
   EXPECT_EQ(render_square({"--sun", "100 , 20"}).exit_code, 0);
-  for (const std::string place : {"48 1,11", "48,", " , ", "48,11,3"})
-    EXPECT_EQ(render_square({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", place}).exit_code, 2)
-        << place;
+  for (const std::string location : {"48 1,11", "48,", " , ", "48,11,3"})
+    EXPECT_EQ(render_square({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", position}).exit_code, 2)
+        << position;
 }
 
 TEST_F(RenderLightTest, ambient_occlusion_without_a_cloud_reaches_any_distance) {
@@ -162,7 +162,7 @@ TEST_F(RenderLightTest, quick_modes_need_no_light_and_say_what_they_are) {
     EXPECT_NE(pixels("out.png"), last);
     last = pixels("out.png");
   }
-  // The path mode does need a place for its sun.
+  // The path mode does need a position for its sun.
   EXPECT_EQ(render({"dark.json", "-o", "out.png"}).exit_code, 2);
 }
 

@@ -39,12 +39,12 @@ class RowReaderTest : public ::testing::Test {
 
 /// A text with some bytes changed, left out, doubled or swapped.
 std::string damaged(std::string text, Random& random) {
-  const std::string letters = "0123456789.,-+eE\"[]{}:\n\r\t naif\\xyzod_\xC3\xBC";
+  const std::string characters = "0123456789.,-+eE\"[]{}:\n\r\t naif\\xyzod_\xC3\xBC";
   for (std::uint64_t changes = 1 + random.below(2); changes > 0 && !text.empty(); --changes) {
     const std::size_t at = random.below(text.size()), length = 1 + random.below(6);
     switch (random.below(5)) {
       case 0:
-        text[at] = letters[random.below(letters.size())];
+        text[at] = characters[random.below(characters.size())];
         break;
       case 1:
         text.erase(at, length);
@@ -64,7 +64,7 @@ std::string damaged(std::string text, Random& random) {
 
 // Whatever a text holds, it is either rows whose values keep the rules, or an Error that names line and
 // column.
-TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_place) {
+TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_position) {
   const std::string csv =
       "ox,oy,oz,dx,dy,dz,half_angle,t_max\n1,2,3,4,5,6,7.5,inf\n-1e3,2.5e-2,3,0,0,1,0,\n\n0,0,0,\"1\",2,3,89,"
       "5\n";
@@ -91,7 +91,7 @@ TEST_F(RowReaderTest, damaged_text_gives_good_rows_or_an_error_with_a_place) {
     } catch (const Error& error) {
       ASSERT_EQ(error.parts().file, file_.string());
       std::size_t line = 0, column = 0;
-      ASSERT_EQ(std::sscanf(error.parts().place.c_str(), "%zu:%zu", &line, &column), 2) << error.what();
+      ASSERT_EQ(std::sscanf(error.parts().location.c_str(), "%zu:%zu", &line, &column), 2) << error.what();
       ASSERT_TRUE(line >= 1 && line <= 6 + text.size() && column >= 1 && column <= text.size() + 1)
           << error.what();
       ++refused_count;

@@ -41,7 +41,7 @@ std::vector<std::map<std::string, std::string>> rows_of(const std::string& csv) 
   return rows;
 }
 
-TEST_F(VisibilityLinesTest, every_place_is_paired_with_every_other) {
+TEST_F(VisibilityLinesTest, every_position_is_paired_with_every_other) {
   write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n-4,0,3,high\n");
   const ProgramResult result = lines({"--places", "places.csv", "-o", "lines.csv"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
@@ -176,7 +176,7 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
                                                "places.geojson", "same.csv", "site.csv", "there.csv"}));
 }
 
-TEST_F(VisibilityLinesTest, wrong_places_are_found_before_surfaces_are_measured) {
+TEST_F(VisibilityLinesTest, wrong_positions_are_found_before_surfaces_are_measured) {
   write("places.csv", "x,y,z,name\n-4,0,1,west\n4,0,1,west\n");
   write("names.csv", "from,to\nwest,north\n");
   for (const std::vector<std::string>& words :
@@ -195,12 +195,12 @@ TEST_F(VisibilityLinesTest, wrong_places_are_found_before_surfaces_are_measured)
 
 TEST_F(VisibilityLinesTest, names_in_capitals_tell_the_form_as_well) {
   write("PLACES.CSV", "x,y,z,name\n-4,0,1,west\n4,0,1,east\n");
-  for (const std::string ending : {"csv", "json", "geojson"}) {
-    ASSERT_EQ(lines({"--places", "PLACES.CSV", "-o", "a." + ending}).exit_code, 0);
+  for (const std::string extension : {"csv", "json", "geojson"}) {
+    ASSERT_EQ(lines({"--places", "PLACES.CSV", "-o", "a." + extension}).exit_code, 0);
     ASSERT_EQ(lines({"--places", "PLACES.CSV", "-o",
-                     ending == "csv"    ? "A.CSV"
-                     : ending == "json" ? "A.JSON"
-                                        : "A.GEOJSON"})
+                     extension == "csv"    ? "A.CSV"
+                     : extension == "json" ? "A.JSON"
+                                           : "A.GEOJSON"})
                   .exit_code,
               0);
   }
@@ -257,9 +257,9 @@ TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
 }
 
 TEST_F(VisibilityLinesTest, a_full_disk_is_an_error_that_leaves_nothing) {
-  std::string places = "x,y,z\n";
-  for (int i = 0; i < 20; ++i) places += fmt::format("{},3,1\n", 0.4 * i - 4.0);
-  write("places.csv", places);
+  std::string positions = "x,y,z\n";
+  for (int i = 0; i < 20; ++i) positions += fmt::format("{},3,1\n", 0.4 * i - 4.0);
+  write("places.csv", positions);
   for (const std::string output : {"l.csv", "l.json", "l.geojson"}) {
     ASSERT_EQ(lines({"--places", "places.csv", "-o", output}).exit_code, 0);
     const std::uintmax_t size = std::filesystem::file_size(folder / output);

@@ -95,8 +95,8 @@ TEST_F(VisibilityPointsTest, output_is_the_cloud_itself_with_extra_bytes) {
   const auto blocker = values<std::int64_t>(out, "Blocker", ScalarType::int64);
   for (std::size_t id = 0; id < out.size(); ++id) {
     ASSERT_EQ(visible[id], count[id]);
-    const glm::ivec3 place = out.positions[id];
-    const bool is_in_shadow = place.x > 11000 && place.z == 0, is_before = place.x < 9500;
+    const glm::ivec3 position = out.positions[id];
+    const bool is_in_shadow = position.x > 11000 && position.z == 0, is_before = position.x < 9500;
     if (is_in_shadow) {
       ASSERT_EQ(visible[id], 0) << id;
       // What blocks stands before it, in the wall or at its foot.
@@ -309,8 +309,9 @@ TEST_F(VisibilityPointsTest, clouds_in_degrees_are_refused_by_every_command) {
 
 TEST_F(VisibilityPointsTest, observers_at_any_distance_are_answered) {
   write_garden();
-  for (const std::string place : {"1690005,5325010,700", "1e9,5325010,1e5", "-1e12,1e12,1e12"}) {
-    const ProgramResult result = run(with(k_points, {"--observer", place, "-o", "seen.las", "--overwrite"}));
+  for (const std::string location : {"1690005,5325010,700", "1e9,5325010,1e5", "-1e12,1e12,1e12"}) {
+    const ProgramResult result =
+        run(with(k_points, {"--observer", position, "-o", "seen.las", "--overwrite"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.err, "outside the cloud; check its reference system")) << result.err;
   }

@@ -12,7 +12,7 @@ TEST_F(ResumeTest, points_killed_at_many_moments_give_the_bytes_of_an_uninterrup
                   {"-o", "seen.las", "--lists", "who.csv"}, 12);
 }
 
-TEST_F(ResumeTest, places_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
+TEST_F(ResumeTest, positions_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
   kill_and_resume({"visibility", "place", "square.xyz", "--observer-grid", "0.03", "--target-spacing", "0.1",
                    "--count", "3"},
                   {"-o", "places.json"}, 12);
@@ -96,10 +96,10 @@ TEST_F(ResumeTest, file_that_is_no_checkpoint_is_never_replaced_by_one) {
 }
 
 TEST_F(ResumeTest, lines_killed_at_many_moments_give_the_bytes_of_an_uninterrupted_run) {
-  std::string places = "x,y,z\n";
+  std::string positions = "x,y,z\n";
   for (int i = 0; i < 12; ++i)
-    places += std::to_string(100.0 + 0.1 * i) + "," + std::to_string(200.0 + 0.07 * i) + ",5.3\n";
-  write("places.csv", places);
+    positions += std::to_string(100.0 + 0.1 * i) + "," + std::to_string(200.0 + 0.07 * i) + ",5.3\n";
+  write("places.csv", positions);
   kill_and_resume({"visibility", "lines", "square.xyz", "--places", "places.csv", "--frequency", "60GHz"},
                   {"-o", "lines.json"}, 12);
 }

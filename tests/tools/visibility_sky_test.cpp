@@ -79,10 +79,10 @@ TEST_F(SkyTest, horizon_writes_geojson_skyline_and_panorama) {
   EXPECT_TRUE(read("around.exr").starts_with("\x76\x2f\x31\x01"));
 }
 
-TEST_F(SkyTest, horizon_is_that_of_one_place_with_files_that_tell_their_kind) {
-  const Words place{"--observer", "-3,0.03,1"};
+TEST_F(SkyTest, horizon_is_that_of_one_position_with_files_that_tell_their_kind) {
+  const Words position{"--observer", "-3,0.03,1"};
   const auto with = [&](Words words) {
-    words.insert(words.end(), place.begin(), place.end());
+    words.insert(words.end(), position.begin(), position.end());
     return visibility("horizon", words);
   };
   EXPECT_TRUE(contains(with({"--observer", "1,1,1"}).err, "expected one observer, found 2"));
@@ -145,7 +145,7 @@ TEST_F(SkyTest, sun_counts_hours_and_energy_of_every_point) {
   EXPECT_LT(energy[floor(-1, 0)], 0.8 * energy[floor(-25, -25)]);
 }
 
-TEST_F(SkyTest, sun_needs_a_place_and_a_time) {
+TEST_F(SkyTest, sun_needs_a_position_and_a_time) {
   const Words from{"--from", "2026-06-21", "-o", "sun.las"};
   EXPECT_TRUE(contains(visibility("sun", from).err, "--place LAT,LON"));
   const auto err = [&](const std::string& option, const std::string& value) {

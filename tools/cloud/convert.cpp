@@ -41,18 +41,18 @@ Bounds parse_box(const std::string& text) {
   std::vector<double> numbers;
   for (const std::string& word : split_list(text)) numbers.push_back(parse_number(word));
   if (numbers.size() != 4 && numbers.size() != 6) {
-    throw UsageError("expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a file of polygons, found '" + text + "'");
+    throw UsageError("expected x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file, found '" + text + "'");
   }
   const std::size_t axes = numbers.size() / 2;
   Bounds box{glm::dvec3(std::numeric_limits<double>::lowest()),
              glm::dvec3(std::numeric_limits<double>::max())};
   for (std::size_t axis = 0; axis < axes; ++axis) {
-    const auto place = static_cast<int>(axis);
-    box.min[place] = numbers[axis];
-    box.max[place] = numbers[axes + axis];
-    if (box.min[place] > box.max[place]) {
+    const auto position = static_cast<int>(axis);
+    box.min[position] = numbers[axis];
+    box.max[position] = numbers[axes + axis];
+    if (box.min[position] > box.max[position]) {
       throw UsageError(fmt::format("expected the lower {0} first, found {0} from {1} to {2}", "xyz"[axis],
-                                   box.min[place], box.max[place]));
+                                   box.min[position], box.max[position]));
     }
   }
   return box;
@@ -78,34 +78,33 @@ std::vector<PlanePolygon> read_polygons(const CropOptions& options, const Crs& c
 }
 
 void add_crop_options(const Options& command, CropOptions& options) {
+  command.value("--crop", "BOX|FILE",
+                "keep points in the box x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, in the cloud's unit, mostly "
+                "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; the border is included",
+                [&options](const std::string& text) {
+                  if (text.empty()) throw UsageError("expected a box or a file, found nothing");
+                  options.text = text;
+                  options.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
+                  options.polygons = options.box ? "" : text;
+                });
   command.value(
-      "--crop", "BOX|FILE",
-      "keep what lies in x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1, coordinates of the cloud in its unit, mostly "
-      "metres, or in the polygons of a GeoJSON, GeoPackage or Shapefile; what lies on the border stays",
-      [&options](const std::string& text) {
-        if (text.empty()) throw UsageError("expected a box or a file, found nothing");
-        options.text = text;
-        options.box = is_box(text) ? std::optional(parse_box(text)) : std::nullopt;
-        options.polygons = options.box ? "" : text;
-      });
-  command.value("--crop-crs", "SYSTEM",
-                "reference system of the polygons, as EPSG:4326, above what their file says; 'cloud' for the "
-                "cloud's own",
-                [&options](const std::string& text) { options.reference = text; });
+      "--crop-crs", "SYSTEM",
+      "reference system of the polygons, such as EPSG:4326, overriding their file; 'cloud' for the cloud's",
+      [&options](const std::string& text) { options.reference = text; });
 }
 
 /// Finds what is wrong before a cloud is read. Errors: no such file; --crop-crs without a file.
 void check_crop(const CropOptions& options) {
   if (options.polygons.empty()) {
     if (!options.reference.empty())
-      throw Error({.problem = "--crop-crs is for polygons", .expected = "--crop FILE"});
+      throw Error({.problem = "--crop-crs requires a polygon file", .expected = "--crop FILE"});
     return;
   }
   std::error_code error;
   if (!std::filesystem::is_regular_file(options.polygons, error)) {
     throw Error({.file = options.polygons.string(),
-                 .problem = "is no file",
-                 .expected = "x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a file of polygons"});
+                 .problem = "not a file",
+                 .expected = "x0,y0,x1,y1 or x0,y0,z0,x1,y1,z1 or a polygon file"});
   }
 }
 
@@ -121,8 +120,8 @@ void crop(PointCloud& cloud, const CropOptions& options, const Progress& progres
   }
   if (cloud.size() == 0 && !before.empty()) {
     throw Error({.file = options.polygons.string(),
-                 .problem = options.box ? fmt::format("no point lies in --crop {}", options.text)
-                                        : "no point lies in the polygons",
+                 .problem = options.box ? fmt::format("no points inside --crop {}", options.text)
+                                        : "no points inside the polygons",
                  .expected = "a part of the cloud",
                  .found = before});
   }
@@ -138,11 +137,11 @@ struct ConvertCommand : CloudRequest {
 };
 
 void check_name(const std::filesystem::path& output) {
-  const std::string ending = file_ending(output);
-  if (ending == ".las" || ending == ".laz" || ending == ".ply" || ending == ".alidade") return;
+  const std::string extension = file_extension(output);
+  if (extension == ".las" || extension == ".laz" || extension == ".ply" || extension == ".alidade") return;
   throw Error({.file = output.string(),
-               .problem = "the name tells no format that is written",
-               .expected = "a name that ends in .las, .laz, .ply or .alidade"});
+               .problem = "unknown output format",
+               .expected = "the extension .las, .laz, .ply or .alidade"});
 }
 
 /// Leaves the points that were asked for.
@@ -159,11 +158,11 @@ void choose_points(PointCloud& cloud, const ConvertCommand& command) {
 }
 
 void write(const ConvertCommand& command, PointCloud& cloud) {
-  const std::string ending = file_ending(command.output);
-  if (ending == ".alidade")
+  const std::string extension = file_extension(command.output);
+  if (extension == ".alidade")
     return write_index(command.output, cloud, {.overwrite = command.overwrite}, command.verbosity);
   with_progress("writing", "points", command.verbosity, [&](const Progress& progress) {
-    if (ending == ".ply")
+    if (extension == ".ply")
       write_ply(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
     else
       write_las(command.output, cloud, {.overwrite = command.overwrite, .progress = progress});
@@ -172,9 +171,9 @@ void write(const ConvertCommand& command, PointCloud& cloud) {
 
 /// Whether nothing changes but how the points of one LAS file are packed.
 bool only_packing_changes(const ConvertCommand& command) {
-  const std::string ending = file_ending(command.output);
+  const std::string extension = file_extension(command.output);
   const bool chooses = command.crop.given() || command.every > 1 || command.spacing.has_value();
-  return (ending == ".las" || ending == ".laz") && command.files.size() == 1 && !chooses &&
+  return (extension == ".las" || extension == ".laz") && command.files.size() == 1 && !chooses &&
          command.color_depth == ColorDepth::automatic && !command.partial &&
          can_repack(command.files.first_name());
 }
@@ -186,7 +185,7 @@ ExitCode repack(const ConvertCommand& command) {
                           {.overwrite = command.overwrite, .progress = progress});
       });
   say_warnings(command.verbosity, repacked.warnings);
-  say_note(command.verbosity, fmt::format("all {} points written to {}, in the same records",
+  say_note(command.verbosity, fmt::format("wrote all {} points to {}, with unchanged records",
                                           repacked.point_count, command.output.string()));
   return ExitCode::done;
 }
@@ -203,7 +202,7 @@ ExitCode run(const ConvertCommand& command) {
   const std::size_t count = cloud.size();
   write(command, cloud);
   say_note(command.verbosity,
-           fmt::format("{} of {} points written to {}", count, all, command.output.string()));
+           fmt::format("wrote {} of {} points to {}", count, all, command.output.string()));
   return ExitCode::done;
 }
 
@@ -211,26 +210,27 @@ ExitCode run(const ConvertCommand& command) {
 
 Command add_convert(const Options& program) {
   auto command = std::make_shared<ConvertCommand>();
-  const Options convert =
-      program.command("convert", "Write clouds in another format, joined, cropped or thinned");
-  add_cloud_files(convert, "files", "FILE...",
-                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one, or index files" +
-                      k_database_help,
-                  command->files)
+  const Options convert = program.command("convert", "Convert, join, crop and thin clouds");
+  add_cloud_files(
+      convert, "files", "FILE...",
+      "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud, or index files" +
+          k_database_help,
+      command->files)
       .required();
   convert
-      .file("-o,--output", "FILE.las|.laz|.ply|.alidade", "file to write; its name tells the format",
+      .file("-o,--output", "FILE.las|.laz|.ply|.alidade", "output file; the extension selects the format",
             command->output)
       .required();
   add_crop_options(convert, command->crop);
-  convert.count("--every", "N", "keep the first of the points, and every N-th from there on", command->every,
-                1, UINT64_MAX);
-  convert.length("--spacing", "LENGTH",
-                 "keep one point per cube of this edge, in the unit of the CRS, mostly metres: the one "
-                 "nearest to the mean of the cube's points, with the mean of their colours and intensities",
-                 command->spacing);
+  convert.count("--every", "N", "keep the first point and every N-th after it", command->every, 1,
+                UINT64_MAX);
+  convert.length(
+      "--spacing", "LENGTH",
+      "keep one point per cube of this edge length, in the unit of the CRS, mostly metres: the point nearest "
+      "to the mean of the cube's points, with the mean of their colours and intensities",
+      command->spacing);
   convert.choice("--color-depth",
-                 "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are written",
+                 "bits in use of LAS colours (default: 8 if none exceeds 255); the output has 16",
                  command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
   add_partial(convert, command->partial);
   convert.flag("--overwrite", "replace an existing output", command->overwrite);

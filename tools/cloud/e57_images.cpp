@@ -17,12 +17,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json place_json(const std::optional<E57Pose>& pose) {
+Json position_json(const std::optional<E57Pose>& pose) {
   if (!pose) return {};
   return {pose->translation.x, pose->translation.y, pose->translation.z};
 }
 
-std::string place_text(const std::optional<E57Pose>& pose) {
+std::string location_text(const std::optional<E57Pose>& pose) {
   if (!pose) return "no pose";
   return fmt::format("at {} {} {}", pose->translation.x, pose->translation.y, pose->translation.z);
 }
@@ -35,7 +35,7 @@ std::string picture_text(const E57Picture& picture) {
 /// Names say anything: line breaks and what moves the cursor would look like words of ours.
 std::string named(const char* kind, std::size_t number, std::string name) {
   std::ranges::replace_if(
-      name, [](unsigned char letter) { return letter < 0x20 || letter == 0x7f; }, '?');
+      name, [](unsigned char character) { return character < 0x20 || character == 0x7f; }, '?');
   return name.empty() ? fmt::format("{} {}", kind, number) : fmt::format("{} {} '{}'", kind, number, name);
 }
 
@@ -45,7 +45,7 @@ void tell_each(const std::vector<Item>& items, const char* kind, Verbosity verbo
   constexpr std::size_t k_first = 10;
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (i == k_first && verbosity != Verbosity::verbose) {
-      lines.push_back(fmt::format("and {} more {}s (-v tells all)", items.size() - i, kind));
+      lines.push_back(fmt::format("and {} more {}s (-v lists all)", items.size() - i, kind));
       return;
     }
     lines.push_back(named(kind, i + 1, items[i].name) + ": " + tell(items[i]));
@@ -96,18 +96,18 @@ Json pose_json(const std::optional<E57Pose>& pose) {
 
 const char* note_of(const E57Picture& picture, bool has_camera) {
   if (has_camera) {
-    return picture.projection == E57Projection::pinhole
-               ? "pinhole: camera axes x right, y up, -z ahead"
-               : "spherical: camera axes x ahead, y left, z up; read as equirectangular, its middle ahead";
+    return picture.projection == E57Projection::pinhole ? "pinhole: camera axes x right, y up, -z forward"
+                                                        : "spherical: camera axes x forward, y left, z up; "
+                                                          "read as equirectangular with its centre forward";
   }
   switch (picture.projection) {
     case E57Projection::visual:
-      return "visual reference: a picture to look at, without a camera";
+      return "visual reference: an image without a camera";
     case E57Projection::cylindrical:
       return "cylindrical: no lens of camera files; radius, pixel sizes and principal point are those of the "
              "file";
     default:
-      return "size or focal length are none that a camera can have";
+      return "invalid size or focal length";
   }
 }
 
@@ -115,12 +115,12 @@ std::string camera_text(const E57Image& image, const E57Picture& picture, const 
   const std::optional<camera::Camera> camera = camera::camera_of(image, picture);
   if (!camera) return {};
   Json json = Json::parse(camera::camera_json(*camera));
-  json["description"] = std::string(name_of(picture.projection)) + " picture of " + file +
-                        (image.pose ? "" : ", which gives no pose: it stands in the axes of the file");
+  json["description"] = std::string(name_of(picture.projection)) + " image of " + file +
+                        (image.pose ? "" : ", which has no pose: the axes are those of the file");
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-/// A name that stays in its folder whatever a file says: letters, digits, '-', '_' and '.' of `text`, "_" for
+/// A name that stays in its folder whatever a file says: characters, digits, '-', '_' and '.' of `text`, "_" for
 /// everything else, no '.' in front, 80 bytes at most; "image" if nothing is left.
 std::string safe_file_name(const std::string& text) {
   constexpr std::size_t k_longest = 80;
@@ -205,7 +205,7 @@ Json e57_json(const E57File& file) {
     scans.push_back({{"name", scan.name},
                      {"guid", scan.guid},
                      {"records", scan.record_count},
-                     {"scanner", place_json(scan.pose)},
+                     {"scanner", position_json(scan.pose)},
                      {"fields", fields}});
   }
   for (const E57Image& image : file.document().images) {
@@ -221,7 +221,7 @@ Json e57_json(const E57File& file) {
     images.push_back({{"name", image.name},
                       {"guid", image.guid},
                       {"scan_guid", image.scan_guid},
-                      {"camera", place_json(image.pose)},
+                      {"camera", position_json(image.pose)},
                       {"pictures", pictures}});
   }
   return {
@@ -231,13 +231,13 @@ Json e57_json(const E57File& file) {
 std::vector<std::string> e57_lines(const E57File& file, Verbosity verbosity) {
   std::vector<std::string> lines;
   const auto scan_text = [](const E57Scan& scan) {
-    return fmt::format("{} records, {}", scan.record_count, place_text(scan.pose));
+    return fmt::format("{} records, {}", scan.record_count, location_text(scan.pose));
   };
   const auto image_text = [](const E57Image& image) {
     std::vector<std::string> pictures;
     for (const E57Picture& picture : image.pictures) pictures.push_back(picture_text(picture));
-    if (pictures.empty()) pictures.push_back("no picture");
-    return fmt::format("{}, {}", fmt::join(pictures, ", "), place_text(image.pose));
+    if (pictures.empty()) pictures.push_back("no image");
+    return fmt::format("{}, {}", fmt::join(pictures, ", "), location_text(image.pose));
   };
   tell_each(file.document().scans, "scan", verbosity, scan_text, lines);
   tell_each(file.document().images, "image", verbosity, image_text, lines);
@@ -255,7 +255,7 @@ std::size_t extract_images(std::span<const std::filesystem::path> files, const s
   }
   if (plan.extractions().empty()) {
     throw Error({.file = files.empty() ? std::string() : files.front().string(),
-                 .problem = "no image to extract in any file",
+                 .problem = "no images to extract",
                  .expected = "an E57 file with images"});
   }
   std::filesystem::create_directories(folder);

@@ -31,17 +31,17 @@ Command add_generate(const Options& program) {
   const Options generate = program.command("generate", "Scan a simulated site into a LAS or LAZ file");
   generate
       .value("site", "courtyard",
-             "the site: a yard with houses, trees, lamp posts and a car, scanned from the ground and from "
-             "the air",
+             "the site: a courtyard with houses, trees, lamp posts and a car, scanned from the ground and "
+             "from the air",
              [](const std::string& text) {
                if (text != "courtyard") throw UsageError("expected courtyard, found '" + text + "'");
              })
       .required();
   generate
       .file("-o,--output", "FILE.las|FILE.laz",
-            "LAS 1.4 or LAZ file to write, by the ending; metres, UTM zone 32N", command->output)
+            "output: LAS 1.4, or LAZ by the extension; metres, UTM zone 32N", command->output)
       .required();
-  generate.count("--points", "N", "exact number of points, also as 2e6 (default 2e6; up to 4294967295)",
+  generate.count("--points", "N", "exact number of points, such as 2e6 (default 2e6; up to 4294967295)",
                  command->options.point_count, 1, k_most_points);
   generate.count("--seed", "N",
                  "seed of the range noise; the same seed and count give the same bytes (default 1)",

@@ -27,15 +27,15 @@ struct IndexCommand : CloudRequest {
 
 ExitCode run(const IndexCommand& command) {
   if (command.index.cell_size > 0.0 && command.index.organisation != Organisation::fixed)
-    throw Error({.problem = "--cell-size is for --organisation fixed"});
+    throw Error({.problem = "--cell-size requires --organisation fixed"});
   if (command.output.extension() != ".alidade") {
     throw Error({.file = command.output.string(),
-                 .problem = "is no name of an index file",
-                 .expected = "a name that ends in .alidade"});
+                 .problem = "not the name of an index file",
+                 .expected = "the extension .alidade"});
   }
   if (command.index.surfaces && command.index.spacing_neighbours &&
       *command.index.spacing_neighbours != k_surface_neighbours) {
-    throw Error({.problem = "--surfaces goes by the 8th neighbour",
+    throw Error({.problem = "--surfaces requires the 8th neighbour",
                  .expected = "--spacings 8, or none",
                  .found = std::to_string(*command.index.spacing_neighbours)});
   }
@@ -70,39 +70,38 @@ void write_index(const std::filesystem::path& path, PointCloud& cloud, const Ind
 
 Command add_index(const Options& program) {
   auto command = std::make_shared<IndexCommand>();
-  const Options index = program.command("index", "Make an index file, which takes the place of cloud files");
+  const Options index = program.command("index", "Build an index file, which replaces cloud files");
   add_cloud_files(index, "files", "FILE...",
-                  "cloud files, folders or patterns as 'tiles/*.las'; several are joined into one cloud",
+                  "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud",
                   command->files)
       .required();
-  index.file("-o,--output", "FILE.alidade", "index file to write", command->output).required();
-  index.choice("--organisation",
-               "how points are spread over the octree; answers are the same (default adaptive): cells split "
-               "until few points are left, a grid of cells of one size, or coarse to fine, so that a prefix "
-               "of levels is a thinned cloud",
-               command->index.organisation,
-               {{"adaptive", Organisation::adaptive},
-                {"fixed", Organisation::fixed},
-                {"layered", Organisation::layered}});
+  index.file("-o,--output", "FILE.alidade", "output index file", command->output).required();
+  index.choice(
+      "--organisation",
+      "how the octree stores points, without effect on answers (default adaptive): cells split until few "
+      "points remain, a grid of equal cells, or coarse to fine, so that the first levels are a thinned cloud",
+      command->index.organisation,
+      {{"adaptive", Organisation::adaptive},
+       {"fixed", Organisation::fixed},
+       {"layered", Organisation::layered}});
   index.length("--cell-size", "LENGTH",
                "longest side of a cell of --organisation fixed, in the unit of the CRS, mostly metres "
-               "(default: cells that hold 32 points on average)",
+               "(default: cells with 32 points on average)",
                command->index.cell_size);
   index.flag("--stored-order",
-             "number the points as the octree stores them: 4 bytes per point less, but point ids are not "
-             "those of the input any more",
+             "number the points in the order of the octree: saves 4 bytes per point, but point ids differ "
+             "from those of the input",
              command->index.stored_order);
   index.choice("--color-depth",
                "bits in use of LAS colours (default: 8 if none exceeds 255); the index keeps 16",
                command->color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  index.count(
-      "--spacings", "N",
-      "store the distance of every point to its N-th nearest neighbour, 1 to 64 (the usual one is 8): "
-      "'alidade render --radius adapted' then has nothing to measure; 2 bytes per point and 16 per node",
-      command->index.spacing_neighbours, 1, k_most_spacing_neighbours);
+  index.count("--spacings", "N",
+              "store the distance of every point to its N-th nearest neighbour, 1 to 64 (usually 8): "
+              "'alidade render --radius adapted' then measures nothing; 2 bytes per point and 16 per node",
+              command->index.spacing_neighbours, 1, k_most_spacing_neighbours);
   index.flag("--surfaces",
-             "store the surface that each point lies on, for 'alidade visibility', which then has nothing to "
-             "measure; implies --spacings 8; 4 bytes per point",
+             "store the surface around each point for 'alidade visibility', which then measures nothing; "
+             "implies --spacings 8; 4 bytes per point",
              command->index.surfaces);
   index.flag("--overwrite", "replace an existing output", command->index.overwrite);
   add_run_options(index, *command);

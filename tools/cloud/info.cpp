@@ -80,7 +80,7 @@ void verify(const InfoOptions& options) {
     InputFile file = input.file();
     if (!input.is(k_index_format)) {
       throw Error({.file = file.name(),
-                   .problem = "has no checksums to verify",
+                   .problem = "no checksums to verify",
                    .expected = "an index file (alidade index)"});
     }
     ProgressLine line("verifying", "B", options.verbosity);
@@ -109,7 +109,7 @@ std::optional<std::string> header_box_text(const Bounds& stated, const Bounds& p
   std::string text;
   if (wider > 0.0) text = fmt::format("up to {:.{}f} wider than the points", wider, decimals);
   if (left_out > 0.0)
-    text += fmt::format("{}leaves out points by up to {:.{}f}", text.empty() ? "" : "; ", left_out, decimals);
+    text += fmt::format("{}excludes points by up to {:.{}f}", text.empty() ? "" : "; ", left_out, decimals);
   return text;
 }
 
@@ -130,7 +130,7 @@ std::string copc_text(const std::filesystem::path& file) {
     return fmt::format("octree of {} levels, {} nodes with points, spacing {} in the root",
                        copc.hierarchy().levels(), chunks, copc.info().spacing);
   } catch (const Error& error) {
-    return fmt::format("octree that cannot be used: {}", error.parts().problem);
+    return fmt::format("unusable octree: {}", error.parts().problem);
   }
 }
 
@@ -196,7 +196,7 @@ std::vector<std::string> index_lines(const IndexFile& index, bool verified) {
                       (is_in_stored_order(header) ? ", points in its order" : "") + spacing_text(header)),
           fmt::format("{} bytes, {:.2f} per point, {:.2f} of them octree{}", header.file_bytes,
                       bytes_per_point(index, header.file_bytes), bytes_per_point(index, octree_bytes(index)),
-                      verified ? "; verified: undamaged" : "")};
+                      verified ? "; verified: intact" : "")};
 }
 
 /// Largest difference between a coordinate in the files and the one in the cloud, per axis.
@@ -307,7 +307,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
     text += row("", fmt::format("{}, {} points", format, file.point_count));
     if (file.format == "COPC" && description.indexes.empty()) text += row("", copc_text(file.path));
     if (file.dropped_count > 0)
-      text += row("", fmt::format("{} points without a position left out", file.dropped_count));
+      text += row("", fmt::format("skipped {} points without a position", file.dropped_count));
     if (file.lost_count > 0) text += row("", fmt::format("{} points lost", file.lost_count));
     if (file.stated_bounds) {
       // Only files that state a box hold their points in a row of rows here; index files state none.
@@ -327,7 +327,7 @@ std::string to_table(const Description& description, bool verified, Verbosity ve
   text += row("offset", plain(cloud.lattice.offset));
   const glm::dvec3 error = rounding_error(cloud);
   text +=
-      row("rounding", error == glm::dvec3(0.0) ? "none: the integers of the file are kept"
+      row("rounding", error == glm::dvec3(0.0) ? "none: integers preserved"
                                                : fmt::format("at most {} {} {}", error.x, error.y, error.z));
   text += row("attributes", joined(attribute_names(description.attributes), "none"));
   std::vector<std::string> extra_dimensions;
@@ -358,25 +358,23 @@ ExitCode run(const InfoOptions& options) {
 
 Command add_info(const Options& program) {
   auto options = std::make_shared<InfoOptions>();
-  const Options command = program.command("info", "Say what cloud files hold");
+  const Options command = program.command("info", "Describe cloud files");
   add_cloud_files(
       command, "files", "FILE...",
-      "cloud files, folders or patterns as 'tiles/*.las'; several are taken together as one cloud" +
-          k_database_help,
+      "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud" + k_database_help,
       options->files)
       .required();
   command.flag("--json", "print JSON instead of a table; the keys are below", options->json);
   command.flag("--verify",
-               "read all of each index file, compare it with its checksums, and check that its octree holds "
-               "every point once; damage is an error that names section and byte",
+               "read each index file completely, compare it with its checksums, and check that its octree "
+               "contains every point once; errors name section and byte",
                options->verify);
   add_partial(command, options->partial);
-  const Option folder =
-      command.file("--extract-images", "FOLDER",
-                   "write the images in E57 files into this folder, with their cameras as camera files "
-                   "for 'alidade render --camera' and what is known about each in images.json",
-                   options->image_folder);
-  command.flag("--overwrite", "replace extracted files that exist", options->overwrite).needs(folder);
+  const Option folder = command.file("--extract-images", "FOLDER",
+                                     "extract the images of E57 files to this folder, with camera files for "
+                                     "'alidade render --camera' and metadata in images.json",
+                                     options->image_folder);
+  command.flag("--overwrite", "replace existing images", options->overwrite).needs(folder);
   add_verbosity(command, options->verbosity);
   return {command, [options] { return run(*options); }};
 }

@@ -101,11 +101,11 @@ void write_las_rows(const std::filesystem::path& file, const IndexedCloud& cloud
 }  // namespace
 
 void check_points_name(const std::filesystem::path& file) {
-  const std::string ending = file_ending(file);
-  if (ending == ".las" || ending == ".laz" || ending == ".ply") return;
+  const std::string extension = file_extension(file);
+  if (extension == ".las" || extension == ".laz" || extension == ".ply") return;
   throw Error({.file = file.string(),
-               .problem = "the name does not tell a form that points are written in",
-               .expected = "a name that ends in .las, .laz or .ply"});
+               .problem = "unknown output format",
+               .expected = "the extension .las, .laz or .ply"});
 }
 
 void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
@@ -114,11 +114,10 @@ void write_points(const std::filesystem::path& file, const IndexedCloud& cloud,
   Rows rows(cloud, results);
   if (verbosity != Verbosity::quiet) {
     for (const std::string& name : rows.replaced())
-      say_warning(
-          fmt::format("{}: the cloud's own {} gives way to that of this command", file.string(), name));
+      say_warning(fmt::format("{}: replacing the cloud's {}", file.string(), name));
   }
   ProgressLine line("writing", "points", verbosity);
-  if (file_ending(file) != ".ply") {
+  if (file_extension(file) != ".ply") {
     write_las_rows(file, cloud, rows, overwrite, line.callback());
   } else {
     PlyWriteOptions options;

@@ -65,8 +65,8 @@ std::string comparison_text(const compare::Comparison& comparison, const compare
     }
     text += fmt::format("  {:<18} {:>12.6g} {:<4} {}\n", metric.kind->name, metric.value, metric.kind->unit,
                         metric.kind->label);
-    if (metric.place)
-      text.insert(text.size() - 1, fmt::format(" at {},{}", metric.place->x, metric.place->y));
+    if (metric.position)
+      text.insert(text.size() - 1, fmt::format(" at {},{}", metric.position->x, metric.position->y));
   }
   const std::vector<compare::HowLine> how = compare::how_lines(comparison);
   if (!how.empty()) text += "\nHow it was compared\n";
@@ -137,7 +137,7 @@ void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& reque
   if (wish.output.empty()) return;
   if (facts.ids.empty())
     throw Error({.file = facts.file.string(),
-                 .problem = "has no layer of point ids",
+                 .problem = "no layer of point ids",
                  .expected = "an EXR file rendered with the layer id"});
   const PointCloud cloud = with_progress("reading", "B", request.verbosity, [&](const Progress& progress) {
     return read_cloud(resolve_clouds(std::vector{wish.cloud}, cloud_formats()),
@@ -146,7 +146,7 @@ void find_points(std::vector<PointsOutput>& outputs, const CompareRequest& reque
   const std::vector<compare::RegionPoint> found =
       compare::region_points(facts.ids, changes, cloud.positions.size());
   if (found.empty()) {
-    say_warning(fmt::format("the regions show no points of {}; {} is not written", wish.cloud.string(),
+    say_warning(fmt::format("the regions contain no points of {}; not writing {}", wish.cloud.string(),
                             wish.output.string()));
     return;
   }
@@ -167,12 +167,12 @@ std::vector<MapOutput> maps_to_write(const CompareRequest& request,
                        const char* lacking) {
     if (file.empty()) return;
     if (!map)
-      throw Error({.file = file.string(), .problem = "no such map of these pictures", .expected = lacking});
+      throw Error({.file = file.string(), .problem = "the images do not have this map", .expected = lacking});
     outputs.push_back({file, &*map});
   };
-  add(request.color_map, pictures.color_map, "two pictures with colours");
-  add(request.flip_map, pictures.flip_map, "two pictures with colours");
-  add(request.depth_map, pictures.depth_map, "two pictures with the layer Z");
+  add(request.color_map, pictures.color_map, "two images with colours");
+  add(request.flip_map, pictures.flip_map, "two images with colours");
+  add(request.depth_map, pictures.depth_map, "two images with the layer Z");
   return outputs;
 }
 
@@ -246,7 +246,7 @@ ExitCode compare_many(const CompareRequest& request) {
   if (request.verbosity != Verbosity::quiet)
     for (const compare::PairOutcome& outcome : outcomes)
       for (const std::string& failure : failures_of(outcome.warnings))
-        say_warning(outcome.pair.name + " is beyond " + failure);
+        say_warning(outcome.pair.name + " exceeds " + failure);
   return exit_code(request, outcomes);
 }
 
@@ -288,7 +288,7 @@ std::string names_of_figures() {
 Command add_compare(const Options& program) {
   auto request = std::make_shared<CompareRequest>();
   const Options compare =
-      program.command("compare", "Judge a picture by a reference: figures, maps, regions, a page");
+      program.command("compare", "Compare an image with a reference: metrics, maps, regions, report");
   add_compare_options(compare, *request);
   compare.manual(fmt::format(fmt::runtime(manual("compare")), fmt::arg("figures", names_of_figures())));
   return {compare, [request] {

@@ -73,7 +73,7 @@ void for_each_row(std::size_t count, const Work& work) {
 /// The step a position stands on. Exact: positions were computed from steps, and lie closer to them than to others.
 LatticePosition steps_of(const Lattice& lattice, const glm::dvec3& position) {
   const auto steps = to_lattice(lattice, position);
-  if (!steps) throw Error({.problem = "position of a point does not stand on the cloud's lattice"});
+  if (!steps) throw Error({.problem = "the position of a point is not on the cloud's lattice"});
   return *steps;
 }
 
@@ -136,8 +136,7 @@ class AnswerLas final : public AnswerOutput {
     std::erase_if(columns_.extra_dimensions, [&](const ExtraColumn& column) {
       const std::string& name = column.description.name;
       if (std::ranges::find(dimensions_, name, &AnswerDimension::name) == dimensions_.end()) return false;
-      warnings.push_back(
-          fmt::format("{}: the cloud's own {} gives way to that of this query", file.string(), name));
+      warnings.push_back(fmt::format("{}: replacing the cloud's {}", file.string(), name));
       return true;
     });
     PointCloud like = description_of(cloud);

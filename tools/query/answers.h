@@ -123,11 +123,11 @@ std::vector<AnswerDimension> answer_dimensions() {
   }
   if constexpr (!std::is_same_v<typename Family<Target>::Answer, PointHit>) {
     dimensions.push_back({.name = std::string(kind.dimension) + "T",
-                          .description = "place on the target",
+                          .description = "position along the target",
                           .real = &AnswerRow::t});
   }
   dimensions.push_back({.name = std::string(kind.dimension) + "Id",
-                        .description = "number of the target",
+                        .description = "index of the target",
                         .whole = &AnswerRow::target_id});
   return dimensions;
 }

@@ -30,7 +30,7 @@ LineSource LineSource::open(const std::string& name) {
   if (name == "-") return {"standard input", ::dup(STDIN_FILENO)};
   const int descriptor = ::open(name.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0)
-    throw Error({.file = name, .problem = "cannot be opened", .found = std::strerror(errno)});
+    throw Error({.file = name, .problem = "cannot open the file", .found = std::strerror(errno)});
   LineSource source(name, descriptor);
   struct stat status {};
   if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode))
@@ -66,7 +66,8 @@ bool LineSource::read_more() {
     if (interrupted()) throw Cancelled();
     const ::ssize_t count = ::read(descriptor_, waiting_.data() + have, waiting_.size() - have);
     if (count < 0 && errno == EINTR) continue;
-    if (count < 0) throw Error({.file = name_, .problem = "reading failed", .found = std::strerror(errno)});
+    if (count < 0)
+      throw Error({.file = name_, .problem = "cannot read the file", .found = std::strerror(errno)});
     if (count == 0) break;
     have += static_cast<std::size_t>(count);
   }
@@ -86,9 +87,9 @@ bool LineSource::next(LineBlock& block) {
   const std::size_t last_end = waiting_.rfind('\n');
   if (more && last_end == std::string::npos && waiting_.size() >= k_block_bytes) {
     throw Error({.file = name_,
-                 .place = std::to_string(next_number_) + ":1",
-                 .problem = "the line does not end",
-                 .expected = "at most " + std::to_string(k_block_bytes) + " bytes in a line"});
+                 .location = std::to_string(next_number_) + ":1",
+                 .problem = "line too long",
+                 .expected = "at most " + std::to_string(k_block_bytes) + " bytes"});
   }
   const std::size_t size = last_end == std::string::npos ? waiting_.size() : last_end + 1;
   std::string rest = waiting_.substr(size);

@@ -11,7 +11,7 @@ namespace alidade::tools {
 /// Some whole lines of a text.
 struct LineBlock {
   std::string text;
-  std::vector<std::size_t> ends;   ///< of every line, behind its last letter; the next begins after a "\n"
+  std::vector<std::size_t> ends;   ///< of every line, behind its last character; the next begins after a "\n"
   std::uint64_t first_number = 1;  ///< of its first line in the text
 
   std::size_t size() const { return ends.size(); }

@@ -20,11 +20,11 @@ namespace alidade::tools {
 namespace {
 
 /// More than rounding moves a coordinate of these numbers by.
-double margin_of(std::initializer_list<glm::dvec3> places, double radius) {
+double margin_of(std::initializer_list<glm::dvec3> positions, double radius) {
   constexpr double k_share = 1e-9;
   double largest = radius;
-  for (const glm::dvec3& place : places)
-    largest = std::max({largest, std::fabs(place.x), std::fabs(place.y), std::fabs(place.z)});
+  for (const glm::dvec3& position : positions)
+    largest = std::max({largest, std::fabs(position.x), std::fabs(position.y), std::fabs(position.z)});
   return k_share * largest;
 }
 
@@ -65,14 +65,14 @@ Bounds target_bounds(const Ray& ray, double radius, const Bounds& within) {
 
 Bounds target_bounds(const Cone& cone, double, const Bounds& within) {
   if (within.empty()) return {};
-  // The farthest place along the axis that a point can project to is that of a corner; there the cone is widest.
+  // The farthest position along the axis that a point can project to is that of a corner; there the cone is widest.
   Ray axis = cone.axis;
   double farthest = -std::numeric_limits<double>::infinity();
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 place{(corner & 1) ? within.max.x : within.min.x,
-                           (corner & 2) ? within.max.y : within.min.y,
-                           (corner & 4) ? within.max.z : within.min.z};
-    farthest = std::max(farthest, glm::dot(place - axis.origin, axis.direction));
+    const glm::dvec3 position{(corner & 1) ? within.max.x : within.min.x,
+                              (corner & 2) ? within.max.y : within.min.y,
+                              (corner & 4) ? within.max.z : within.min.z};
+    farthest = std::max(farthest, glm::dot(position - axis.origin, axis.direction));
   }
   axis.t_max = std::min(axis.t_max, farthest + margin_of({axis.origin, within.min, within.max}, 0.0));
   const double widest = cone.limit(axis.t_max);
@@ -94,8 +94,8 @@ Bounds target_bounds(const Bounds& box, double, const Bounds&) {
   return box;
 }
 
-Bounds target_bounds(const glm::dvec3& place, double radius, const Bounds&) {
-  return widened({place, place}, radius + margin_of({place}, radius));
+Bounds target_bounds(const glm::dvec3& position, double radius, const Bounds&) {
+  return widened({position, position}, radius + margin_of({position}, radius));
 }
 
 constexpr std::size_t k_batch = 4096;

@@ -25,10 +25,10 @@ constexpr std::array<FamilyWords, k_target_families> k_families{{
     {"--cones", "--cone", target_kind<Cone>,
      "cones: apex, axis, half angle in degrees, radius at the apex (default 0)"},
     {"--path", "--vertex", target_kind<Path>,
-     "trajectories: vertices in their order; rows of one `path` number are one"},
+     "trajectories: vertices in order; rows with one `path` number form one"},
     {"--planes", "--plane", target_kind<HalfSpaces>,
-     "regions: points on the side the normal shows to, of all planes with one `region` number"},
-    {"--boxes", "--box", target_kind<Bounds>, "axis-parallel boxes, faces included"},
+     "regions: points on the positive side of all planes with one `region` number"},
+    {"--boxes", "--box", target_kind<Bounds>, "axis-aligned boxes, faces included"},
     {"--points", "--point", target_kind<glm::dvec3>, "places"},
 }};
 
@@ -39,65 +39,65 @@ void add_targets(const Options& query, QueryCommand& command) {
     query.group("Targets").text(words.texts, "FILE|-", words.help, given.text);
     std::string form = words.kind().form();
     std::ranges::transform(form, form.begin(), [](unsigned char c) { return std::toupper(c); });
-    query.group("Targets").text(words.value, form, "one of them; may be repeated", given.values);
+    query.group("Targets").text(words.value, form, "one target; repeatable", given.values);
   }
 }
 
 void add_conditions(const Options& query, QueryCommand& command) {
   const Options group = query.group("Conditions");
-  group.value("--radius", "R", "points at most so far from the ray, path or point, in metres (default: inf)",
+  group.value("--radius", "R", "largest distance from the ray, path or point, in metres (default: inf)",
               command.radius, parse_length_limit);
   group.count("--k", "K",
-              "at most so many points, the first by the measure (default: 1 for rays, paths and points "
+              "most points per target, in the order of the measure (default: 1 for rays, paths and points "
               "without --radius, else all)",
               command.k, 1, k_all);
   group.choice("--measure",
-               "what puts points into order: distance to the ray, place t of the projection, or where the "
-               "ray enters the sphere of the radius around the point (default: rays entry with --radius, "
-               "else distance; cones distance; paths t)",
+               "order of points: distance to the ray, position t of the projection, or where the ray enters "
+               "the sphere of the radius around the point (default: rays entry with --radius, else distance; "
+               "cones distance; paths t)",
                command.measure,
                {{"distance", Measure::distance}, {"t", Measure::t}, {"entry", Measure::entry}});
   group.value("--t-min", "A",
-              "points that project to t >= A, metres along the ray, cone or path, where the targets do not "
-              "say it themselves (default: -inf; cones 0)",
+              "points that project to t >= A, metres along the ray, cone or path, if the targets do not set "
+              "it (default: -inf; cones 0)",
               command.t_min, parse_limit);
   group.value("--t-max", "B", "points that project to t <= B (default: inf)", command.t_max, parse_limit);
-  group.value("--entry-min", "E", "of rays with --radius: spheres entered at E or later, metres",
+  group.value("--entry-min", "E", "for rays with --radius: spheres entered at E or later, metres",
               command.entry_min, parse_limit);
-  group.value("--class", "LIST", "points of these classes, as 2,6", command.classes, parse_classes);
+  group.value("--class", "LIST", "points of these classes, such as 2,6", command.classes, parse_classes);
   group.count("--max-level", "N",
-              "a thinned cloud: points of the levels 0 .. N of a layered octree; made for cloud files, while "
-              "an index file must be one (alidade index --organisation layered)",
+              "a thinned cloud: levels 0 to N of a layered octree; built for cloud files, while an index "
+              "file must be layered (alidade index --organisation layered)",
               command.max_level, 0, k_all_levels);
 }
 
 void add_copc(const Options& query, QueryCommand& command) {
   const Options group = query.group("COPC");
   group.flag("--load",
-             "read the whole cloud and build an octree, also of a COPC file, which else is asked where it "
-             "lies; pays from some thousands of targets on, the more the larger the file",
+             "read the whole cloud and build an octree, also for a COPC file, which is otherwise queried in "
+             "place; faster from some thousands of targets on, more for larger files",
              command.is_loaded);
   group.value("--memory", "SIZE",
-              "points of a COPC file to keep in memory: bytes, or a number with k, M, G or T (default: 512M)",
+              "memory for points of a COPC file: bytes, or a number with k, M, G or T (default: 512M)",
               command.memory, parse_size);
 }
 
 void add_answers(const Options& query, QueryCommand& command) {
   const Options group = query.group("Answers");
   const Option occluded =
-      group.flag("--occluded", "only whether there is any point: 0 or 1 per target", command.occluded);
-  group.flag("--count", "only how many points there are, up to K", command.count).excludes(occluded);
-  group.file("-o,--output", "FILE", "file to write: .csv, .jsonl, .las or .laz (default: CSV to stdout)",
+      group.flag("--occluded", "only whether any point matches: 0 or 1 per target", command.occluded);
+  group.flag("--count", "only the number of matching points, up to K", command.count).excludes(occluded);
+  group.file("-o,--output", "FILE", "output file: .csv, .jsonl, .las or .laz (default: CSV to stdout)",
              command.output);
-  group.choice("--format", "form of the answers, whatever the file is called", command.format,
+  group.choice("--format", "output format, whatever the extension", command.format,
                {{"csv", AnswerForm::csv}, {"jsonl", AnswerForm::json_lines}, {"las", AnswerForm::las}});
   group.flag("--overwrite", "replace an existing file", command.overwrite);
-  group.flag("--explain", "say on stderr what work it was: nodes, points, and what was pruned by which rule",
+  group.flag("--explain", "print the cost on stderr: nodes, points, and what each rule pruned",
              command.explain);
 }
 
 [[noreturn]] void refuse(const char* option, const FamilyWords& words) {
-  throw Error({.problem = fmt::format("{} is not for {}", option, words.kind().plural)});
+  throw Error({.problem = fmt::format("{} does not apply to {}", option, words.kind().plural)});
 }
 
 /// The family that targets were given of. Errors: none, several, or in two ways.
@@ -110,18 +110,18 @@ TargetFamily chosen_family(const QueryCommand& command) {
     const bool has_text = !given.text.empty(), has_values = !given.values.empty();
     if (!has_text && !has_values) continue;
     if (has_text && has_values) {
-      throw Error({.problem = fmt::format("targets are given in two ways: {} and {}", k_families[i].texts,
-                                          k_families[i].value),
-                   .expected = "one of them"});
+      throw Error(
+          {.problem = fmt::format("{} and {} exclude each other", k_families[i].texts, k_families[i].value),
+           .expected = "one of them"});
     }
     if (chosen) {
-      throw Error({.problem = fmt::format("targets of two kinds are given: {} and {}",
+      throw Error({.problem = fmt::format("{} and {} are different kinds of targets",
                                           k_families[*chosen].kind().plural, k_families[i].kind().plural),
-                   .expected = "one kind in a run"});
+                   .expected = "one kind per run"});
     }
     chosen = i;
   }
-  if (!chosen) throw Error({.problem = "nothing to ask for", .expected = "one of " + all});
+  if (!chosen) throw Error({.problem = "missing targets", .expected = "one of " + all});
   return static_cast<TargetFamily>(*chosen);
 }
 
@@ -137,11 +137,11 @@ void check_options(const QueryCommand& command) {
   if (command.t_max && !has_t) refuse("--t-max", words);
   if (command.entry_min && family != rays) refuse("--entry-min", words);
   if (command.entry_min && !command.radius)
-    throw Error({.problem = "--entry-min needs a radius", .expected = "--radius R"});
+    throw Error({.problem = "--entry-min requires a radius", .expected = "--radius R"});
   if (command.measure == Measure::entry && family == rays && !command.radius)
-    throw Error({.problem = "--measure entry needs a radius", .expected = "--radius R"});
+    throw Error({.problem = "--measure entry requires a radius", .expected = "--radius R"});
   if (command.measure == Measure::entry && family == path)
-    throw Error({.problem = "--measure entry is not for paths", .expected = "t or distance"});
+    throw Error({.problem = "--measure entry does not apply to paths", .expected = "t or distance"});
 }
 
 ExitCode run(const QueryCommand& given) {
@@ -161,30 +161,30 @@ LineSource open_targets(const QueryCommand& command) {
 }
 
 AnswerForm chosen_form(const QueryCommand& command) {
-  const std::string ending = file_ending(command.output);
+  const std::string extension = file_extension(command.output);
   std::optional<AnswerForm> form = command.format;
   if (!form && command.output.empty()) form = AnswerForm::csv;
-  if (!form && ending == ".csv") form = AnswerForm::csv;
-  if (!form && (ending == ".jsonl" || ending == ".ndjson")) form = AnswerForm::json_lines;
-  if (!form && (ending == ".las" || ending == ".laz")) form = AnswerForm::las;
+  if (!form && extension == ".csv") form = AnswerForm::csv;
+  if (!form && (extension == ".jsonl" || extension == ".ndjson")) form = AnswerForm::json_lines;
+  if (!form && (extension == ".las" || extension == ".laz")) form = AnswerForm::las;
   if (!form) {
     throw Error({.file = command.output.string(),
-                 .problem = "the name does not tell the form of the answers",
+                 .problem = "unknown output format",
                  .expected = ".csv, .jsonl, .las or .laz, or --format"});
   }
   if (form == AnswerForm::las && command.output.empty())
-    throw Error({.problem = "LAS is not written to stdout", .expected = "-o FILE.las"});
+    throw Error({.problem = "LAS output requires a file", .expected = "-o FILE.las"});
   if (form == AnswerForm::las && (command.count || command.occluded)) {
     throw Error({.file = command.output.string(),
-                 .problem = "LAS holds points, not the numbers of --count and --occluded",
+                 .problem = "LAS cannot store --count and --occluded",
                  .expected = ".csv or .jsonl"});
   }
   return *form;
 }
 
 Command add_query(const Options& program) {
-  const Options query =
-      program.command("query", "Find the points that rays, cones, paths, planes, boxes or places meet");
+  const Options query = program.command(
+      "query", "Find the points near rays, paths and positions, and in cones, planes and boxes");
   auto command = std::make_shared<QueryCommand>();
   add_cloud(query, *command);
   add_targets(query, *command);

@@ -47,7 +47,7 @@ struct QueryCommand : CloudRequest {
 /// The text the targets stand in. Errors: LineSource::open().
 LineSource open_targets(const QueryCommand& command);
 
-/// The form of the output: as asked for, else by the ending of its name; csv for stdout. Errors: neither
+/// The form of the output: as asked for, else by the extension of its name; csv for stdout. Errors: neither
 /// tells; las without a file, or for numbers only.
 AnswerForm chosen_form(const QueryCommand& command);
 

@@ -32,7 +32,7 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
   std::vector<std::string_view> names;
   split_cells(line.text, ',', names);
   if (parse_number(names.front()))
-    line.fail(0, "there is no header", "a line of names: " + kind.form(), quote(line.text));
+    line.fail(0, "missing header", "column names: " + kind.form(), quote(line.text));
   std::vector<std::size_t> columns;
   for (const std::string_view name : names) {
     const std::size_t column = kind.column(name);
@@ -41,12 +41,12 @@ std::vector<std::size_t> read_header(const TextLine& line, const TargetKind& kin
                 "some of " + kind.names());
     }
     if (std::ranges::find(columns, column) != columns.end())
-      line.fail(offset_in(line, name), fmt::format("column {} stands twice", name));
+      line.fail(offset_in(line, name), fmt::format("duplicate column {}", name));
     columns.push_back(column);
   }
   for (std::size_t i = 0; i < kind.columns.size(); ++i) {
     if (kind.columns[i].required && std::ranges::find(columns, i) == columns.end())
-      line.fail(line.text.size(), fmt::format("column {} is missing", kind.columns[i].name), kind.form());
+      line.fail(line.text.size(), fmt::format("missing column {}", kind.columns[i].name), kind.form());
   }
   return columns;
 }
@@ -101,7 +101,7 @@ JsonDocument parse_line(const TextLine& line) {
     return parse_json(std::string(line.text), std::string(line.source));
   } catch (const Error& error) {
     Error::Parts parts = error.parts();
-    parts.place = fmt::format("{}{}", line.number, parts.place.substr(parts.place.find(':')));
+    parts.location = fmt::format("{}{}", line.number, parts.location.substr(parts.location.find(':')));
     throw Error(std::move(parts));
   }
 }
@@ -151,7 +151,7 @@ class RowFiller {
   void put(const JsonValue& value, std::size_t i) {
     const TargetColumn& column = kind_.columns[i];
     offsets_[i] = value.begin;
-    if (!std::isnan(row_[i])) line_.fail(value.begin, fmt::format("{} is given twice", column.name));
+    if (!std::isnan(row_[i])) line_.fail(value.begin, fmt::format("duplicate {}", column.name));
     if (std::holds_alternative<std::nullptr_t>(value.data) && !column.required) return;
     row_[i] = number(value, column);
     check_value(line_, value.begin, column, row_[i], found(value));
@@ -208,7 +208,7 @@ TextLine RowReader::line(std::size_t i) const {
 void RowReader::fail(std::uint64_t number, std::string problem, std::string expected,
                      std::string found) const {
   throw Error({.file = source_.name(),
-               .place = source_.is_command_line() ? "" : fmt::format("{}:1", number),
+               .location = source_.is_command_line() ? "" : fmt::format("{}:1", number),
                .problem = std::move(problem),
                .expected = std::move(expected),
                .found = std::move(found)});
@@ -227,8 +227,8 @@ void RowReader::begin() {
     has_block_ = true;
     if (source_.is_command_line()) return;
     const TextLine first = line(used_);
-    const char letter = trim(first.text).front();
-    form_ = letter == '{' || letter == '[' ? Form::json_lines : Form::csv;
+    const char character = trim(first.text).front();
+    form_ = character == '{' || character == '[' ? Form::json_lines : Form::csv;
     if (form_ == Form::csv) {
       column_of_cell_ = read_header(first, *kind_);
       ++used_;
@@ -236,8 +236,8 @@ void RowReader::begin() {
     return;
   }
   throw Error({.file = source_.name(),
-               .place = source_.is_command_line() ? "" : "1:1",
-               .problem = fmt::format("holds no {}", kind_->plural),
+               .location = source_.is_command_line() ? "" : "1:1",
+               .problem = fmt::format("contains no {}", kind_->plural),
                .expected = fmt::format("CSV with the header {}, or JSON lines", kind_->form()),
                .found = "nothing"});
 }

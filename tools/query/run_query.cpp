@@ -81,8 +81,7 @@ AttributeSet needed_attributes(const QueryCommand& command, bool all) {
 }
 
 [[noreturn]] void refuse_classes(const QueryCommand& command) {
-  throw Error(
-      {.file = command.files.first_name().string(), .problem = "points have no classification for --class"});
+  throw Error({.file = command.files.first_name().string(), .problem = "--class requires classification"});
 }
 
 /// Answers whose points are numbered in another way, in the same order.
@@ -121,12 +120,11 @@ IndexedCloud load(const QueryCommand& command, bool all_attributes, const std::o
   const std::size_t all_files = cloud.cloud.files.size();
   const std::size_t skipped_files = RowIds(cloud.cloud.files).skipped_files();
   if (skipped_files > 0)
-    say_note(command.verbosity,
-             fmt::format("read {} of {} files: no target comes near the boxes that the others state",
-                         all_files - skipped_files, all_files));
+    say_note(command.verbosity, fmt::format("read {} of {} files: no target reaches the bounds of the others",
+                                            all_files - skipped_files, all_files));
   if (command.max_level && cloud.octree.view().organisation != Organisation::layered) {
     throw Error({.file = command.files.first_name().string(),
-                 .problem = "has no levels for --max-level",
+                 .problem = "--max-level requires a layered index",
                  .expected = "a layered index (alidade index --organisation layered)"});
   }
   return cloud;
@@ -291,8 +289,8 @@ ExitCode run_with(const QueryCommand& command) {
     table += copc_table(*source.cache);
   } else {
     if (command.memory) {
-      throw Error({.problem = "--memory limits nothing here",
-                   .expected = "a COPC file as the only cloud, asked where it lies"});
+      throw Error(
+          {.problem = "--memory requires a COPC query without --load", .expected = "a single COPC file"});
     }
     const QueriedCloud queried = load_needed<Target>(command, form);
     const IndexedCloud& cloud = queried.indexed;

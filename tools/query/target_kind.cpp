@@ -15,12 +15,12 @@ void TextLine::fail(std::size_t offset, std::string problem, std::string expecte
   const std::string_view before = text.substr(0, std::min(offset, text.size()));
   const auto column = 1 + std::ranges::count_if(
                               before, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
-  throw Error(
-      {.file = std::string(source),
-       .place = is_command_line ? " " + quote(text) : std::to_string(number) + ":" + std::to_string(column),
-       .problem = std::move(problem),
-       .expected = std::move(expected),
-       .found = std::move(found)});
+  throw Error({.file = std::string(source),
+               .location = is_command_line ? " " + quote(text)
+                                           : std::to_string(number) + ":" + std::to_string(column),
+               .problem = std::move(problem),
+               .expected = std::move(expected),
+               .found = std::move(found)});
 }
 
 namespace {
@@ -30,10 +30,10 @@ constexpr double k_largest_number = 9007199254740992.0;  // 2^53: up to here dou
 /// What a value must be; nullptr if it is.
 const char* expectation(ValueRule rule, double value) {
   switch (rule) {
-    case ValueRule::place:
+    case ValueRule::position:
       return std::isfinite(value) ? nullptr : "a finite number";
     case ValueRule::limit:
-      return std::isnan(value) ? "a number, also inf or -inf" : nullptr;
+      return std::isnan(value) ? "a number, inf or -inf" : nullptr;
     case ValueRule::width:
       return std::isfinite(value) && value >= 0.0 ? nullptr : "a finite number, at least 0";
     case ValueRule::half_angle:
@@ -41,7 +41,7 @@ const char* expectation(ValueRule rule, double value) {
     case ValueRule::number:
       return value >= 0.0 && value <= k_largest_number && value == std::floor(value)
                  ? nullptr
-                 : "a whole number from 0 to 2^53";
+                 : "an integer from 0 to 2^53";
   }
   return nullptr;
 }
@@ -87,20 +87,20 @@ void check_value(const TextLine& line, std::size_t offset, const TargetColumn& c
                  std::string_view found) {
   const char* const expected = expectation(column.rule, value);
   if (expected != nullptr)
-    line.fail(offset, fmt::format("{} is out of range", column.name), expected, quote(found));
+    line.fail(offset, fmt::format("{} out of range", column.name), expected, quote(found));
 }
 
 void check_row(const TextLine& line, const TargetKind& kind, std::span<const double> row,
                std::span<const std::size_t> offsets) {
   for (std::size_t i = 0; i < row.size(); ++i) {
     if (kind.columns[i].required && std::isnan(row[i]))
-      line.fail(offsets[i], fmt::format("no value for {}", kind.columns[i].name), kind.form());
+      line.fail(offsets[i], fmt::format("missing value of {}", kind.columns[i].name), kind.form());
   }
   for (const TargetVector& vector : kind.vectors) {
     const std::size_t x = vector.first;
     if (!vector.is_direction || row[x] != 0.0 || row[x + 1] != 0.0 || row[x + 2] != 0.0) continue;
-    line.fail(offsets[x], fmt::format("{} of the {} has length zero", vector.name, kind.name),
-              "a direction of any other length", "0,0,0");
+    line.fail(offsets[x], fmt::format("{} of the {} is zero", vector.name, kind.name), "a nonzero direction",
+              "0,0,0");
   }
 }
 

@@ -38,7 +38,7 @@ struct Family<Path> {
 
 /// What a number in a column may be. Whatever is required, NaN never is.
 enum class ValueRule {
-  place,       ///< finite
+  position,    ///< finite
   limit,       ///< also infinite
   width,       ///< finite, at least 0
   half_angle,  ///< degrees, 0 <= value < 90
@@ -47,7 +47,7 @@ enum class ValueRule {
 
 struct TargetColumn {
   std::string_view name;
-  ValueRule rule = ValueRule::place;
+  ValueRule rule = ValueRule::position;
   bool required = true;
 };
 
@@ -73,7 +73,7 @@ struct TargetKind {
   std::string form() const;
   /// "ox, oy, ...": every column by name.
   std::string names() const;
-  /// Place in `columns`; their number if there is none of that name.
+  /// Position in `columns`; their number if there is none of that name.
   std::size_t column(std::string_view name) const;
 };
 

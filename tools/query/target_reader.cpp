@@ -85,9 +85,8 @@ void TargetReader<Target>::take_row(std::size_t i, TargetBatch<Target>& batch) {
     const double number = row.back();
     const std::uint64_t group = std::isnan(number) ? 0 : static_cast<std::uint64_t>(number);
     if (group_ && group < *group_) {
-      rows_.fail(block_.lines[i],
-                 fmt::format("number of the {} is below the one before", target_kind<Target>().name),
-                 "rows in the order of their numbers", fmt::format("{}", group));
+      rows_.fail(block_.lines[i], fmt::format("the number of the {} decreases", target_kind<Target>().name),
+                 "rows sorted by number", fmt::format("{}", group));
     }
     if (group_ != group) {
       end_group(batch);

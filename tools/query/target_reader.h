@@ -41,7 +41,7 @@ class TargetReader {
  private:
   void take_row(std::size_t i, TargetBatch<Target>& batch);
   void end_group(TargetBatch<Target>& batch);
-  /// What make() gives; its errors get the place.
+  /// What make() gives; its errors get the position.
   template <class Make>
   auto placed(std::uint64_t line, const Make& make) const;
 

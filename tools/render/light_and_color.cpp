@@ -37,7 +37,7 @@ void place_sun_by_time(renderer::Scene& scene, const renderer::LoadedCloud* clou
   say_note(verbosity, scene.sun_origin);
   if (!placed.is_up) {
     say_warnings(verbosity,
-                 {fmt::format("the sun is below the horizon, at elevation {:.3f} degrees: it lights nothing",
+                 {fmt::format("the sun is below the horizon, at elevation {:.3f} degrees: it gives no light",
                               placed.sun.elevation)});
   }
 }
@@ -65,7 +65,7 @@ std::vector<image::ClassColor> parse_class_colors(const std::string& text) {
 std::filesystem::path parse_legend(const std::string& text) {
   const std::filesystem::path file(text);
   if (file.extension() != ".png" && file.extension() != ".PNG")
-    throw UsageError("expected a name ending in .png, found '" + text + "'");
+    throw UsageError("expected the extension .png, found '" + text + "'");
   return file;
 }
 
@@ -74,8 +74,8 @@ glm::ivec2 parse_legend_size(const std::string& text) {
   constexpr int k_least_side = 24;
   const ImageSize size = parse_image_size(text);
   if (size.width < k_least_side || size.height < k_least_side) {
-    throw UsageError("expected at least " + std::to_string(k_least_side) + " pixels each way, found '" +
-                     text + "'");
+    throw UsageError("expected at least " + std::to_string(k_least_side) +
+                     " pixels in each direction, found '" + text + "'");
   }
   return {size.width, size.height};
 }
@@ -92,22 +92,21 @@ void add_light_options(const Options& render, LightRequest& request) {
   render.choice(
       "--mode",
       "path: light of sun, sky and lamps (default); ambient_occlusion: colours, darker where other surfaces "
-      "are near; headlight: colours lit from the camera, no shadows; flat: the colours themselves",
+      "are near; headlight: colours lit from the camera, no shadows; flat: colours without light",
       request.mode, [] {
         std::vector<std::pair<std::string, renderer::RenderMode>> words;
         for (const renderer::NamedMode& each : renderer::k_modes) words.emplace_back(each.name, each.mode);
         return words;
       }());
-  render.value(
-      "--ao-distance", "METRES|auto",
-      "what counts as near for ambient_occlusion (default auto: a twentieth of the cloud's diagonal)",
-      request.ao_distance, [](const std::string& text) {
-        return text == "auto" ? std::nullopt : std::optional(parse_number(text, 1e-6, 1e12));
-      });
+  render.value("--ao-distance", "METRES|auto",
+               "range of ambient_occlusion (default auto: a twentieth of the cloud's diagonal)",
+               request.ao_distance, [](const std::string& text) {
+                 return text == "auto" ? std::nullopt : std::optional(parse_number(text, 1e-6, 1e12));
+               });
   const Option sun =
       render.value("--sun", "AZIMUTH,ELEVATION",
-                   "where the sun stands, degrees: azimuth clockwise from north (+y), elevation above the "
-                   "horizon; the scene's brightness stays",
+                   "position of the sun, degrees: azimuth clockwise from north (+y), elevation above the "
+                   "horizon; the scene's brightness is kept",
                    [&request](const std::string& text) {
                      request.sun = parse_pair(text, 360.0, 90.0);
                      if (request.sun->y == -90.0)
@@ -115,11 +114,11 @@ void add_light_options(const Options& render, LightRequest& request) {
                    });
   const Option time = render
                           .value("--sun-time", "DATE-TIME",
-                                 "the sun as it stands then, such as 2026-06-21T12:00:00+02:00; brightness "
-                                 "by elevation, even where the scene's sun by angles has its own",
+                                 "the sun at this time, such as 2026-06-21T12:00:00+02:00; brightness by "
+                                 "elevation, even if the scene's sun by angles sets one",
                                  request.sun_time, parse_moment)
                           .excludes(sun);
-  const Option place =
+  const Option position =
       render
           .value(
               "--sun-place", "LAT,LON",
@@ -129,15 +128,15 @@ void add_light_options(const Options& render, LightRequest& request) {
   render.flag("--no-sun", "no sun, only the sky", request.no_sun)
       .excludes(sun)
       .excludes(time)
-      .excludes(place);
+      .excludes(position);
 }
 
 void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
   scene.render.mode = request.mode.value_or(scene.render.mode);
   if (request.ao_distance) scene.render.ao_distance = *request.ao_distance;
   if (request.ao_distance && scene.render.mode != renderer::RenderMode::ambient_occlusion) {
-    throw Error({.problem = "--ao-distance is for ambient occlusion only",
-                 .expected = "--mode ambient_occlusion beside it"});
+    throw Error({.problem = "--ao-distance requires ambient occlusion",
+                 .expected = "--mode ambient_occlusion with it"});
   }
   if (request.sun) require_path_mode(scene, "--sun");
   if (request.sun_time) require_path_mode(scene, "--sun-time");
@@ -165,8 +164,7 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
   }
   if (request.sun_place) {
     if (!scene.sun_by_time) {
-      throw Error({.problem = "--sun-place without a time: the sun's place in the sky depends on both",
-                   .expected = "--sun-time DATE-TIME beside it"});
+      throw Error({.problem = "--sun-place requires --sun-time", .expected = "--sun-time DATE-TIME with it"});
     }
     scene.sun_by_time->latitude = request.sun_place->x;
     scene.sun_by_time->longitude = request.sun_place->y;
@@ -176,7 +174,7 @@ void apply_light_options(const LightRequest& request, renderer::Scene& scene) {
 void require_path_mode(const renderer::Scene& scene, const std::string& option) {
   if (scene.render.mode == renderer::RenderMode::path) return;
   const auto mode = std::ranges::find(renderer::k_modes, scene.render.mode, &renderer::NamedMode::mode);
-  throw Error({.problem = option + " changes nothing in this mode",
+  throw Error({.problem = option + " has no effect in this mode",
                .expected = "--mode path",
                .found = std::string(mode->name)});
 }
@@ -209,23 +207,23 @@ void prepare_light(renderer::Scene& scene, const renderer::LoadedCloud* cloud, V
     if (verbosity != Verbosity::quiet && !is_given) {
       const double distance = *scene.render.ao_distance;
       say_note(std::isinf(distance)
-                   ? "ambient occlusion at any distance (there is no cloud to tell what is near)"
+                   ? "ambient occlusion at any distance (there is no cloud to set the range)"
                    : fmt::format("ambient occlusion within {:.4g} (from the size of the cloud)", distance));
     }
   }
 }
 
 void add_color_options(const Options& command, ColorRequest& request) {
-  command.value(
-      "--color-by,--color", "NAME",
-      "what colours the points: rgb, intensity, height, classification, normal, gps_time, return_number, "
-      "number_of_returns, or another attribute by its name (default: rgb, else intensity, else height)",
-      [&request](const std::string& text) {
-        if (text.empty()) throw UsageError("expected a name, found ''");
-        request.by = text;
-      });
+  command.value("--color-by,--color", "NAME",
+                "attribute that colours the points: rgb, intensity, height, classification, normal, "
+                "gps_time, return_number, number_of_returns, or another attribute by its name (default: rgb, "
+                "else intensity, else height)",
+                [&request](const std::string& text) {
+                  if (text.empty()) throw UsageError("expected a name, found ''");
+                  request.by = text;
+                });
   command.choice("--color-map",
-                 "colours of numbers (default auto: grey for intensity, terrain for height, else viridis)",
+                 "colour map of values (default auto: grey for intensity, terrain for height, else viridis)",
                  request.map, map_words());
   const Option range = command.value(
       "--color-range", "MIN,MAX", "values of the first and last colour (default: by percentiles)",
@@ -233,19 +231,18 @@ void add_color_options(const Options& command, ColorRequest& request) {
         return parse_range(text, -image::k_largest_value, image::k_largest_value);
       });
   command
-      .value("--color-percentiles", "LOW,HIGH",
-             "percentiles of the values that the colours span (default 1,99)", request.percentiles,
-             [](const std::string& text) { return parse_range(text, 0.0, 100.0); })
+      .value("--color-percentiles", "LOW,HIGH", "percentiles of the first and last colour (default 1,99)",
+             request.percentiles, [](const std::string& text) { return parse_range(text, 0.0, 100.0); })
       .excludes(range);
   command.value("--class-color", "CLASS=#RRGGBB,...",
-                "other colours for single classes of --color-by classification", request.classes,
+                "colours of single classes of --color-by classification", request.classes,
                 parse_class_colors);
-  const Option legend = command.value(
-      "--legend", "FILE.png",
-      "also write what the colours mean: a colour bar, or the classes with their numbers of points",
-      request.legend, parse_legend);
+  const Option legend =
+      command.value("--legend", "FILE.png",
+                    "also write a legend: a colour bar, or the classes with their numbers of points",
+                    request.legend, parse_legend);
   command
-      .value("--legend-size", "WIDTHxHEIGHT", "size of the legend in pixels (default: as its texts need)",
+      .value("--legend-size", "WIDTHxHEIGHT", "size of the legend in pixels (default: fits its text)",
              request.legend_size, parse_legend_size)
       .needs(legend);
 }

@@ -53,7 +53,7 @@ class PreviewFile {
       : metadata_(metadata) {
     settings_.file = file;
     settings_.exposure = output.exposure;
-    const std::string text = "of a picture under way, maybe reduced";
+    const std::string text = "of an unfinished image, possibly reduced";
     metadata_.further.emplace_back(std::string(k_preview_mark), text);
     // JPEG keeps no text but this one.
     metadata_.further.emplace_back("ImageDescription", fmt::format("{} {}", k_preview_mark, text));
@@ -77,27 +77,25 @@ class PreviewFile {
 }  // namespace
 
 void add_long_render_options(const Options& render, LongRenderRequest& request) {
-  render.number(
-      "--time-limit", "S",
-      "seconds for each picture: it ends with what there is by then, and says how many samples that were. "
-      "One sample per pixel is always taken, --samples is the most. The bytes depend on the time",
-      request.time_limit, 0.0, k_most_seconds);
+  render.number("--time-limit", "S",
+                "seconds per image: rendering stops then and reports the number of samples. At least one "
+                "sample per pixel, at most --samples. The bytes depend on the time",
+                request.time_limit, 0.0, k_most_seconds);
   render.number("--target-noise", "E",
-                "stop where the estimated relative error of a tile of about 16x16 pixels is at most E, such "
-                "as 0.02; a tile gets 32 samples at least and --samples at most",
+                "stop a tile of about 16x16 pixels at an estimated relative error of at most E, such as "
+                "0.02; a tile gets at least 32 samples and at most --samples",
                 request.target_noise, 1e-6, 1e6);
-  const Option preview =
-      render.value("--preview", "FILE",
-                   "a small picture of what there is so far, .png or .jpg, written anew every few seconds",
-                   request.preview, std::identity());
+  const Option preview = render.value(
+      "--preview", "FILE", "preview of the unfinished image, .png or .jpg, rewritten every few seconds",
+      request.preview, std::identity());
   render
       .number("--preview-interval", "S", "seconds between previews (default 3)", request.preview_interval,
               0.0, k_most_seconds)
       .needs(preview);
   render
       .count("--preview-points", "N",
-             "before COPC files of more than 2 N points are loaded, the preview shows N of them, those the "
-             "camera sees best, then 8 N and so on (default 300000; 0: only the picture itself)",
+             "before COPC files of more than 2 N points are loaded, the preview shows N points, those the "
+             "camera sees best, then 8 N and so on (default 300000; 0: only the image itself)",
              request.preview_points, 0, k_most_preview_points)
       .needs(preview);
   add_checkpoint_options(render, request.checkpoint, "written anew every minute", "picture");
@@ -110,7 +108,8 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
     if (file.empty()) return;
     for (const std::filesystem::path& output : outputs) {
       if (same_file(file, output))
-        throw Error({.file = file.string(), .problem = "is a picture to write", .expected = "another name"});
+        throw Error(
+            {.file = file.string(), .problem = "also the name of an image", .expected = "another name"});
     }
     check_writable(file, may_exist, inputs);
   };
@@ -118,18 +117,18 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
     const std::optional<image::ImageFormat> format = image::image_format(request.preview);
     if (format != image::ImageFormat::png && format != image::ImageFormat::jpeg) {
       throw Error({.file = request.preview.string(),
-                   .problem = "unknown kind of preview",
-                   .expected = "a name that ends in .png, .jpg or .jpeg"});
+                   .problem = "unknown preview format",
+                   .expected = "the extension .png, .jpg or .jpeg"});
     }
     if (!request.checkpoint.file.empty() && same_file(request.preview, request.checkpoint.file))
-      throw Error({.file = request.preview.string(), .problem = "is both preview and checkpoint"});
+      throw Error({.file = request.preview.string(), .problem = "preview and checkpoint have the same name"});
   }
   std::error_code error;
   const bool keeps_checkpoint = std::filesystem::exists(request.checkpoint.file, error);
   if (keeps_checkpoint && !request.checkpoint.resume && !replaceable.any) {
     throw Error({.file = request.checkpoint.file.string(),
-                 .problem = "exists already",
-                 .expected = "--resume to go on from it, or --overwrite"});
+                 .problem = "the file exists",
+                 .expected = "--resume to continue from it, or --overwrite"});
   }
   check(request.preview,
         replaceable.any || (replaceable.earlier_preview && is_preview_of_ours(request.preview)));
@@ -137,8 +136,8 @@ void check_long_render(const LongRenderRequest& request, Replaceable replaceable
   // It would be replaced, and removed in the end.
   if (keeps_checkpoint && !renderer::is_checkpoint(request.checkpoint.file)) {
     throw Error({.file = request.checkpoint.file.string(),
-                 .place = "byte 0",
-                 .problem = "is not a checkpoint of Alidade",
+                 .location = "byte 0",
+                 .problem = "not an Alidade checkpoint",
                  .expected = "a checkpoint, or the name of a file that does not exist"});
   }
 }
@@ -151,23 +150,24 @@ std::optional<Resumption> find_resumption(const LongRenderRequest& request,
   const std::string file = request.checkpoint.file.string();
   std::error_code error;
   if (!std::filesystem::exists(request.checkpoint.file, error)) {
-    say_note(verbosity, fmt::format("there is no checkpoint {} yet: starting afresh", file));
+    say_note(verbosity, fmt::format("no checkpoint {}: starting from the beginning", file));
     return std::nullopt;
   }
   const renderer::CheckpointSummary summary = renderer::read_checkpoint_summary(request.checkpoint.file);
   const std::string picture = pictures.front().string();
   if (summary.picture == name_in_checkpoint(picture)) {
     return Resumption{summary.samples_taken,
-                      fmt::format("going on from {}: {} has {:.0f} % of its samples after {}", file, picture,
+                      fmt::format("resuming from {}: {} has {:.0f} % of its samples after {}", file, picture,
                                   100.0 * summary.share, clock_time(summary.seconds))};
   }
   if (!is_of_one_of(summary, finished)) {
     throw Error({.file = file,
-                 .problem = "is the checkpoint of another picture",
+                 .problem = "the checkpoint belongs to another image",
                  .expected = fmt::format("one of {}", picture),
                  .found = summary.picture});
   }
-  say_note(verbosity, fmt::format("{} is of {}, which is finished: starting afresh", file, summary.picture));
+  say_note(verbosity, fmt::format("{} belongs to {}, which is finished: starting from the beginning", file,
+                                  summary.picture));
   return std::nullopt;
 }
 
@@ -223,7 +223,7 @@ std::string describe_reached(const LongRenderRequest& request, const renderer::R
   }
   if (request.time_limit && !is_hurried) {
     const bool by_target = request.target_noise && !is_noisy;
-    text += fmt::format("; ended by {}, not by time", by_target ? "--target-noise" : "--samples");
+    text += fmt::format("; stopped by {}, not by time", by_target ? "--target-noise" : "--samples");
   }
   return text;
 }
@@ -231,8 +231,8 @@ std::string describe_reached(const LongRenderRequest& request, const renderer::R
 void warn_of_few_samples(const LongRenderRequest& request, int samples) {
   const std::uint32_t fewest = renderer::StopRule::k_fewest_samples;
   if (!request.target_noise || samples >= static_cast<int>(fewest)) return;
-  say_warning(fmt::format(
-      "--target-noise looks at tiles from {} samples on, but they get {}: raise --samples", fewest, samples));
+  say_warning(fmt::format("--target-noise tests tiles from {} samples on, but they get {}: raise --samples",
+                          fewest, samples));
 }
 
 void remove_checkpoint(const LongRenderRequest& request) {

@@ -68,17 +68,16 @@ void check_in_view(const renderer::CloudSettings& settings, const renderer::Scen
                    const CloudInputs& clouds, std::span<const View> views) {
   if (clouds.size() != 1 || !has_parts(clouds.inputs.front())) {
     throw Error({.file = settings.files.empty() ? "" : settings.files.front().string(),
-                 .problem = "--in-view needs one cloud that lies in a database",
-                 .expected = "a database that 'alidade sql load' wrote"});
+                 .problem = "--in-view requires a single cloud in a database",
+                 .expected = "a database written by 'alidade sql load'"});
   }
   if (views.empty())
-    throw Error({.problem = "--in-view needs a camera that does not go by the cloud",
+    throw Error({.problem = "--in-view requires a camera that does not depend on the cloud",
                  .expected = "--camera, --panorama or a scene file"});
   if (settings.max_level < renderer::k_max_level || settings.partial)
-    throw Error({.problem = "--in-view cannot be used with --max-level or --partial"});
+    throw Error({.problem = "--in-view excludes --max-level and --partial"});
   if (std::ranges::find(scene.output.layers, image::Layer::id) != scene.output.layers.end()) {
-    throw Error({.problem = "--in-view does not know the ids that points have in the whole cloud",
-                 .expected = "layers without id"});
+    throw Error({.problem = "--in-view excludes the layer id", .expected = "layers without id"});
   }
 }
 
@@ -116,7 +115,7 @@ void show_first_looks(const RenderCommand& command, const renderer::Scene& scene
                                       short_count(static_cast<double>(all))));
     }
   } catch (const Error& error) {
-    if (verbosity == Verbosity::verbose) say_note(fmt::format("no first look: {}", error.what()));
+    if (verbosity == Verbosity::verbose) say_note(fmt::format("no early preview: {}", error.what()));
   }
 }
 
@@ -163,7 +162,7 @@ renderer::LoadedCloud load(const RenderCommand& command, const renderer::Scene& 
                                     : renderer::load_cloud(settings, clouds, line.callback(), measure);
   if (measuring || !command.in_view) (measuring ? *measuring : line).finish();
   say_warnings(verbosity, cloud.warnings);
-  const std::string color = cloud.color.by == image::PointColor::rgb ? "their rgb values" : cloud.color.word;
+  const std::string color = cloud.color.by == image::PointColor::rgb ? "rgb" : cloud.color.word;
   say_note(verbosity, fmt::format("{} points, coloured by {}, {}", cloud.octree.size(), color,
                                   radius_text(settings, cloud)));
   if (cloud.color.scale) say_note(verbosity, cloud.color.word + ": " + image::scale_text(cloud.color));
@@ -226,7 +225,7 @@ void check_legend_file(const RenderCommand& command, const renderer::Scene& scen
   check_writable(command.color.legend, command.overwrite, input_files(command, scene));
   for (const Picture& picture : pictures) {
     if (picture.file.lexically_normal() == command.color.legend.lexically_normal())
-      throw Error({.file = picture.file.string(), .problem = "picture and legend have the same name"});
+      throw Error({.file = picture.file.string(), .problem = "image and legend have the same name"});
   }
 }
 
@@ -263,7 +262,7 @@ void check_views(std::span<const Picture> pictures, const renderer::Scene& scene
     try {
       if (image::image_format(picture.file) == image::ImageFormat::geotiff)
         camera::ground_transform(picture.view.camera);
-      if (cloud != nullptr) renderer::check_camera_place(picture.view.camera, scene, *cloud);
+      if (cloud != nullptr) renderer::check_camera_position(picture.view.camera, scene, *cloud);
     } catch (const Error& error) {
       Error::Parts parts = error.parts();
       if (!picture.view.name.empty())
@@ -281,9 +280,8 @@ renderer::RenderStatistics render_all(std::span<const Picture> pictures, rendere
   std::uint64_t total = 0, done = 0;
   for (const Picture& picture : pictures) total += camera_rays(scene, picture.view.camera);
   const Verbosity verbosity = command.verbosity;
-  ProgressLine line(
-      pictures.size() == 1 ? "rendering" : fmt::format("rendering {} pictures", pictures.size()),
-      "camera rays", verbosity);
+  ProgressLine line(pictures.size() == 1 ? "rendering" : fmt::format("rendering {} images", pictures.size()),
+                    "camera rays", verbosity);
   if (resumed) line.skip(resumed->samples);
   const Progress progress = line.callback();
   renderer::RenderStatistics statistics;
@@ -329,7 +327,7 @@ ExitCode run(const RenderCommand& command) {
   std::vector<Picture>& pictures = list.pictures;
   if (pictures.empty()) {
     remove_finished_checkpoint(command.long_render, list.finished);
-    say_note(verbosity, "every picture is there already");
+    say_note(verbosity, "all images exist");
     return ExitCode::done;
   }
   const std::optional<Resumption> resumed =
@@ -381,7 +379,7 @@ ExitCode run(const RenderCommand& command) {
 }  // namespace
 
 Command add_render(const Options& program, const CommandLine& command_line) {
-  const Options render = program.command("render", "Path-trace a picture of a scene or of cloud files");
+  const Options render = program.command("render", "Render an image of a scene or of cloud files");
   const std::shared_ptr<RenderCommand> command = add_render_options(render);
   command->words = command_line;
   return command_of(render, command, run);

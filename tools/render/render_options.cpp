@@ -38,7 +38,7 @@ void parse_radius(const std::string& text, RadiusRequest& request) {
   using Kind = RadiusRequest::Kind;
   request.kind = text == "auto" ? Kind::automatic : text == "adapted" ? Kind::adapted : Kind::length;
   if (request.kind == Kind::length)
-    request.length = parse_positive(text, "auto, adapted or a length above 0");
+    request.length = parse_positive(text, "auto, adapted or a positive length");
 }
 
 /// One of the options that say how radii adapt, any of which asks for that. They are read after --radius.
@@ -47,7 +47,7 @@ void add_adapted_radius_option(const Options& render, RadiusRequest& request, co
                                const std::function<void(const std::string&)>& take) {
   render.value(name, kind, help, [&request, take](const std::string& text) {
     if (request.kind.value_or(RadiusRequest::Kind::adapted) != RadiusRequest::Kind::adapted)
-      throw UsageError("is for --radius adapted only");
+      throw UsageError("requires --radius adapted");
     request.kind = RadiusRequest::Kind::adapted;
     take(text);
   });
@@ -58,7 +58,7 @@ void add_picture_options(const Options& render, RenderCommand& command) {
                command.samples, 1, renderer::k_max_samples);
   render.count(
       "--max-bounces", "N",
-      "reflections followed after the first surface (default 8; 0 = light straight from sun, sky and lamps)",
+      "scattering events after the first surface (default 8; 0: direct light of sun, sky and lamps only)",
       command.max_bounces, 0, renderer::k_max_bounces);
   render.number("--exposure", "STOPS",
                 "brightness of PNG, JPEG and GeoTIFF: +1 is twice as bright (default 0)", command.exposure,
@@ -71,36 +71,36 @@ void add_picture_options(const Options& render, RenderCommand& command) {
 
 void add_cloud_options(const Options& render, RenderCommand& command) {
   RadiusRequest& radius = command.radius;
-  render.value(
-      "--radius", "R|auto|adapted",
-      "radius of the sphere around each point, metres; auto: one radius for all, from the spacing; adapted: "
-      "each point its own, from the distance to its neighbours, small where the scan is dense (default auto)",
-      [&radius](const std::string& text) { parse_radius(text, radius); });
+  render.value("--radius", "R|auto|adapted",
+               "radius of the points, metres; auto: one radius from the spacing; adapted: one per point from "
+               "the distance to its neighbours, small where the scan is dense (default auto)",
+               [&radius](const std::string& text) { parse_radius(text, radius); });
   add_adapted_radius_option(
       render, radius, "--radius-factor", "F",
       "adapted radii are F times the distance to the neighbour (default 0.75); implies --radius adapted",
-      [&radius](const std::string& text) { radius.factor = parse_positive(text, "a number above 0"); });
-  add_adapted_radius_option(
-      render, radius, "--radius-neighbours", "N",
-      "adapted radii go by the N-th nearest neighbour, 1 to 64 (default 8); implies --radius adapted",
-      [&radius](const std::string& text) {
-        radius.neighbours = static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
-      });
+      [&radius](const std::string& text) { radius.factor = parse_positive(text, "a positive number"); });
+  add_adapted_radius_option(render, radius, "--radius-neighbours", "N",
+                            "adapted radii use the distance to the N-th nearest neighbour, 1 to 64 (default "
+                            "8); implies --radius adapted",
+                            [&radius](const std::string& text) {
+                              radius.neighbours =
+                                  static_cast<int>(parse_count(text, 1, k_most_spacing_neighbours));
+                            });
   add_adapted_radius_option(render, radius, "--radius-max", "R|auto",
-                            "adapted radii are at most R metres (default auto: four times what --radius auto "
-                            "would be); implies --radius adapted",
+                            "largest adapted radius in metres (default auto: four times that of --radius "
+                            "auto); implies --radius adapted",
                             [&radius](const std::string& text) {
                               radius.max.emplace();
                               if (text != "auto")
-                                *radius.max = parse_positive(text, "auto or a length above 0");
+                                *radius.max = parse_positive(text, "auto or a positive length");
                             });
-  render.choice("--color-depth", "bits in use in LAS colour fields (default: told from the values)",
+  render.choice("--color-depth", "bits in use in LAS colour fields (default: detected from the values)",
                 command.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
-  render.choice("--hits", "nearest by sphere entry (default) or by projected point, the paper's naive way",
+  render.choice("--hits", "first point by sphere entry (default) or by projection, as in the paper",
                 command.hits, {{"entry", renderer::HitMode::entry}, {"t", renderer::HitMode::t}});
   render.choice("--normals",
-                "normals of each sphere, or across the points around, which evens out walls (default: the "
-                "scene's; smooth without a scene)",
+                "normals of the spheres, or of a plane fitted to the neighbours, which smooths walls "
+                "(default: the scene's; smooth without a scene)",
                 command.normals,
                 {{"sphere", renderer::NormalMode::sphere}, {"smooth", renderer::NormalMode::smooth}});
   render.count("--max-level", "N",
@@ -172,22 +172,22 @@ void apply_cloud_options(const RenderCommand& command, renderer::Scene& scene) {
 std::shared_ptr<RenderCommand> add_render_options(const Options& render) {
   auto command = std::make_shared<RenderCommand>();
   const Option scene = render.file("scene", "SCENE.json", "scene file", command->scene_file);
-  add_cloud_files(
-      render, "--cloud", "FILE...",
-      "cloud files, folders or patterns as 'tiles/*.las' to show without a scene file" + k_database_help,
-      command->files)
+  add_cloud_files(render, "--cloud", "FILE...",
+                  "cloud files, folders or patterns such as 'tiles/*.las' to render without a scene file" +
+                      k_database_help,
+                  command->files)
       .excludes(scene);
   render.file("-o,--output", "FILE",
-              "picture to write: .png, .jpg, .exr or .tif (default: the scene's); of a set of cameras, with "
-              "%04d (number, from 0) or %s (name) in it",
+              "output image: .png, .jpg, .exr or .tif (default: the scene's); for a set of cameras with %04d "
+              "(number, from 0) or %s (name)",
               command->output);
-  render.flag("--in-view",
-              "of a cloud in a database, read only what the cameras see: what lies outside casts no shadow, "
-              "sends no light, and has no say in automatic radii, colour scales and the smooth normals of "
-              "points at the border",
-              command->in_view);
-  render.flag("--overwrite", "replace an existing picture", command->overwrite);
-  render.flag("--skip-existing", "leave out pictures that are there already: goes on with an interrupted set",
+  render.flag(
+      "--in-view",
+      "read only the points of a database cloud that the cameras see: others cast no shadow, send no light, "
+      "and do not affect automatic radii, colour ranges and the smooth normals of points at the border",
+      command->in_view);
+  render.flag("--overwrite", "replace an existing image", command->overwrite);
+  render.flag("--skip-existing", "skip existing images, to continue an interrupted set",
               command->skip_existing);
   add_camera_options(render, command->camera);
   add_light_options(render, command->light);
@@ -215,13 +215,12 @@ renderer::Scene requested_scene(const RenderCommand& command) {
   scene.output.exposure = command.exposure.value_or(scene.output.exposure);
   if (!command.layers.empty()) scene.output.layers = command.layers;
   if (scene.output.file.empty()) {
-    throw Error(
-        {.file = command.scene_file.string(), .problem = "no picture to write", .expected = "-o FILE"});
+    throw Error({.file = command.scene_file.string(), .problem = "missing output", .expected = "-o FILE"});
   }
   if (!command.layers.empty() && image::image_format(scene.output.file) != image::ImageFormat::exr) {
     throw Error({.file = scene.output.file.string(),
-                 .problem = "only EXR holds layers",
-                 .expected = "a name ending in .exr, or no --layers"});
+                 .problem = "layers require EXR",
+                 .expected = "the extension .exr, or no --layers"});
   }
   return scene;
 }

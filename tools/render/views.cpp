@@ -65,10 +65,9 @@ struct Pattern {
 };
 
 [[noreturn]] void fail(const std::filesystem::path& pattern, const std::string& problem) {
-  throw Error(
-      {.file = pattern.string(),
-       .problem = problem,
-       .expected = "one %04d (number) or %s (name) in the name of the pictures, such as out_%04d.png"});
+  throw Error({.file = pattern.string(),
+               .problem = problem,
+               .expected = "one %04d (number) or %s (name) in the output name, such as out_%04d.png"});
 }
 
 Pattern take_apart(const std::filesystem::path& file) {
@@ -82,7 +81,7 @@ Pattern take_apart(const std::filesystem::path& file) {
     } else if (text.compare(i, 2, "%%") == 0) {
       part += text[++i];
     } else {
-      if (pattern.has_field) fail(file, "several numbers or names in one name");
+      if (pattern.has_field) fail(file, "several numbers or names");
       pattern.has_field = true;
       std::size_t end = i + 1;
       for (; end < text.size() && text[end] >= '0' && text[end] <= '9' && pattern.width <= k_largest_width;
@@ -91,7 +90,7 @@ Pattern take_apart(const std::filesystem::path& file) {
       const char kind = end < text.size() ? text[end] : ' ';
       pattern.by_name = kind == 's' && end == i + 1;
       if ((kind != 'd' && !pattern.by_name) || pattern.width > k_largest_width)
-        fail(file, "a percent sign that begins neither a number nor a name");
+        fail(file, "an invalid percent sign");
       i = end;
     }
   }
@@ -115,51 +114,49 @@ std::string file_name_of(const std::string& name) {
 void add_camera_options(const Options& render, CameraRequest& request) {
   const Option camera =
       render.file("--camera", "FILE|FOLDER",
-                  "cameras instead of the scene's: our JSON, a COLMAP model's folder, transforms.json, "
+                  "cameras instead of the scene's: Alidade's JSON, a COLMAP folder, transforms.json, "
                   "reconstruction.json, sfm_data.json, or a trajectory as CSV",
                   request.file);
   render
       .text("--camera-name", "NAME",
-            "one of the file's cameras, by the name of its photo (default: all of them)", request.name)
+            "one of the file's cameras, by the name of its photograph (default: all)", request.name)
       .needs(camera);
   render
       .file("--lens", "FILE.json",
-            "camera file whose size and lens a trajectory takes (default: the scene's camera)",
+            "camera file with the size and lens of a trajectory (default: the scene's camera)",
             request.lens_file)
       .needs(camera);
   render
-      .flag("--original-world",
-            "transforms.json: cameras in the world before applied_transform and applied_scale",
+      .flag("--original-world", "transforms.json: undo applied_transform and applied_scale",
             request.original_world)
       .needs(camera);
   const Option panorama =
       render
           .value("--panorama", "X,Y,Z",
-                 "everything around a place, north in the middle (default size 2048x1024)",
+                 "panorama around a position, north in the centre (default size 2048x1024)",
                  [&request](const std::string& text) {
-                   const auto place = parse_coordinates<3>(text);
-                   request.panorama.emplace(place[0], place[1], place[2]);
+                   const auto position = parse_coordinates<3>(text);
+                   request.panorama.emplace(position[0], position[1], position[2]);
                  })
           .excludes(camera);
   const Option above =
       render
-          .choice("--orthographic",
-                  "the cloud through parallel rays from straight above, north up; .tif gives a GeoTIFF",
+          .choice("--orthographic", "orthophoto with parallel vertical rays, north up; .tif gives a GeoTIFF",
                   request.from_above, {{"top", true}})
           .excludes(camera)
           .excludes(panorama);
   const Option size =
       render.value("--size", "WxH",
-                   "width and height in pixels, at most 2^28 in all (default: the camera's, else 1200x800)",
+                   "width and height in pixels, at most 2^28 in total (default: the camera's, else 1200x800)",
                    request.size, parse_image_size);
-  const Option resolution = render.number("--resolution", "METRES", "from pixel to pixel, for --orthographic",
-                                          request.resolution, 1e-6, 1e6);
+  const Option resolution =
+      render.number("--resolution", "METRES", "size of a pixel in metres, for --orthographic",
+                    request.resolution, 1e-6, 1e6);
   resolution.needs(above);
   above.needs(resolution);
   size.excludes(above);
   render
-      .value("--extent", "X,Y,X,Y",
-             "least and largest x and y to show from above (default: all of the cloud)", request.extent,
+      .value("--extent", "X,Y,X,Y", "bounds of the orthophoto (default: the whole cloud)", request.extent,
              parse_coordinates<4>)
       .needs(above);
 }
@@ -189,13 +186,12 @@ std::vector<View> requested_views(const CameraRequest& request, const renderer::
 View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
                    const renderer::LoadedCloud* cloud, const std::filesystem::path& scene_file) {
   if (cloud == nullptr) {
-    throw Error(
-        {.file = scene_file.string(), .problem = "the scene has neither a camera nor a cloud to look at"});
+    throw Error({.file = scene_file.string(), .problem = "the scene has neither a camera nor a cloud"});
   }
   if (cloud->octree.size() == 0) {
     // What was asked for, which for an index file is not what its points came from.
     throw Error({.file = scene.cloud->files.front().string(),
-                 .problem = "holds no points, so there is no view of it",
+                 .problem = "the cloud has no points",
                  .expected = "a cloud with points, or --camera FILE"});
   }
   if (!request.from_above) {
@@ -208,7 +204,7 @@ View view_of_cloud(const CameraRequest& request, const renderer::Scene& scene,
   if (request.extent) {
     const auto& [least_x, least_y, largest_x, largest_y] = *request.extent;
     if (!(least_x < largest_x && least_y < largest_y)) {
-      throw Error({.problem = "--extent is empty", .expected = "least x, least y, largest x, largest y"});
+      throw Error({.problem = "empty --extent", .expected = "min x, min y, max x, max y"});
     }
     bounds = {{least_x, least_y, bounds.min.z}, {largest_x, largest_y, bounds.max.z}};
   }
@@ -225,7 +221,7 @@ std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pa
   const Pattern parts = take_apart(pattern);
   if (!parts.has_field && views.size() > 1)
     fail(pattern,
-         fmt::format("{} cameras, but the name of one picture (--camera-name chooses one)", views.size()));
+         fmt::format("{} cameras, but one output name (--camera-name selects one camera)", views.size()));
   std::vector<std::filesystem::path> names;
   std::map<std::filesystem::path, std::string> taken;
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -235,8 +231,8 @@ std::vector<std::filesystem::path> picture_names(const std::filesystem::path& pa
     names.emplace_back(parts.before + field + parts.after);
     const auto [earlier, is_new] = taken.emplace(names.back(), views[i].name);
     if (!is_new) {
-      fail(pattern, fmt::format("cameras '{}' and '{}' would both be {}", earlier->second, views[i].name,
-                                names.back().string()));
+      fail(pattern, fmt::format("cameras '{}' and '{}' have the same output {}", earlier->second,
+                                views[i].name, names.back().string()));
     }
   }
   return names;

@@ -21,17 +21,17 @@ struct LoadOptions : RunRequest {
 
 /// Declares them.
 void add_load_options(const Options& command, LoadOptions& options) {
-  command.value(
-      "--memory", "SIZE",
-      "for points while they are sorted: bytes, or a number with k, M, G or T (default: 1G); those of a "
-      "larger cloud wait in a file without a name beside the output",
-      [&options](const std::string& text) {
-        constexpr std::size_t k_least = std::size_t{1} << 20;
-        options.memory = parse_size(text);
-        if (options.memory < k_least) throw UsageError("expected at least 1M, found '" + text + "'");
-      });
+  command.value("--memory", "SIZE",
+                "memory for sorting points: bytes, or a number with k, M, G or T (default: 1G); points of a "
+                "larger cloud use a temporary file next to the output",
+                [&options](const std::string& text) {
+                  constexpr std::size_t k_least = std::size_t{1} << 20;
+                  options.memory = parse_size(text);
+                  if (options.memory < k_least)
+                    throw UsageError("expected at least 1M, found '" + text + "'");
+                });
   command.choice("--color-depth",
-                 "bits in use of LAS colours (default: 8 if none exceeds 255); 16 are stored",
+                 "bits in use of LAS colours (default: 8 if none exceeds 255); the database stores 16",
                  options.color_depth, {{"8", ColorDepth::bits_8}, {"16", ColorDepth::bits_16}});
   add_run_options(command, options);
 }
@@ -68,11 +68,11 @@ struct LoadCommand : LoadOptions {
 void check_name(const std::filesystem::path& database) {
   constexpr const char* k_clouds[] = {".las", ".laz", ".ply", ".pcd", ".e57",
                                       ".pts", ".ptx", ".xyz", ".csv", ".alidade"};
-  const std::string ending = file_ending(database);
-  if (std::ranges::find(k_clouds, ending) == std::end(k_clouds)) return;
+  const std::string extension = file_extension(database);
+  if (std::ranges::find(k_clouds, extension) == std::end(k_clouds)) return;
   throw Error({.file = database.string(),
-               .problem = "is the name of a cloud file",
-               .expected = "the database as the last name, as site.db"});
+               .problem = "the database name is that of a cloud file",
+               .expected = "the database as the last name, such as site.db"});
 }
 
 /// The table that is meant. Errors: it is named twice; options that only SQLite knows.
@@ -82,7 +82,7 @@ database::ServerName server_name(const LoadCommand& command) {
   const bool is_named_twice = !name.table.empty() && command.store.table != other.table;
   if (is_named_twice || command.store.chunk_points != other.chunk_points) {
     throw Error({.file = name.shown(),
-                 .problem = is_named_twice ? "the table is named twice" : "a server makes no chunks",
+                 .problem = is_named_twice ? "duplicate table name" : "servers do not use chunks",
                  .expected = is_named_twice ? "?table= or --table" : "no --chunk-points"});
   }
   if (name.table.empty()) name.table = command.store.table;
@@ -111,9 +111,9 @@ ExitCode run(const LoadCommand& command) {
         options.progress = storing;
         return database::store_files(database, files, reading, options);
       });
-  const std::string place =
+  const std::string location =
       server ? server->shown() : fmt::format("table {} of {}", command.store.table, database.string());
-  say_note(command.verbosity, fmt::format("{} points are {}", count, place));
+  say_note(command.verbosity, fmt::format("stored {} points as {}", count, location));
   return ExitCode::done;
 }
 
@@ -131,9 +131,9 @@ ExitCode run(const ShardPlanCommand& command) {
             command.output, command.files, reading, command.shards,
             {.table = command.table, .memory = command.memory, .progress = writing});
       });
-  say_note(command.verbosity,
-           fmt::format("{} points for {} shards in {}; {} tells what to type", count, command.shards.size(),
-                       command.output.string(), (command.output / "README.txt").string()));
+  say_note(command.verbosity, fmt::format("planned {} points for {} shards in {}; {} lists the commands",
+                                          count, command.shards.size(), command.output.string(),
+                                          (command.output / "README.txt").string()));
   return ExitCode::done;
 }
 
@@ -143,37 +143,39 @@ Command add_sql_load(const Options& sql) {
   auto command = std::make_shared<LoadCommand>();
   const Options load = sql.command("load", "Store a cloud in a database");
   load.words("files", "FILE... DB",
-             "cloud files, folders or patterns as 'tiles/*.las', taken together as one; then the database, "
-             "SQLite's file, which is made if it is not there, or 'postgresql://HOST/DATABASE?table=NAME'",
+             "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud; then the "
+             "database, an SQLite file, created if missing, or 'postgresql://HOST/DATABASE?table=NAME'",
              [command](const std::vector<std::string>& words) {
                command->files.assign(words.begin(), words.end());
              })
       .at_least(2)
       .required();
-  load.text("--table", "NAME", "what SQL calls the cloud (default: points)", command->store.table);
-  load.count("--chunk-points", "N", "points that SQLite reads together, 1 to 65536 (default: 1024)",
+  load.text("--table", "NAME", "table name of the cloud (default: points)", command->store.table);
+  load.count("--chunk-points", "N", "points per chunk of SQLite, 1 to 65536 (default: 1024)",
              command->store.chunk_points, 1, 65536);
-  load.flag("--overwrite", "replace a table of that name, if it is a cloud", command->store.replace);
+  load.flag("--overwrite", "replace an existing cloud of that name", command->store.replace);
   add_load_options(load, *command);
   return command_of(load, command, run);
 }
 
 Command add_sql_shard_plan(const Options& sql) {
   auto command = std::make_shared<ShardPlanCommand>();
-  const Options plan = sql.command("shard-plan", "Write what puts a cloud on several PostgreSQL servers");
+  const Options plan =
+      sql.command("shard-plan", "Plan the distribution of a cloud over several PostgreSQL servers");
   add_cloud_files(plan, "files", "FILE...",
-                  "cloud files, folders or patterns as 'tiles/*.las', taken together as one", command->files)
+                  "cloud files, folders or patterns such as 'tiles/*.las', joined into one cloud",
+                  command->files)
       .required();
-  plan.file("-o,--output", "FOLDER", "folder to make", command->output).required();
+  plan.file("-o,--output", "FOLDER", "output folder", command->output).required();
   plan.words("--shard", "HOST[:PORT]/DATABASE...",
-             "databases that take a part of the points each, equally many; port 5432 if none is given. Users "
-             "and passwords belong to the servers' user mappings, not here",
+             "databases, each for an equal part of the points; default port 5432. Users and passwords belong "
+             "in the servers' user mappings",
              [command](const std::vector<std::string>& words) {
                command->shards.clear();
                for (const std::string& word : words) command->shards.push_back(database::parse_shard(word));
              })
       .required();
-  plan.text("--table", "NAME", "what SQL calls the cloud (default: points)", command->table);
+  plan.text("--table", "NAME", "table name of the cloud (default: points)", command->table);
   add_load_options(plan, *command);
   return command_of(plan, command, run);
 }

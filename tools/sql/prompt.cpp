@@ -38,25 +38,25 @@ int read_byte() {
   return EOF;
 }
 
-/// The next letter, which libedit takes as its code in Unicode. Left to itself it would wait on after Ctrl-C.
-/// Bytes that are no UTF-8 are U+FFFD, or nothing if a key comes where the letter should go on.
-int read_letter(FILE*) {
-  constexpr int k_no_letter = 0xfffd;
+/// The next character, which libedit takes as its code in Unicode. Left to itself it would wait on after Ctrl-C.
+/// Bytes that are no UTF-8 are U+FFFD, or nothing if a key comes where the character should go on.
+int read_character(FILE*) {
+  constexpr int k_no_character = 0xfffd;
   int code = 0, missing = 0;
   while (true) {
     const int byte = read_byte();
     if (byte == EOF || byte < 0x80) return byte;
-    if (byte >= 0xf8) return k_no_letter;
+    if (byte >= 0xf8) return k_no_character;
     if (byte >= 0xc0) {
       missing = byte >= 0xf0 ? 3 : byte >= 0xe0 ? 2 : 1;
       code = byte & (0x3f >> missing);
       continue;
     }
-    if (missing == 0) return k_no_letter;
+    if (missing == 0) return k_no_character;
     code = code << 6 | (byte & 0x3f);
     if (--missing > 0) continue;
-    const bool is_letter = code >= 0x80 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
-    return is_letter ? code : k_no_letter;
+    const bool is_character = code >= 0x80 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
+    return is_character ? code : k_no_character;
   }
 }
 
@@ -88,16 +88,16 @@ struct EditLibrary {
       return function != nullptr;
     };
     int* catches_signals = nullptr;
-    int (**next_letter)(FILE*) = nullptr;
+    int (**next_character)(FILE*) = nullptr;
     if (!find(library->read_line, "readline") || !find(library->add_history, "add_history") ||
         !find(library->read_history, "read_history") || !find(library->write_history, "write_history") ||
         !find(library->stifle_history, "stifle_history") || !find(catches_signals, "rl_catch_signals") ||
-        !find(next_letter, "rl_getc_function"))
+        !find(next_character, "rl_getc_function"))
       return nullptr;
-    // Letters beyond ASCII are edited only where the locale has them.
+    // Characters beyond ASCII are edited only where the locale has them.
     if (std::setlocale(LC_CTYPE, "") == nullptr || MB_CUR_MAX == 1) std::setlocale(LC_CTYPE, "C.UTF-8");
     *catches_signals = 0;
-    *next_letter = read_letter;
+    *next_character = read_character;
     return library;
   }
 };
@@ -160,10 +160,10 @@ constexpr const char* k_commands =
     "STATEMENT;             run it\n"
     ".tables                clouds, tables and views\n"
     ".schema [TABLE]        columns\n"
-    ".mode table|csv|json   how rows are printed\n"
-    ".explain on|off        whether to tell what was read\n"
-    ".help                  this\n"
-    ".quit                  or Ctrl-D: leave\n";
+    ".mode table|csv|json   output format\n"
+    ".explain on|off        print what was read\n"
+    ".help                  this text\n"
+    ".quit                  or Ctrl-D: exit\n";
 
 constexpr const char* k_tables =
     "SELECT name, CASE type WHEN 'virtual' THEN 'cloud' ELSE type END AS type FROM pragma_table_list WHERE "
@@ -252,7 +252,7 @@ class Prompt {
   }
 
   [[noreturn]] static void refuse(const std::string& line) {
-    throw Error({.problem = "no such command", .expected = "one that .help tells", .found = line});
+    throw Error({.problem = "unknown command", .expected = "a command listed by .help", .found = line});
   }
 
   const database::Connection& connection_;
@@ -265,7 +265,7 @@ class Prompt {
 }  // namespace
 
 void run_prompt(const database::Connection& connection, const std::string& database, SqlRun run) {
-  say_note(database + " is open for reading; .help tells the commands");
+  say_note(database + " is open for reading; .help lists the commands");
   Prompt(connection, std::move(run)).run();
 }
 

@@ -15,16 +15,17 @@
 namespace alidade::tools {
 namespace {
 
-/// The code in Unicode of what is one letter of UTF-8.
-unsigned letter_code(std::string_view letter) {
-  const auto byte = [&](std::size_t place) { return static_cast<unsigned char>(letter[place]); };
-  if (letter.size() == 1) return byte(0);
-  unsigned code = byte(0) & (0x7fu >> letter.size());
-  for (std::size_t place = 1; place < letter.size(); ++place) code = code << 6 | (byte(place) & 0x3fu);
+/// The code in Unicode of what is one character of UTF-8.
+unsigned character_code(std::string_view character) {
+  const auto byte = [&](std::size_t position) { return static_cast<unsigned char>(character[position]); };
+  if (character.size() == 1) return byte(0);
+  unsigned code = byte(0) & (0x7fu >> character.size());
+  for (std::size_t position = 1; position < character.size(); ++position)
+    code = code << 6 | (byte(position) & 0x3fu);
   return code;
 }
 
-/// Whether terminals take a letter beyond ASCII as a command, or as one that turns the direction of writing.
+/// Whether terminals take a character beyond ASCII as a command, or as one that turns the direction of writing.
 bool is_command(unsigned code) {
   return (code >= 0x80 && code <= 0x9f) || (code >= 0x202a && code <= 0x202e) ||
          (code >= 0x2066 && code <= 0x2069);
@@ -66,14 +67,15 @@ std::string json_text(std::string_view text) {
 }
 
 /// As one line that cannot move a terminal's cursor: control characters are shown as \n, \x1b,
-/// \u009b, bytes that are no UTF-8 as \xff, and letters that turn the direction of writing as \u202e.
+/// \u009b, bytes that are no UTF-8 as \xff, and characters that turn the direction of writing as \u202e.
 std::string line_text(std::string_view text) {
   std::string line;
   while (!text.empty()) {
-    const std::size_t size = utf8_letter_size(text);
-    const std::string_view letter = text.substr(0, std::max<std::size_t>(size, 1));
-    text.remove_prefix(letter.size());
-    const unsigned code = size == 0 ? static_cast<unsigned char>(letter.front()) : letter_code(letter);
+    const std::size_t size = utf8_character_size(text);
+    const std::string_view character = text.substr(0, std::max<std::size_t>(size, 1));
+    text.remove_prefix(character.size());
+    const unsigned code =
+        size == 0 ? static_cast<unsigned char>(character.front()) : character_code(character);
     if (code == '\n')
       line += "\\n";
     else if (size == 0 || code < 0x20 || code == 0x7f)
@@ -81,15 +83,15 @@ std::string line_text(std::string_view text) {
     else if (is_command(code))
       line += fmt::format("\\u{:04x}", code);
     else
-      line += letter;
+      line += character;
   }
   return line;
 }
 
-/// How many letters a text of UTF-8 has.
-std::size_t letter_count(std::string_view text) {
+/// How many characters a text of UTF-8 has.
+std::size_t character_count(std::string_view text) {
   return static_cast<std::size_t>(std::ranges::count_if(
-      text, [](char letter) { return (static_cast<unsigned char>(letter) & 0xc0u) != 0x80u; }));
+      text, [](char character) { return (static_cast<unsigned char>(character) & 0xc0u) != 0x80u; }));
 }
 
 /// Collects text for stdout, so that not every row is a system call.
@@ -115,7 +117,7 @@ class Output {
 std::string csv_cell(const std::string& text) {
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string cell = "\"";
-  for (const char letter : text) cell.append(letter == '"' ? 2 : 1, letter);
+  for (const char character : text) cell.append(character == '"' ? 2 : 1, character);
   return cell + "\"";
 }
 
@@ -179,7 +181,7 @@ class TableWriter : public RowWriter {
   void begin(const std::vector<std::string>& columns) override {
     for (const std::string& column : columns) {
       names_.push_back(line_text(column));
-      widths_.push_back(letter_count(names_.back()));
+      widths_.push_back(character_count(names_.back()));
     }
     is_right_.resize(names_.size(), true);
   }
@@ -192,7 +194,7 @@ class TableWriter : public RowWriter {
       if (type == SQLITE_NULL) text = "NULL";
       if (type == SQLITE_BLOB) text = fmt::format("x'{}'", text);
       if (!has_begun_) {
-        widths_[i] = std::max(widths_[i], letter_count(text));
+        widths_[i] = std::max(widths_[i], character_count(text));
         if (type == SQLITE_TEXT || type == SQLITE_BLOB) is_right_[i] = false;
       }
       cells.push_back(std::move(text));
@@ -221,7 +223,7 @@ class TableWriter : public RowWriter {
   }
   void line(const std::vector<std::string>& cells) {
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      const std::size_t width = letter_count(cells[i]);
+      const std::size_t width = character_count(cells[i]);
       const std::string blanks(std::max(widths_[i], width) - width, ' ');
       out_ << (i > 0 ? "  " : "");
       if (is_right_[i]) out_ << blanks;

@@ -22,15 +22,15 @@ struct SqlCommand {
 /// All of a file; "-" is standard input.
 std::string read_text(const std::filesystem::path& file) {
   if (file != "-" && std::filesystem::is_directory(file)) {
-    throw Error({.file = file.string(), .problem = "cannot be read", .found = "a folder"});
+    throw Error({.file = file.string(), .problem = "cannot read the file", .found = "a folder"});
   }
   std::ifstream stream(file == "-" ? "/dev/stdin" : file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream) throw Error({.file = file.string(), .problem = "cannot be read"});
+  if (!stream) throw Error({.file = file.string(), .problem = "cannot read the file"});
   if (const std::size_t nul = text.find('\0'); nul != std::string::npos) {
     throw Error({.file = file.string(),
-                 .place = database::text_place(text, nul),
-                 .problem = "a byte that is no text",
+                 .location = database::text_location(text, nul),
+                 .problem = "a NUL byte",
                  .found = "0"});
   }
   return text;
@@ -48,14 +48,13 @@ std::unique_ptr<database::Connection> open_for_reading(const std::filesystem::pa
 
 ExitCode run(const SqlCommand& command, bool has_statement) {
   if (command.database.empty()) {
-    throw Error({.problem = "no database is given",
+    throw Error({.problem = "missing database",
                  .expected = "alidade sql DB \"SELECT ...\", or alidade sql load FILE... DB"});
   }
   if (database::is_server_name(command.database.string())) {
-    throw Error(
-        {.file = database::ServerName(command.database.string()).shown(),
-         .problem = "a server is asked with psql, where the extension alidade_pg leaves as much unread",
-         .expected = "an SQLite file"});
+    throw Error({.file = database::ServerName(command.database.string()).shown(),
+                 .problem = "use psql for a server, with the extension alidade_pg",
+                 .expected = "an SQLite file"});
   }
   SqlRun run{.form = command.csv    ? RowForm::csv
                      : command.json ? RowForm::json
@@ -82,20 +81,18 @@ ExitCode run(const SqlCommand& command, bool has_statement) {
 }  // namespace
 
 Command add_sql(const Options& program) {
-  const Options sql = program.command("sql", "Ask clouds in a database with SQL; load them there");
+  const Options sql = program.command("sql", "Query clouds in a database with SQL, and load them");
   const auto command = std::make_shared<SqlCommand>();
   sql.file("database", "DB", "SQLite file with clouds", command->database);
   const Option statement = sql.text(
-      "statement", "STATEMENT",
-      "SQL to run; - reads it from standard input; without it a terminal gets a prompt", command->statement);
+      "statement", "STATEMENT", "SQL to run; - reads standard input; without it a terminal opens a prompt",
+      command->statement);
   sql.file("-f,--file", "FILE", "run the statements of a file", command->file).excludes(statement);
-  sql.text("--param", "VALUE",
-           "value for ? (in their order) or, as name=VALUE, for :name; NULL, a number or text",
+  sql.text("--param", "VALUE", "value of ? (in order) or, as name=VALUE, of :name; NULL, a number or text",
            command->parameters);
   const Option csv = sql.flag("--csv", "rows as CSV with a header", command->csv);
   sql.flag("--json", "rows as an array of objects", command->json).excludes(csv);
-  sql.flag("--explain",
-           "say what was read, how long it took, and how the statement was rewritten, or why not",
+  sql.flag("--explain", "print what was read, the time, and how the statement was rewritten, or why not",
            command->explain);
   return {sql,
           [command, statement] { return run(*command, statement.given()); },

@@ -18,11 +18,12 @@ namespace alidade::tools {
 namespace {
 
 bool is_name(std::string_view text) {
-  const auto is_letter = [](char letter) {
-    return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || letter == '_';
+  const auto is_character = [](char character) {
+    return (character >= 'a' && character <= 'z') || (character >= 'A' && character <= 'Z') ||
+           character == '_';
   };
-  return !text.empty() && is_letter(text.front()) && std::ranges::all_of(text, [&](char letter) {
-    return is_letter(letter) || (letter >= '0' && letter <= '9');
+  return !text.empty() && is_character(text.front()) && std::ranges::all_of(text, [&](char character) {
+    return is_character(character) || (character >= '0' && character <= '9');
   });
 }
 
@@ -54,8 +55,8 @@ SqlParameter::Value sql_value(std::string_view text) {
     // As text it would be above every number.
     if (std::string_view("0123456789.+-").find(word.front()) != std::string_view::npos)
       throw Error({.file = "--param",
-                   .problem = "begins like a number and is none",
-                   .expected = "a number, or text in quotes: \"'TEXT'\"",
+                   .problem = "invalid number",
+                   .expected = "a number, or quoted text: \"'TEXT'\"",
                    .found = std::string(text)});
   }
   if (text.size() < 2 || text.front() != '\'' || text.back() != '\'') return std::string(text);
@@ -68,15 +69,16 @@ SqlParameter::Value sql_value(std::string_view text) {
   return inner;
 }
 
-void bind(sqlite3_stmt* statement, int place, SqlParameter& parameter) {
+void bind(sqlite3_stmt* statement, int position, SqlParameter& parameter) {
   parameter.is_used = true;
   int result = SQLITE_OK;
   if (const auto* const integer = std::get_if<std::int64_t>(&parameter.value)) {
-    result = sqlite3_bind_int64(statement, place, *integer);
+    result = sqlite3_bind_int64(statement, position, *integer);
   } else if (const auto* const real = std::get_if<double>(&parameter.value)) {
-    result = sqlite3_bind_double(statement, place, *real);
+    result = sqlite3_bind_double(statement, position, *real);
   } else if (const auto* const text = std::get_if<std::string>(&parameter.value)) {
-    result = sqlite3_bind_text64(statement, place, text->data(), text->size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+    result =
+        sqlite3_bind_text64(statement, position, text->data(), text->size(), SQLITE_TRANSIENT, SQLITE_UTF8);
   }
   if (result != SQLITE_OK) throw Error({.file = "--param", .problem = sqlite3_errstr(result)});
 }
@@ -85,31 +87,31 @@ void bind(sqlite3_stmt* statement, int place, SqlParameter& parameter) {
 /// these, :name, @name and $name those of that name. Errors: one has no value.
 void bind_parameters(sqlite3_stmt* statement, std::vector<SqlParameter>& parameters) {
   int named = 0;
-  for (int place = 1; place <= sqlite3_bind_parameter_count(statement); ++place) {
-    const char* const sign_and_name = sqlite3_bind_parameter_name(statement, place);
+  for (int position = 1; position <= sqlite3_bind_parameter_count(statement); ++position) {
+    const char* const sign_and_name = sqlite3_bind_parameter_name(statement, position);
     const bool is_numbered = sign_and_name != nullptr && *sign_and_name == '?';
     const std::string name = sign_and_name == nullptr || is_numbered ? "" : sign_and_name + 1;
     if (!name.empty()) ++named;
     // SQLite counts those with names, too; a number in the text is meant as it stands.
-    const int wanted = is_numbered ? place : place - named;
+    const int wanted = is_numbered ? position : position - named;
     int unnamed_before = 0;
     const auto found = std::ranges::find_if(parameters, [&](const SqlParameter& parameter) {
       return parameter.name == name && (!name.empty() || ++unnamed_before == wanted);
     });
     if (found == parameters.end()) {
-      throw Error({.problem = name.empty() ? fmt::format("parameter {} has no value", wanted)
-                                           : fmt::format("parameter {} has no value", sign_and_name),
-                   .expected = name.empty() ? "--param VALUE for each, in their order"
+      throw Error({.problem = name.empty() ? fmt::format("missing value of parameter {}", wanted)
+                                           : fmt::format("missing value of parameter {}", sign_and_name),
+                   .expected = name.empty() ? "--param VALUE for each, in order"
                                             : fmt::format("--param {}=VALUE", name)});
     }
-    bind(statement, place, *found);
+    bind(statement, position, *found);
   }
 }
 
-[[noreturn]] void refuse_writing(const std::string& file, std::string place, std::string found) {
+[[noreturn]] void refuse_writing(const std::string& file, std::string location, std::string found) {
   throw Error({.file = file,
-               .place = std::move(place),
-               .problem = "only statements that read are run",
+               .location = std::move(location),
+               .problem = "the statement is not read-only",
                .expected = "SELECT, WITH, VALUES or EXPLAIN",
                .found = std::move(found)});
 }
@@ -125,11 +127,11 @@ std::vector<database::Prepared> prepare_all(sqlite3* database, const std::string
     const std::size_t begin = tokens[i].begin;
     // Some statements that write do so beside the database, which is open for reading only.
     if (!tokens.is_one_of(i, {"select", "with", "values", "explain"}))
-      refuse_writing(file, database::text_place(text, begin), std::string(tokens.text(i)));
+      refuse_writing(file, database::text_location(text, begin), std::string(tokens.text(i)));
     statements.push_back(database::prepare(database, text, begin, file));
     sqlite3_stmt* const statement = statements.back().statement.get();
     if (sqlite3_stmt_readonly(statement) == 0)
-      refuse_writing(file, database::text_place(text, begin), "a statement that writes");
+      refuse_writing(file, database::text_location(text, begin), "a statement that writes");
     end = begin + statements.back().size;
     bind_parameters(statement, parameters);
   }
@@ -141,8 +143,8 @@ void refuse_unused(const std::vector<SqlParameter>& parameters) {
     if (parameters[i].is_used) continue;
     throw Error({.file = "--param",
                  .problem = parameters[i].name.empty()
-                                ? fmt::format("value {} belongs to no parameter of a statement", i + 1)
-                                : fmt::format("no statement has a parameter :{}", parameters[i].name)});
+                                ? fmt::format("no parameter for value {}", i + 1)
+                                : fmt::format("unknown parameter :{}", parameters[i].name)});
   }
 }
 
@@ -156,9 +158,9 @@ void explain(const database::Prepared& prepared, const database::ScanReads& befo
   const std::uint64_t scans = after.scans - before.scans, chunks = after.chunks - before.chunks,
                       read = after.chunks_read - before.chunks_read;
   std::string text =
-      scans == 0 ? "no cloud read" : fmt::format("{} of {} chunks read{}", read, chunks, share(read, chunks));
+      scans == 0 ? "read no cloud" : fmt::format("read {} of {} chunks{}", read, chunks, share(read, chunks));
   if (scans > 1) text += fmt::format(" in {} scans", scans);
-  if (scans > 0) text += fmt::format(", {} points looked at", after.points_read - before.points_read);
+  if (scans > 0) text += fmt::format(", {} points tested", after.points_read - before.points_read);
   say_note(fmt::format("{}, {} {}, {:.1f} ms", text, rows, rows == 1 ? "row" : "rows", milliseconds));
   if (!prepared.pruned.empty()) say_note("rewritten as: " + prepared.pruned);
   if (!prepared.reason.empty())

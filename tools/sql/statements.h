@@ -38,7 +38,7 @@ std::unique_ptr<RowWriter> make_row_writer(RowForm form);
 struct SqlParameter {
   using Value = std::variant<std::monostate, std::int64_t, double, std::string>;
 
-  std::string name;  ///< without its sign; empty if it is bound by its place
+  std::string name;  ///< without its sign; empty if it is bound by its position
   Value value;
   bool is_used = false;
 };

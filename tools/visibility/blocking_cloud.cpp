@@ -18,8 +18,8 @@ namespace {
 void check_map_unit(const PointCloud& cloud) {
   if (geo::map_unit(cloud.crs) != geo::MapUnit::degree) return;
   throw Error({.file = cloud.files.empty() ? "" : cloud.files.front().path.string(),
-               .problem = "x and y are degrees, over which nothing has an elevation",
-               .expected = "a cloud in a projected reference system"});
+               .problem = "geographic coordinates (degrees) are not supported",
+               .expected = "a projected reference system: reproject the cloud"});
 }
 
 /// With all that occluders would measure themselves, in steps that show their progress.
@@ -53,8 +53,8 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
                          : "spheres block";
   text += options.radius ? fmt::format("; radius {}", *options.radius)
                          : fmt::format("; radii up to {:.3g}", occluders.largest_radius());
-  if (options.transparency > 1) text += fmt::format("; from {} crossings on", options.transparency);
-  if (has_ignored) text += fmt::format("; but not classes {}", class_list(request.ignored_classes));
+  if (options.transparency > 1) text += fmt::format("; at {} crossings", options.transparency);
+  if (has_ignored) text += fmt::format("; without classes {}", class_list(request.ignored_classes));
   return text;
 }
 
@@ -63,30 +63,29 @@ std::string description_of(const visibility::Occluders& occluders, const Occlude
 void add_occluder_options(const Options& command, OccluderRequest& request) {
   const Options group = command.group("What blocks");
   group.choice("--occluder",
-               "what a point blocks with (default auto): a disc on its surface, a sphere, or discs where "
+               "what blocks (default auto): a disc on the surface of each point, a sphere, or discs where "
                "there is a surface and spheres elsewhere (foliage, wires)",
                request.options.shape,
                {{"auto", visibility::OccluderShape::automatic},
                 {"disc", visibility::OccluderShape::disc},
                 {"sphere", visibility::OccluderShape::sphere}});
-  group.number(
-      "--radius", "R",
-      "of discs and spheres, in metres (default: each point's own, from the distance to its neighbours)",
-      request.options.radius, 1e-6, 1e6);
+  group.number("--radius", "R",
+               "of discs and spheres, in metres (default: per point, from the distance to its neighbours)",
+               request.options.radius, 1e-6, 1e6);
   group.count("--transparency", "K",
-              "a line is blocked from so many separate crossings on (default: 1); more sees through foliage",
+              "block a line at this number of separate crossings (default: 1); more looks through foliage",
               request.options.transparency, 1, 1000);
-  group.value(
-      "--ignore-classes", "LIST|none",
-      "points of these classes block nothing (default: 7,18, which are noise)", request.ignored_classes,
-      [](const std::string& text) { return text == "none" ? std::bitset<256>() : parse_classes(text); });
+  group.value("--ignore-classes", "LIST|none", "points of these classes do not block (default: 7,18, noise)",
+              request.ignored_classes, [](const std::string& text) {
+                return text == "none" ? std::bitset<256>() : parse_classes(text);
+              });
 }
 
 std::unique_ptr<VisibilityCloud> load_cloud_alone(const CloudRequest& request, AttributeSet attributes) {
   auto loaded = std::make_unique<VisibilityCloud>();
   loaded->cloud = load_shown(request, {.read = {.attributes = attributes | Attribute::classification}});
   if (loaded->cloud.octree.size() == 0)
-    throw Error({.file = request.files.first_name().string(), .problem = "holds no points"});
+    throw Error({.file = request.files.first_name().string(), .problem = "the cloud has no points"});
   check_map_unit(loaded->cloud.cloud);
   loaded->columns = loaded->cloud.columns();
   return loaded;
@@ -110,7 +109,7 @@ void measure_occluders(VisibilityCloud& cloud, const OccluderRequest& request, V
 
 visibility::Ground find_ground(const VisibilityCloud& cloud, visibility::GroundOptions options,
                                Verbosity verbosity) {
-  return with_progress("finding the ground", "points", verbosity, [&](const Progress& progress) {
+  return with_progress("computing the ground", "points", verbosity, [&](const Progress& progress) {
     options.progress = progress;
     return visibility::make_ground(cloud.octree(), cloud.columns.classifications, options);
   });

@@ -35,8 +35,8 @@ struct View {
   visibility::HorizonFacts facts;
 };
 
-bool ends_in(const std::filesystem::path& file, std::initializer_list<std::string_view> endings) {
-  return std::ranges::find(endings, file_ending(file)) != endings.end();
+bool ends_in(const std::filesystem::path& file, std::initializer_list<std::string_view> extensions) {
+  return std::ranges::find(extensions, file_extension(file)) != extensions.end();
 }
 
 bool is_geojson(const std::filesystem::path& file) {
@@ -47,12 +47,12 @@ bool is_geojson(const std::filesystem::path& file) {
 void check_options(const HorizonCommand& command) {
   const auto require = [](const std::filesystem::path& file, bool right, const char* expected) {
     if (file.empty() || right) return;
-    throw Error({.file = file.string(), .problem = "the name tells no format", .expected = expected});
+    throw Error({.file = file.string(), .problem = "unknown format", .expected = expected});
   };
   require(command.output, is_geojson(command.output) || ends_in(command.output, {".csv"}),
-          "a name ending in .csv or .geojson");
-  require(command.skyline, ends_in(command.skyline, {".png"}), "a name ending in .png");
-  require(command.depth, ends_in(command.depth, {".exr"}), "a name ending in .exr");
+          "the extension .csv or .geojson");
+  require(command.skyline, ends_in(command.skyline, {".png"}), "the extension .png");
+  require(command.depth, ends_in(command.depth, {".exr"}), "the extension .exr");
   const std::filesystem::path outputs[] = {command.output, command.skyline, command.depth};
   check_outputs(outputs, command.overwrite, command.inputs({command.observers.file}));
 }
@@ -61,7 +61,7 @@ visibility::Observer only_observer(const HorizonCommand& command, const Visibili
   const std::vector<visibility::Observer> observers =
       load_observers(command.observers, cloud, command.verbosity);
   if (observers.size() != 1) {
-    throw Error({.problem = "a horizon is that of one place",
+    throw Error({.problem = "a horizon requires a single observer",
                  .expected = "one observer",
                  .found = std::to_string(observers.size())});
   }
@@ -88,11 +88,11 @@ View look_around(const HorizonCommand& command, const VisibilityCloud& cloud,
   options.elevation_min = view.observer.elevation_min;
   options.elevation_max = view.observer.elevation_max;
   options.max_distance = view.observer.max_distance;
-  view.line = with_progress("looking around", "azimuths", command.verbosity, [&](const Progress& progress) {
-    return visibility::horizon(occluders, view.eye, options, progress);
-  });
+  view.line = with_progress(
+      "computing the horizon", "azimuths", command.verbosity,
+      [&](const Progress& progress) { return visibility::horizon(occluders, view.eye, options, progress); });
   if (view.line.empty()) {
-    throw Error({.problem = "no azimuth of the field of view is looked at",
+    throw Error({.problem = "the field of view contains no azimuth",
                  .expected = "a smaller --step or a wider --horizontal-fov"});
   }
   view.facts.eye = view.observer.position;
@@ -107,7 +107,7 @@ void write_line(const HorizonCommand& command, const VisibilityCloud& cloud, con
   std::string text;
   if (is_geojson(command.output)) {
     const auto on_globe =
-        image_module().lon_lat(cloud.cloud.cloud.crs, visibility::horizon_places(view.line, view.facts));
+        image_module().lon_lat(cloud.cloud.cloud.crs, visibility::horizon_positions(view.line, view.facts));
     if (!on_globe && command.verbosity != Verbosity::quiet) warn_of_cloud_coordinates(command.output);
     text = visibility::horizon_geojson(view.line, view.facts, on_globe);
   } else {
@@ -128,7 +128,7 @@ void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, 
   const double from = view.observer.azimuth_min;
   visibility::DepthStrip strip =
       visibility::strip_around(view.line, from, from + width_of_view(view.observer));
-  with_progress("drawing the skyline", "sight lines", command.verbosity, [&](const Progress& progress) {
+  with_progress("drawing the skyline", "lines of sight", command.verbosity, [&](const Progress& progress) {
     visibility::fill_strip(*cloud.occluders, view.eye, view.observer.max_distance, strip, progress);
   });
   const glm::dvec3& eye = view.observer.position;
@@ -141,7 +141,7 @@ void write_picture(const HorizonCommand& command, const VisibilityCloud& cloud, 
 void write_depth(const HorizonCommand& command, const VisibilityCloud& cloud, const View& view) {
   const int width = command.depth_size.width, height = command.depth_size.height;
   const image::Film film = with_progress(
-      "measuring the panorama", "sight lines", command.verbosity, [&](const Progress& progress) {
+      "measuring the panorama", "lines of sight", command.verbosity, [&](const Progress& progress) {
         return visibility::depth_panorama(*cloud.occluders, view.eye, width, height,
                                           view.observer.max_distance, progress);
       });
@@ -172,7 +172,7 @@ void say_findings(const HorizonCommand& command, const View& view) {
   }
   std::string text = sky_text(view.facts.sky);
   if (view.facts.above_line) {
-    text += fmt::format("; {:.3f} and {:.3f} if all below the line is taken as blocked",
+    text += fmt::format("; {:.3f} and {:.3f} with everything below the horizon blocked",
                         view.facts.above_line->cosine_weighted, view.facts.above_line->solid_angle);
   }
   say_note(text);
@@ -198,17 +198,16 @@ ExitCode run(const HorizonCommand& command) {
 void add_answers(const Options& horizon, HorizonCommand& command) {
   const Options group = horizon.group("Answers");
   group.file("-o,--output", "FILE.csv|FILE.geojson",
-             "the line as CSV or GeoJSON, by the ending (default: CSV on stdout)", command.output);
-  group.file("--skyline", "FILE.png", "also draw it over what is seen, coloured by distance",
-             command.skyline);
+             "horizon as CSV or GeoJSON, by the extension (default: CSV to stdout)", command.output);
+  group.file("--skyline", "FILE.png", "also draw the skyline, coloured by distance", command.skyline);
   group.file("--depth", "FILE.exr",
              "also write a panorama of distances (layers Z, distance and id), north in the middle",
              command.depth);
   group.value("--depth-size", "WxH", "pixels of the panorama (default: 2048x1024)", command.depth_size,
               parse_image_size);
-  group.number("--step", "DEGREES", "between azimuths; divides 360 (default: 0.5)", command.step, 0.001,
-               120.0);
-  group.number("--resolution", "DEGREES", "between elevations; divides 90 (default: 0.01)",
+  group.number("--step", "DEGREES", "azimuth step in degrees; divides 360 (default: 0.5)", command.step,
+               0.001, 120.0);
+  group.number("--resolution", "DEGREES", "elevation step in degrees; divides 90 (default: 0.01)",
                command.resolution, 0.0001, 10.0);
   group.count("--directions", "N", "lines to the sky for the sky-view factor (default: 4096)",
               command.sky_directions, 1, visibility::k_most_sky_directions);
@@ -221,7 +220,7 @@ Command add_visibility_horizon(const Options& visibility, const CommandLine& wor
   auto command = std::make_shared<HorizonCommand>();
   command->words = words;
   const Options horizon =
-      visibility.command("horizon", "Look around from one place: horizon line, sky, panorama");
+      visibility.command("horizon", "Compute the horizon, sky-view factors and a panorama at one position");
   add_cloud(horizon, *command);
   add_observer_options(horizon, command->observers);
   add_occluder_options(horizon, command->occluders);

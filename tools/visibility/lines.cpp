@@ -21,9 +21,9 @@ constexpr double k_radio_factor = 4.0 / 3.0;
 
 /// Which sight lines were asked for on the command line.
 struct PairRequest {
-  std::filesystem::path pairs, places;    ///< --pairs, --places; empty: none
-  std::string places_crs;                 ///< --places-crs
-  visibility::ObserverDefaults defaults;  ///< --end-height
+  std::filesystem::path pairs, positions;  ///< --pairs, --positions; empty: none
+  std::string places_crs;                  ///< --positions-crs
+  visibility::ObserverDefaults defaults;   ///< --end-height
 };
 
 struct LinesCommand : VisibilityRequest {
@@ -36,53 +36,54 @@ struct LinesCommand : VisibilityRequest {
 
 /// The ends of lines.
 struct LineEnds {
-  std::vector<visibility::Observer> places;
+  std::vector<visibility::Observer> positions;
   bool are_pairs = false;  ///< first and second end of each line after each other; else all are paired
 };
 
-const visibility::Observer& place_called(const std::map<std::string, const visibility::Observer*>& places,
-                                         const visibility::GivenObserver& end) {
-  const auto found = places.find(end.name);
-  if (found != places.end()) return *found->second;
+const visibility::Observer& position_called(
+    const std::map<std::string, const visibility::Observer*>& positions,
+    const visibility::GivenObserver& end) {
+  const auto found = positions.find(end.name);
+  if (found != positions.end()) return *found->second;
   throw Error({.file = end.source,
-               .problem = fmt::format("no place is called '{}'", end.name),
-               .expected = places.empty() ? "places with names (--places), or pairs with coordinates"
-                                          : "a name of --places"});
+               .problem = fmt::format("unknown position '{}'", end.name),
+               .expected = positions.empty() ? "named positions (--places), or pairs with coordinates"
+                                             : "a name of --places"});
 }
 
 /// The ends of pairs with coordinates, first and second of each after each other.
-ObserverOptions ends_with_places(const std::vector<visibility::GivenPair>& pairs) {
+ObserverOptions ends_with_positions(const std::vector<visibility::GivenPair>& pairs) {
   ObserverOptions ends;
   for (const visibility::GivenPair& pair : pairs) {
     // Who has no name is called by the pair's number.
-    const std::size_t number = ends.places.size() / 2 + 1;
-    ends.places.push_back(pair.from);
-    if (pair.from.name.empty()) ends.places.back().name = fmt::format("from {}", number);
-    ends.places.push_back(pair.to);
-    if (pair.to.name.empty()) ends.places.back().name = fmt::format("to {}", number);
+    const std::size_t number = ends.positions.size() / 2 + 1;
+    ends.positions.push_back(pair.from);
+    if (pair.from.name.empty()) ends.positions.back().name = fmt::format("from {}", number);
+    ends.positions.push_back(pair.to);
+    if (pair.to.name.empty()) ends.positions.back().name = fmt::format("to {}", number);
   }
   return ends;
 }
 
 /// Those of pairs with names.
-std::vector<visibility::Observer> ends_with_names(std::span<const visibility::Observer> places,
+std::vector<visibility::Observer> ends_with_names(std::span<const visibility::Observer> positions,
                                                   const std::vector<visibility::GivenPair>& pairs) {
   std::map<std::string, const visibility::Observer*> by_name;
-  for (const visibility::Observer& place : places) {
-    if (!by_name.emplace(place.name, &place).second)
-      throw Error({.problem = fmt::format("two places are called '{}'", place.name)});
+  for (const visibility::Observer& position : positions) {
+    if (!by_name.emplace(position.name, &position).second)
+      throw Error({.problem = fmt::format("duplicate position '{}'", position.name)});
   }
   std::vector<visibility::Observer> ends;
   for (const visibility::GivenPair& pair : pairs) {
-    ends.push_back(place_called(by_name, pair.from));
-    ends.push_back(place_called(by_name, pair.to));
+    ends.push_back(position_called(by_name, pair.from));
+    ends.push_back(position_called(by_name, pair.to));
   }
   return ends;
 }
 
 /// Calls visit(first end, second end) for every line, in order.
 void for_each_pair(const LineEnds& ends, const std::function<void(std::size_t, std::size_t)>& visit) {
-  const std::size_t count = ends.places.size();
+  const std::size_t count = ends.positions.size();
   if (ends.are_pairs) {
     for (std::size_t i = 0; i + 1 < count; i += 2) visit(i, i + 1);
     return;
@@ -96,58 +97,58 @@ void add_pair_options(const Options& command, PairRequest& request) {
   const Options group = command.group("Lines");
   group.file(
       "--pairs", "FILE",
-      "CSV with a pair per row: names of --places in the columns from and to, or coordinates (see below)",
+      "CSV with one pair per row: names of --places in the columns from and to, or coordinates (see below)",
       request.pairs);
   group.file("--places", "FILE",
-             "CSV, GeoJSON, GeoPackage or Shapefile with places, as observers elsewhere; without --pairs "
-             "every one is paired with every other",
-             request.places);
-  group.text(
-      "--places-crs", "CRS",
-      "reference system of the places, such as EPSG:4326 (default: what their file says, of CSV the cloud's)",
-      request.places_crs);
+             "CSV, GeoJSON, GeoPackage or Shapefile with positions, like observers; without --pairs all "
+             "pairs are tested",
+             request.positions);
+  group.text("--places-crs", "CRS",
+             "reference system of the positions, such as EPSG:4326 (default: that of their file, for CSV the "
+             "cloud's)",
+             request.places_crs);
   group.number("--end-height", "LENGTH",
                "of ends above their foot (default: 0 for ends with a z, 2 for those on the ground)",
                request.defaults.height, 0.0, 1e6);
 }
 
-/// Errors that need no cloud: nothing asked for, --places-crs alone.
+/// Errors that need no cloud: nothing asked for, --positions-crs alone.
 void check_pair_request(const PairRequest& request) {
-  if (request.pairs.empty() && request.places.empty())
-    throw Error({.problem = "no sight lines are given", .expected = "--pairs FILE or --places FILE"});
-  if (request.places.empty() && !request.places_crs.empty())
-    throw Error({.problem = "--places-crs is for --places", .expected = "--places FILE"});
+  if (request.pairs.empty() && request.positions.empty())
+    throw Error({.problem = "missing lines of sight", .expected = "--pairs FILE or --places FILE"});
+  if (request.positions.empty() && !request.places_crs.empty())
+    throw Error({.problem = "--places-crs requires --places", .expected = "--places FILE"});
 }
 
-/// Reads places and pairs and gives them their places on the cloud. Surfaces need not be measured. Errors:
-/// those of read_pair_table() and load_observers(); names that no place or two have; coordinates beside
-/// --places; a single place.
+/// Reads positions and pairs and gives them their positions on the cloud. Surfaces need not be measured. Errors:
+/// those of read_pair_table() and load_observers(); names that no position or two have; coordinates beside
+/// --positions; a single position.
 LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud, Verbosity verbosity) {
   std::vector<visibility::GivenPair> given;
   if (!request.pairs.empty()) given = visibility::read_pair_table(request.pairs);
-  const bool has_places = !given.empty() && given.front().has_places;
-  if (has_places && !request.places.empty()) {
+  const bool has_positions = !given.empty() && given.front().has_positions;
+  if (has_positions && !request.positions.empty()) {
     throw Error({.file = request.pairs.string(),
-                 .problem = "has coordinates of its own",
+                 .problem = "the pairs have coordinates",
                  .expected = "names of --places, or no --places"});
   }
   ObserverOptions options;
-  if (has_places) options = ends_with_places(given);
-  options.file = request.places;
+  if (has_positions) options = ends_with_positions(given);
+  options.file = request.positions;
   options.reference = request.places_crs;
   options.reference_option = "--places-crs";
   options.defaults = request.defaults;
   LineEnds ends;
   ends.are_pairs = !given.empty();
-  if (has_places || !request.places.empty()) ends.places = load_observers(options, cloud, verbosity);
+  if (has_positions || !request.positions.empty()) ends.positions = load_observers(options, cloud, verbosity);
   if (ends.are_pairs) {
-    if (!has_places) ends.places = ends_with_names(ends.places, given);
+    if (!has_positions) ends.positions = ends_with_names(ends.positions, given);
     return ends;
   }
-  if (ends.places.size() < 2) {
-    throw Error({.file = request.places.string(),
-                 .problem = "holds a single place",
-                 .expected = "two or more, which are paired"});
+  if (ends.positions.size() < 2) {
+    throw Error({.file = request.positions.string(),
+                 .problem = "contains a single position",
+                 .expected = "at least two"});
   }
   return ends;
 }
@@ -156,8 +157,8 @@ LineEnds load_line_ends(const PairRequest& request, const VisibilityCloud& cloud
 void check_report_memory(const LineEnds& ends, bool has_zones) {
   std::uint64_t bytes_per_line = sizeof(visibility::LinePair) + sizeof(visibility::LineReport);
   if (has_zones) bytes_per_line += visibility::k_most_obstructions * sizeof(visibility::Obstruction);
-  const std::uint64_t places = ends.places.size();
-  const std::uint64_t lines = ends.are_pairs ? places / 2 : places * (places - 1) / 2;
+  const std::uint64_t positions = ends.positions.size();
+  const std::uint64_t lines = ends.are_pairs ? positions / 2 : positions * (positions - 1) / 2;
   std::uint64_t bytes = 0;
   if (__builtin_mul_overflow(lines, bytes_per_line, &bytes))
     bytes = std::numeric_limits<std::uint64_t>::max();
@@ -168,23 +169,23 @@ void check_report_memory(const LineEnds& ends, bool has_zones) {
 void check_margin(const LineEnds& ends, double margin) {
   if (margin == 0.0) return;
   for_each_pair(ends, [&](std::size_t from, std::size_t to) {
-    const double length = distance(ends.places[from].position, ends.places[to].position);
+    const double length = distance(ends.positions[from].position, ends.positions[to].position);
     if (2.0 * margin < length) return;
-    throw Error({.problem = fmt::format("--end-margin leaves nothing of the line from '{}' to '{}'",
-                                        ends.places[from].name, ends.places[to].name),
-                 .expected = fmt::format("less than half of its {:.6g}", length),
+    throw Error({.problem = fmt::format("--end-margin exceeds the line from '{}' to '{}'",
+                                        ends.positions[from].name, ends.positions[to].name),
+                 .expected = fmt::format("less than half of its length {:.6g}", length),
                  .found = fmt::format("{:.6g}", margin)});
   });
 }
 
-/// The lines: the pairs of a file, or every place with every other.
+/// The lines: the pairs of a file, or every position with every other.
 std::vector<visibility::LinePair> pairs_of(const LineEnds& ends, const visibility::Occluders& occluders) {
   std::vector<visibility::SightEnd> sight_ends;
-  for (const visibility::Observer& place : ends.places)
-    sight_ends.push_back(visibility::end_near_surface(occluders, place.position));
+  for (const visibility::Observer& position : ends.positions)
+    sight_ends.push_back(visibility::end_near_surface(occluders, position.position));
   std::vector<visibility::LinePair> pairs;
   for_each_pair(ends, [&](std::size_t from, std::size_t to) {
-    pairs.push_back({ends.places[from].name, sight_ends[from], ends.places[to].name, sight_ends[to]});
+    pairs.push_back({ends.positions[from].name, sight_ends[from], ends.positions[to].name, sight_ends[to]});
   });
   return pairs;
 }
@@ -194,10 +195,11 @@ double unit_of(const VisibilityCloud& cloud, const std::filesystem::path& file) 
   if (cloud.cloud.cloud.crs.empty()) return 1.0;
   if (const std::optional<double> metres = image_module().metres_per_unit(cloud.cloud.cloud.crs))
     return *metres;
-  throw Error({.file = file.string(),
-               .problem = "has coordinates in degrees or an unknown unit, which wavelengths and the Earth's "
-                          "radius cannot be told in",
-               .expected = "a cloud in a projected reference system"});
+  throw Error(
+      {.file = file.string(),
+       .problem =
+           "wavelengths and the Earth radius require a known unit of length, not degrees or an unknown unit",
+       .expected = "a projected reference system: reproject the cloud"});
 }
 
 visibility::LineReportOptions report_options(const LinesCommand& command, const VisibilityCloud& cloud) {
@@ -230,7 +232,7 @@ void check_options(const LinesCommand& command) {
   chosen_row_form(command.output);
   check_pair_request(command.pairs);
   const std::vector<std::filesystem::path> inputs =
-      command.inputs({command.pairs.pairs, command.pairs.places});
+      command.inputs({command.pairs.pairs, command.pairs.positions});
   check_writable(command.output, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, {&command.output, 1}, inputs);
 }
@@ -258,14 +260,14 @@ ExitCode run_lines(const LinesCommand& command) {
   check_report_memory(ends, command.frequency.has_value());
   check_margin(ends, command.end_margin);
   measure_occluders(*cloud, command.occluders, command.verbosity);
-  say_observer_remarks(ends.places, *cloud, command.verbosity);
+  say_observer_remarks(ends.positions, *cloud, command.verbosity);
   visibility::LineTable table;
   table.pairs = pairs_of(ends, *cloud->occluders);
   table.classifications = cloud->columns.classifications;
   LongRun long_run(
       command.checkpoint, [&] { return identity_of(command, *cloud, table.pairs); }, command.verbosity);
   table.reports =
-      long_run.work("looking along lines", "lines", [&](const Progress& progress, FinishedParts* parts) {
+      long_run.work("testing lines of sight", "lines", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::report_lines(*cloud->occluders, table.pairs, options, progress, parts);
       });
   const PointCloud& facts = cloud->cloud.cloud;
@@ -279,23 +281,22 @@ ExitCode run_lines(const LinesCommand& command) {
 }
 
 void add_margin(const Options& lines, LinesCommand& command) {
-  lines.group("Lines").number(
-      "--end-margin", "LENGTH",
-      "so much of a line at either end is not looked at: scanned masts and tripods (default: 0)",
-      command.end_margin, 0.0, 1e9);
+  lines.group("Lines").number("--end-margin", "LENGTH",
+                              "excluded length at either end, for scanned masts and tripods (default: 0)",
+                              command.end_margin, 0.0, 1e9);
 }
 
 void add_radio(const Options& lines, LinesCommand& command) {
   const Options group = lines.group("Radio");
   group.value("--frequency", "F[GHz|MHz]",
-              "report on the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
+              "report the first Fresnel zone of this frequency, 5.8GHz or 868MHz; GHz without a unit",
               [&command](const std::string& text) {
                 command.frequency = visibility::parse_frequency(text);
                 if (!command.frequency) throw UsageError("expected 1MHz to 1000GHz, found '" + text + "'");
               });
   group.value("--earth-radius-factor", "K|off",
-              "lines bend down over the ground of a round Earth with K times its radius; K takes in how air "
-              "bends rays (default: 1.3333 with --frequency, otherwise off)",
+              "bend lines for an Earth of K times its radius, which includes the refraction of radio waves "
+              "(default: 1.3333 with --frequency, otherwise off)",
               [&command](const std::string& text) {
                 command.earth_factor.emplace();
                 if (text != "off") *command.earth_factor = parse_number(text, 1e-3, 1e3);
@@ -307,14 +308,14 @@ void add_radio(const Options& lines, LinesCommand& command) {
 Command add_visibility_lines(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<LinesCommand>();
   command->words = words;
-  const Options lines = visibility.command(
-      "lines", "Report on sight lines between pairs of places, and on their Fresnel zones");
+  const Options lines =
+      visibility.command("lines", "Test lines of sight between pairs of positions, and their Fresnel zones");
   add_cloud(lines, *command);
   add_pair_options(lines, command->pairs);
   add_margin(lines, *command);
   add_radio(lines, *command);
   add_occluder_options(lines, command->occluders);
-  lines.file("-o,--output", "FILE", "file to write: .csv, .json or .geojson", command->output).required();
+  lines.file("-o,--output", "FILE", "output file: .csv, .json or .geojson", command->output).required();
   lines.flag("--overwrite", "replace an existing file", command->overwrite);
   add_checkpoint_options(lines.group("Long runs"), command->checkpoint);
   add_run_options(lines, *command);

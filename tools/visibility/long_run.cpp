@@ -18,22 +18,23 @@ void check_checkpoint(const CheckpointRequest& request, bool overwrite,
   std::error_code error;
   for (const std::filesystem::path& output : outputs) {
     if (!output.empty() && same_file(request.file, output)) {
-      throw Error(
-          {.file = request.file.string(), .problem = "is an output to write", .expected = "another name"});
+      throw Error({.file = request.file.string(),
+                   .problem = "also the name of an output",
+                   .expected = "another name"});
     }
   }
   const bool is_there = std::filesystem::exists(request.file, error);
   if (is_there && !request.resume && !overwrite) {
     throw Error({.file = request.file.string(),
-                 .problem = "exists already",
-                 .expected = "--resume to go on from it, or --overwrite"});
+                 .problem = "the file exists",
+                 .expected = "--resume to continue from it, or --overwrite"});
   }
   check_writable(request.file, true, inputs);
   // It would be replaced, and removed in the end.
   if (is_there && !is_parts_file(request.file)) {
     throw Error({.file = request.file.string(),
-                 .place = "byte 0",
-                 .problem = "is not a checkpoint of such a run",
+                 .location = "byte 0",
+                 .problem = "not a checkpoint of such a run",
                  .expected = "a checkpoint, or the name of a file that does not exist"});
   }
 }
@@ -140,11 +141,11 @@ LongRun::LongRun(const CheckpointRequest& request, const std::function<Identity(
   parts_.emplace(std::move(options), identity());
   if (!request.resume || verbosity == Verbosity::quiet) return;
   if (parts_->is_kept()) {
-    say_note(fmt::format("going on from {}: {:.0f} % of the work is done", name,
+    say_note(fmt::format("resuming from {}: {:.0f} % of the work is done", name,
                          100.0 * static_cast<double>(parts_->finished()) /
                              static_cast<double>(std::max<std::uint64_t>(parts_->count(), 1))));
   } else {
-    say_note(fmt::format("there is no checkpoint {} yet: starting afresh", name));
+    say_note(fmt::format("no checkpoint {}: starting from the beginning", name));
   }
 }
 

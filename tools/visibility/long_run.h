@@ -38,13 +38,13 @@ void add_to_identity(const std::string& name, std::span<const double> numbers, I
 /// A run that keeps what is finished, if that is wanted.
 ///
 ///   LongRun run(command.checkpoint, [&] { return run_identity(...); }, verbosity);
-///   run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) { return ...; });
+///   run.work("looking", "sight lines", [&](const Progress& progress, PartCheckpoint* parts) { return ...; });
 ///   ... write ...
 ///   run.finish();
 class LongRun {
  public:
   /// Says whether it goes on from something. `identity` is asked only if a checkpoint is wanted: it reads the
-  /// whole cloud. Errors: those of FinishedParts.
+  /// whole cloud. Errors: those of PartCheckpoint.
   LongRun(const CheckpointRequest& request, const std::function<Identity()>& identity, Verbosity verbosity);
   /// Says how to go on if the run was not finished.
   ~LongRun();
@@ -68,7 +68,7 @@ class LongRun {
   Progress progress(ProgressLine& line);
 
   Verbosity verbosity_;
-  std::optional<FinishedParts> parts_;
+  std::optional<PartCheckpoint> parts_;
 };
 
 }  // namespace alidade::tools

@@ -40,18 +40,18 @@ Bounds parse_area(const std::string& text) {
 void add_ground(const Options& command, MapOptions& map) {
   const Options group = command.group("Ground");
   group.choice("--ground",
-               "what cells stand on: points of the classes 2, 9 and 11 (ground, water, road surface), or the "
-               "lowest points (default: auto, by class if there is class 2)",
+               "ground: points of the classes 2, 9 and 11 (ground, water, road surface), or the lowest "
+               "points (default: auto, by class if there is class 2)",
                map.ground_source,
                {{"auto", visibility::GroundSource::automatic},
                 {"class", visibility::GroundSource::classified},
                 {"lowest", visibility::GroundSource::lowest}});
   group.number("--ground-cell", "LENGTH",
-               "side of the cells whose ground is found (default: the mean distance of the points of these "
-               "classes, or four times that of all points)",
+               "cell size of the ground (default: the mean distance of the points of these classes, or four "
+               "times that of all points)",
                map.ground_cell, 1e-6, 1e9);
   group.number("--ground-reach", "LENGTH",
-               "no ground farther than this from the cloud's points (default: 10)", map.ground_reach, 0.0,
+               "no ground beyond this distance from the cloud's points (default: 10)", map.ground_reach, 0.0,
                1e9);
 }
 
@@ -72,10 +72,11 @@ CloudUnit cloud_unit(const Crs& crs) {
 
 void add_map_options(const Options& command, MapOptions& map) {
   const Options group = command.group(k_map_group);
-  group.file("--preview", "FILE.png", "also draw it: relief, marks, scale bar, legend", map.preview);
+  group.file("--preview", "FILE.png", "also write an image with relief, marks, scale bar and legend",
+             map.preview);
   group.number("--resolution", "LENGTH",
-               "side of a cell (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a "
-               "side, none smaller than those of the ground)",
+               "cell size (default: 1, 2 or 5 times a power of ten, for at most 1000 cells along a side, "
+               "none smaller than those of the ground)",
                map.resolution, 1e-6, 1e9);
   group.value("--area", "XMIN,YMIN,XMAX,YMAX", "only this part of the cloud (default: all of it)", map.area,
               parse_area);
@@ -96,10 +97,10 @@ void check_map_writing(const MapOptions& map, bool overwrite,
                        std::span<const std::filesystem::path> other_files) {
   image_module();
   if (map.preview.empty()) return;
-  if (file_ending(map.preview) != ".png") {
+  if (file_extension(map.preview) != ".png") {
     throw Error({.file = map.preview.string(),
-                 .problem = "previews are written as PNG",
-                 .expected = "a name ending in .png"});
+                 .problem = "unsupported preview format",
+                 .expected = "the extension .png"});
   }
   check_writable(map.preview, overwrite, other_files);
   image::find_font();
@@ -128,7 +129,7 @@ Bounds map_area(const MapOptions& map, const VisibilityCloud& cloud) {
   const Bounds all = cloud.octree().bounds();
   if (!map.area) return all;
   const Bounds area = geo::cropped(all, *map.area);
-  if (area.empty()) throw Error({.problem = "--area holds nothing of the cloud"});
+  if (area.empty()) throw Error({.problem = "--area contains no points of the cloud"});
   return area;
 }
 

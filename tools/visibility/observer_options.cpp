@@ -14,27 +14,27 @@ constexpr std::size_t k_most_lines = 8;  ///< said about observers
 /// Two angles with a comma between.
 std::pair<double, double> parse_angles(const std::string& text, double least, double most) {
   const std::vector<std::string> words = split_list(text);
-  if (words.size() != 2) throw UsageError("expected two angles with a comma between, found '" + text + "'");
+  if (words.size() != 2) throw UsageError("expected two angles separated by a comma, found '" + text + "'");
   return {parse_number(words[0], least, most), parse_number(words[1], least, most)};
 }
 
 void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
   group.value("--max-distance,--md,--max_distance", "LENGTH",
-              "nothing farther from the observer is seen (default: inf); along the line of sight",
-              defaults.max_distance, parse_distance_limit);
+              "largest distance along the line of sight (default: inf)", defaults.max_distance,
+              parse_distance_limit);
   const Option azimuths =
       group.value("--horizontal-fov", "A0,A1",
                   "field of view in degrees clockwise from north (+y), from A0 clockwise to A1: 350,10 looks "
                   "north (default: 0,360)",
                   [&defaults](const std::string& text) {
                     const auto [from, to] = parse_angles(text, -360.0, 720.0);
-                    if (from == to) throw UsageError("expected two angles that differ, found '" + text + "'");
+                    if (from == to) throw UsageError("expected two different angles, found '" + text + "'");
                     defaults.azimuth_min = from;
                     defaults.azimuth_max = to;
                   });
   group
       .value("--direction_range", "D0,D1",
-             "the same as r.viewshed has it: from D0 to D1 counterclockwise, 0 is east",
+             "the same as in r.viewshed: from D0 to D1 counterclockwise, 0 is east",
              [&defaults](const std::string& text) {
                constexpr double k_north = 90.0;
                const auto [from, to] = parse_angles(text, -360.0, 360.0);
@@ -43,7 +43,7 @@ void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
                defaults.azimuth_max = k_north - from;
              })
       .excludes(azimuths);
-  group.value("--vertical-fov", "E0,E1", "field of view in degrees up from the horizontal (default: -90,90)",
+  group.value("--vertical-fov", "E0,E1", "field of view in degrees above the horizontal (default: -90,90)",
               [&defaults](const std::string& text) {
                 const auto [low, high] = parse_angles(text, -90.0, 90.0);
                 if (low > high) throw UsageError("expected the lower angle first, found '" + text + "'");
@@ -56,7 +56,7 @@ void add_view(const Options& group, visibility::ObserverDefaults& defaults) {
 std::vector<visibility::GivenObserver> read_given(const ObserverOptions& options, const Crs& crs) {
   const geo::ObserverReference reference{
       .given = options.reference, .cloud = crs, .option = options.reference_option};
-  std::vector<visibility::GivenObserver> given = options.places;
+  std::vector<visibility::GivenObserver> given = options.positions;
   if (!options.reference.empty() && !given.empty()) image_module().to_cloud_reference(given, "", reference);
   if (options.file.empty()) return given;
   const std::vector<visibility::GivenObserver> read = image_module().read_observers(options.file, reference);
@@ -80,17 +80,17 @@ void add_observer_options(const Options& command, ObserverOptions& options) {
   const Options group = command.group(k_observer_group);
   group.values(
       "--observer", "X,Y[,Z]",
-      "where the eye is, or its foot with --observer-height; without Z the foot is on the ground. May be "
-      "repeated",
-      [&options](const std::string& text) { options.places.push_back(visibility::parse_observer(text)); });
+      "position of the eye, or of the foot with --observer-height; without Z the foot is on the ground. May "
+      "be repeated",
+      [&options](const std::string& text) { options.positions.push_back(visibility::parse_observer(text)); });
   group.file("--observers", "FILE",
              "observers from a file: CSV with the header "
              "x,y[,z][,name][,height][,azimuth_min][,azimuth_max][,elevation_min][,elevation_max][,max_"
              "distance], or points of GeoJSON, GeoPackage or Shapefile with attributes of these names",
              options.file);
   group.value("--observers-crs", "SYSTEM|cloud",
-              "reference system of the observers, as EPSG:4326 (x is east), whatever their file says; cloud: "
-              "the cloud's own (default: the file's, of CSV and --observer the cloud's)",
+              "reference system of the observers, such as EPSG:4326 (x is east), overriding their file; "
+              "cloud: the cloud's (default: the file's, for CSV and --observer the cloud's)",
               [&options](const std::string& text) {
                 if (text.empty()) throw UsageError("expected a reference system, found nothing");
                 options.reference = text;
@@ -98,29 +98,30 @@ void add_observer_options(const Options& command, ObserverOptions& options) {
   group.number("--observer-grid", "LENGTH",
                "an observer on the ground in every square cell of this width over the cloud's extent",
                options.grid, 1e-3, 1e9);
-  group.number("--observer-height,--oz,--observer_elevation", "LENGTH",
-               "of the eye above its foot (default: 0 for observers with a z, 2 for those on the ground)",
-               options.defaults.height, 0.0, 1e6);
+  group.number(
+      "--observer-height,--oz,--observer_elevation", "LENGTH",
+      "height of the eye above the foot (default: 0 for observers with a z, 2 for those on the ground)",
+      options.defaults.height, 0.0, 1e6);
   add_view(group, options.defaults);
 }
 
 void add_target_height(const Options& command, std::optional<double>& height) {
   command.number("--target-height,--tz,--target_elevation", "LENGTH",
-                 "of what is looked at above the ground (default: 0)", height, 0.0, 1e6);
+                 "height of the target above the ground (default: 0)", height, 0.0, 1e6);
 }
 
 std::vector<visibility::Observer> load_observers(const ObserverOptions& options, const VisibilityCloud& cloud,
                                                  Verbosity verbosity,
                                                  const visibility::GroundHeight& ground) {
-  if (options.places.empty() && options.file.empty() && !options.grid)
-    throw Error({.problem = "nobody looks", .expected = "--observer, --observers or --observer-grid"});
+  if (options.positions.empty() && options.file.empty() && !options.grid)
+    throw Error({.problem = "missing observers", .expected = "--observer, --observers or --observer-grid"});
   std::vector<visibility::GivenObserver> given = read_given(options, cloud.cloud.cloud.crs);
   const bool needs_ground =
       options.grid || std::ranges::any_of(given, [](const visibility::GivenObserver& one) { return !one.z; });
   std::optional<visibility::Ground> own_ground;
   if (needs_ground && !ground) own_ground = find_ground(cloud, {}, verbosity);
   const visibility::GroundHeight height_at =
-      ground ? ground : [&](const glm::dvec2& place) { return own_ground->at(place); };
+      ground ? ground : [&](const glm::dvec2& position) { return own_ground->at(position); };
   if (options.grid) {
     const auto grid = with_progress("placing observers", "cells", verbosity, [&](const Progress& progress) {
       return visibility::observer_grid(cloud.octree().bounds(), *options.grid, height_at, progress);
@@ -139,7 +140,7 @@ void say_observer_remarks(std::span<const visibility::Observer> observers, const
   const std::vector<std::string> remarks = visibility::observer_remarks(*cloud.occluders, observers);
   for (std::size_t i = 0; i < std::min(remarks.size(), k_most_lines); ++i) say_warning(remarks[i]);
   if (remarks.size() > k_most_lines)
-    say_warning(fmt::format("and {} more observers are strange", remarks.size() - k_most_lines));
+    say_warning(fmt::format("and {} more observers with warnings", remarks.size() - k_most_lines));
 }
 
 }  // namespace alidade::tools

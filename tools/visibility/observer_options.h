@@ -16,7 +16,7 @@ namespace alidade::tools {
 
 /// Which observers were asked for on the command line.
 struct ObserverOptions {
-  std::vector<visibility::GivenObserver> places;     ///< --observer
+  std::vector<visibility::GivenObserver> positions;  ///< --observer
   std::filesystem::path file;                        ///< --observers; empty: none
   std::string reference;                             ///< --observers-crs, as ObserverReference::given
   std::string reference_option = "--observers-crs";  ///< what messages call it
@@ -33,7 +33,7 @@ inline constexpr const char* k_observer_group = "Observers";
 /// --target-height LENGTH: how far above its cell or point a target is looked at. At least 0.
 void add_target_height(const Options& command, std::optional<double>& height);
 
-/// Reads the observers, in the cloud's reference system, gives them their places, and says these; what is
+/// Reads the observers, in the cloud's reference system, gives them their positions, and says these; what is
 /// strange about them say_observer_remarks() tells, once occluders are measured. Those of the command line
 /// come first, then the file's, then the grid's. `ground` is asked for observers without z; if it is empty,
 /// the cloud's is found where it is needed. Errors: nobody was asked for; those of read_observers(),

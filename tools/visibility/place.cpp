@@ -32,10 +32,10 @@ std::map<int, double> parse_weights(const std::string& text) {
   for (const std::string& word : split_list(text)) {
     const std::size_t equals = word.find('=');
     if (equals == std::string::npos)
-      throw UsageError("expected CLASS=WEIGHT, as 6=2.5, found '" + word + "'");
+      throw UsageError("expected CLASS=WEIGHT, such as 6=2.5, found '" + word + "'");
     const auto number = static_cast<int>(parse_count(word.substr(0, equals), 0, 255));
     if (!weights.emplace(number, parse_number(word.substr(equals + 1), 0.0, 1e9)).second)
-      throw UsageError(fmt::format("class {} is weighed twice", number));
+      throw UsageError(fmt::format("duplicate weight of class {}", number));
   }
   return weights;
 }
@@ -47,8 +47,8 @@ void check_options(const PlaceCommand& command) {
   const std::filesystem::path outputs[] = {command.output, command.curve};
   if (!command.curve.empty() && image::image_format(command.curve) != image::ImageFormat::png) {
     throw Error({.file = command.curve.string(),
-                 .problem = "curves are drawn as PNG",
-                 .expected = "a name ending in .png"});
+                 .problem = "unsupported curve format",
+                 .expected = "the extension .png"});
   }
   check_outputs(outputs, command.overwrite, inputs);
   check_checkpoint(command.checkpoint, command.overwrite, outputs, inputs);
@@ -59,7 +59,7 @@ std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
   const std::span<const std::uint8_t> classes = cloud.columns.classifications;
   const std::filesystem::path& file = command.files.first_name();
   if (classes.empty() && (command.target_classes || !command.class_weights.empty()))
-    throw Error({.file = file.string(), .problem = "has no classes to choose targets by"});
+    throw Error({.file = file.string(), .problem = "the cloud has no classification for targets"});
   // What blocks nothing is no target either, unless it is asked for.
   const std::bitset<256> wanted = command.target_classes.value_or(~command.occluders.ignored_classes);
   std::function<bool(std::uint64_t)> counts;
@@ -67,7 +67,7 @@ std::vector<visibility::PlacementTarget> targets_of(const PlaceCommand& command,
   std::vector<visibility::PlacementTarget> targets =
       visibility::thin_points(cloud.octree(), command.target_spacing, counts);
   if (targets.empty())
-    throw Error({.file = file.string(), .problem = "has no points of the targets' classes"});
+    throw Error({.file = file.string(), .problem = "the cloud has no points of the target classes"});
   return targets;
 }
 
@@ -84,14 +84,14 @@ std::vector<double> weights_of(const PlaceCommand& command, const VisibilityClou
 
 void say_result(const PlaceCommand& command, const visibility::Placement& placement) {
   if (command.verbosity == Verbosity::quiet) return;
-  const double covered = placement.places.back().covered;
-  say_note(fmt::format("{} places see {:.2f} % of the targets; no choice of {} sees more than {:.2f} %",
-                       placement.places.size(), 100.0 * covered / placement.total, command.count,
+  const double covered = placement.positions.back().covered;
+  say_note(fmt::format("{} positions see {:.2f} % of the targets; no choice of {} sees more than {:.2f} %",
+                       placement.positions.size(), 100.0 * covered / placement.total, command.count,
                        100.0 * placement.best_possible / placement.total));
-  if (placement.places.size() < command.count) say_note("more places would add nothing");
+  if (placement.positions.size() < command.count) say_note("more positions add nothing");
 }
 
-ExitCode run_place(const PlaceCommand& command) {
+ExitCode run_position(const PlaceCommand& command) {
   check_options(command);
   const Verbosity verbosity = command.verbosity;
   load_row_writer(command.output);
@@ -106,14 +106,14 @@ ExitCode run_place(const PlaceCommand& command) {
   LongRun long_run(
       command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, candidates); }, verbosity);
   const visibility::Coverage coverage =
-      long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+      long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::see_targets(*cloud->occluders, candidates, targets,
                                        command.target_height.value_or(0.0), progress, parts);
       });
   const visibility::Placement placement =
       visibility::choose_places(coverage, command.count, weights_of(command, *cloud, targets));
-  if (placement.places.empty()) {
-    say_warning("no candidate sees any target that has a weight; nothing is written");
+  if (placement.positions.empty()) {
+    say_warning("no candidate sees any target with a positive weight; writing nothing");
     long_run.finish();
     return ExitCode::no;
   }
@@ -129,30 +129,31 @@ ExitCode run_place(const PlaceCommand& command) {
   return ExitCode::done;
 }
 
-void add_targets(const Options& place, PlaceCommand& command) {
-  const Options group = place.group("Targets");
+void add_targets(const Options& position, PlaceCommand& command) {
+  const Options group = position.group("Targets");
   group.number("--target-spacing", "LENGTH",
-               "targets are points of the cloud, thinned to one per cube of this side (default: 1)",
+               "thin the targets to one point per cube of this edge length (default: 1)",
                command.target_spacing, 1e-6, 1e9);
   group.number("--target-height", "LENGTH",
-               "of the targets above these points: 1.7 for people on points of the ground (default: 0)",
+               "height of the targets above these points: 1.7 for people on the ground (default: 0)",
                command.target_height, 0.0, 1e6);
   group.value("--target-classes", "LIST",
-              "points of these classes only, as 2,11 (default: all but those of --ignore-classes)",
+              "points of these classes only, such as 2,11 (default: all except --ignore-classes)",
               command.target_classes, parse_classes);
-  group.value("--class-weights", "LIST", "how much targets of a class count, as 6=5,2=0.5 (default: 1 each)",
+  group.value("--class-weights", "LIST", "weights of targets by class, such as 6=5,2=0.5 (default: 1)",
               command.class_weights, parse_weights);
 }
 
-void add_answers(const Options& place, PlaceCommand& command) {
-  const Options group = place.group("Answers");
-  group.count("--count", "K", "how many places to choose", command.count, 1, 1'000'000'000).required();
+void add_answers(const Options& position, PlaceCommand& command) {
+  const Options group = position.group("Answers");
+  group.count("--count", "K", "number of positions to choose", command.count, 1, 1'000'000'000).required();
   group
       .file("-o,--output", "FILE",
-            "file to write: .csv, .json or .geojson; a row per place, with what it and those before it cover",
+            "output file: .csv, .json or .geojson; one row per position, with what it and the previous ones "
+            "cover",
             command.output)
       .required();
-  group.file("--curve", "FILE.png", "picture of what each further place adds", command.curve);
+  group.file("--curve", "FILE.png", "image of what each further position adds", command.curve);
   group.flag("--overwrite", "replace existing files", command.overwrite);
 }
 
@@ -161,15 +162,15 @@ void add_answers(const Options& place, PlaceCommand& command) {
 Command add_visibility_place(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<PlaceCommand>();
   command->words = words;
-  const Options place = visibility.command("place", "Choose the few of many places from which one sees most");
-  add_cloud(place, *command);
-  add_observer_options(place, command->candidates);
-  add_targets(place, *command);
-  add_occluder_options(place, command->occluders);
-  add_answers(place, *command);
-  add_checkpoint_options(place.group("Long runs"), command->checkpoint);
-  add_run_options(place, *command);
-  return command_of(place, command, run_place);
+  const Options position = visibility.command("place", "Choose the few observer positions that see most");
+  add_cloud(position, *command);
+  add_observer_options(position, command->candidates);
+  add_targets(position, *command);
+  add_occluder_options(position, command->occluders);
+  add_answers(position, *command);
+  add_checkpoint_options(position.group("Long runs"), command->checkpoint);
+  add_run_options(position, *command);
+  return command_of(position, command, run_position);
 }
 
 }  // namespace alidade::tools

@@ -59,9 +59,10 @@ class SeenList {
 std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
   std::vector<ResultColumn> columns;
   columns.push_back(
-      result_column<std::uint8_t>("Visible", "1: some observer sees it", ScalarType::uint8,
+      result_column<std::uint8_t>("Visible", "1: visible from an observer", ScalarType::uint8,
                                   [&seen](std::size_t id) { return seen.counts[id] > 0 ? 1 : 0; }));
-  columns.push_back(result_column<std::uint32_t>("VisibleCount", "observers that see it", ScalarType::uint32,
+  columns.push_back(result_column<std::uint32_t>("VisibleCount", "observers that see the point",
+                                                 ScalarType::uint32,
                                                  [&seen](std::size_t id) { return seen.counts[id]; }));
   if (!seen.masks.empty()) {
     columns.push_back(result_column<std::uint64_t>("VisibleBy", "bit i-1: observer i sees it",
@@ -69,7 +70,7 @@ std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
                                                    [&seen](std::size_t id) { return seen.masks[id]; }));
   }
   if (!seen.fractions.empty()) {
-    columns.push_back(result_column<float>("VisibleFraction", "share of its disc that is seen",
+    columns.push_back(result_column<float>("VisibleFraction", "visible share of its disc",
                                            ScalarType::float32,
                                            [&seen](std::size_t id) { return seen.fractions[id]; }));
   }
@@ -77,7 +78,7 @@ std::vector<ResultColumn> columns_of(const visibility::PointVisibility& seen) {
     const std::vector<std::uint32_t>& blockers = seen.blockers[i];
     columns.push_back(result_column<std::int64_t>(
         seen.blockers.size() == 1 ? "Blocker" : fmt::format("Blocker_{}", i + 1),
-        "id of what blocks it, -1: nothing", ScalarType::int64, [&blockers](std::size_t id) {
+        "id of the blocking point, -1: none", ScalarType::int64, [&blockers](std::size_t id) {
           return blockers[id] == visibility::k_no_blocker ? std::int64_t{-1} : std::int64_t{blockers[id]};
         }));
   }
@@ -96,13 +97,13 @@ void check_options(const PointsCommand& command) {
 /// Error if the bits of VisibleBy do not fit into the numbers of the output.
 void check_observer_count(const PointsCommand& command, std::size_t observers) {
   constexpr std::size_t k_most_in_double = 53;
-  if (file_ending(command.output) != ".ply" || observers <= k_most_in_double ||
+  if (file_extension(command.output) != ".ply" || observers <= k_most_in_double ||
       observers > visibility::k_most_mask_observers)
     return;
   throw Error(
       {.file = command.output.string(),
-       .problem = "PLY has no numbers for so many observers in VisibleBy",
-       .expected = fmt::format("a name that ends in .las or .laz, or at most {} observers", k_most_in_double),
+       .problem = "PLY cannot store VisibleBy for this number of observers",
+       .expected = fmt::format("the extension .las or .laz, or at most {} observers", k_most_in_double),
        .found = std::to_string(observers)});
 }
 
@@ -111,7 +112,7 @@ bool with_blockers(const PointsCommand& command, std::size_t observers) {
   const bool wanted = command.blockers.value_or(observers == 1 ? BlockerColumns::all
                                                                : BlockerColumns::none) == BlockerColumns::all;
   if (wanted && observers > visibility::k_most_mask_observers) {
-    throw Error({.problem = "there are too many observers for a column of blockers each",
+    throw Error({.problem = "too many observers for a column of blockers each",
                  .expected = fmt::format("at most {}, or --blockers none", visibility::k_most_mask_observers),
                  .found = std::to_string(observers)});
   }
@@ -137,7 +138,7 @@ visibility::PointVisibility look(const VisibilityCloud& cloud,
       list->add(number + 1, seen);
     };
   }
-  return long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+  return long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
     options.progress = progress;
     options.parts = parts;
     return visibility::point_visibility(*cloud.occluders, observers, options);
@@ -155,10 +156,8 @@ ExitCode run(const PointsCommand& command) {
   measure_occluders(*cloud, command.occluders, verbosity);
   say_observer_remarks(observers, *cloud, verbosity);
   if (observers.size() > visibility::k_most_mask_observers && command.lists.empty()) {
-    say_note(
-        verbosity,
-        fmt::format("{} observers are more than the {} bits of VisibleBy; --lists FILE tells who sees what",
-                    observers.size(), visibility::k_most_mask_observers));
+    say_note(verbosity, fmt::format("{} observers exceed the {} bits of VisibleBy; use --lists FILE",
+                                    observers.size(), visibility::k_most_mask_observers));
   }
   LongRun long_run(
       command.checkpoint, [&] { return run_identity(command.checkpoint, *cloud, observers); }, verbosity);
@@ -171,7 +170,7 @@ ExitCode run(const PointsCommand& command) {
   const auto count = static_cast<std::size_t>(
       std::ranges::count_if(seen.counts, [](std::uint32_t observers_of_it) { return observers_of_it > 0; }));
   say_note(verbosity,
-           fmt::format("{} of {} points are seen ({:.1f} %); wrote {}", count, seen.counts.size(),
+           fmt::format("{} of {} points are visible ({:.1f} %); wrote {}", count, seen.counts.size(),
                        100.0 * static_cast<double>(count) / static_cast<double>(seen.counts.size()),
                        command.output.string()));
   return ExitCode::done;
@@ -180,19 +179,20 @@ ExitCode run(const PointsCommand& command) {
 void add_answers(const Options& points, PointsCommand& command) {
   const Options group = points.group("Answers");
   group
-      .file("-o,--output", "FILE.las|FILE.laz|FILE.ply", "cloud to write: LAS 1.4, LAZ or PLY, by the ending",
-            command.output)
+      .file("-o,--output", "FILE.las|FILE.laz|FILE.ply",
+            "output cloud: LAS 1.4, LAZ or PLY, by the extension", command.output)
       .required();
   group.count("--fraction", "N",
-              "also look at N places of the small disc around each point, 2 to 255: VisibleFraction is the "
-              "share of them that is seen (default: off)",
+              "also test N positions on the disc of each point, 2 to 255: VisibleFraction is the share of "
+              "visible ones (default: off)",
               command.sub_rays, 2, visibility::k_most_sub_rays);
   group.choice("--blockers",
-               "whether to tell what blocks the view of each point (default: all for one observer, else "
-               "none); none is faster",
+               "report the blocking point (default: all for one observer, else none); none is faster",
                command.blockers, {{"all", BlockerColumns::all}, {"none", BlockerColumns::none}});
   group.file("--lists", "FILE.csv",
-             "also write who sees what: CSV observer,point_id, for any number of observers", command.lists);
+             "also write all pairs of observer and visible point: CSV observer,point_id, for any number of "
+             "observers",
+             command.lists);
   group.flag("--overwrite", "replace an existing file", command.overwrite);
 }
 
@@ -201,7 +201,7 @@ void add_answers(const Options& points, PointsCommand& command) {
 Command add_visibility_points(const Options& visibility) {
   auto command = std::make_shared<PointsCommand>();
   const Options points =
-      visibility.command("points", "Say of every point of a cloud whether it is seen, and what blocks it");
+      visibility.command("points", "Compute the visibility of every point, and what blocks it");
   add_cloud(points, *command);
   add_observer_options(points, command->observers);
   add_occluder_options(points, command->occluders);

@@ -28,16 +28,16 @@ struct RasterCommand : VisibilityRequest {
   visibility::ViewshedMode mode = visibility::ViewshedMode::visible;
   std::optional<double> curvature;
   std::optional<double> highest;
-  std::optional<int> places_across;
+  std::optional<int> positions_across;
   std::optional<std::uint8_t> visible_value, invisible_value, out_of_range_value;
 };
 
 void add_values(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Values");
   group.choice("--mode",
-               "visible: whether any observer sees the middle of the cell; count: how many do; height: the "
-               "lowest height above the ground that is seen, to 0.01; fraction: share of free sight lines "
-               "over observers and places of the cell (default: visible)",
+               "visible: whether any observer sees the cell's centre; count: number of observers that do; "
+               "height: lowest visible height above the ground, to 0.01; fraction: share of free lines over "
+               "observers and positions in the cell (default: visible)",
                command.mode,
                {{"visible", visibility::ViewshedMode::visible},
                 {"count", visibility::ViewshedMode::count},
@@ -46,34 +46,33 @@ void add_values(const Options& raster, RasterCommand& command) {
   const auto add_byte = [&](const char* names, const char* help, std::optional<std::uint8_t>& target) {
     group.count(names, "0..255", help, target, 0, 255);
   };
-  add_byte("--visible-value,--vv", "of --mode visible: of cells that are seen (default: gdal 255, grass 1)",
+  add_byte("--visible-value,--vv", "for --mode visible: value of visible cells (default: gdal 255, grass 1)",
            command.visible_value);
-  add_byte("--invisible-value,--iv", "of cells that are not (default: 0)", command.invisible_value);
+  add_byte("--invisible-value,--iv", "value of invisible cells (default: 0)", command.invisible_value);
   add_byte("--out-of-range-value,--ov",
-           "of cells that nobody looks at: too far, or outside of the field of view (default: gdal 0, grass "
-           "no data)",
+           "value of cells too far away or outside the field of view (default: gdal 0, grass nodata)",
            command.out_of_range_value);
   group.number(
       "--highest", "LENGTH",
-      "of --mode height: nothing higher is tried; stands for what is not even seen there (default: 200)",
+      "for --mode height: largest height, also the value of cells not visible up to it (default: 200)",
       command.highest, 1e-6, 1e6);
-  group.count("--places", "N", "of --mode fraction: N x N places in every cell (default: 3)",
-              command.places_across, 1, visibility::k_most_places_across);
+  group.count("--places", "N", "for --mode fraction: N x N positions in every cell (default: 3)",
+              command.positions_across, 1, visibility::k_most_positions_across);
 }
 
 void add_sight(const Options& raster, RasterCommand& command) {
   const Options group = raster.group("Sight");
   group.choice("--like",
-               "whose defaults hold for what is not said. gdal (gdal_viewshed): observers 2 above the "
-               "ground, curvature 0.85714 where the cloud's unit is known; grass (r.viewshed): observers "
-               "1.75 above the ground, curvature 0, values 1 and 0, no data out of range (default: gdal)",
+               "source of the defaults. gdal (gdal_viewshed): observers 2 above the ground, curvature "
+               "0.85714 if the cloud's unit is known; grass (r.viewshed): observers 1.75 above the ground, "
+               "curvature 0, values 1 and 0, nodata out of range (default: gdal)",
                command.like, {{"gdal", DefaultSet::gdal}, {"grass", DefaultSet::grass}});
-  const Option curvature = group.number(
-      "--curvature,--cc", "C",
-      "how much of the Earth's curvature counts: 0 flat, 1 without air, 0.85714 for light, 0.75 for radio",
-      command.curvature, 0.0, 10.0);
+  const Option curvature =
+      group.number("--curvature,--cc", "C",
+                   "share of the Earth's curvature: 0 flat, 1 without air, 0.85714 for light, 0.75 for radio",
+                   command.curvature, 0.0, 10.0);
   group
-      .value("--refraction_coeff", "R", "the same as r.viewshed has it with -c and -r: curvature 1 - R",
+      .value("--refraction_coeff", "R", "the same as -c and -r of r.viewshed: curvature 1 - R",
              [&command](const std::string& text) { command.curvature = 1.0 - parse_number(text, 0.0, 1.0); })
       .excludes(curvature);
 }
@@ -95,17 +94,17 @@ void check_values(const RasterCommand& command) {
   const visibility::ViewshedMode mode = command.mode;
   const auto check = [mode](bool is_given, const std::string& option, visibility::ViewshedMode of) {
     if (!is_given || mode == of) return;
-    throw Error({.problem = "option " + option + " means nothing for this map",
+    throw Error({.problem = "option " + option + " does not apply to this map",
                  .expected = fmt::format("--mode {}", k_mode_words[static_cast<std::size_t>(of)])});
   };
   check(command.visible_value.has_value(), "--visible-value", visibility::ViewshedMode::visible);
   check(command.invisible_value.has_value(), "--invisible-value", visibility::ViewshedMode::visible);
   check(command.out_of_range_value.has_value(), "--out-of-range-value", visibility::ViewshedMode::visible);
   check(command.highest.has_value(), "--highest", visibility::ViewshedMode::height);
-  check(command.places_across.has_value(), "--places", visibility::ViewshedMode::fraction);
+  check(command.positions_across.has_value(), "--places", visibility::ViewshedMode::fraction);
   const visibility::SeenValues values = seen_values_of(command);
   if (values.visible == values.invisible) {
-    throw Error({.problem = "what is seen and what is not have the same value",
+    throw Error({.problem = "visible and invisible cells have the same value",
                  .expected = "--visible-value and --invisible-value that differ",
                  .found = std::to_string(values.visible)});
   }
@@ -137,7 +136,7 @@ visibility::ViewshedOptions options_of(const RasterCommand& command, const Cloud
   options.mode = command.mode;
   options.target_height = command.map.target_height.value_or(0.0);
   options.curve = curve_of(command, unit);
-  options.places_across = command.places_across.value_or(options.places_across);
+  options.positions_across = command.positions_across.value_or(options.positions_across);
   options.highest = command.highest.value_or(options.highest);
   return options;
 }
@@ -154,25 +153,26 @@ std::string sight_text(const RasterCommand& command, const visibility::ViewshedO
       defaults.azimuth_max, defaults.elevation_min, defaults.elevation_max);
   if (options.mode == visibility::ViewshedMode::visible) {
     const visibility::SeenValues values = seen_values_of(command);
-    text += fmt::format("; values {} seen, {} not, {} out of range", values.visible, values.invisible,
-                        values.out_of_range ? std::to_string(*values.out_of_range) : "no data");
+    text +=
+        fmt::format("; values {} visible, {} invisible, {} out of range", values.visible, values.invisible,
+                    values.out_of_range ? std::to_string(*values.out_of_range) : "nodata");
   }
   if (options.mode == visibility::ViewshedMode::height) text += fmt::format("; up to {:g}", options.highest);
   if (options.mode == visibility::ViewshedMode::fraction)
-    text += fmt::format("; {0} x {0} places per cell", options.places_across);
+    text += fmt::format("; {0} x {0} positions per cell", options.positions_across);
   return text;
 }
 
 /// What this map says beside what all maps say.
 void add_observers(std::span<const visibility::Observer> observers, MapMetadata& metadata) {
   constexpr std::size_t k_most_observers = 100;
-  std::string places;
+  std::string positions;
   for (const visibility::Observer& one : observers.first(std::min(observers.size(), k_most_observers))) {
-    places += fmt::format("{}{}: {:.17g} {:.17g} {:.17g}", places.empty() ? "" : "\n", one.name,
-                          one.position.x, one.position.y, one.position.z);
+    positions += fmt::format("{}{}: {:.17g} {:.17g} {:.17g}", positions.empty() ? "" : "\n", one.name,
+                             one.position.x, one.position.y, one.position.z);
   }
   metadata.emplace_back("alidade_observer_count", std::to_string(observers.size()));
-  metadata.emplace_back("alidade_observers", places);
+  metadata.emplace_back("alidade_observers", positions);
 }
 
 /// All that the values depend on.
@@ -188,7 +188,7 @@ Identity identity_of(const CheckpointRequest& request, const VisibilityCloud& cl
 visibility::Viewshed look(const VisibilityCloud& cloud, const visibility::Ground& ground,
                           std::span<const visibility::Observer> observers, const geo::RasterGrid& grid,
                           visibility::ViewshedOptions options, LongRun& long_run) {
-  return long_run.work("looking", "sight lines", [&](const Progress& progress, FinishedParts* parts) {
+  return long_run.work("looking", "lines of sight", [&](const Progress& progress, PartCheckpoint* parts) {
     options.progress = progress;
     options.parts = parts;
     return visibility::viewshed(*cloud.occluders, ground, observers, grid, options);
@@ -207,7 +207,7 @@ ExitCode run(const RasterCommand& given) {
   const visibility::ViewshedOptions options = options_of(command, unit);
   const visibility::Ground ground = find_map_ground(command.map, *cloud, verbosity);
   const std::vector<visibility::Observer> observers = load_observers(
-      command.observers, *cloud, verbosity, [&](const glm::dvec2& place) { return ground.at(place); });
+      command.observers, *cloud, verbosity, [&](const glm::dvec2& position) { return ground.at(position); });
   const geo::RasterGrid grid =
       map_grid(command.map, visibility::area_in_reach(map_area(command.map, *cloud), observers), ground, 1,
                unit.name, verbosity);
@@ -242,8 +242,8 @@ ExitCode run(const RasterCommand& given) {
   const std::string at_height = options.mode == visibility::ViewshedMode::height
                                     ? fmt::format("at {:g} above the ground ", options.target_height)
                                     : "";
-  say_note(verbosity, fmt::format("{} sight lines in {:.1f} s ({}/s); seen {}{:.1f} % of the cells in range, "
-                                  "{} cells without a value; wrote {}",
+  say_note(verbosity, fmt::format("{} lines of sight in {:.1f} s ({}/s); visible {}{:.1f} % of the cells in "
+                                  "range, {} cells without a value; wrote {}",
                                   short_count(static_cast<double>(seen.line_count)), seconds,
                                   short_count(static_cast<double>(seen.line_count) / seconds), at_height,
                                   share.percent, share.without, command.output.string()));
@@ -253,12 +253,12 @@ ExitCode run(const RasterCommand& given) {
 }  // namespace
 
 Command add_visibility_raster(const Options& visibility, const CommandLine& words) {
-  const Options raster = visibility.command("raster", "Make a map of what is seen of the ground: a viewshed");
+  const Options raster = visibility.command("raster", "Compute a viewshed of the ground");
   auto command = std::make_shared<RasterCommand>();
   command->words = words;
   const Options map = raster.group(k_map_group);
   add_cloud(raster, *command);
-  map.file("-o,--output", "FILE.tif", "map to write: cloud-optimised GeoTIFF", command->output).required();
+  map.file("-o,--output", "FILE.tif", "output map: cloud-optimised GeoTIFF", command->output).required();
   map.flag("--overwrite", "replace existing files", command->overwrite);
   add_map_options(raster, command->map);
   add_values(raster, *command);

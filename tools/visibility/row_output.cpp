@@ -9,9 +9,8 @@ namespace alidade::tools {
 visibility::RowForm chosen_row_form(const std::filesystem::path& file) {
   const std::optional<visibility::RowForm> form = visibility::row_form(file);
   if (form) return *form;
-  throw Error({.file = file.string(),
-               .problem = "the name does not tell the form of the file",
-               .expected = ".csv, .json or .geojson"});
+  throw Error(
+      {.file = file.string(), .problem = "unknown output format", .expected = ".csv, .json or .geojson"});
 }
 
 void load_row_writer(const std::filesystem::path& file) {
@@ -26,12 +25,12 @@ visibility::RowFileHead row_file_head(const CommandLine& command_line, const Poi
 
 visibility::ToLonLat to_lon_lat_of(const Crs& crs) {
   if (crs.empty()) return {};
-  return [crs](std::span<const glm::dvec3> places) { return image_module().lon_lat(crs, places); };
+  return [crs](std::span<const glm::dvec3> positions) { return image_module().lon_lat(crs, positions); };
 }
 
 void warn_of_cloud_coordinates(const std::filesystem::path& file) {
   say_warning(file.string() +
-              ": has the coordinates of the cloud, since its reference system is not known; maps expect "
+              ": has the coordinates of the cloud, because its reference system is unknown; GeoJSON requires "
               "longitude and latitude");
 }
 

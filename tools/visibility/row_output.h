@@ -11,7 +11,7 @@
 
 namespace alidade::tools {
 
-/// By the ending of the name. Errors: none of them.
+/// By the extension of the name. Errors: none of them.
 visibility::RowForm chosen_row_form(const std::filesystem::path& file);
 
 /// Fails before the work if such a file cannot be written here. Errors: those of image_module().

@@ -15,19 +15,19 @@
 namespace alidade::tools {
 namespace {
 
-/// Errors that need no cloud: the output's name or place; options that mean nothing for this kind of output.
+/// Errors that need no cloud: the output's name or position; options that mean nothing for this kind of output.
 void check_sky_request(const SkyRequest& request) {
   const auto refuse = [](const std::string& option, const std::string& kind) {
-    throw Error({.problem = "option " + option + " means nothing for this output", .expected = kind});
+    throw Error({.problem = "option " + option + " does not apply to this output", .expected = kind});
   };
   if (request.is_map()) {
-    if (request.receiver) refuse("--receiver", "points (.las, .laz, .ply); cells of a map lie horizontally");
+    if (request.receiver) refuse("--receiver", "points (.las, .laz, .ply); cells of a map are horizontal");
   } else {
-    const std::string ending = file_ending(request.output);
-    if (ending != ".las" && ending != ".laz" && ending != ".ply") {
+    const std::string extension = file_extension(request.output);
+    if (extension != ".las" && extension != ".laz" && extension != ".ply") {
       throw Error({.file = request.output.string(),
-                   .problem = "the name tells no format",
-                   .expected = "a name ending in .las, .laz, .ply or .tif"});
+                   .problem = "unknown output format",
+                   .expected = "the extension .las, .laz, .ply or .tif"});
     }
     if (const std::string option = given_map_option(request.map); !option.empty())
       refuse(option, "a map (.tif)");
@@ -53,7 +53,7 @@ visibility::SkyViewOptions sky_options(const SkyCommand& command) {
 /// Answers what was found, for people.
 std::string map_sky(const SkyCommand& command, const SkySite& site, LongRun& long_run) {
   geo::Raster<float> views =
-      long_run.work("looking at the sky", "cells", [&](const Progress& progress, FinishedParts* parts) {
+      long_run.work("testing the sky", "cells", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::ground_sky_views(*site.cloud->occluders, *site.ground, site.grid,
                                             command.map.target_height.value_or(0.0), sky_options(command),
                                             {progress, parts});
@@ -61,18 +61,18 @@ std::string map_sky(const SkyCommand& command, const SkySite& site, LongRun& lon
   const std::string found =
       range_and_mean([&](std::size_t i) { return views.values[i]; }, views.values.size());
   const SkyBand band{views, "SkyView", ""};
-  write_sky_map(command, site, std::span(&band, 1),
-                {{"alidade_sky",
-                  fmt::format("sky-view factor of a horizontal place, {} directions", command.directions)}},
-                {.title = "How much of the sky is seen",
-                 .values = {},
-                 .scale = visibility::MapScale{image::ColorMap::viridis, {0.0, 1.0}, "sky-view factor"}});
+  write_sky_map(
+      command, site, std::span(&band, 1),
+      {{"alidade_sky", fmt::format("sky-view factor on the horizontal, {} directions", command.directions)}},
+      {.title = "Sky-view factor",
+       .values = {},
+       .scale = visibility::MapScale{image::ColorMap::viridis, {0.0, 1.0}, "sky-view factor"}});
   return found;
 }
 
 std::string point_sky(const SkyCommand& command, const VisibilityCloud& cloud, LongRun& long_run) {
   const std::vector<float> views =
-      long_run.work("looking at the sky", "points", [&](const Progress& progress, FinishedParts* parts) {
+      long_run.work("testing the sky", "points", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::point_sky_views(*cloud.occluders, cloud.columns.normals, sky_options(command),
                                            {progress, parts});
       });
@@ -98,8 +98,8 @@ ExitCode run(const SkyCommand& command) {
 }  // namespace
 
 bool SkyRequest::is_map() const {
-  const std::string ending = file_ending(output);
-  return ending == ".tif" || ending == ".tiff";
+  const std::string extension = file_extension(output);
+  return extension == ".tif" || extension == ".tiff";
 }
 
 void add_sky_request(const Options& command, SkyRequest& request) {
@@ -107,16 +107,15 @@ void add_sky_request(const Options& command, SkyRequest& request) {
   const Options group = command.group("Answers");
   group
       .file("-o,--output", "FILE.las|FILE.laz|FILE.ply|FILE.tif",
-            "LAS 1.4 or PLY: the cloud with a value for every point; GeoTIFF: a map of the ground",
+            "output: LAS 1.4 or PLY with a value for every point; GeoTIFF with a map of the ground",
             request.output)
       .required();
   group.flag("--overwrite", "replace existing files", request.overwrite);
   group.choice(
-      "--receiver", "what the light falls on at each point: its surface (default), or a horizontal one",
-      request.receiver,
+      "--receiver", "receiver at each point: its surface (default) or the horizontal", request.receiver,
       {{"surface", visibility::SkyReceiver::surface}, {"horizontal", visibility::SkyReceiver::horizontal}});
-  group.value("--max-distance", "LENGTH", "nothing farther blocks (default: inf)", request.max_distance,
-              parse_distance_limit);
+  group.value("--max-distance", "LENGTH", "largest distance of blocking points (default: inf)",
+              request.max_distance, parse_distance_limit);
   add_map_options(command, request.map);
   add_target_height(command.group(k_map_group), request.map.target_height);
   add_occluder_options(command, request.occluders);
@@ -188,8 +187,7 @@ std::string range_and_mean(const std::function<float(std::size_t)>& value, std::
 Command add_visibility_sky(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<SkyCommand>();
   command->words = words;
-  const Options sky =
-      visibility.command("sky", "Say how much of the sky every point or place on the ground sees");
+  const Options sky = visibility.command("sky", "Compute sky-view factors of points or of the ground");
   add_sky_request(sky, *command);
   sky.group("Answers").count("--directions", "N",
                              "lines of sight per point or cell (default: 128, for an error of about 0.01)",

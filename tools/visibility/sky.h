@@ -25,7 +25,7 @@ struct SkyRequest : VisibilityRequest {
   CheckpointRequest checkpoint;
   double max_distance = std::numeric_limits<double>::infinity();
 
-  /// Whether the answers are for cells, by the ending of the output.
+  /// Whether the answers are for cells, by the extension of the output.
   bool is_map() const;
 };
 
@@ -41,7 +41,7 @@ struct SkySite {
 };
 
 /// All that is done before occluders are measured, which may take long. `bands`: of a map. Errors: the
-/// output's name or place; options that mean nothing for this kind of output; what it ends in cannot be
+/// output's name or position; options that mean nothing for this kind of output; what it ends in cannot be
 /// written here; those of load_cloud_alone(), map_grid().
 SkySite load_sky_site(const SkyRequest& request, int bands);
 

@@ -16,7 +16,7 @@ namespace {
 
 /// A date as people give it for sunshine: a whole day, or a moment.
 struct SunDate {
-  Moment moment;  ///< of a day: its begin in UTC, whatever the place
+  Moment moment;  ///< of a day: its begin in UTC, whatever the position
   bool is_day = false;
 };
 
@@ -57,7 +57,7 @@ Moment end_of(const SunDate& date, double longitude) {
 struct SunCommand : SkyRequest {
   std::optional<SunDate> from, to;
   double step_minutes = 10.0;
-  std::optional<glm::dvec2> place;  ///< latitude, longitude
+  std::optional<glm::dvec2> position;  ///< latitude, longitude
   visibility::ClearAir air;
   std::optional<double> bin;  ///< degrees; 0: none; empty: by the number of steps
 };
@@ -79,13 +79,13 @@ SunSky sun_of(const SunCommand& command, const VisibilityCloud& cloud) {
   SunSky sun;
   visibility::SunSchedule& schedule = sun.schedule;
   sun.is_map_known = image_module().place_schedule(
-      cloud.cloud.cloud.crs, glm::dvec2(cloud.octree().bounds().center()), command.place, schedule);
+      cloud.cloud.cloud.crs, glm::dvec2(cloud.octree().bounds().center()), command.position, schedule);
   schedule.from = begin_of(*command.from, schedule.longitude);
   schedule.to = end_of(command.to.value_or(*command.from), schedule.longitude);
   schedule.step_minutes = command.step_minutes;
   schedule.air = command.air;
   const std::vector<visibility::SunStep> steps =
-      with_progress("following the sun", "steps", command.verbosity,
+      with_progress("computing sun positions", "steps", command.verbosity,
                     [&](const Progress& progress) { return image_module().sun_steps(schedule, progress); });
   sun.steps = steps.size();
   for (const visibility::SunStep& step : steps) sun.hours += step.hours;
@@ -128,11 +128,11 @@ void say_sun(const SunCommand& command, const SunSky& sun) {
                        sun.is_map_known ? fmt::format("grid north is {:.4f} degrees off", schedule.grid_north)
                                         : "+y taken for true north"));
   say_note(fmt::format(
-      "up for {:.2f} hours, {} steps, {} directions{}; open ground gets {:.3f} kWh/m2 of direct sun ({})",
+      "up for {:.2f} hours, {} steps, {} directions{}; open ground receives {:.3f} kWh/m2 of direct sun ({})",
       sun.hours, sun.steps, sun.bins.size(),
       sun.bin > 0.0 ? fmt::format(" (bins of {:g} degrees)", sun.bin) : "", open_energy(sun),
       model_text(sun)));
-  if (sun.bins.empty()) say_warning("the sun is below the horizon all the time");
+  if (sun.bins.empty()) say_warning("the sun is always below the horizon");
 }
 
 /// How the sun was followed, for a map's metadata.
@@ -150,7 +150,7 @@ MapMetadata sun_metadata(const SunSky& sun) {
 
 std::string map_sun(const SunCommand& command, const SkySite& site, const SunSky& sun, LongRun& long_run) {
   visibility::SunMaps maps =
-      long_run.work("looking at the sun", "cells", [&](const Progress& progress, FinishedParts* parts) {
+      long_run.work("testing the sun", "cells", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::ground_sun_hours(*site.cloud->occluders, *site.ground, site.grid,
                                             command.map.target_height.value_or(0.0), sun.bins,
                                             {.max_distance = command.max_distance}, {progress, parts});
@@ -171,7 +171,7 @@ std::string map_sun(const SunCommand& command, const SkySite& site, const SunSky
 std::string point_sun(const SunCommand& command, const VisibilityCloud& cloud, const SunSky& sun,
                       LongRun& long_run) {
   const std::vector<visibility::SunHours> hours =
-      long_run.work("looking at the sun", "points", [&](const Progress& progress, FinishedParts* parts) {
+      long_run.work("testing the sun", "points", [&](const Progress& progress, PartCheckpoint* parts) {
         return visibility::point_sun_hours(
             *cloud.occluders, cloud.columns.normals, sun.bins,
             {command.receiver.value_or(visibility::SkyReceiver::surface), command.max_distance},
@@ -201,10 +201,10 @@ ExitCode run(const SunCommand& command) {
 }
 
 /// "LAT,LON".
-glm::dvec2 parse_place(const std::string& text) {
+glm::dvec2 parse_position(const std::string& text) {
   const std::size_t comma = text.find(',');
   if (comma == std::string::npos)
-    throw UsageError("expected two numbers with a comma between, found '" + text + "'");
+    throw UsageError("expected two numbers separated by a comma, found '" + text + "'");
   const std::size_t second = std::min(text.find_first_not_of(' ', comma + 1), text.size());
   return {parse_number(text.substr(0, comma), -90.0, 90.0), parse_number(text.substr(second), -360.0, 360.0)};
 }
@@ -213,26 +213,26 @@ void add_time(const Options& sun, SunCommand& command) {
   const Options group = sun.group("Sun");
   group
       .value("--from", "DATE",
-             "first day, as 2026-06-21, or begin with its zone, as 2026-06-21T10:00+02:00. Days begin and "
-             "end in the middle of the night at the place",
+             "first day, such as 2026-06-21, or start with a zone, such as 2026-06-21T10:00+02:00. Days "
+             "begin and end at local midnight",
              command.from, parse_sun_date)
       .required();
-  group.value("--to", "DATE", "last day, which is counted, or end (default: the day of --from)", command.to,
+  group.value("--to", "DATE", "last day, included, or end (default: the day of --from)", command.to,
               parse_sun_date);
   group.number("--step", "MINUTES",
-               "between positions of the sun, each taken in the middle of its step (default: 10)",
+               "minutes between positions of the sun, each in the middle of its step (default: 10)",
                command.step_minutes, 0.1, 1440.0);
   group.value("--place", "LAT,LON",
-              "in degrees, WGS 84 (default: the middle of the cloud by its reference system)", command.place,
-              parse_place);
-  group.number("--height", "METRES", "of the place above the sea, which thins the air (default: 0)",
+              "location in degrees, WGS 84 (default: the centre of the cloud by its reference system)",
+              command.position, parse_position);
+  group.number("--height", "METRES", "height above sea level, which thins the air (default: 0)",
                command.air.height, -1000.0, 10000.0);
   group.number("--turbidity", "T",
                "Linke turbidity of the clear sky: 2 very clear, 3 usual (default), 5 humid, 7 polluted",
                command.air.linke_turbidity, 1.0, 20.0);
   group.value("--bin", "DEGREES|exact",
-              "positions of the sun this close to each other share one line of sight (default: exact for up "
-              "to 1000 positions, 3 degrees for more)",
+              "group sun positions into bins of this size (default: exact for up to 1000 positions, 3 "
+              "degrees for more)",
               command.bin,
               [](const std::string& text) { return text == "exact" ? 0.0 : parse_number(text, 0.01, 30.0); });
 }
@@ -242,8 +242,8 @@ void add_time(const Options& sun, SunCommand& command) {
 Command add_visibility_sun(const Options& visibility, const CommandLine& words) {
   auto command = std::make_shared<SunCommand>();
   command->words = words;
-  const Options sun = visibility.command(
-      "sun", "Count the hours and the energy of direct sun on every point or place on the ground");
+  const Options sun =
+      visibility.command("sun", "Compute hours and energy of direct sun on points or on the ground");
   add_sky_request(sun, *command);
   add_time(sun, *command);
   return command_of(sun, command, run);
