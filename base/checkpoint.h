@@ -190,7 +190,8 @@ class PartReader {
   /// Errors: what was read makes no sense.
   void require(bool holds) const {
     if (holds) return;
-    throw Error({.file = file_, .problem = "is damaged: part " + std::to_string(part_) + " cannot be read"});
+    throw Error(
+        {.file = file_, .problem = "corrupt checkpoint: part " + std::to_string(part_) + " cannot be read"});
   }
 
  private:

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cerrno>
-#include <cstring>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 namespace alidade {
@@ -51,7 +51,8 @@ class Error : public std::runtime_error {
 
 /// The error of a system call that failed, "FILE: PROBLEM: REASON", with the reason of `number`.
 inline Error system_error(std::string file, const std::string& problem, int number = errno) {
-  return Error({.file = std::move(file), .problem = problem + ": " + std::strerror(number)});
+  return Error(
+      {.file = std::move(file), .problem = problem + ": " + std::generic_category().message(number)});
 }
 
 /// Thrown out of a long task when its Progress callback asked to stop (base/progress.h).

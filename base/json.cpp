@@ -283,12 +283,12 @@ double JsonNode::number(const NumberRange& range) const {
 }
 
 std::uint64_t JsonNode::whole_number(std::uint64_t minimum, std::uint64_t maximum) const {
-  const std::string expected = fmt::format("a whole number from {} to {}", minimum, maximum);
+  const std::string expected = fmt::format("an integer from {} to {}", minimum, maximum);
   std::uint64_t whole = 0;
   if (const auto* exact = std::get_if<std::uint64_t>(&value_->data)) {
     whole = *exact;
   } else if (const auto* real = std::get_if<double>(&value_->data)) {
-    if (std::trunc(*real) != *real) fail("not a whole number", expected);
+    if (std::trunc(*real) != *real) fail("not an integer", expected);
     if (*real < 0.0 || *real >= 0x1p64) fail("number out of range", expected);
     whole = static_cast<std::uint64_t>(*real);
   } else {

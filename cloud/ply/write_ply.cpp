@@ -127,8 +127,8 @@ void add_extra(const PointCloud& cloud, std::vector<Property>& properties) {
     const double scale = dimension.has_scale ? dimension.scale : 1.0;
     const double offset = dimension.has_offset ? dimension.offset : 0.0;
     const auto value = [&dimension, is_scaled, scale, offset](std::size_t i) {
-      const std::size_t offset = i * static_cast<std::size_t>(dimension.byte_count);
-      const auto* bytes = reinterpret_cast<const std::byte*>(dimension.values.data() + offset);
+      const auto* bytes = reinterpret_cast<const std::byte*>(
+          dimension.values.data() + i * static_cast<std::size_t>(dimension.byte_count));
       const double stored = cell_from(bytes, dimension.type, std::endian::little).number;
       return is_scaled ? offset + scale * stored : stored;
     };

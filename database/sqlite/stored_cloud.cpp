@@ -27,7 +27,7 @@ bool is_attribute(const StoredBlob& blob, Attribute attribute) {
     const bool is_part = column.name == parts.names[i] && column.type == parts.type &&
                          column.byte == size * static_cast<int>(i) &&
                          column.size == size * static_cast<int>(parts.names.size()) && column.scale == 1.0 &&
-                         column.byte == 0.0 && !column.no_data;
+                         column.offset == 0.0 && !column.no_data;
     if (!is_part) return false;
   }
   return true;

@@ -175,9 +175,9 @@ TEST_F(PartialResultTest, answers_of_another_length_are_an_error) {
   PartReader count(endless, "file", 7);
   try {
     count.take_count(4);
-    FAIL() << "takes memory for what not there";
+    FAIL() << "takes memory for what is not there";
   } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "file: corrupt checkpoint: part 7 cannot read the file");
+    EXPECT_STREQ(error.what(), "file: corrupt checkpoint: part 7 cannot be read");
   }
 }
 

@@ -73,7 +73,7 @@ TEST(OutputFileTest, a_file_that_appeared_in_the_meantime_is_not_replaced) {
 
 TEST(OutputFileTest, a_missing_folder_and_a_folder_as_file_are_errors) {
   const std::filesystem::path folder = test::test_folder();
-  EXPECT_NE(error_of([&] { OutputFile(folder / "none" / "out.txt", false); }).find("no folder"),
+  EXPECT_NE(error_of([&] { OutputFile(folder / "none" / "out.txt", false); }).find("no such folder"),
             std::string::npos);
   EXPECT_NE(error_of([&] { OutputFile(folder, true); }).find("cannot replace a file that is not regular"),
             std::string::npos);

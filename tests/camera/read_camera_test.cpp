@@ -172,15 +172,16 @@ TEST(ReadCameraTest, rotations_that_are_none_are_errors) {
     return text.find(part) != std::string::npos;
   };
   EXPECT_TRUE(has(matrix("[1,0,0,0],[0,1,0,0],[0,0,1.00001,0],[0,0,0,1]"),
-                  "the rotation not orthonormal (at /pose/matrix)"));
-  EXPECT_TRUE(has(matrix("[1,0.00001,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]"), "the rotation not orthonormal"));
+                  "the rotation is not orthonormal (at /pose/matrix)"));
+  EXPECT_TRUE(
+      has(matrix("[1,0.00001,0,0],[0,1,0,0],[0,0,1,0],[0,0,0,1]"), "the rotation is not orthonormal"));
   EXPECT_EQ(matrix("[1,0,0,0],[0,1,0,0],[0,0,1.0000001,0],[0,0,0,1]"), "no error");
   EXPECT_TRUE(has(matrix("[1,0,0,0],[0,1,0,0],[0,0,-1,0],[0,0,0,1]"), "the rotation is a reflection"));
-  EXPECT_TRUE(
-      has(matrix("[1,0,0,0],[0,1,0,0],[0,0,1,0],[4,5,6,1]"), "the transform not rigid (at /pose/matrix/3)"));
-  EXPECT_TRUE(has(matrix("[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]"), "the rotation not orthonormal"));
+  EXPECT_TRUE(has(matrix("[1,0,0,0],[0,1,0,0],[0,0,1,0],[4,5,6,1]"),
+                  "the transform is not rigid (at /pose/matrix/3)"));
+  EXPECT_TRUE(has(matrix("[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]"), "the rotation is not orthonormal"));
   EXPECT_TRUE(has(pose_error(R"("quaternion": [1,1,0,0], "translation": [0,0,0])" + keys),
-                  "the quaternion not normalized"));
+                  "the quaternion is not normalized"));
   EXPECT_TRUE(has(pose_error(k_view + keys), "unknown key"));
   EXPECT_TRUE(has(pose_error(k_view + R"(, "matrix": [])"), "ambiguous pose"));
   EXPECT_TRUE(has(pose_error(""), "ambiguous pose"));
@@ -268,8 +269,9 @@ TEST(ReadCameraTest, a_distorting_lens_may_have_a_field_of_view_as_focal_length)
 
 TEST(ReadCameraTest, distortion_that_folds_over_names_file_and_radius) {
   const std::string text = error_with("brown", R"("vertical_fov": 90)", R"("k1": -0.5)");
-  EXPECT_NE(text.find("camera.json:1:1: the distortion folds over 108.866 pixels from the principal point"),
-            std::string::npos)
+  EXPECT_NE(
+      text.find("camera.json:1:1: the distortion folds over at 108.866 pixels from the principal point"),
+      std::string::npos)
       << text;
 }
 

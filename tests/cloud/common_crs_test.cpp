@@ -142,18 +142,19 @@ TEST(CommonCrsTest, another_system_is_an_error_that_names_the_odd_file_and_both_
   EXPECT_EQ(
       message,
       "tile_2: the coordinate reference system differs from that of tile_0; expected WGS 84 / UTM zone 32N "
-      "(transform the file to it, or leave it out and read it by itself), found WGS 84 / UTM zone 33N");
+      "(reproject the file, or read it separately), found WGS 84 / UTM zone 33N");
   EXPECT_TRUE(error_of([] {
                 join({tile(k_utm_32), tile(k_utm_33), tile(k_utm_33)});
-              }).starts_with("tile_0: states another"));
+              }).starts_with("tile_0: the coordinate reference system differs"));
 }
 
 TEST(CommonCrsTest, files_that_state_none_are_warned_of_once) {
   const PointCloud cloud = join({tile(k_utm_32), tile(""), tile(""), tile(k_utm_32)});
   EXPECT_EQ(cloud.crs.wkt, k_utm_32);
-  EXPECT_EQ(cloud.warnings, (std::vector<std::string>{
-                                "tile_1 and 1 more file: no coordinate reference system is stated; it is "
-                                "taken to be that of the other files, WGS 84 / UTM zone 32N"}));
+  EXPECT_EQ(cloud.warnings,
+            (std::vector<std::string>{
+                "tile_1 and 1 more file: no coordinate reference system; assuming that of the "
+                "other files, WGS 84 / UTM zone 32N"}));
   EXPECT_TRUE(join({tile(""), tile("")}).warnings.empty());
 }
 
@@ -167,8 +168,8 @@ TEST(CommonCrsTest, two_names_for_the_same_numbers_are_joined_with_one_warning) 
   EXPECT_EQ(cloud.crs.wkt, gdal_utm());
   EXPECT_EQ(cloud.warnings,
             (std::vector<std::string>{
-                "tile_1 and 1 more file: another way of stating the coordinate reference system "
-                "(ETRS_1989_UTM_Zone_32N) than that of the other files (ETRS89 / UTM zone 32N), whose "
+                "tile_1 and 1 more file: the coordinate reference system is described differently "
+                "(ETRS_1989_UTM_Zone_32N) from the other files (ETRS89 / UTM zone 32N), whose "
                 "description is kept"}));
 }
 
@@ -180,7 +181,7 @@ TEST(CommonCrsTest, systems_that_cannot_be_compared_are_a_warning) {
   keys.records = {{"LASF_Projection", 34735, "", {}}};
   for (const std::byte byte : bytes) keys.records[0].data.push_back(std::to_integer<std::uint8_t>(byte));
   const PointCloud cloud = join({tile(k_esri_32), build_las(keys)});
-  EXPECT_TRUE(warns(cloud, "tile_1: another way of stating the coordinate reference system (EPSG:32632)"));
+  EXPECT_TRUE(warns(cloud, "tile_1: the coordinate reference system is described differently (EPSG:32632)"));
   EXPECT_TRUE(join({tile(k_utm_32), build_las(keys)}).warnings.empty());
 }
 

@@ -240,7 +240,7 @@ TEST(TilesTest, the_first_file_that_has_gps_times_says_how_they_are_counted) {
     EXPECT_FALSE(warns(texts, "the coordinate reference system is described differently ("));
     const PointCloud both = join({none, standard, week}, {}, threads);
     EXPECT_TRUE(both.gps_time_is_standard);
-    EXPECT_TRUE(warns(both, "tile_2: counts GPS time another way (week or standard) than tile_1"));
+    EXPECT_TRUE(warns(both, "tile_2: the GPS time system (week or standard) differs from that of tile_1"));
     EXPECT_FALSE(warns(join({none, standard, empty, none, standard}, {}, threads),
                        "the coordinate reference system is described differently ("));
     EXPECT_FALSE(warns(join({standard, week}, {.attributes = {}}, threads),
@@ -344,7 +344,7 @@ TEST(RegionTest, skipped_files_still_have_to_fit) {
   const double scale = 0.03;
   std::memcpy(tiles[4].data() + 131, &scale, sizeof scale);
   const Bounds near{{0, 0, 0}, {5, 0, 0}};
-  EXPECT_TRUE(error_of([&] { join(tiles, {.region = near}, 1); }).starts_with("tile_4: does not share"));
+  EXPECT_TRUE(error_of([&] { join(tiles, {.region = near}, 1); }).starts_with("tile_4: the lattice differs"));
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ TEST_F(ComparedImageTest, ids_of_floating_point_are_taken_if_they_are_exact_whol
   EXPECT_EQ(read_compared_image(floats(16777215.0f)).ids, (std::vector<std::uint32_t>{0, 7, 16777215}));
   const float not_a_number = std::numeric_limits<float>::quiet_NaN();
   for (const float wrong : {16777216.0f, 1.5f, -1.0f, not_a_number})
-    EXPECT_NE(error_of(floats(wrong)).find("ids.exr: the id layer contains a value that not an integer"),
+    EXPECT_NE(error_of(floats(wrong)).find("ids.exr: the id layer contains a value that is not an integer"),
               std::string::npos)
         << wrong;
   // Half of them: 2049 is stored as 2048.
@@ -242,11 +242,10 @@ TEST_F(ComparedImageTest, what_is_no_picture_is_an_error_that_names_the_file) {
   std::ofstream(text) << "cannot read the image";
   const std::filesystem::path empty = folder_ / "empty.exr";
   std::ofstream{empty};
-  EXPECT_NE(error_of(text).find("text.png: not a picture that can be read"), std::string::npos)
-      << error_of(text);
+  EXPECT_NE(error_of(text).find("text.png: cannot read the image"), std::string::npos) << error_of(text);
   EXPECT_NE(error_of(empty).find("empty.exr: "), std::string::npos) << error_of(empty);
   EXPECT_NE(error_of(folder_ / "none.png").find("none.png: no such file"), std::string::npos);
-  EXPECT_NE(error_of(folder_).find("cannot replace a file that is not regular"), std::string::npos);
+  EXPECT_NE(error_of(folder_).find("not a regular file"), std::string::npos);
 }
 
 TEST_F(ComparedImageTest, a_picture_of_no_pixels_is_an_error_that_names_the_file) {

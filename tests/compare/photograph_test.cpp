@@ -106,7 +106,7 @@ class Photograph : public ::testing::Test {
  protected:
   void SetUp() override {
     if (!std::filesystem::exists(shared("00004.jpg")))
-      GTEST_SKIP() << "../shared/data/scene_sceaux not there";
+      GTEST_SKIP() << "../shared/data/scene_sceaux is not there";
   }
 };
 

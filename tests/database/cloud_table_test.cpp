@@ -269,20 +269,20 @@ TEST_F(CloudTableTest, bad_input_is_told_and_null_matches_nothing) {
   says("SELECT dist_ray(" + location + ", 0, 0, 0, x, y, z) FROM points",
        "dist_ray: the ray direction is zero");
   says("SELECT dist_plane(" + location + ", 0, 0, 0, x, y, z) FROM points", "dist_plane: ");
-  says("SELECT dist_ray(" + location + ", 1e999, 0, 0, x, y, z) FROM points", "direction not finite");
-  says("SELECT dist_ray(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "origin not finite");
-  says("SELECT dist_plane(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "point of a plane not finite");
+  says("SELECT dist_ray(" + location + ", 1e999, 0, 0, x, y, z) FROM points", "direction is not finite");
+  says("SELECT dist_ray(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "origin is not finite");
+  says("SELECT dist_plane(1e999, 0, 0, 1, 0, 0, x, y, z) FROM points", "point of a plane is not finite");
   says("SELECT dist_plane(" + location + ", 0, -1e999, 0, x, y, z) FROM points",
-       "normal of a plane not finite");
+       "normal of a plane is not finite");
   EXPECT_EQ(
       numbers(*database_, "SELECT dist_ray(" + location + ", 1, 0, 0, 1, NULL, 1) IS NULL AND dist_plane(" +
                               location + ", 1, 0, 0, NULL, 1, 1) IS NULL"),
       std::vector<double>{1});
-  says("SELECT dist_ray(" + location + ", 1, 0, '0', x, y, z) FROM points", "argument 6 is no number");
+  says("SELECT dist_ray(" + location + ", 1, 0, '0', x, y, z) FROM points", "argument 6 is not a number");
   says("SELECT dist_ray(" + location + ", 1, 0, x, y, z) FROM points", "wrong number of arguments");
   says("SELECT id FROM points(" + location + ", 0, 0, 0)", "the ray direction is zero");
-  says("SELECT id FROM points(" + location + ", 1, 'east', 0)", "argument 5 is no number");
-  says("SELECT id FROM points WHERE in_chunk(_chunk, 'all')", "no limit");
+  says("SELECT id FROM points(" + location + ", 1, 'east', 0)", "argument 5 is not a number");
+  says("SELECT id FROM points WHERE in_chunk(_chunk, 'all')", "not a limit");
   says("SELECT id FROM points WHERE in_chunk(_chunk, ray_limit(" + location + ", 0, 0, 0, 0, 1))",
        "the ray direction is zero");
   says("INSERT INTO points(id) VALUES(1)", "may not be modified");

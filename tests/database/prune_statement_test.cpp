@@ -85,14 +85,13 @@ TEST(PruneStatement, comments_do_not_reach_into_limits) {
 
 TEST(PruneStatement, what_might_change_the_answer_is_left_alone) {
   const std::string ray = "dist_ray(1,2,3,4,5,6,x,y,z)", ends = ray + " <= 1";
-  const std::string steady = "a function in the limit of a distance may be volatile",
-                    compared = "not compared";
+  const std::string steady = "may be volatile", compared = "not compared";
   const std::vector<std::array<std::string, 2>> cases = {
       {"WITH p AS (SELECT 1) SELECT * FROM points WHERE " + ends, "WITH"},
       {"SELECT * FROM (SELECT * FROM points) WHERE " + ends, "more than one SELECT"},
       {k_from + ends + " UNION SELECT 1", "more than one SELECT"},
       {k_from + "id IN (VALUES(1)) AND " + ends, "VALUES"},
-      {"DELETE FROM points WHERE " + ends, "no SELECT"},
+      {"DELETE FROM points WHERE " + ends, "not a SELECT"},
       {"SELECT * FROM a NATURAL JOIN points WHERE " + ends, "NATURAL"},
       {"SELECT * FROM a JOIN points USING(x,y,z) WHERE " + ends, "USING"},
       {"SELECT * FROM a RIGHT JOIN points ON " + ends, "RIGHT"},
@@ -120,7 +119,7 @@ TEST(PruneStatement, what_might_change_the_answer_is_left_alone) {
       {k_from + "dist_ray(1,2,3,4,5,6,x + 0,y,z) <= 1", "the columns x, y, z"},
       {k_from + "dist_ray(1,2,3,4,5,6,'x',y,z) <= 1", "the columns x, y, z"},
       {k_from + "dist_ray(1,2,3,4,5,6,x,y) <= 1", "9 arguments"},
-      {k_from + "dist_ray(1,2,3,4,5,6,x,y,z <= 1", "with limits it cannot be parsed"}};
+      {k_from + "dist_ray(1,2,3,4,5,6,x,y,z <= 1", "cannot be parsed"}};
   for (const auto& [statement, reason] : cases) {
     const PrunedStatement pruned = prune_statement(statement);
     EXPECT_EQ(pruned.text, "") << statement;

@@ -103,7 +103,7 @@ TEST_F(SqliteDamageTest, tables_that_are_views_over_the_cloud_are_told) {
           "CREATE VIEW " + name + " AS SELECT id, 1 AS points, x AS " + column + " FROM points");
     }
     const Connection database(file_, Connection::Mode::read);
-    EXPECT_TRUE(contains(error_of(database, "SELECT red FROM points"), "unknown table")) << table;
+    EXPECT_TRUE(contains(error_of(database, "SELECT red FROM points"), "no such table")) << table;
   }
 }
 

@@ -26,11 +26,11 @@ SunObserver observer(double latitude, double longitude) {
 }
 
 /// The highest the sun stands on a day of UTC, to the minute.
-SunPosition highest(const char* day, const SunObserver& position) {
+SunPosition highest(const char* day, const SunObserver& observer) {
   Moment moment = parse_date_time(std::string(day) + "T00:00Z");
   SunPosition best{.elevation = -91.0};
   for (; moment.seconds < 86400.0; moment.seconds += 60.0) {
-    const SunPosition position = sun_position(moment, position);
+    const SunPosition position = sun_position(moment, observer);
     if (position.elevation > best.elevation) best = position;
   }
   return best;

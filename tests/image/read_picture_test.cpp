@@ -118,7 +118,7 @@ TEST_F(ReadSkyImageTest, values_that_are_no_light_are_put_right_and_told) {
   EXPECT_EQ(pixels.values[1], Rgb(1.0f, 0.0f, 1.0f));
   EXPECT_EQ(pixels.values[2], Rgb(1.0f, 1.0f, 65504.0f));
   EXPECT_EQ(pixels.values[3], Rgb(1e9f, 0.0f, 1.0f));
-  EXPECT_NE(pixels.warning.find("a.exr: 5 values are no light"), std::string::npos) << pixels.warning;
+  EXPECT_NE(pixels.warning.find("a.exr: 5 invalid radiances"), std::string::npos) << pixels.warning;
 }
 
 TEST_F(ReadSkyImageTest, a_file_that_ends_early_is_an_error) {

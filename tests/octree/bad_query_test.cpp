@@ -52,23 +52,23 @@ Ray good_ray() {
 
 TEST(BadQuery, a_direction_of_length_zero_is_an_error) {
   EXPECT_THROW(make_ray({0, 0, 0}, {0, 0, 0}), Error);
-  expect_refused(Ray{{0, 0, 0}, {0, 0, 0}}, RayQuery{.radius = 1.0}, "direction not normalized");
+  expect_refused(Ray{{0, 0, 0}, {0, 0, 0}}, RayQuery{.radius = 1.0}, "direction is not normalized");
 }
 
 TEST(BadQuery, a_direction_that_is_not_finite_is_an_error) {
   for (const double bad : {k_nan, k_infinity, -k_infinity}) {
     EXPECT_THROW(make_ray({0, 0, 0}, {0, bad, 1}), Error);
-    expect_refused(Ray{{0, 0, 0}, {0, bad, 1}}, RayQuery{.radius = 1.0}, "direction not normalized");
+    expect_refused(Ray{{0, 0, 0}, {0, bad, 1}}, RayQuery{.radius = 1.0}, "direction is not normalized");
   }
 }
 
 TEST(BadQuery, a_direction_whose_length_is_not_1_within_1e_6_is_an_error) {
   for (const double length : {2.0, 0.5, 1.0 + 2e-6, 1.0 - 2e-6}) {
-    expect_refused(Ray{{0, 0, 0}, {0, length, 0}}, RayQuery{.radius = 1.0}, "direction not normalized");
+    expect_refused(Ray{{0, 0, 0}, {0, length, 0}}, RayQuery{.radius = 1.0}, "direction is not normalized");
     expect_refused(Cone{.axis = {{0, 0, 0}, {0, length, 0}}, .slope = 1.0}, ConeQuery{},
-                   "direction not normalized");
+                   "direction is not normalized");
     expect_refused(HalfSpaces{{Plane{{0, 0, 0}, {0, length, 0}}}}, PointQuery{},
-                   "normal of a plane not normalized");
+                   "normal of a plane is not normalized");
   }
   EXPECT_NO_THROW((void)find(build(three_points()), Ray{{0, 0, 0}, {0, 1.0 + 9e-7, 0}}, {.radius = 1.0}));
 }
@@ -76,10 +76,10 @@ TEST(BadQuery, a_direction_whose_length_is_not_1_within_1e_6_is_an_error) {
 TEST(BadQuery, an_origin_that_is_not_finite_is_an_error) {
   for (const double bad : {k_nan, k_infinity, -k_infinity}) {
     EXPECT_THROW(make_ray({0, bad, 0}, {0, 0, 1}), Error);
-    expect_refused(Ray{{0, bad, 0}, {0, 0, 1}}, RayQuery{.radius = 1.0}, "origin not finite");
-    expect_refused(glm::dvec3(0, bad, 0), PointQuery{}, "point not finite");
+    expect_refused(Ray{{0, bad, 0}, {0, 0, 1}}, RayQuery{.radius = 1.0}, "origin is not finite");
+    expect_refused(glm::dvec3(0, bad, 0), PointQuery{}, "point is not finite");
     expect_refused(HalfSpaces{{Plane{{0, 0, bad}, {0, 0, 1}}}}, PointQuery{},
-                   "the point of a plane not finite");
+                   "point of a plane is not finite");
   }
 }
 
@@ -171,13 +171,13 @@ TEST(BadQuery, paths_that_no_make_path_made_are_errors) {
   const Path good = make_path({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}});
   Path bad = good;
   bad.vertices[1].y = k_nan;
-  expect_refused(bad, PathQuery{}, "vertex not finite");
+  expect_refused(bad, PathQuery{}, "vertex is not finite");
   bad = good;
   bad.vertex_t[1] = 0.5;
-  expect_refused(bad, PathQuery{}, "vertex_t not the way");
+  expect_refused(bad, PathQuery{}, "vertex_t is not the length");
   bad = good;
   bad.vertices[1] = bad.vertices[0];
-  expect_refused(bad, PathQuery{}, "vertex_t not the way");
+  expect_refused(bad, PathQuery{}, "vertex_t is not the length");
   bad = good;
   bad.vertex_t.pop_back();
   expect_refused(bad, PathQuery{}, "the path needs one t per vertex");
@@ -224,7 +224,7 @@ TEST(BadQuery, a_batch_names_the_first_bad_ray) {
       return error.what();
     }
   };
-  const std::string expected = "ray 1017: direction not normalized";
+  const std::string expected = "ray 1017: direction is not normalized";
   EXPECT_EQ(message([&] { closest(octree, rays, {.radius = 1.0}, hits); }).find(expected), 0u);
   EXPECT_EQ(message([&] { occluded(octree, rays, {.radius = 1.0}, answers); }).find(expected), 0u);
   EXPECT_EQ(message([&] { count(octree, rays, {.radius = 1.0}, counts); }).find(expected), 0u);

@@ -185,9 +185,9 @@ TEST(CopcTreeTest, points_outside_the_cube_of_their_node_are_an_error_when_they_
   CopcSample sample = build_copc(1000);
   // The octree moves by half a metre: most nodes then have points outside.
   double centre = 0;
-  std::memcpy(&centre, sample.bytes.data() + sample.info_index, 8);
+  std::memcpy(&centre, sample.bytes.data() + sample.info_offset, 8);
   centre += 0.5;
-  std::memcpy(sample.bytes.data() + sample.info_index, &centre, 8);
+  std::memcpy(sample.bytes.data() + sample.info_offset, &centre, 8);
   const Opened opened(sample.bytes);
   const std::string error = test::error_of([&] {
     ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});
@@ -203,7 +203,7 @@ TEST(CopcTreeTest, damaged_chunks_are_an_error_that_names_the_node) {
   CopcSample sample = build_copc(1000);
   const CopcFile sound(InputFile(sample.bytes, "memory"));
   const CopcNode& root = sound.hierarchy().nodes[0];
-  std::memset(sample.bytes.data() + root.chunk.index + 36, 0xff, 4);  // the count in the chunk
+  std::memset(sample.bytes.data() + root.chunk.offset + 36, 0xff, 4);  // the count in the chunk
   const Opened opened(sample.bytes);
   const std::string error = test::error_of([&] {
     ask(opened.cache, Bounds{glm::dvec3(0), glm::dvec3(1e7)}, PointQuery{});

@@ -216,47 +216,46 @@ TEST_F(CheckpointTest, of_another_picture_is_an_error_that_names_the_difference)
     const std::string message = refusal(other, &other_cloud, other_options);
     EXPECT_NE(message.find(difference), std::string::npos) << difference << ": " << message;
   };
-  expect_refusal("made with seed 42, asked for 2",
+  expect_refusal("it has seed 42, this run has 2",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.seed = 2; });
-  expect_refusal("made with number of samples 5, asked for 6",
+  expect_refusal("it has number of samples 5, this run has 6",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.samples = 6; });
-  expect_refusal("made with number of bounces 6, asked for 7",
+  expect_refusal("it has number of bounces 6, this run has 7",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.render.max_bounces = 7; });
-  expect_refusal("made with picture a.exr, asked for b.exr",
+  expect_refusal("it has picture a.exr, this run has b.exr",
                  [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.checkpoint->picture = "b.exr"; });
-  expect_refusal("made with target noise none, asked for 0.01",
+  expect_refusal("it has target noise none, this run has 0.01",
                  [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.target_noise = 0.01; });
-  expect_refusal("made with noise sums kept, asked for not kept",
+  expect_refusal("it has noise sums kept, this run has not kept",
                  [](Scene&, LoadedCloud&, RenderOptions& asked) { asked.layers = {{Layer::color}}; });
   expect_refusal("camera", [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->width = 71; });
   expect_refusal("camera",
                  [](Scene& other, LoadedCloud&, RenderOptions&) { other.camera->pose.position.x += 1e-12; });
-  expect_refusal("made with objects", [](Scene& other, LoadedCloud&, RenderOptions&) {
+  expect_refusal("it has objects", [](Scene& other, LoadedCloud&, RenderOptions&) {
     std::get<Sphere>(other.objects[2]).material = Metal{Rgb(0.9f), 0.31};
   });
-  expect_refusal("made with sky", [](Scene& other, LoadedCloud&, RenderOptions&) {
+  expect_refusal("it has sky", [](Scene& other, LoadedCloud&, RenderOptions&) {
     std::get<GradientSky>(other.sky).zenith.b = 0.9999999f;
   });
-  expect_refusal("made with sun", [](Scene& other, LoadedCloud&, RenderOptions&) { other.sun.reset(); });
-  expect_refusal("made with cloud settings", [](Scene& other, LoadedCloud&, RenderOptions&) {
+  expect_refusal("it has sun", [](Scene& other, LoadedCloud&, RenderOptions&) { other.sun.reset(); });
+  expect_refusal("it has cloud settings", [](Scene& other, LoadedCloud&, RenderOptions&) {
     other.cloud->normals = NormalMode::smooth;
   });
-  expect_refusal("made with radius 0.0",
+  expect_refusal("it has radius 0.0",
                  [](Scene&, LoadedCloud& other, RenderOptions&) { other.radius = 0.05; });
-  expect_refusal("made with points and colours",
+  expect_refusal("it has points and colours",
                  [](Scene&, LoadedCloud& other, RenderOptions&) { other.colors.back().x ^= 1; });
-  expect_refusal("made with number of points 3000, asked for 1",
+  expect_refusal("it has number of points 3000, this run has 1",
                  [](Scene&, LoadedCloud& other, RenderOptions&) {
                    other = test::loaded({{0, 0, 1}}, 0.06);
                  });
-  EXPECT_NE(refusal(scene, nullptr, options(true)).find("wrong number of points in the chunk; expected"),
-            std::string::npos);
+  EXPECT_NE(refusal(scene, nullptr, options(true)).find("number of points"), std::string::npos);
   // What follows from something else is not named instead of it.
-  expect_refusal("made with radius 0.05", [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
+  expect_refusal("it has radius 0.05", [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
     other.cloud->radius = other_cloud.radius = 0.07;
     other.camera->pose.position.z += 1.0;
   });
-  expect_refusal("made with cloud files , asked for b.las",
+  expect_refusal("it has cloud files , this run has b.las",
                  [](Scene& other, LoadedCloud& other_cloud, RenderOptions&) {
                    other.cloud->files = {"b.las"};
                    other_cloud.radius = 0.07;
@@ -272,14 +271,14 @@ TEST(PictureFingerprint, long_values_are_shown_from_where_they_differ) {
     }
     return "";
   };
-  const std::string same(100, '1'), problem = "is the checkpoint of another picture: made with sun ";
-  EXPECT_EQ(message_of("1 2", "1 3"), problem + "1 2, asked for 1 3");
-  EXPECT_EQ(message_of(same + " 2.25 0", same + " 2.26 0"), problem + "...2.25 0, asked for ...2.26 0");
-  EXPECT_EQ(message_of(same + "2", same + "34"), problem + "...2, asked for ...34");
-  EXPECT_EQ(message_of("1", "2" + same), problem + "1, asked for 2" + same.substr(0, 39) + "...");
-  EXPECT_EQ(message_of(same, same + " 2"), problem + "..., asked for ... 2");
+  const std::string same(100, '1'), problem = "this checkpoint belongs to another picture: it has sun ";
+  EXPECT_EQ(message_of("1 2", "1 3"), problem + "1 2, this run has 1 3");
+  EXPECT_EQ(message_of(same + " 2.25 0", same + " 2.26 0"), problem + "...2.25 0, this run has ...2.26 0");
+  EXPECT_EQ(message_of(same + "2", same + "34"), problem + "...2, this run has ...34");
+  EXPECT_EQ(message_of("1", "2" + same), problem + "1, this run has 2" + same.substr(0, 39) + "...");
+  EXPECT_EQ(message_of(same, same + " 2"), problem + "..., this run has ... 2");
   // No character is cut apart.
-  EXPECT_EQ(message_of(same + "\u00e4", same + "\u00f6"), problem + "...\u00e4, asked for ...\u00f6");
+  EXPECT_EQ(message_of(same + "\u00e4", same + "\u00f6"), problem + "...\u00e4, this run has ...\u00f6");
 }
 
 TEST_F(CheckpointTest, cut_short_anywhere_or_too_long_is_an_error) {
@@ -329,7 +328,7 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
     return refusal(scene, nullptr, options(true));
   };
   EXPECT_NE(message_of(0, 0x12345678).find("byte 0: not an Alidade checkpoint"), std::string::npos);
-  EXPECT_NE(message_of(8, 0x04030201).find("an offset outside checksums order"), std::string::npos);
+  EXPECT_NE(message_of(8, 0x04030201).find("byte order"), std::string::npos);
   EXPECT_NE(message_of(12, 2).find("unsupported checkpoint version; expected 1, found 2"), std::string::npos);
   EXPECT_NE(message_of(16, 99).find("corrupt checkpoint: wrong file size; expected"), std::string::npos);
   // Forged numbers under right checksums.
@@ -344,7 +343,7 @@ TEST_F(CheckpointTest, of_another_kind_version_or_byte_order_is_told_apart) {
   EXPECT_NE(message_of(72, 0xffffffff).find("a description of at most"), std::string::npos);
   EXPECT_NE(message_of(80, 0xfffffff0).find("corrupt checkpoint: truncated fingerprint"), std::string::npos);
   const std::uint32_t tiles = 80 + test::get<std::uint32_t>(whole, 72);
-  EXPECT_NE(message_of(tiles, 6).find("at most tile 0; expected 5 samples, found 6 samples"),
+  EXPECT_NE(message_of(tiles, 6).find("tile 0; expected at most 5 samples, found 6 samples"),
             std::string::npos);
   EXPECT_NE(message_of(tiles + 4, 2).find("stopped 2"), std::string::npos);
 }

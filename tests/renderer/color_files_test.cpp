@@ -104,7 +104,7 @@ TEST_F(ColorFiles, a_missing_attribute_is_told_before_points_are_read) {
     load_cloud(settings, [&](std::uint64_t, std::uint64_t) { return has_read = true; });
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_EQ(error.parts().problem, "points have no \"rgb\" to be coloured by");
+    EXPECT_EQ(error.parts().problem, "the cloud has no attribute \"rgb\"");
     EXPECT_EQ(error.parts().expected,
               "one of height, normal, intensity, classification, gps_time, return_number, "
               "number_of_returns, flags, scan_angle, user_data, point_source_id");

@@ -231,7 +231,8 @@ TEST(ColorPoints, a_missing_attribute_is_an_error_that_lists_what_there_is) {
             "site.las: the cloud has no attribute \"blob\"; expected one of height, normal, "
             "intensity, Reflectance");
   for (const char* const word : {"rgb", "classification", "gps_time", "return_number", "number_of_returns"})
-    EXPECT_TRUE(error_of(cloud, coloring_by(word)).starts_with("site.las: points have no")) << word;
+    EXPECT_TRUE(error_of(cloud, coloring_by(word)).starts_with("site.las: the cloud has no attribute"))
+        << word;
 }
 
 TEST(ColorPoints, wishes_that_would_change_nothing_are_errors) {

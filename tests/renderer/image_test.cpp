@@ -311,7 +311,7 @@ TEST_F(ImageTest, an_existing_file_is_kept_unless_overwriting_is_asked_for) {
 }
 
 TEST_F(ImageTest, failures_are_errors_and_leave_nothing_behind) {
-  EXPECT_NE(error_of(Film(1, 1), output("a.bmp")).find("unknown image format; expected a name that ends in"),
+  EXPECT_NE(error_of(Film(1, 1), output("a.bmp")).find("unknown image format; expected the extension"),
             std::string::npos);
   EXPECT_NE(error_of(Film(1, 1), output("a")).find("no extension"), std::string::npos);
   OutputSettings empty = output("empty.exr");
@@ -319,7 +319,7 @@ TEST_F(ImageTest, failures_are_errors_and_leave_nothing_behind) {
   EXPECT_NE(error_of(Film(1, 1), empty).find("no layer"), std::string::npos);
   // JPEG ends at 65500 pixels.
   const std::string wide = error_of(Film(70000, 1), output("wide.jpg"));
-  EXPECT_NE(wide.find("wide.jpg: image cannot write the file: "), std::string::npos) << wide;
+  EXPECT_NE(wide.find("wide.jpg: cannot write the image: "), std::string::npos) << wide;
   EXPECT_EQ(error_of(Film(65500, 1), output("wide.jpg")), "no error");
   std::filesystem::remove(folder_ / "wide.jpg");
   EXPECT_NE(error_of(Film(1, 1), {.file = folder_ / "no" / "folder.png"}), "no error");

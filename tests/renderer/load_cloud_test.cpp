@@ -89,14 +89,14 @@ TEST_F(LoadCloud, automatic_takes_intensity_where_colour_is_missing_or_black_and
     add_intensities(points);
   }));
   EXPECT_EQ(black.color.by, PointColor::intensity);
-  EXPECT_TRUE(warns_of(black, "has only black as colour: coloured by intensity"));
+  EXPECT_TRUE(warns_of(black, "has only black colours: coloured by intensity"));
 }
 
 TEST_F(LoadCloud, automatic_takes_height_where_nothing_else_varies_and_says_so) {
   const LoadedCloud cloud =
       load_cloud(settings_for([](PointCloud& points) { points.intensities.assign(points.size(), 7); }));
   EXPECT_EQ(cloud.color.by, PointColor::height);
-  EXPECT_TRUE(warns_of(cloud, "colours by height, intensity, classification or another attribute"));
+  EXPECT_TRUE(warns_of(cloud, "coloured by height"));
   EXPECT_NE(cloud.colors[0], cloud.colors[500]);
   EXPECT_NE(cloud.colors[500], cloud.colors[999]);
 }
@@ -156,7 +156,7 @@ TEST_F(LoadCloud, odd_clouds_are_rendered) {
     settings.files = {folder_ / (std::to_string(number++) + ".las")};
     write_las(settings.files[0], test::make_cloud(positions, {glm::dvec3(0.001), position}));
     const LoadedCloud cloud = load_cloud(settings);
-    EXPECT_EQ(warns_of(cloud, "missing points"), positions.empty());
+    EXPECT_EQ(warns_of(cloud, "has no points"), positions.empty());
     for (const NormalMode normals : {NormalMode::sphere, NormalMode::smooth}) {
       settings.normals = normals;
       Scene scene;

@@ -154,7 +154,7 @@ TEST(ReadSceneTest, every_mistake_is_named_at_its_position) {
       {"{}", "1:1", "missing key \"version\" (at the top)"},
       {R"({"version": 2})", "1:13", "unsupported version (at /version); expected 1, found 2"},
       {with(R"("sun": { "elevation": -90 })"), "2:25",
-       "at most number out of range (at /sun/elevation); expected a number greater than -90 and 90, found "
+       "number out of range (at /sun/elevation); expected a number greater than -90 and at most 90, found "
        "-90"},
       {with(R"("sun": { "irradiance": [1, 2] })"), "2:26",
        "wrong number of values (at /sun/irradiance); expected an array of 3 values, found an array of 2 "
@@ -291,7 +291,7 @@ TEST_F(SceneFileTest, files_that_cannot_be_read_are_errors) {
   const auto large = write("large.json", "");
   std::filesystem::resize_file(large, (4u << 20) + 1);
   EXPECT_NE(message(large).find("too large"), std::string::npos);
-  EXPECT_NE(message(write("empty.json", "")).find(":1:1: not valid JSON"), std::string::npos);
+  EXPECT_NE(message(write("empty.json", "")).find(":1:1: invalid JSON"), std::string::npos);
 }
 
 }  // namespace

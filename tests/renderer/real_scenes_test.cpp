@@ -116,7 +116,7 @@ void expect_colors_of_photo(const std::filesystem::path& file, const std::vector
 
 TEST(RealScenes, points_of_sceaux_stand_where_the_formula_puts_them) {
   if (!std::filesystem::exists(shared("scene_sceaux")))
-    GTEST_SKIP() << "../shared/data/scene_sceaux not there";
+    GTEST_SKIP() << "../shared/data/scene_sceaux is not there";
   const PointCloud cloud = read_cloud(shared("scene_sceaux/Sparse.ply"));
   std::vector<ColoredPoint> points;
   for (std::size_t i = 0; i < cloud.size(); ++i)
@@ -151,7 +151,7 @@ TEST(RealScenes, points_of_sceaux_stand_where_the_formula_puts_them) {
 
 TEST(RealScenes, points_of_berlin_stand_where_the_formula_puts_them) {
   const std::filesystem::path file = shared("scene_berlin/reconstruction_example.json");
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "../shared/data/scene_berlin not there";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "../shared/data/scene_berlin is not there";
   const Json reconstruction = json_of(file).at(0);
   std::vector<ColoredPoint> points;
   const auto vector = [](const Json& numbers) {

@@ -131,12 +131,12 @@ Reading read(const Sample& sample) {
 
 /// Rules about several values at once, which JSON Schema has no words for.
 bool is_beyond_schema(const Error::Parts& error) {
-  constexpr const char* beginnings[] = {"the rotation is not orthonormal",
+  constexpr const char* beginnings[] = {"the rotation is",
                                         "the transform is not rigid",
                                         "the quaternion is not normalized",
                                         "look_at: ",
                                         "no such file",
-                                        "pixels from the principal point",
+                                        "the distortion folds over",
                                         "empty range",
                                         "duplicate class"};
   return std::ranges::any_of(beginnings, [&](const char* text) { return error.problem.starts_with(text); });

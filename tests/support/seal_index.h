@@ -11,28 +11,28 @@
 #include "base/fingerprint.h"
 
 // Index files that were tampered with, made to look untouched: without this every change would be caught by a
-// checksum, and what stands behind the checksums would never be tested. Positions are those of
+// checksum, and what stands behind the checksums would never be tested. Offsets are those of
 // docs/index_file.md.
 
 namespace alidade::test {
 
 template <class T>
-T get(std::span<const std::byte> bytes, std::size_t position) {
+T get(std::span<const std::byte> bytes, std::size_t offset) {
   T value;
-  std::memcpy(&value, bytes.data() + position, sizeof value);
+  std::memcpy(&value, bytes.data() + offset, sizeof value);
   return value;
 }
 
 template <class T>
-void put(std::span<std::byte> bytes, std::size_t position, T value) {
-  std::memcpy(bytes.data() + position, &value, sizeof value);
+void put(std::span<std::byte> bytes, std::size_t offset, T value) {
+  std::memcpy(bytes.data() + offset, &value, sizeof value);
 }
 
 /// A row of the section table.
 struct SectionRow {
   std::size_t row = 0;  ///< byte of the header
   std::uint32_t kind = 0;
-  std::uint64_t position = 0, bytes = 0;
+  std::uint64_t offset = 0, bytes = 0;
 };
 
 /// Rows whose sections lie inside the file.
@@ -44,7 +44,7 @@ inline std::vector<SectionRow> section_rows(std::span<const std::byte> file) {
     const std::size_t row = 256 + 32 * std::size_t{i};
     const SectionRow section{row, get<std::uint32_t>(file, row), get<std::uint64_t>(file, row + 8),
                              get<std::uint64_t>(file, row + 16)};
-    if (section.position <= file.size() && section.bytes <= file.size() - section.position)
+    if (section.offset <= file.size() && section.bytes <= file.size() - section.offset)
       rows.push_back(section);
   }
   return rows;
@@ -62,12 +62,12 @@ inline void seal(std::span<std::byte> file) {
   const std::vector<SectionRow> rows = section_rows(file);
   const auto sums = std::ranges::find(rows, 34u, &SectionRow::kind);
   if (sums != rows.end()) {
-    const std::span<std::byte> room = file.subspan(sums->position, sums->bytes);
+    const std::span<std::byte> room = file.subspan(sums->offset, sums->bytes);
     std::size_t used = 0;
     for (const SectionRow& section : rows) {
       if (section.kind == 34) break;
       const std::size_t first = used;
-      const std::span<const std::byte> bytes = file.subspan(section.position, section.bytes);
+      const std::span<const std::byte> bytes = file.subspan(section.offset, section.bytes);
       for (std::uint64_t block = 0; block < checksum_blocks(section.bytes) && used + 8 <= room.size();
            ++block, used += 8)
         put(room, used, checksum(checksum_block(bytes, block)));

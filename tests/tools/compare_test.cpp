@@ -54,8 +54,7 @@ TEST_F(CompareTest, wrong_thresholds_and_missing_words_are_usage_errors) {
   render("a.png");
   const ProgramResult unknown = compare("a.png a.png --fail-above filp=0.1");
   EXPECT_EQ(unknown.exit_code, 2);
-  EXPECT_TRUE(contains(unknown.err, "--fail-above: unknown metric 'filp' in a threshold; expected 'flip'"))
-      << unknown.err;
+  EXPECT_TRUE(contains(unknown.err, "--fail-above: unknown metric 'filp' in a threshold")) << unknown.err;
   const ProgramResult lacking = compare("a.png a.png --fail-above depth_mean=1");
   EXPECT_EQ(lacking.exit_code, 2);
   EXPECT_TRUE(contains(lacking.err, "the images have no 'depth_mean' for a threshold")) << lacking.err;
@@ -197,7 +196,7 @@ TEST_F(CompareTest, folders_and_tables_are_batches) {
     const ProgramResult taken =
         compare("--pairs pairs.csv --reports pages --overwrite --report " + std::string(output));
     EXPECT_TRUE(contains(taken.err, "the output is also an input") ||
-                contains(taken.err, "a special file already"))
+                contains(taken.err, "is not the report of a pair"))
         << output << ": " << taken.err;
   }
   EXPECT_EQ(read("y/one.png"), before);

@@ -95,7 +95,7 @@ TEST_F(CopcQueryTest, memory_without_a_copc_file_in_position_is_an_error) {
 TEST_F(CopcQueryTest, points_outside_their_cube_are_one_error_on_any_number_of_threads_and_none_when_loaded) {
   CopcSample sample = build_copc(3000);
   const double centre = 690003.0;
-  std::memcpy(sample.bytes.data() + sample.info_position, &centre, sizeof centre);
+  std::memcpy(sample.bytes.data() + sample.info_offset, &centre, sizeof centre);
   std::ofstream(folder / "moved.copc.laz", std::ios::binary)
       .write(reinterpret_cast<const char*>(sample.bytes.data()),
              static_cast<std::streamsize>(sample.bytes.size()));

@@ -83,10 +83,8 @@ TEST_F(IndexTest, info_for_people_names_sources_and_index_facts) {
   index_scan({"--organisation", "layered"});
   const ProgramResult result = run({"info", "site.alidade"});
   EXPECT_EQ(result.exit_code, 0);
-  for (const char* const part :
-       {"site.alidade", "site.las", "LAS 1.4", "5000",
-        "a thinned cloud: levels 0 to N of a layered octree; built for cloud files, while an", "nodes",
-        "levels", "per point", "output: LAS 1.4, or LAZ by the extension; metres, UTM zone 32N"}) {
+  for (const char* const part : {"site.alidade", "site.las", "LAS 1.4", "5000", "layered octree", "nodes",
+                                 "levels", "per point", "UTM zone 32N"}) {
     EXPECT_TRUE(contains(result.out, part)) << part << " in\n" << result.out;
   }
 }
@@ -167,12 +165,12 @@ TEST_F(IndexTest, verify_finds_damage_and_names_section_and_byte) {
   ProgramResult result = run({"info", "--verify", "site.alidade"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_TRUE(contains(result.err, "site.alidade:byte 4096: section nodes corrupt checkpoint")) << result.err;
+  EXPECT_TRUE(contains(result.err, "site.alidade:byte 4096: corrupt section nodes")) << result.err;
   // Without verifying it is told at once, and not asked for what is damaged.
   EXPECT_EQ(run({"info", "site.alidade"}).exit_code, 0);
   result = run({"render", "--cloud", "site.alidade", "-o", "out.png", "--size", "8x8", "--samples", "1"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err, "section nodes corrupt checkpoint")) << result.err;
+  EXPECT_TRUE(contains(result.err, "corrupt section nodes")) << result.err;
   for (const std::size_t position : {std::size_t{0}, std::size_t{50}, size / 2, size - 1}) {
     ASSERT_EQ(run({"index", "site.las", "-o", "site.alidade", "-q", "--overwrite"}).exit_code, 0);
     damage("site.alidade", position);

@@ -22,7 +22,7 @@ class InfoSharedDataTest : public ProgramTest, public ::testing::WithParamInterf
 TEST_P(InfoSharedDataTest, counts_formats_and_traps_are_told) {
   const Expected& expected = GetParam();
   const auto file = shared_data(expected.name);
-  if (!file) GTEST_SKIP() << "../shared/data/" << expected.name << " not there";
+  if (!file) GTEST_SKIP() << "../shared/data/" << expected.name << " is not there";
   const ProgramResult json = run({"info", "--json", file->string()});
   ASSERT_EQ(json.exit_code, 0) << json.err;
   const Json info = Json::parse(json.out);
@@ -39,11 +39,7 @@ TEST_P(InfoSharedDataTest, counts_formats_and_traps_are_told) {
 }
 
 const Expected k_files[] = {
-    {"lidar_rgb/autzen_stadium_crop.las",
-     "LAS",
-     2,
-     1032668,
-     {"LAS 1.2", "); --color-depth 16 reads them as 16 bits"}},
+    {"lidar_rgb/autzen_stadium_crop.las", "LAS", 2, 1032668, {"LAS 1.2", "assuming 8-bit colours"}},
     {"lidar_rgb/autzen_trim_7.las", "LAS", 7, 110000, {"LAS 1.4", "NAD_1983_HARN_Lambert_Conformal_Conic"}},
     {"lidar_rgb/autzen_trim.laz", "LAZ", 3, 110000, {"LAZ 1.2", "NAD_1983_HARN_Lambert_Conformal_Conic"}},
     {"lidar_rgb/lion_takanawa.copc.laz", "COPC", 7, 341989, {"header box", "0.005", "OriginId", "none"}},
@@ -72,11 +68,11 @@ const Expected k_files[] = {
     {"ply/platonic_shelf_big_endian.ply", "PLY", -1, 50, {"binary_big_endian"}},
     {"e57/bunnyDouble.e57", "E57", -1, 30571, {"'bunny'"}},
     {"e57/ColouredCubeFloat.e57", "E57", -1, 7680, {"color"}},
-    {"e57/tiny_spherical.e57", "E57", -1, 180, {"180 points", "left out"}},
+    {"e57/tiny_spherical.e57", "E57", -1, 180, {"180 points", "skipped"}},
     {"e57/A_moved_B.e57", "E57", -1, 6, {"2 records, no pose", "4 records, no pose"}},
     {"text/bunnyData.pts", "PTS", -1, 30571, {}},
     {"text/1.2-with-color.ptx", "PTX", -1, 1065, {"color"}},
-    {"malformed/bad-geotiff-keys.las", "LAS", 1, 10, {"); they are kept unchanged"}},
+    {"malformed/bad-geotiff-keys.las", "LAS", 1, 10, {"corrupt GeoTIFF keys"}},
     {"malformed/gps-time-nan.las", "LAS", 1, 1, {"gps_time"}},
     {"malformed/lots_of_vlr.las", "LAS", 1, 1, {}},
     {"malformed/no-points.las", "LAS", 3, 0, {}},

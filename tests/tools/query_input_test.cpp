@@ -119,9 +119,9 @@ TEST_F(QueryInputTest, wrong_csv_is_refused_with_line_and_column) {
       {header + "1,2,3,4,5\n", "targets:2:10: too few columns; expected 6, found 5"},
       {header + "1,2,3,4,5,6,7\n", "targets:2:13: too many columns; expected 6, found 7"},
       {header + "0,0,0,1,0,0\n\n1,2,abc,4,5,6\n",
-       "targets:4:5: oz not a number; expected a number, found \"abc\""},
-      {header + "1,2,3m,4,5,6\n", "targets:2:5: oz not a number"},
-      {header + "1,,3,4,5,6\n", "targets:2:3: oy not a number; expected a number, found nothing"},
+       "targets:4:5: oz is not a number; expected a number, found \"abc\""},
+      {header + "1,2,3m,4,5,6\n", "targets:2:5: oz is not a number"},
+      {header + "1,,3,4,5,6\n", "targets:2:3: oy is not a number; expected a number, found nothing"},
       {header + "1,2,nan,4,5,6\n", "targets:2:5: oz out of range; expected a finite number, found \"nan\""},
       {header + "1,2,3,4,inf,6\n", "targets:2:9: dy out of range"},
       {header + "1,2,1e999,4,5,6\n", "targets:2:5: oz out of range"},
@@ -136,21 +136,21 @@ TEST_F(QueryInputTest, wrong_csv_is_refused_with_line_and_column) {
 TEST_F(QueryInputTest, wrong_json_lines_are_refused_with_line_and_column) {
   const std::string good = "[0, 0, 0, 1, 0, 0]\n";
   const std::pair<std::string, const char*> wrong[] = {
-      {"{\"ox\": 1,}\n", "targets:1:10: not valid JSON"},
-      {good + "{\"ox\": 1", "targets:2:9: not valid JSON"},
+      {"{\"ox\": 1,}\n", "targets:1:10: invalid JSON"},
+      {good + "{\"ox\": 1", "targets:2:9: invalid JSON"},
       {good + "\n7\n", "targets:3:1: not a ray; expected an object or an array"},
       {good + "[1, 2, 3]\n", "targets:2:1: not a ray"},
       {good + "[1, 2, 3, 4, 5, 6, 7, 8, 9]\n", "targets:2:1: not a ray"},
-      {good + "[1, 2, \"3\", 4, 5, 6]\n", "targets:2:8: oz not a number; expected a number, found \"3\""},
-      {good + "[1, 2, null, 4, 5, 6]\n", "targets:2:8: oz not a number"},
+      {good + "[1, 2, \"3\", 4, 5, 6]\n", "targets:2:8: oz is not a number; expected a number, found \"3\""},
+      {good + "[1, 2, null, 4, 5, 6]\n", "targets:2:8: oz is not a number"},
       {good + "[1, 2, \"inf\", 4, 5, 6]\n", "targets:2:8: oz out of range"},
       {good + "[1, 2, 3, 0, 0, 0]\n", "targets:2:11: direction of the ray is zero"},
-      {good + "{\"origin\": [1, 2], \"direction\": [0, 0, 1]}\n", "targets:2:12: origin not a vector"},
+      {good + "{\"origin\": [1, 2], \"direction\": [0, 0, 1]}\n", "targets:2:12: origin is not a vector"},
       {good + "{\"origin\": [1, 2, 3], \"direktion\": [0, 0, 1]}\n",
        "targets:2:23: unknown key \"direktion\""},
       {good + "{\"origin\": [1, 2, 3]}\n", "targets:2:1: missing value of dx"},
-      {good + "{\"origin\": [1, 2, 3], \"oy\": 5}\n", "duplicate targets:2:29: oy"},
-      {good + "{\"ox\": 1, \"ox\": 5}\n", "targets:2:11: key \"ox\" stands twice"}};
+      {good + "{\"origin\": [1, 2, 3], \"oy\": 5}\n", "targets:2:29: duplicate oy"},
+      {good + "{\"ox\": 1, \"ox\": 5}\n", "targets:2:11: duplicate key \"ox\""}};
   for (const auto& [text, message] : wrong) {
     const std::string error = refused("--rays", text);
     EXPECT_TRUE(contains(error, message)) << text << "\n" << error;
@@ -208,12 +208,12 @@ TEST_F(QueryInputTest, targets_of_the_command_line_are_quoted_in_errors) {
   const std::pair<Words, const char*> wrong[] = {
       {{"--ray", "1,2,3"},
        "--ray: \"1,2,3\": not a ray; expected ox,oy,oz,dx,dy,dz[,t_min][,t_max], found 3 values"},
-      {{"--ray", "0,0,0,1,0,0", "--ray", "0,0,0,1,y,0"}, "--ray: \"0,0,0,1,y,0\": dy not a number"},
+      {{"--ray", "0,0,0,1,0,0", "--ray", "0,0,0,1,y,0"}, "--ray: \"0,0,0,1,y,0\": dy is not a number"},
       {{"--ray", "0,0,0,0,0,0"}, "direction of the ray is zero"},
       {{"--ray", ""}, "--ray: contains no rays"},
       {{"--vertex", "1,2,3"}, "--vertex: too few distinct path vertices"},
-      {{"--ray", "0,0,0,1,0,0", "--point", "0,0,0"}, "stored rays and points as different kinds of targets"},
-      {{"--point", "0,0,0", "--points", "targets"}, "given in two ways: --points and --point"},
+      {{"--ray", "0,0,0,1,0,0", "--point", "0,0,0"}, "rays and points are different kinds of targets"},
+      {{"--point", "0,0,0", "--points", "targets"}, "--points and --point exclude each other"},
       {{}, "missing targets; expected one of --rays, --cones, --path, --planes, --boxes, --points"},
       {{"--rays", "absent.csv"}, "absent.csv: cannot open the file"},
       {{"--rays", "."}, ".: cannot read the file"}};

@@ -92,13 +92,13 @@ TEST_F(RenderCameraTest, mistakes_about_cameras_are_told_before_the_work) {
   write("fold.json",
         R"({"version": 1, "model": "brown", "width": 24, "height": 16, "intrinsics": {"vertical_fov": 50},
     "distortion": {"k1": -3}, "pose": {"look_at": {"eye": [101, 201, 9], "target": [101, 201.1, 5]}}})");
-  expect({"--camera", "model", "-o", "out.png"}, "out.png: 3 cameras, but the name of one picture");
+  expect({"--camera", "model", "-o", "out.png"}, "out.png: 3 cameras, but one output name");
   expect({"--camera", "model", "-o", "%d_%d.png"}, "several numbers or names");
   expect({"--camera", "model", "-o", "%x.png"}, "an invalid percent sign");
   expect({"--camera", "model", "--camera-name", "photos/bb.jpg", "-o", "out.png"},
          "model: no camera named 'photos/bb.jpg'");
   expect({"--camera", "nowhere", "-o", "out.png"}, "nowhere: no such file");
-  expect({"--camera", "fold.json", "-o", "out.png"}, "pixels from the principal point");
+  expect({"--camera", "fold.json", "-o", "out.png"}, "the distortion folds over");
   expect({"--camera", "model", "--panorama", "1,2,3", "-o", "out.png"}, "--panorama");
   expect({"--camera-name", "a", "-o", "out.png"}, "--camera-name requires --camera");
   expect({"--panorama", "1,2", "-o", "out.png"}, "expected 3 numbers with commas between");
@@ -108,7 +108,7 @@ TEST_F(RenderCameraTest, mistakes_about_cameras_are_told_before_the_work) {
   expect({"--orthographic", "top", "-o", "out.png"}, "--orthographic requires --resolution");
   expect({"--resolution", "1", "-o", "out.png"}, "--resolution requires --orthographic");
   expect({"--orthographic", "top", "--resolution", "0", "-o", "out.png"}, "--resolution");
-  expect({"--panorama", "1,2,3", "-o", "out.tif"}, "only a image of parallel rays from straight above");
+  expect({"--panorama", "1,2,3", "-o", "out.tif"}, "a GeoTIFF requires an orthographic camera");
 }
 
 TEST_F(RenderCameraTest, lenses_that_fold_over_name_their_camera) {
@@ -149,9 +149,8 @@ TEST_F(RenderCameraTest, a_trajectory_takes_its_lens_from_a_camera_file) {
 TEST_F(RenderCameraTest, a_camera_inside_a_point_is_an_error) {
   const ProgramResult result = render({"--panorama", "100.1,200.1,5.01", "--radius", "0.1", "-o", "out.png"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_TRUE(contains(result.err,
-                       "the camera is inside the sphere of point 21; expected a place more than 0.1 from "
-                       "it, found 0.01"))
+  EXPECT_TRUE(contains(
+      result.err, "the camera is inside the sphere of point 21; expected a distance above 0.1, found 0.01"))
       << result.err;
   EXPECT_EQ(render({"--panorama", "100.1,200.1,5.2", "--radius", "0.1", "--size", "16x8", "-o", "out.png"})
                 .exit_code,
@@ -159,7 +158,7 @@ TEST_F(RenderCameraTest, a_camera_inside_a_point_is_an_error) {
 }
 
 TEST_F(RenderCameraTest, gdalinfo_prints_the_corners_of_an_orthophoto) {
-  if (std::system("command -v gdalinfo > /dev/null") != 0) GTEST_SKIP() << "gdalinfo (gdal-bin) not there";
+  if (std::system("command -v gdalinfo > /dev/null") != 0) GTEST_SKIP() << "gdalinfo (gdal-bin) is not there";
   ASSERT_EQ(run({"generate", "courtyard", "--points", "2e4", "-o", "yard.las", "-q"}).exit_code, 0);
   const ProgramResult result =
       run({"render", "--cloud", "yard.las", "--orthographic", "top", "--resolution", "0.5", "--extent",

@@ -116,8 +116,8 @@ TEST_F(RenderLightTest, blanks_may_stand_where_people_write_them) {
   EXPECT_EQ(sun("2026-06-21 12:00:00+02:00", " 48.1, 11.6 "), sun("2026-06-21T12:00:00+02:00", "48.1,11.6"));
   EXPECT_EQ(render_square({"--sun", "100 , 20"}).exit_code, 0);
   for (const std::string location : {"48 1,11", "48,", " , ", "48,11,3"})
-    EXPECT_EQ(render_square({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", position}).exit_code, 2)
-        << position;
+    EXPECT_EQ(render_square({"--sun-time", "2026-06-21T12:00:00Z", "--sun-place", location}).exit_code, 2)
+        << location;
 }
 
 TEST_F(RenderLightTest, ambient_occlusion_without_a_cloud_reaches_any_distance) {

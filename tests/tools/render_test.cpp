@@ -147,7 +147,7 @@ TEST_F(RenderCommandTest, adapted_radii_are_measured_once_and_kept_in_an_index_f
     const ProgramResult result = run({"render", "--cloud", cloud, "-o", picture, "--radius", "adapted",
                                       "--radius-max", "2", "--size", "32x24", "--samples", "2"});
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_TRUE(contains(result.err, "at most spheres of radius 0.75 times the distance to neighbour 8, 2"))
+    EXPECT_TRUE(contains(result.err, "spheres of radius 0.75 times the distance to neighbour 8, at most 2"))
         << result.err;
     const std::string content = read(picture);
     return std::pair(content.substr(content.find("IDAT")), contains(result.err, "measuring spacings"));

@@ -78,7 +78,7 @@ TEST_F(SqlLoadTest, files_of_every_format_become_tables) {
         "text/1.2-with-color.ptx", "text/ripple.pts"}) {
     SCOPED_TRACE(name);
     const std::optional<std::filesystem::path> file = shared_data(name);
-    if (!file) GTEST_SKIP() << "../shared/data beside the repository not there";
+    if (!file) GTEST_SKIP() << "../shared/data beside the repository is not there";
     ASSERT_EQ(load({file->string(), "site.db"}, {"-q", "--overwrite", "--memory=1M"}).exit_code, 0);
     const PointCloud cloud = read_cloud(*file);
     double sum = 0;
@@ -141,7 +141,7 @@ TEST_F(SqlLoadTest, other_and_damaged_files_are_no_databases_and_stay_as_they_ar
   for (const auto& [content, problem] :
        {std::pair<std::string, std::string>("text that is long enough to be told from an empty file, and no "
                                             "database at all, whatever the name says of it......",
-                                            "file not a database"),
+                                            "file is not a database"),
         {whole.substr(0, whole.size() / 2), "malformed"},
         {whole.substr(0, 100), "malformed"}}) {
     write("site.db", content);

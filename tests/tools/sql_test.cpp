@@ -65,7 +65,7 @@ TEST_F(SqlTest, why_a_statement_is_not_rewritten_is_explained) {
       sql({"SELECT count(*) FROM points WHERE dist_ray(100,200,5, 0,0,1, x,y,z) <= abs(-1)", "--explain"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_TRUE(contains(result.err, "read 8 of 8 chunks (100.0 %), 400 points tested, 1 row,")) << result.err;
-  EXPECT_TRUE(contains(result.err, "not rewritten: a distance not compared")) << result.err;
+  EXPECT_TRUE(contains(result.err, "not rewritten: a distance is not compared")) << result.err;
 }
 
 TEST_F(SqlTest, parameters_are_values_and_no_sql) {
@@ -115,8 +115,8 @@ TEST_F(SqlTest, parameters_that_read_as_numbers_are_numbers) {
     EXPECT_EQ(result.exit_code, 2) << value;
     EXPECT_EQ(result.out, "") << value;
     EXPECT_TRUE(contains(result.err,
-                         "--param: invalid number; expected a number, or text in "
-                         "quotes: \"'TEXT'\", found " +
+                         "--param: invalid number; expected a number, or quoted "
+                         "text: \"'TEXT'\", found " +
                              value))
         << result.err;
   }
@@ -198,7 +198,7 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
   write("nul.sql", std::string("SELECT 1 AS a;\0SELECT 2", 23));
   write("short.db", whole.substr(0, whole.size() / 2));
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
-      {{"site.db", "SELECT 1; SELEC 2"}, "statement:1:11: the statement not read-only; expected SELECT"},
+      {{"site.db", "SELECT 1; SELEC 2"}, "statement:1:11: the statement is not read-only; expected SELECT"},
       {{"site.db", "SELECT 1;\nSELECT idd FROM points"}, "statement:2:8: no such column: idd"},
       {{"site.db", "SELECT 1; SELECT 1 FROM nowhere"}, "statement: no such table: nowhere"},
       {{"site.db", "WITH a AS (SELECT 1) DELETE FROM notes"}, "a statement that writes"},
@@ -217,9 +217,9 @@ TEST_F(SqlTest, what_cannot_be_run_is_told_before_anything_is_printed) {
       {{"site.db", "--file", "."}, ".: cannot read the file; found a folder"},
       {{"site.db", "--file", "nul.sql"}, "nul.sql:1:15: a NUL byte; found 0"},
       {{"none.db", "SELECT 1"}, "none.db: unable to open database file"},
-      {{"broken.db", "SELECT 1"}, "broken.db: file not a database"},
+      {{"broken.db", "SELECT 1"}, "broken.db: file is not a database"},
       {{"short.db", "SELECT count(*) FROM points"}, "short.db: "},
-      {{"postgresql://me@host/base", "SELECT 1"}, "postgresql://host/base: a server is asked with psql"},
+      {{"postgresql://me@host/base", "SELECT 1"}, "postgresql://host/base: use psql for a server"},
       {{"postgresql://me:secret@host/base", "SELECT 1"},
        "password in a table name: command lines are visible to all users"},
       {{}, "missing database"}};

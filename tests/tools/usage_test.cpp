@@ -129,7 +129,7 @@ TEST_F(UsageTest, program_itself_loads_neither_image_nor_map_libraries) {
 #ifdef ALIDADE_UNITY
   GTEST_SKIP() << "files that need these libraries are compiled together with others";
 #endif
-  if (said_by("command -v ldd", folder).empty()) GTEST_SKIP() << "ldd not there";
+  if (said_by("command -v ldd", folder).empty()) GTEST_SKIP() << "ldd is not there";
   const std::string libraries = said_by("ldd '" + program_file().string() + "'", folder);
   EXPECT_TRUE(contains(libraries, "libstdc++")) << libraries;
   for (const char* const name : {"libOpenImageIO", "libgdal", "libproj", "libfreetype"})

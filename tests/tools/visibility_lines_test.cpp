@@ -148,10 +148,10 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
   };
   fails_with({"-o", "l.csv"}, "missing lines of sight");
   fails_with({"--places", "one.csv", "-o", "l.csv"}, "one.csv: contains a single position");
-  fails_with({"--places", "places.csv", "-o", "l.txt"}, "l.txt: the name does not tell the form");
+  fails_with({"--places", "places.csv", "-o", "l.txt"}, "l.txt: unknown output format");
   fails_with({"--places", "places.csv", "--pairs", "names.csv", "-o", "l.csv"},
              "names.csv:line 2: unknown position 'north'");
-  fails_with({"--pairs", "names.csv", "-o", "l.csv"}, "unknown position 'west'; expected places with names");
+  fails_with({"--pairs", "names.csv", "-o", "l.csv"}, "unknown position 'west'; expected named positions");
   write("own.csv", "from_x,from_y,to_x,to_y\n-4,0,4,0\n");
   fails_with({"--places", "places.csv", "--pairs", "own.csv", "-o", "l.csv"},
              "own.csv: the pairs have coordinates");
@@ -168,7 +168,7 @@ TEST_F(VisibilityLinesTest, what_cannot_be_done_is_said) {
       "places.geojson",
       R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{},"geometry":{"type":"Point","coordinates":[9,48]}}]})");
   fails_with({"--places", "places.geojson", "-o", "l.csv"}, "expected --places-crs cloud");
-  fails_with({"--places", "places.csv", "-o", "places.csv"}, "places.csv: is read from as well");
+  fails_with({"--places", "places.csv", "-o", "places.csv"}, "places.csv: the output is also an input");
   write("there.csv", "mine");
   fails_with({"--places", "places.csv", "-o", "there.csv"}, "the file exists");
   EXPECT_EQ(read("there.csv"), "mine");
@@ -233,7 +233,7 @@ TEST_F(VisibilityLinesTest, ends_a_million_kilometres_away_take_no_time) {
 }
 
 TEST_F(VisibilityLinesTest, other_programs_open_the_features) {
-  if (said_by("command -v ogrinfo", folder).empty()) GTEST_SKIP() << "ogrinfo (gdal-bin) not there";
+  if (said_by("command -v ogrinfo", folder).empty()) GTEST_SKIP() << "ogrinfo (gdal-bin) is not there";
   const auto ogrinfo = [&](const std::string& file) {
     return said_by("ogrinfo -al -so -ro " + file, folder);
   };

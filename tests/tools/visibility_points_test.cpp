@@ -210,7 +210,7 @@ TEST_F(VisibilityPointsTest, noise_does_not_block_unless_asked) {
     const ProgramResult result = run(with(
         with(k_points, options), {"--observer", k_eye, "-o", "seen.las", "--overwrite", "--radius", "0.3"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
-    EXPECT_EQ(contains(result.err, "but not classes 7, 18"), options.empty()) << result.err;
+    EXPECT_EQ(contains(result.err, "without classes 7, 18"), options.empty()) << result.err;
     std::size_t count = 0;
     const PointCloud out = read_output("seen.las");
     const auto visible = values<std::uint8_t>(out, "Visible", ScalarType::uint8);
@@ -253,7 +253,7 @@ TEST_F(VisibilityPointsTest, wrong_input_is_a_clear_error_and_leaves_nothing) {
       {{"--observer-grid", "0.01"}, "too many positions in an observer grid of"},
       {{"--observers", "absent.csv"}, "absent.csv"},
       {{"--observers", "empty.csv"}, "empty.csv: contains no observers"},
-      {{"--observers", "bad.csv"}, "bad.csv:line 3: y not a number"},
+      {{"--observers", "bad.csv"}, "bad.csv:line 3: y is not a number"},
       {{"--observers", "empty.geojson"}, "empty.geojson: contains no observers"},
       {{"--observers", "o.geojson"}, "--observers-crs cloud"},
       {{"--observer", k_eye, "--observers-crs", "EPSG:x"}, "EPSG:x"},
@@ -311,7 +311,7 @@ TEST_F(VisibilityPointsTest, observers_at_any_distance_are_answered) {
   write_garden();
   for (const std::string location : {"1690005,5325010,700", "1e9,5325010,1e5", "-1e12,1e12,1e12"}) {
     const ProgramResult result =
-        run(with(k_points, {"--observer", position, "-o", "seen.las", "--overwrite"}));
+        run(with(k_points, {"--observer", location, "-o", "seen.las", "--overwrite"}));
     EXPECT_EQ(result.exit_code, 0) << result.err;
     EXPECT_TRUE(contains(result.err, "outside the cloud; check its reference system")) << result.err;
   }

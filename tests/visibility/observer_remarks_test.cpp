@@ -40,7 +40,7 @@ TEST(ObserverRemarks, say_nothing_of_usual_observers) {
 
 TEST(ObserverRemarks, name_observers_far_outside_and_those_who_cannot_reach_the_cloud) {
   const Occluders occluders = garden().occluders();
-  EXPECT_NE(remark_on(occluders, {5, 500, 2}).find("mast is 480 outside of the cloud"), std::string::npos)
+  EXPECT_NE(remark_on(occluders, {5, 500, 2}).find("mast is 480 outside the cloud"), std::string::npos)
       << remark_on(occluders, {5, 500, 2});
   EXPECT_NE(remark_on(occluders, {5, 25, 2}, 4.0).find("mast sees nothing"), std::string::npos);
   EXPECT_EQ(remark_on(occluders, {5, 25, 2}, 5.5), "");

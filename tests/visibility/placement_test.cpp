@@ -126,7 +126,7 @@ TEST(Placement, keeps_the_guarantee_against_all_choices_and_tells_a_bound) {
     EXPECT_LE(placement.best_possible, placement.total + 1e-9);
     if (best > 0.0) worst = std::min(worst, covered / best);
   }
-  EXPECT_LT(worst, 1.0) << "greedy not always the best";
+  EXPECT_LT(worst, 1.0) << "greedy is not always the best";
 }
 
 TEST(Placement, greedy_meets_the_known_trap) {

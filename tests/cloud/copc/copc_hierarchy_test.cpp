@@ -119,7 +119,8 @@ TEST(CopcHierarchyTest, pages_may_stand_elsewhere) {
   put(sample.pages_offset + 16, std::uint64_t{sample.pages_offset});
   put(sample.pages_offset + 24, std::int32_t{32});
   EXPECT_TRUE(contains(error_of([&] { open(sample.bytes); }),
-                       "is met twice, from byte " + std::to_string(sample.pages_offset) + " again"));
+                       "duplicate page of the COPC hierarchy, referenced again by byte " +
+                           std::to_string(sample.pages_offset)));
 }
 
 TEST(CopcHierarchyTest, pages_may_be_long_and_have_nodes_without_points) {
@@ -157,28 +158,28 @@ TEST(CopcHierarchyTest, pages_that_overlap_are_not_read_for_ever) {
 
 TEST(CopcHierarchyTest, records_that_cannot_be_true_are_errors) {
   const std::size_t info = 429;
-  EXPECT_TRUE(contains(error_with(info, std::nan("")), "byte 429: bad centre"));
+  EXPECT_TRUE(contains(error_with(info, std::nan("")), "byte 429: invalid centre"));
   EXPECT_TRUE(contains(error_with(info + 24, 0.0), "byte 453: invalid size of the COPC octree"));
   EXPECT_TRUE(
       contains(error_with(info + 24, static_cast<double>(INFINITY)), "invalid size of the COPC octree"));
   EXPECT_TRUE(contains(error_with(info + 24, 1e308), "invalid size of the COPC octree"));
   EXPECT_TRUE(contains(error_with(info + 32, -1.0), "invalid spacing"));
-  EXPECT_TRUE(contains(error_with(info + 48, std::uint64_t{0}), "bad page"));
-  EXPECT_TRUE(contains(error_with(info + 48, std::uint64_t{33}), "bad page"));
-  EXPECT_TRUE(contains(error_with(info + 40, std::uint64_t{1} << 60), "bad page"));
+  EXPECT_TRUE(contains(error_with(info + 48, std::uint64_t{0}), "invalid page"));
+  EXPECT_TRUE(contains(error_with(info + 48, std::uint64_t{33}), "invalid page"));
+  EXPECT_TRUE(contains(error_with(info + 40, std::uint64_t{1} << 60), "invalid page"));
   CopcSample wide = build_copc(100);
   const double far[4] = {0.0, -1.7e308, 0.0, 5e307};  // centre and half of the side
   std::memcpy(wide.bytes.data() + info, far, sizeof far);
-  EXPECT_TRUE(contains(error_of([&] { open(wide.bytes); }), "byte 437: bad centre"));
+  EXPECT_TRUE(contains(error_of([&] { open(wide.bytes); }), "byte 437: invalid centre"));
 }
 
 TEST(CopcHierarchyTest, entries_that_cannot_be_true_are_errors) {
   const std::size_t entry = build_copc(500).pages_offset;
-  EXPECT_TRUE(contains(error_with(entry, std::int32_t{-1}), "bad key"));
-  EXPECT_TRUE(contains(error_with(entry, std::int32_t{31}), "bad key"));
-  EXPECT_TRUE(contains(error_with(entry + 4, std::int32_t{-1}), "bad key"));
-  EXPECT_TRUE(contains(error_with(entry + 12, std::int32_t{1 << 30}), "bad key"));
-  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{-2}), "invalid number of points of chunk"));
+  EXPECT_TRUE(contains(error_with(entry, std::int32_t{-1}), "invalid key"));
+  EXPECT_TRUE(contains(error_with(entry, std::int32_t{31}), "invalid key"));
+  EXPECT_TRUE(contains(error_with(entry + 4, std::int32_t{-1}), "invalid key"));
+  EXPECT_TRUE(contains(error_with(entry + 12, std::int32_t{1 << 30}), "invalid key"));
+  EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{-2}), "invalid number of points"));
   EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{9999}), "does not match a chunk of the file"));
   EXPECT_TRUE(contains(error_with(entry + 28, std::int32_t{0}),
                        "the COPC hierarchy does not reference a chunk of the file"));

@@ -87,9 +87,9 @@ TEST(E57Images, that_leave_the_file_are_errors) {
   EXPECT_NE(error("fileOffset=\"48\" length=\"999999\"").find("image 1: \"jpegImage\" exceeds the file"),
             std::string::npos);
   EXPECT_NE(error("fileOffset=\"48\" length=\"3100\"").find("exceeds its section"), std::string::npos);
-  EXPECT_NE(error("fileOffset=\"999999\" length=\"1\"").find("image 1: the jpegImage begins behind the end"),
+  EXPECT_NE(error("fileOffset=\"999999\" length=\"1\"").find("image 1: the jpegImage begins after the end"),
             std::string::npos);
-  EXPECT_NE(error("length=\"1\"").find("fileOffset not an integer"), std::string::npos);
+  EXPECT_NE(error("length=\"1\"").find("fileOffset is not an integer"), std::string::npos);
   EXPECT_NE(error("fileOffset=\"64\" length=\"1\"").find("missing section"), std::string::npos);
 }
 

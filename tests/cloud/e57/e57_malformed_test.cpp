@@ -66,7 +66,7 @@ TEST(E57Malformed, a_damaged_page_is_named) {
                    three_points());
   std::string file = builder.file();
   file[2100] ^= 1;
-  expect_error(file, "memory:page 2: the checksum is wrong");
+  expect_error(file, "memory:page 2: corrupt page: wrong checksum");
 }
 
 TEST(E57Malformed, every_prefix_is_an_error) {
@@ -97,15 +97,14 @@ TEST(E57Malformed, sections) {
   expect_error(file_at(1 << 20, 3), "scan 1: the section of points begins after the end of the file");
   expect_error(file_at(1021, 3), "scan 1: the section of points begins inside a checksum");
   expect_error(file_at(80, 3), "scan 1: ");
-  expect_error(file_at(48, 1000), "scan 1: the section the packet is too short for the points of the scan");
-  expect_error(file_at(48, ~std::uint64_t{0}),
-               "scan 1: the section the packet is too short for the points of the scan");
+  expect_error(file_at(48, 1000), "scan 1: the section is too short for the points of the scan");
+  expect_error(file_at(48, ~std::uint64_t{0}), "scan 1: the section is too short for the points of the scan");
   const std::string sound = file_at(48, 3);
   expect_error(with(sound, 48, std::uint8_t{2}), "scan 1: missing section of points");
   expect_error(with(sound, 56, ~std::uint64_t{0}), "scan 1: the section of points exceeds the file");
   expect_error(with(sound, 56, std::uint64_t{31}), "scan 1: the section of points exceeds the file");
-  expect_error(with(sound, 64, std::uint64_t{48}), "scan 1: the first packet lies outside the section");
-  expect_error(with(sound, 64, std::uint64_t{500}), "scan 1: the first packet lies outside the section");
+  expect_error(with(sound, 64, std::uint64_t{48}), "scan 1: the first packet is outside the section");
+  expect_error(with(sound, 64, std::uint64_t{500}), "scan 1: the first packet is outside the section");
 }
 
 TEST(E57Malformed, packets) {
@@ -124,12 +123,11 @@ TEST(E57Malformed, packets) {
   EXPECT_EQ(test::reading_error(open_e57, read({sound})), "");
   expect_error(changed(0, 3), "scan 1, packet 1: unknown packet type");
   expect_error(changed(2, 0), "scan 1, packet 1: invalid packet length; expected a multiple of 4, found 1");
-  expect_error(changed(2, 7), "scan 1, packet 1: the packet the packet is too short for its streams");
+  expect_error(changed(2, 7), "scan 1, packet 1: the packet is too short for its streams");
   expect_error(changed(2, 3), "scan 1, packet 1: the packet is too short");
   expect_error(changed(2, 999), "scan 1, packet 1: the packet exceeds its section");
   expect_error(changed(4, 2), "scan 1, packet 1: wrong number of streams");
-  expect_error(changed(8, 60000),
-               "scan 1, packet 1: the packet the packet is too short for its stream of cartesianY");
+  expect_error(changed(8, 60000), "scan 1, packet 1: the packet is too short for its stream of cartesianY");
   const std::string nothing = test::data_packet({"", "", ""});
   expect_error(read(std::vector<std::string>(10, nothing)),
                "scan 1, packet 10: truncated section; expected 3 records, found 0");
@@ -194,7 +192,7 @@ TEST(E57Malformed, constants_are_not_counted_without_end) {
                                           integer_column("cartesianZ", 1, 1, {})};
   E57Builder builder;
   builder.add_scan("", columns, test::packets_of(columns, 100), std::uint64_t{1} << 40);
-  expect_error(builder.file(), "scan 1: the section the packet is too short for the points of the scan");
+  expect_error(builder.file(), "scan 1: the section is too short for the points of the scan");
 }
 
 TEST(E57Malformed, prototypes) {
@@ -209,8 +207,8 @@ TEST(E57Malformed, prototypes) {
   expect_error(read("<cartesianX type=\"Float\"/>"), "scan 1: missing coordinates");
   expect_error(read(xyz + "<a type=\"Blob\"/>"), "scan 1: \"a\" unsupported type of a field");
   expect_error(read(xyz + "<a type=\"Integer\" minimum=\"2\" maximum=\"1\"/>"), "minimum above maximum");
-  expect_error(read(xyz + "<a type=\"Integer\" minimum=\"x\"/>"), "minimum not an integer");
-  expect_error(read(xyz + "<a type=\"ScaledInteger\" scale=\"inf\"/>"), "scale not a finite number");
+  expect_error(read(xyz + "<a type=\"Integer\" minimum=\"x\"/>"), "minimum is not an integer");
+  expect_error(read(xyz + "<a type=\"ScaledInteger\" scale=\"inf\"/>"), "scale is not a finite number");
   expect_error(read(xyz + "<a type=\"Float\" precision=\"half\"/>"), "unknown precision");
   expect_error(read(xyz + xyz), "duplicate field name");
   std::string deep, many;
@@ -224,7 +222,7 @@ TEST(E57Malformed, prototypes) {
   const std::string longer(200, 's');
   expect_error(
       read(xyz + "<" + longer + " type=\"Structure\"><" + longer + " type=\"Float\"/></" + longer + ">"),
-      "at most field name too long; expected 256 bytes, found 401");
+      "field name too long; expected at most 256 bytes, found 401");
 }
 
 TEST(E57Malformed, poses_and_codecs) {

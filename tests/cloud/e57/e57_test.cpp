@@ -151,11 +151,11 @@ TEST(E57, what_is_odd_in_many_scans_is_told_once) {
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.warnings.size(), 3u);
   EXPECT_TRUE(warns(cloud, "memory: scan 2: the quaternion of the pose has length 2.8"));
-  EXPECT_TRUE(warns(cloud, "it was brought to 1, and 3 more like this"));
+  EXPECT_TRUE(warns(cloud, "normalized, and 3 more like this"));
   EXPECT_TRUE(warns(cloud, "memory: image 1 contains no image, and 4 more like this"));
   EXPECT_TRUE(warns(cloud,
-                    "scan 1: intensities from 0 to 2 exceed the stated range of 0 to 1: it was "
-                    "widened to 0 to 2, and 4 more like this"));
+                    "scan 1: intensities from 0 to 2 exceed the stated range of 0 to 1: using 0 to 2, and 4 "
+                    "more like this"));
 }
 
 TEST(E57, spherical_coordinates_with_a_pose) {
@@ -327,7 +327,7 @@ TEST(E57, coordinate_metadata_are_the_reference_system_if_they_are_wkt) {
   builder.root = "<coordinateMetadata type=\"String\">somewhere near</coordinateMetadata>";
   const PointCloud cloud = read(builder);
   EXPECT_TRUE(cloud.crs.empty());
-  EXPECT_TRUE(warns(cloud, "the coordinate metadata not WKT and was ignored: \"somewhere near\""));
+  EXPECT_TRUE(warns(cloud, "the coordinate metadata is not WKT and was ignored: \"somewhere near\""));
 }
 
 TEST(E57, progress_is_reported_and_can_stop) {

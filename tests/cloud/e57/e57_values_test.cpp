@@ -109,7 +109,7 @@ TEST(E57Color, floats_without_limits_are_judged_by_what_occurs_and_it_is_told) {
   builder.add_scan("", points_with(colors(float32_column, {0, 0.5, 0.75})));
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.colors[1], Color16(32768));
-  EXPECT_TRUE(warns(cloud, "assuming that colours go from 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "assuming that colours range from 0 to 1"));
 }
 
 TEST(E57Color, values_beyond_the_limits_widen_them_and_it_is_told) {
@@ -117,9 +117,8 @@ TEST(E57Color, values_beyond_the_limits_widen_them_and_it_is_told) {
   builder.add_scan(color_limits("Float", "0", "1"), points_with(colors(float32_column, {0, 51, 255})));
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.colors[1], Color16(13107));
-  EXPECT_TRUE(warns(cloud,
-                    "scan 1: colours from 0 to 255 exceed the stated range of 0 to 1: it was "
-                    "widened to 0 to 255"));
+  EXPECT_TRUE(
+      warns(cloud, "scan 1: colours from 0 to 255 exceed the stated range of 0 to 1: using 0 to 255"));
 }
 
 TEST(E57Color, values_a_little_beyond_1_are_held_and_it_is_told) {
@@ -130,7 +129,7 @@ TEST(E57Color, values_a_little_beyond_1_are_held_and_it_is_told) {
   EXPECT_EQ(cloud.colors[1], Color16(32768));
   EXPECT_EQ(cloud.colors[2], Color16(65535));
   EXPECT_TRUE(warns(cloud,
-                    "scan 1: colours go from -0.25 to 1.25, beyond the range of 0 to 1 that is stated: "
+                    "scan 1: colours from -0.25 to 1.25 exceed the stated range of 0 to 1: "
                     "clamped"));
 }
 
@@ -156,7 +155,7 @@ TEST(E57Intensity, limits_then_the_fields_range_then_what_occurs) {
                                                0, 16384, 65535, 16384, 16384, 16384, 0, 32768, 65535};
   EXPECT_EQ(cloud.intensities, expected) << "the constant 0 shares the scale of -1 to 3";
   EXPECT_TRUE(warns(cloud, "intensities were scaled from their minimum and maximum to 0 .. 65535"));
-  EXPECT_TRUE(warns(cloud, "scan 6: intensities go from 0 to 2, beyond the range of 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "scan 6: intensities from 0 to 2 exceed the stated range of 0 to 1"));
 }
 
 TEST(E57Intensity, the_ends_of_whole_integer_types_are_no_scale) {
@@ -190,8 +189,8 @@ TEST(E57Intensity, scans_without_values_leave_the_scale_of_the_others_alone) {
   const PointCloud cloud = read(builder);
   EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{0, 32768, 49151}));
   EXPECT_EQ(cloud.colors[1], Color16(32768));
-  EXPECT_TRUE(warns(cloud, "assuming that colours go from 0 to 1"));
-  EXPECT_TRUE(warns(cloud, "assuming that intensities go from 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "assuming that colours range from 0 to 1"));
+  EXPECT_TRUE(warns(cloud, "assuming that intensities range from 0 to 1"));
 }
 
 TEST(E57Invalid, points_without_a_offset_are_left_out_and_counted) {
@@ -241,8 +240,8 @@ TEST(E57Invalid, colours_intensities_and_times_become_0_and_are_counted) {
   EXPECT_EQ(cloud.colors[1], Color16(0));
   EXPECT_EQ(cloud.intensities, (std::vector<std::uint16_t>{0, 65535, 65535}));
   EXPECT_EQ(cloud.gps_times, (std::vector<double>{1, 2, 0}));
-  EXPECT_TRUE(warns(cloud, "2 points have a colour that are flagged as invalid"));
-  EXPECT_TRUE(warns(cloud, "1 points have an intensity that are flagged as invalid"));
+  EXPECT_TRUE(warns(cloud, "2 points have a colour flagged as invalid"));
+  EXPECT_TRUE(warns(cloud, "1 points have an intensity flagged as invalid"));
 }
 
 TEST(E57Invalid, colours_and_intensities_have_no_say_in_the_scale) {

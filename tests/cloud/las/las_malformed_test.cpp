@@ -112,10 +112,8 @@ TEST(LasMalformedTest, a_record_that_runs_past_the_points_is_an_error) {
 }
 
 TEST(LasMalformedTest, more_records_than_there_is_room_for_are_an_error) {
-  EXPECT_NE(error_with(100, 1069128089u).find("no space for another variable length record"),
-            std::string::npos);
-  EXPECT_NE(error_with(243, 0xffffffffu).find("no space for another variable length record"),
-            std::string::npos);
+  EXPECT_NE(error_with(100, 1069128089u).find("variable length record"), std::string::npos);
+  EXPECT_NE(error_with(243, 0xffffffffu).find("variable length record"), std::string::npos);
 }
 
 TEST(LasMalformedTest, an_extended_record_that_runs_past_the_file_is_an_error) {
@@ -141,7 +139,7 @@ TEST(LasMalformedTest, more_points_than_the_file_holds_are_an_error) {
 }
 
 TEST(LasMalformedTest, points_too_short_for_their_format_are_an_error) {
-  EXPECT_NE(error_with(105, std::uint16_t{35}).find("at least expected 36 bytes, found 35"),
+  EXPECT_NE(error_with(105, std::uint16_t{35}).find("expected at least 36 bytes, found 35"),
             std::string::npos);
   EXPECT_NE(error_with(105, std::uint16_t{0}).find("too short"), std::string::npos);
 }
@@ -233,14 +231,14 @@ TEST(LasMalformedTest, extra_dimensions_beyond_the_341_of_one_record_are_kept_as
     EXPECT_EQ(cloud->extra_dimensions[341].byte_count, 255);
     EXPECT_EQ(cloud->extra_dimensions[342].byte_count, 4);
   }
-  EXPECT_FALSE(test::warns(full, "the extra-bytes record describes more than"));
-  EXPECT_TRUE(test::warns(more, "the extra-bytes record describes more than 341 dimensions"));
+  EXPECT_FALSE(test::warns(full, "describes more than"));
+  EXPECT_TRUE(test::warns(more, "describes more than 341 dimensions"));
 }
 
 TEST(LasMalformedTest, extra_bytes_of_unknown_type_are_a_warning) {
   test::LasFile file = sample_las(4, 6, 2);
   file.records = {test::las_extra_bytes_record({test::las_extra_bytes_entry(31, 0, "odd")})};
-  EXPECT_TRUE(test::warns(read_memory(build_las(file)), "the extra-bytes record describes more than"));
+  EXPECT_TRUE(test::warns(read_memory(build_las(file)), "extra-bytes record"));
 }
 
 }  // namespace

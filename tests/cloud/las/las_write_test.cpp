@@ -259,7 +259,7 @@ TEST(LasWriteTest, more_extra_dimensions_than_las_can_describe_are_an_error_and_
   cloud.positions = {{1, 2, 3}};
   for (int i = 0; i < 342; ++i) cloud.extra_dimensions.emplace_back().values.resize(8);
   const std::filesystem::path folder = test::test_folder();
-  EXPECT_NE(error_of([&] { write_las(folder / "out.las", cloud); }).find("at most expected 341, found 342"),
+  EXPECT_NE(error_of([&] { write_las(folder / "out.las", cloud); }).find("expected at most 341, found 342"),
             std::string::npos);
   EXPECT_TRUE(std::filesystem::is_empty(folder));
 }

@@ -136,7 +136,7 @@ TEST(ChunkTableTest, tables_that_cannot_be_true_are_errors) {
   EXPECT_TRUE(contains(file.error(), "invalid number of points of chunk 1"));
 
   file = make_file(189, 12, 7, {0, 0, 0, 0, 2, 0, 0, 0, 0x3c, 0x4d, 0x95, 0, 0, 0});
-  EXPECT_TRUE(contains(file.error(), "wrong size of chunk 1"));
+  EXPECT_TRUE(contains(file.error(), "invalid size of chunk 1"));
   file = make_file(191, 12, 7, {0, 0, 0, 0, 2, 0, 0, 0, 0x3c, 0x4d, 0x95, 0, 0, 0});
   EXPECT_TRUE(contains(file.error(), "the chunks do not end at the chunk table"));
 }
@@ -151,7 +151,7 @@ TEST(ChunkTableTest, chunks_are_at_least_a_record_and_the_start_of_a_stream) {
   EXPECT_EQ(smallest_chunk(standard_laz_layout(8, 40)), 40u + 4 + 4 * (9 + 2 + 2));
   TableFile file = fixed_file();
   file.layout = standard_laz_layout(0, 90, 7);
-  EXPECT_TRUE(contains(file.error(), "wrong size of chunk 1"))
+  EXPECT_TRUE(contains(file.error(), "invalid size of chunk 1"))
       << "90 bytes hold no record of 90 and a stream";
 }
 

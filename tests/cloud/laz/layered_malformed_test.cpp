@@ -75,7 +75,7 @@ TEST_F(LayeredMalformed, another_number_of_points) {
   EXPECT_EQ(problem(chunk_, 11), "wrong number of points in the chunk; expected 11, found 12");
   Bytes none = chunk_;
   store(none.data() + layout_.record_size(), std::uint32_t{0});
-  EXPECT_EQ(problem(none), "the chunk missing points; expected 1 or more, found 0");
+  EXPECT_EQ(problem(none), "the chunk has no points; expected 1 or more, found 0");
   Bytes many = chunk_;
   store(many.data() + layout_.record_size(), UINT32_MAX);
   EXPECT_EQ(problem(many), "wrong number of points in the chunk; expected 12, found 4294967295");
@@ -84,25 +84,23 @@ TEST_F(LayeredMalformed, another_number_of_points) {
 TEST_F(LayeredMalformed, layers_that_do_not_fill_the_chunk) {
   Bytes longer = chunk_;
   longer.push_back({});
-  EXPECT_EQ(problem(longer), "the layers do not fill the chunk; expected" + std::to_string(longer.size()) +
-                                 "the layers do not fill the chunk; expected" +
-                                 std::to_string(chunk_.size()));
+  EXPECT_EQ(problem(longer), "the layers do not fill the chunk; expected " + std::to_string(longer.size()) +
+                                 " bytes, found " + std::to_string(chunk_.size()));
   // The sum of all sizes would be that of the chunk again in 32 bits.
   Bytes wrapped = chunk_;
   store(wrapped.data() + head_at(k_z), layer_size(k_z) + 0x80000000u);
   store(wrapped.data() + head_at(k_flags), layer_size(k_flags) + 0x80000000u);
-  EXPECT_EQ(problem(wrapped), "the layers do not fill the chunk; expected" + std::to_string(chunk_.size()) +
-                                  "the layers do not fill the chunk; expected" +
-                                  std::to_string(chunk_.size() + 0x100000000u));
+  EXPECT_EQ(problem(wrapped), "the layers do not fill the chunk; expected " + std::to_string(chunk_.size()) +
+                                  " bytes, found " + std::to_string(chunk_.size() + 0x100000000u));
 }
 
 TEST_F(LayeredMalformed, layers_too_small_for_any_stream) {
   Bytes chunk = chunk_;
   store(chunk.data() + head_at(k_positions), std::uint32_t{0});
-  EXPECT_EQ(problem(chunk), "at least layer 0 is too small; expected 4 bytes, found 0");
+  EXPECT_EQ(problem(chunk), "layer 0 is too small; expected at least 4 bytes, found 0");
   chunk = chunk_;
   store(chunk.data() + head_at(k_intensity), std::uint32_t{3});
-  EXPECT_EQ(problem(chunk), "layer 4 is too small; expected 0at least , or 4 bytes, found 3");
+  EXPECT_EQ(problem(chunk), "layer 4 is too small; expected 0, or at least 4 bytes, found 3");
 }
 
 TEST_F(LayeredMalformed, one_point_may_lack_the_first_layer) {
@@ -129,9 +127,7 @@ TEST_F(LayeredMalformed, a_layer_with_bytes_behind_the_last_point) {
     for (std::size_t i = 0; i <= layer; ++i) end += head.layer_sizes()[i];
     chunk.insert(chunk.begin() + static_cast<std::ptrdiff_t>(end), std::byte{0});
     store(chunk.data() + head_at(layer), layer_size(layer) + 1);
-    EXPECT_NE(problem(chunk).find("extra bytes after the last point in the layer of" +
-                                  std::to_string(layer_size(layer)) +
-                                  "it ends before the last point; expected all within" +
+    EXPECT_NE(problem(chunk).find("expected " + std::to_string(layer_size(layer)) + " bytes, found " +
                                   std::to_string(layer_size(layer) + 1)),
               std::string::npos)
         << problem(chunk);
@@ -143,9 +139,9 @@ TEST_F(LayeredMalformed, a_layer_that_ends_early) {
   Bytes chunk = chunk_;
   store(chunk.data() + head_at(k_classification), layer_size(k_classification) - 1);
   store(chunk.data() + head_at(k_flags), layer_size(k_flags) + 1);
-  EXPECT_EQ(problem(chunk), "the layer of classification ends before the last point; expected all within " +
-                                std::to_string(layer_size(k_classification) - 1) +
-                                "it ends before the last point; expected all within");
+  EXPECT_EQ(problem(chunk),
+            "truncated layer of classification: it ends before the last point; expected all within " +
+                std::to_string(layer_size(k_classification) - 1) + " bytes, found more");
 }
 
 TEST_F(LayeredMalformed, refusals_name_the_first_point_that_cannot_be_had) {
@@ -217,7 +213,7 @@ TEST_F(LayeredMalformed, items_that_layered_chunks_do_not_have) {
 TEST_F(LayeredMalformed, attributes_that_change_without_a_layer) {
   const auto empty = [](const char* name) {
     return std::string("the ") + name +
-           "at least  changes, but its layer empty file; expected 4 bytes, found 0";
+           " changes, but its layer is empty; expected at least 4 bytes, found 0";
   };
   EXPECT_EQ(problem(without(k_scan_angle)), empty("scan angle"));
   EXPECT_EQ(problem(without(k_point_source)), empty("point source"));

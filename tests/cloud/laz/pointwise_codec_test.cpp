@@ -216,9 +216,8 @@ TEST(PointwiseDecoderTest, refusals_name_the_point_and_what_was_expected) {
     ASSERT_TRUE(corrupt.point.has_value());
     EXPECT_GT(*corrupt.point, 30u);
     EXPECT_LT(*corrupt.point, 70u);
-    EXPECT_EQ(std::string(corrupt.what()), "the points do not end with the chunk; expected all within" +
-                                               std::to_string(chunk.size()) +
-                                               "it ends before the last point; expected all within");
+    EXPECT_EQ(std::string(corrupt.what()), "the points do not end with the chunk; expected all within " +
+                                               std::to_string(chunk.size()) + " bytes, found more");
   }
 }
 

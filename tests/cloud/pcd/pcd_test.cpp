@@ -142,10 +142,10 @@ TEST(Pcd, sizes_of_compressed_points_that_lie_are_errors) {
   };
   EXPECT_EQ(pcd_error(start + compressed(packed, 24)), "");
   expect(compressed(packed, 12),
-         "not that of the header's points; expected 2 points of 12 bytes, found 12 bytes");
+         "wrong size of the uncompressed points; expected 2 points of 12 bytes, found 12 bytes");
   expect(compressed(packed, 25), "wrong size of the uncompressed points");
   expect(compressed(packed, 24).substr(0, 20), "truncated compressed points");
-  expect(compressed(packed.substr(0, 20), 24), "damaged");
+  expect(compressed(packed.substr(0, 20), 24), "corrupt compressed points");
   expect("1234", "truncated file");
   const std::string many = xyz_header("100000000", "binary_compressed");
   EXPECT_NE(pcd_error(many + compressed(packed, 1200000000)).find("too few compressed bytes for the points"),
@@ -173,12 +173,12 @@ TEST(Pcd, errors_name_file_offset_expectation_and_finding) {
   expect("289814.15 4320978.61 170.76\n", "memory:line 1: unknown header line; expected VERSION");
   expect("FIELDS x y z\nSIZE 4 4\n", "memory:line 2: missing value of a field; expected 3 values, found 2");
   expect("FIELDS x y z\nSIZE 4 4 four\n", "memory:line 2: not an integer");
-  expect("FIELDS x y z\nTYPE F F\n", "memory:line 2: a type for each field");
+  expect("FIELDS x y z\nTYPE F F\n", "memory:line 2: missing type of a field");
   expect("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\n", "memory:line 4: truncated header");
   expect("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nDATA ascii\n", "missing number of points");
-  expect("SIZE\nTYPE\nWIDTH 1\nDATA ascii\n", "no fields");
-  expect("FIELDS x y z\nTYPE F F F\nWIDTH 1\nDATA ascii\n", "no sizes");
-  expect("FIELDS x y z\nSIZE 4 4 4\nWIDTH 1\nDATA ascii\n", "no types");
+  expect("SIZE\nTYPE\nWIDTH 1\nDATA ascii\n", "missing FIELDS");
+  expect("FIELDS x y z\nTYPE F F F\nWIDTH 1\nDATA ascii\n", "missing SIZE");
+  expect("FIELDS x y z\nSIZE 4 4 4\nWIDTH 1\nDATA ascii\n", "missing TYPE");
   expect("FIELDS x y z\nSIZE 4 4 3\nTYPE F F F\nWIDTH 1\nDATA ascii\n",
          "unsupported type of the field \"z\"");
   expect("FIELDS x y z\nSIZE 4 4 4\nTYPE F F Q\nWIDTH 1\nDATA ascii\n",
@@ -191,13 +191,12 @@ TEST(Pcd, errors_name_file_offset_expectation_and_finding) {
   expect("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 4294967296\nHEIGHT 4294967297\nDATA ascii\n",
          "WIDTH times HEIGHT exceeds 64 bits");
   expect("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 2\nPOINTS 5\nDATA ascii\n",
-         "POINTS not WIDTH times");
+         "POINTS is not WIDTH times");
   expect("FIELDS x x z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 0\nDATA ascii\n", "duplicate column name");
   expect("FIELDS a y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 0\nDATA ascii\n", "missing x column");
   expect(xyz_header("2", "ascii") + "1 2 3\n4 5 zz\n",
          "memory:line 13: not a number; expected a number, found \"zz\"");
-  expect(xyz_header("2", "ascii") + "1 2 3\n4 5         \n",
-         "memory:line 13: a point has another number of values");
+  expect(xyz_header("2", "ascii") + "1 2 3\n4 5         \n", "memory:line 13: wrong number of values");
   expect(xyz_header("2", "ascii") + "1.25 2.25 3.25\n", "truncated file; expected 2 points, found 1");
   expect("# .PCD\nVIEWPOINT 0 0 zero\n", "memory:line 2: not a number");
   expect(std::string(10 << 20, 'x'), "memory:line 1: line too long");
@@ -209,7 +208,7 @@ TEST(Pcd, more_than_4096_fields_are_an_error_of_their_line) {
                   "F F F" + repeated(" U", count - 3), "1 1 1" + repeated(" 1", count - 3), "0", "binary");
   };
   EXPECT_EQ(pcd_error(with_fields(4096)), "");
-  const std::string expected = "at most memory:line 3: too many columns; expected 4096, found 4097";
+  const std::string expected = "memory:line 3: too many columns; expected at most 4096, found 4097";
   EXPECT_EQ(pcd_error(with_fields(4097)).substr(0, expected.size()), expected);
 }
 

@@ -28,7 +28,8 @@ TEST(PlyMalformed, errors_name_file_offset_expectation_and_finding) {
   expect(start + "element vertex -1\n", "memory:line 3: invalid element line");
   expect(start + "element vertex 99999999999999999999\n", "memory:line 3: invalid element line");
   expect(start + "element vertex 1\nproperty half x\n", "memory:line 4: unsupported property type");
-  expect(start + "element vertex 1\nproperty list float int a\n", "memory:line 4: a list cannot be counted");
+  expect(start + "element vertex 1\nproperty list float int a\n",
+         "memory:line 4: invalid count type of a list");
   expect(start + "element vertex 1\nproperty x\n", "memory:line 4: invalid property line");
   expect(start + "elephant 1\n", "memory:line 3: unknown header line");
   expect(start + "element face 1\nproperty int a\nend_header\n1\n", "missing points; expected an element");
@@ -36,7 +37,8 @@ TEST(PlyMalformed, errors_name_file_offset_expectation_and_finding) {
          "duplicate element vertex");
   expect(start + "element vertex 1\nproperty float y\nproperty float z\nend_header\n1 2\n",
          "missing x column");
-  expect(start + "element vertex 1\n" + xyz + "property float x\nend_header\n1 2 3 4\n", "same name");
+  expect(start + "element vertex 1\n" + xyz + "property float x\nend_header\n1 2 3 4\n",
+         "duplicate column name");
   expect(start + "element vertex 2\n" + xyz + "end_header\n1 2 3\n4 5 six\n",
          "memory:line 9: not a number; expected a number, found \"six\"");
   expect(start + "element vertex 1\n" + xyz + "end_header\n1 2        \n", "memory:line 8: too few values");
@@ -63,7 +65,7 @@ TEST(PlyMalformed, more_than_4096_properties_are_an_error_of_their_line) {
     return text + "end_header\n";
   };
   EXPECT_EQ(ply_error(with_properties(4096)), "");
-  const std::string expected = "at most memory:line 4100: too many columns; expected 4096, found 4097";
+  const std::string expected = "memory:line 4100: too many columns; expected at most 4096, found 4097";
   EXPECT_EQ(ply_error(with_properties(4097)).substr(0, expected.size()), expected);
 }
 

@@ -83,7 +83,7 @@ TEST(Text, columns_without_names_go_by_number_and_content) {
   const auto names = [](const char* text) {
     const PointCloud cloud = read_text(text);
     for (const std::string& warning : cloud.warnings) {
-      const std::string mark = "unnamed columns were read as";
+      const std::string mark = "unnamed columns were read as ";
       if (const std::size_t offset = warning.find(mark); offset != warning.npos)
         return warning.substr(offset + mark.size());
     }
@@ -190,16 +190,16 @@ TEST(Text, errors_name_file_line_expectation_and_finding) {
   expect("x,z\n1,2\n", "memory:line 1: neither a point nor a header");
   expect("x,y,z,a\n1,2\n", "memory:line 2: too few columns");
   expect("3\n1 2 3\n4 5 6\n",
-         "at most truncated file: too short for the points of the count line; expected 2, found 3");
+         "truncated file: too short for the points of the count line; expected at most 2, found 3");
   expect("3\n1.25 2.25 3.25\n4.25 5.25 6.25\n", "truncated file; expected 1 more points");
   expect("18446744073709551615\n1 2 3\n",
          "memory:line 1: truncated file: too short for the points of the count line");
   expect("1\n1 2 3\n4 5 6\n", "memory:line 3: more points than the count line states");
   expect("1\n1 2 3\n-4\n", "memory:line 3: more points than the count line states");
-  expect(std::string(10 << 20, 'x'), "at most memory:line 1: line too long; expected 1048576 bytes");
+  expect(std::string(10 << 20, 'x'), "memory:line 1: line too long; expected at most 1048576 bytes");
   expect(std::string("\0\1\2", 3),
          "memory:line 1: neither a point nor a header with column names; expected numbers, or "
-         "names with x, y and z among them, found \"???\"");
+         "column names with x, y and z, found \"???\"");
 }
 
 TEST(Text, more_than_4096_columns_are_an_error_of_their_line) {
@@ -210,7 +210,7 @@ TEST(Text, more_than_4096_columns_are_an_error_of_their_line) {
   }
   for (const std::string& text : {names + "\n", numbers + "\n", "1\n" + numbers + "\n"})
     EXPECT_EQ(text_error(text), "");
-  const std::string expected = "at most too many columns; expected 4096, found 4097";
+  const std::string expected = "too many columns; expected at most 4096, found 4097";
   EXPECT_NE(text_error(names + ",last\n").find("memory:line 1: " + expected), std::string::npos);
   EXPECT_NE(text_error(numbers + " 7\n").find("memory:line 1: " + expected), std::string::npos);
   EXPECT_NE(text_error("1\n" + numbers + " 7\n").find("memory:line 2: " + expected), std::string::npos);

@@ -88,11 +88,11 @@ for text in "points      20000" "CRS         WGS 84 / UTM zone 32N" "PostgreSQL 
 expect 'the index' 1 "$(sql "SELECT count(*) FROM pg_indexes WHERE tablename = 'points' AND indexdef LIKE '%brin (cloud_point(x, y, z))%'")"
 
 # A table is there as a whole or not at all, and only clouds are replaced.
-refused 'a table that is there' 'there is a table points already' sql load yard.las "$(table points)"
+refused 'a table that is there' 'the table points exists' sql load yard.las "$(table points)"
 "$program" sql load yard.las "$(table points)" --overwrite -q
 expect 'it was replaced' 20000 "$(sql 'SELECT count(*) FROM points')"
 sql 'CREATE TABLE wages(x int)'
-refused 'a table that is no cloud' 'expected a cloud to replace' sql load yard.las "$(table wages)" --overwrite
+refused 'a table that is no cloud' 'expected a cloud, which has' sql load yard.las "$(table wages)" --overwrite
 expect 'it stays' wages "$(sql "SELECT relname FROM pg_class WHERE relname = 'wages'")"
 "$program" generate courtyard --points 400000 --seed 3 -o large.las -q
 # The server is slow, so that there is time to end the program while it stores.
@@ -116,8 +116,8 @@ sql 'CREATE TABLE "Mixed Case"("x" real, y int, z numeric(8,2), intensity int, c
      INSERT INTO "Mixed Case" SELECT i, i * 2, i / 4.0, i, $$a$$, CASE WHEN i % 2 = 0 THEN i END, i / 8.0 FROM generate_series(1, 9) AS i;
      INSERT INTO "Mixed Case" VALUES ($$NaN$$, 1, 1), (1, NULL, 1), ($$Infinity$$, 1, 1)'
 "$program" sql load "$(table 'Mixed%20Case')" mixed.db 2>said.txt
-expect_part 'rows without places' '3 points without finite coordinates were left out' "$(cat said.txt)"
-expect_part 'texts' 'columns that are no numbers were left out: class' "$(cat said.txt)"
+expect_part 'rows without places' 'skipped 3 points without finite coordinates' "$(cat said.txt)"
+expect_part 'texts' 'skipped columns that are not numeric: class' "$(cat said.txt)"
 expect 'numbers of all types, and none' $'x,y,z,intensity,height,share\n1.0,2.0,0.25,1,,0.125\n2.0,4.0,0.5,2,2,0.25' \
   "$("$program" sql mixed.db 'SELECT x, y, z, intensity, height, share FROM points ORDER BY id LIMIT 2' --csv)"
 expect 'all rows with a place' 9 "$("$program" sql mixed.db 'SELECT count(*) FROM points' --csv | tail -1)"
@@ -141,16 +141,16 @@ expect 'nothing was dropped' 20000 "$(sql 'SELECT count(*) FROM points')"
 sql 'CREATE SCHEMA "other schema"'
 "$program" sql load yard.las "$(table points)&schema=other%20schema" -q
 expect 'a schema' 20000 "$(sql 'SELECT count(*) FROM "other schema".points')"
-refused 'a schema that is not there' 'no such table' info "$(table points)&schema=nowhere"
+refused 'a schema that is not there' 'unknown table' info "$(table points)&schema=nowhere"
 
 # What cannot be read is said.
-refused 'no such table' 'the database has no such table; found' info "$(table nothing)"
-refused 'no table is named' 'it is not said which table is meant' info "postgresql:///postgres?host=$cluster_folder/one"
+refused 'unknown table' 'unknown table; found' info "$(table nothing)"
+refused 'no table is named' 'ambiguous table' info "postgresql:///postgres?host=$cluster_folder/one"
 refused 'no such database' 'database "nothing" does not exist' info "postgresql:///nothing?host=$cluster_folder/one&table=points"
-refused 'no server' 'the server cannot be asked' info 'postgresql://127.0.0.1:1/postgres?table=points'
-refused 'no coordinates' 'the table has no column y of numbers; expected x, y and z, found x' info "$(table wages)"
+refused 'no server' 'cannot connect to the server' info 'postgresql://127.0.0.1:1/postgres?table=points'
+refused 'no coordinates' 'missing numeric column y; expected x, y and z, found x' info "$(table wages)"
 sql "CREATE TABLE words(x text, y text, z text); CREATE TABLE bright AS SELECT 1 AS x, 2 AS y, 3 AS z, 70000 AS intensity"
-refused 'a table of texts' 'the table has no column x of numbers' info "$(table words)"
+refused 'a table of texts' 'missing numeric column x' info "$(table words)"
 refused 'a value that cannot be' 'row 1: intensity is out of the attribute'\''s range; expected 0 to 65535, found 70000' \
   convert "$(table bright)" -o bright.las
 refused 'a view that fails' 'division by zero' info "$(sql 'CREATE VIEW broken AS SELECT x, y, z / 0 AS z FROM bright'; table broken)"
@@ -170,10 +170,10 @@ for name in 'postgresql://me:geheim@127.0.0.1:1/db?table=points' 'postgresql:///
     if [[ $said == *heim* ]]; then expect "$words" 'no password' "$said"; fi
   done
 done
-refused 'a password in a name' 'expected it in ~/.pgpass, PGPASSFILE or PGPASSWORD' info 'postgresql://me:geheim@h/db?table=points'
+refused 'a password in a name' 'expected the password in ~/.pgpass, PGPASSFILE or PGPASSWORD' info 'postgresql://me:geheim@h/db?table=points'
 
 cluster_stop one
-refused 'a server that is down' 'the server cannot be asked' info "$(table points)"
+refused 'a server that is down' 'cannot connect to the server' info "$(table points)"
 
 if ((failures > 0)); then exit 1; fi
 echo "all as expected"

@@ -34,8 +34,8 @@ TEST(IndexDamage, a_file_cut_off_anywhere_is_an_error_when_opened) {
   const Bytes& file = sound_file();
   std::vector<std::size_t> lengths = {0, 1, 7, 8, 9, 255, 256, 4095, 4096, 4097, file.size() - 1};
   for (const SectionRow& row : test::section_rows(file)) {
-    for (const std::uint64_t index : {row.index, row.index + row.bytes}) {
-      for (const int step : {-1, 0, 1}) lengths.push_back(static_cast<std::size_t>(index) + step);
+    for (const std::uint64_t offset : {row.offset, row.offset + row.bytes}) {
+      for (const int step : {-1, 0, 1}) lengths.push_back(static_cast<std::size_t>(offset) + step);
     }
   }
   test::Random random;
@@ -56,11 +56,11 @@ TEST(IndexDamage, bytes_behind_the_end_are_an_error_when_opened) {
 
 TEST(IndexDamage, a_flipped_bit_in_any_byte_of_the_header_is_an_error_when_opened) {
   Bytes file = sound_file();
-  for (std::size_t index = 0; index < 4096; ++index) {
-    const std::byte mask{static_cast<unsigned char>(1u << index % 8)};
-    file[index] ^= mask;
-    EXPECT_TRUE(is_refused_when_opened(file)) << index;
-    file[index] ^= mask;
+  for (std::size_t offset = 0; offset < 4096; ++offset) {
+    const std::byte mask{static_cast<unsigned char>(1u << offset % 8)};
+    file[offset] ^= mask;
+    EXPECT_TRUE(is_refused_when_opened(file)) << offset;
+    file[offset] ^= mask;
   }
 }
 
@@ -68,12 +68,12 @@ TEST(IndexDamage, a_flipped_bit_anywhere_is_found_by_verifying_and_does_no_harm_
   Bytes file = sound_file();
   test::Random random;
   for (int i = 0; i < 1500; ++i) {
-    const std::size_t index = random.below(file.size());
+    const std::size_t offset = random.below(file.size());
     const std::byte mask{static_cast<unsigned char>(1u << random.below(8))};
-    file[index] ^= mask;
-    EXPECT_TRUE(is_refused_when_verified(file)) << index;
+    file[offset] ^= mask;
+    EXPECT_TRUE(is_refused_when_verified(file)) << offset;
     is_refused(file);
-    file[index] ^= mask;
+    file[offset] ^= mask;
   }
 }
 
@@ -83,13 +83,13 @@ TEST(IndexDamage, a_flipped_bit_in_nodes_or_ids_is_an_error_before_the_first_que
   for (const IndexSection kind : {IndexSection::nodes, IndexSection::ids}) {
     const SectionRow row = section(file, kind);
     for (int i = 0; i < 100; ++i) {
-      const std::size_t index = row.index + random.below(row.bytes);
-      file[index] ^= std::byte{4};
+      const std::size_t offset = row.offset + random.below(row.bytes);
+      file[offset] ^= std::byte{4};
       const IndexFile index = test::index_in_memory(file);
       const std::string message = error_of([&] { index.octree(); });
-      EXPECT_NE(message.find("section " + name(kind) + " corrupt checkpoint"), std::string::npos) << message;
-      EXPECT_NE(message.find("memory:byte " + std::to_string(row.index)), std::string::npos) << message;
-      file[index] ^= std::byte{4};
+      EXPECT_NE(message.find("corrupt section " + name(kind)), std::string::npos) << message;
+      EXPECT_NE(message.find("memory:byte " + std::to_string(row.offset)), std::string::npos) << message;
+      file[offset] ^= std::byte{4};
     }
   }
 }
@@ -97,10 +97,10 @@ TEST(IndexDamage, a_flipped_bit_in_nodes_or_ids_is_an_error_before_the_first_que
 TEST(IndexDamage, a_flipped_bit_in_the_metadata_is_an_error_when_opened) {
   Bytes file = sound_file();
   const SectionRow row = section(file, IndexSection::metadata);
-  for (std::uint64_t index = row.index; index < row.index + row.bytes; ++index) {
-    file[index] ^= std::byte{1};
-    EXPECT_TRUE(is_refused_when_opened(file)) << index;
-    file[index] ^= std::byte{1};
+  for (std::uint64_t offset = row.offset; offset < row.offset + row.bytes; ++offset) {
+    file[offset] ^= std::byte{1};
+    EXPECT_TRUE(is_refused_when_opened(file)) << offset;
+    file[offset] ^= std::byte{1};
   }
 }
 
@@ -117,17 +117,18 @@ TEST(IndexDamage, another_byte_order_a_future_version_and_another_file_are_told_
   EXPECT_NE(message.find("expected version 1, found version 2"), std::string::npos) << message;
   file = sound_file();
   file[3] = std::byte{'x'};
-  EXPECT_NE(error_of([&] { test::index_in_memory(file); }).find("not an index file"), std::string::npos);
+  EXPECT_NE(error_of([&] { test::index_in_memory(file); }).find("not an Alidade index file"),
+            std::string::npos);
 }
 
 TEST(IndexDamage, counts_larger_than_the_file_are_errors_when_opened) {
-  for (const std::size_t index : {40, 48}) {
+  for (const std::size_t offset : {40, 48}) {
     for (const std::uint64_t count : {std::uint64_t{100000}, std::uint64_t{0xfffffffe},
                                       std::uint64_t{1} << 58, std::numeric_limits<std::uint64_t>::max()}) {
       Bytes file = sound_file();
-      put(file, index, count);
+      put(file, offset, count);
       seal_header(file);
-      EXPECT_TRUE(is_refused_when_opened(file)) << index << " " << count;
+      EXPECT_TRUE(is_refused_when_opened(file)) << offset << " " << count;
     }
   }
 }
@@ -136,12 +137,12 @@ TEST(IndexDamage, overlapping_sections_and_gaps_between_them_are_errors_when_ope
   const Bytes& sound = sound_file();
   const std::vector<SectionRow> rows = test::section_rows(sound);
   for (std::size_t i = 1; i < rows.size(); ++i) {
-    for (const std::uint64_t index : {rows[i - 1].index, rows[i].index - 4096, rows[i].index - 1,
-                                      rows[i].index + 1, rows[i].index + 4096}) {
+    for (const std::uint64_t offset : {rows[i - 1].offset, rows[i].offset - 4096, rows[i].offset - 1,
+                                       rows[i].offset + 1, rows[i].offset + 4096}) {
       Bytes file = sound;
-      put(file, rows[i].row + 8, index);
+      put(file, rows[i].row + 8, offset);
       seal_header(file);
-      EXPECT_TRUE(is_refused_when_opened(file)) << i << " " << index;
+      EXPECT_TRUE(is_refused_when_opened(file)) << i << " " << offset;
     }
     Bytes swapped = sound;
     put(swapped, rows[i].row, rows[i - 1].kind);
@@ -154,7 +155,7 @@ TEST(IndexDamage, overlapping_sections_and_gaps_between_them_are_errors_when_ope
 TEST(IndexDamage, something_between_the_sections_is_found_by_verifying) {
   Bytes file = sound_file();
   const SectionRow row = section(file, IndexSection::coordinates);
-  file[row.index - 1] = std::byte{1};
+  file[row.offset - 1] = std::byte{1};
   EXPECT_NE(error_of([&] { test::index_in_memory(file).verify(); }).find("before section coordinates"),
             std::string::npos);
 }
@@ -167,10 +168,8 @@ TEST(IndexDamage, files_on_disk_are_named_with_the_damaged_byte) {
   EXPECT_NE(error_of([&] { open_index(path); }).find(path.string() + ":byte 32: corrupt header"),
             std::string::npos);
   test::write_bytes(path, {});
-  EXPECT_NE(error_of([&] { open_index(path); }).find("not an index file"), std::string::npos);
-  EXPECT_NE(
-      error_of([&] { open_index(path.parent_path()); }).find("cannot replace a file that is not regular"),
-      std::string::npos);
+  EXPECT_NE(error_of([&] { open_index(path); }).find("not an Alidade index file"), std::string::npos);
+  EXPECT_NE(error_of([&] { open_index(path.parent_path()); }).find("a regular file"), std::string::npos);
   EXPECT_NE(error_of([&] { open_index(path.parent_path() / "absent"); }).find("cannot open the file"),
             std::string::npos);
 }

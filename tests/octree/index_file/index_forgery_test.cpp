@@ -41,15 +41,15 @@ TEST(IndexForgery, no_number_in_the_header_does_harm) {
   const Bytes& sound = sound_file();
   const std::size_t table_end = 256 + 32 * test::section_rows(sound).size();
   int refused = 0;
-  for (std::size_t index = 16; index < table_end; index += 4) {
+  for (std::size_t offset = 16; offset < table_end; offset += 4) {
     for (const std::uint64_t number : hostile_numbers(sound)) {
       for (const bool wide : {false, true}) {
-        if (wide ? index % 8 != 0 : number > 0xffffffffu) continue;
+        if (wide ? offset % 8 != 0 : number > 0xffffffffu) continue;
         Bytes file = sound;
         if (wide) {
-          put(file, index, number);
+          put(file, offset, number);
         } else {
-          put(file, index, static_cast<std::uint32_t>(number));
+          put(file, offset, static_cast<std::uint32_t>(number));
         }
         seal_header(file);
         refused += is_refused(file);
@@ -61,7 +61,7 @@ TEST(IndexForgery, no_number_in_the_header_does_harm) {
 
 /// Byte of a node's field in the file.
 std::size_t in_node(const Bytes& file, std::size_t node, std::size_t field) {
-  return section(file, IndexSection::nodes).index + node * sizeof(Node) + field;
+  return section(file, IndexSection::nodes).offset + node * sizeof(Node) + field;
 }
 constexpr std::size_t k_kind = 48, k_first_child = 56, k_first_point = 60;
 
@@ -77,7 +77,7 @@ std::string problem_after(const Change& change) {
 
 TEST(IndexForgery, broken_links_are_errors) {
   const auto expect = [](const std::string& message, const std::string& part) {
-    EXPECT_NE(message.find("section nodes corrupt checkpoint"), std::string::npos) << message;
+    EXPECT_NE(message.find("corrupt section nodes"), std::string::npos) << message;
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
@@ -100,8 +100,8 @@ TEST(IndexForgery, broken_links_are_errors) {
   }
   expect(problem_after([](Bytes& file) {
            for (std::size_t slot = 0; slot < 8; ++slot) {
-             const std::size_t index = in_node(file, 0, k_kind + slot);
-             if (get<std::uint8_t>(file, index) >= 128) put(file, index, std::uint8_t{128 + 8});
+             const std::size_t offset = in_node(file, 0, k_kind + slot);
+             if (get<std::uint8_t>(file, offset) >= 128) put(file, offset, std::uint8_t{128 + 8});
            }
          }),
          "levels below level");
@@ -114,8 +114,8 @@ TEST(IndexForgery, broken_links_are_errors) {
 TEST(IndexForgery, points_that_do_not_stand_one_after_another_are_an_error) {
   const std::uint64_t nodes = section(sound_file(), IndexSection::nodes).bytes / sizeof(Node);
   const std::string message = problem_after([&](Bytes& file) {
-    const std::size_t index = in_node(file, nodes - 1, k_first_point);
-    put(file, index, get<std::uint32_t>(file, index) - 1);
+    const std::size_t offset = in_node(file, nodes - 1, k_first_point);
+    put(file, offset, get<std::uint32_t>(file, offset) - 1);
   });
   EXPECT_NE(message.find("its points begin at a wrong storage index: expected"), std::string::npos)
       << message;
@@ -135,15 +135,15 @@ TEST(IndexForgery, a_leaf_too_high_for_its_coordinates_needs_exact_positions) {
 
 TEST(IndexForgery, an_id_beyond_the_points_is_an_error) {
   const std::uint64_t points = get<std::uint64_t>(sound_file(), 40);
-  for (const std::uint64_t index : {std::uint64_t{0}, points / 2, points - 1}) {
+  for (const std::uint64_t offset : {std::uint64_t{0}, points / 2, points - 1}) {
     const std::string message = problem_after([&](Bytes& file) {
-      put(file, section(file, IndexSection::ids).index + 4 * index, static_cast<std::uint32_t>(points));
+      put(file, section(file, IndexSection::ids).offset + 4 * offset, static_cast<std::uint32_t>(points));
     });
     EXPECT_NE(message.find("corrupt section ids: id out of range: expected less than 1508, found 1508"),
               std::string::npos)
         << message;
     EXPECT_NE(
-        message.find("byte " + std::to_string(section(sound_file(), IndexSection::ids).index + 4 * index)),
+        message.find("byte " + std::to_string(section(sound_file(), IndexSection::ids).offset + 4 * offset)),
         std::string::npos)
         << message;
   }
@@ -182,11 +182,11 @@ TEST(IndexForgery, no_metadata_do_harm) {
   test::Random random;
   int refused = 0;
   const SectionRow row = section(sound_file(), IndexSection::metadata);
-  for (std::uint64_t index = row.index; index < row.index + row.bytes; ++index) {
+  for (std::uint64_t offset = row.offset; offset < row.offset + row.bytes; ++offset) {
     for (const std::uint64_t number : {std::uint64_t{0}, std::uint64_t{1} << 20, std::uint64_t{1} << 62,
                                        std::numeric_limits<std::uint64_t>::max(), random.bits()}) {
       Bytes file = sound_file();
-      if (index + 8 <= row.index + row.bytes) put(file, index, number);
+      if (offset + 8 <= row.offset + row.bytes) put(file, offset, number);
       seal(file);
       refused += is_refused_when_opened(file);
     }
@@ -199,8 +199,8 @@ TEST(IndexForgery, no_coordinates_do_harm) {
   for (int i = 0; i < 200; ++i) {
     Bytes file = sound_file();
     const SectionRow row = section(file, IndexSection::coordinates);
-    for (std::uint64_t index = row.index; index + 8 <= row.index + row.bytes; index += 8)
-      if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, index, random.bits());
+    for (std::uint64_t offset = row.offset; offset + 8 <= row.offset + row.bytes; offset += 8)
+      if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, offset, random.bits());
     seal(file);
     EXPECT_FALSE(is_refused(file));
   }
@@ -212,8 +212,8 @@ TEST(IndexForgery, no_spacings_do_harm) {
     Bytes file = sound_file();
     for (const IndexSection kind : {IndexSection::spacings, IndexSection::slot_spacings}) {
       const SectionRow row = section(file, kind);
-      for (std::uint64_t index = row.index; index + 8 <= row.index + row.bytes; index += 8)
-        if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, index, random.bits());
+      for (std::uint64_t offset = row.offset; offset + 8 <= row.offset + row.bytes; offset += 8)
+        if (random.below(4) < 1 + static_cast<std::uint64_t>(i % 3)) put(file, offset, random.bits());
     }
     seal(file);
     EXPECT_FALSE(is_refused(file));
@@ -235,11 +235,11 @@ TEST(IndexForgery, no_surfaces_do_harm) {
   for (int i = 0; i < 50; ++i) {
     Bytes file = sound_file();
     const SectionRow row = section(file, IndexSection::surfaces);
-    for (std::uint64_t index = row.index; index + 8 <= row.index + row.bytes; index += 8)
-      put(file, index, random.bits());
+    for (std::uint64_t offset = row.offset; offset + 8 <= row.offset + row.bytes; offset += 8)
+      put(file, offset, random.bits());
     const SectionRow edges = section(file, IndexSection::sheet_edges);
-    for (std::uint64_t index = edges.index; index < edges.index + edges.bytes; ++index)
-      put(file, index, static_cast<std::uint8_t>(random.bits()));
+    for (std::uint64_t offset = edges.offset; offset < edges.offset + edges.bytes; ++offset)
+      put(file, offset, static_cast<std::uint8_t>(random.bits()));
     seal(file);
     EXPECT_FALSE(is_refused(file));
   }
@@ -264,55 +264,55 @@ TEST(IndexForgery, contents_that_contradict_each_other_are_found_by_verifying) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   expect("duplicate id", [](Bytes& file) {
-    const std::uint64_t index = section(file, IndexSection::ids).index;
-    put(file, index, get<std::uint32_t>(file, index + 4));
+    const std::uint64_t offset = section(file, IndexSection::ids).offset;
+    put(file, offset, get<std::uint32_t>(file, offset + 4));
   });
   expect("the point is outside the box of its leaf", [](Bytes& file) {
-    const std::uint64_t index = section(file, IndexSection::coordinates).index;
-    put<std::uint16_t>(file, index, static_cast<std::uint16_t>(get<std::uint16_t>(file, index) + 30000));
+    const std::uint64_t offset = section(file, IndexSection::coordinates).offset;
+    put<std::uint16_t>(file, offset, static_cast<std::uint16_t>(get<std::uint16_t>(file, offset) + 30000));
   });
-  expect("section positions corrupt checkpoint", [](Bytes& file) {
-    const std::uint64_t index = section(file, IndexSection::positions).index;
-    put<std::int32_t>(file, index, get<std::int32_t>(file, index) ^ 0x40000000);
-  });
-  expect("wrong largest spacing of slot", [](Bytes& file) {
-    const std::uint64_t index = section(file, IndexSection::slot_spacings).index;
-    put<std::uint16_t>(file, index, static_cast<std::uint16_t>(get<std::uint16_t>(file, index) + 1));
+  expect("corrupt section positions", [](Bytes& file) {
+    const std::uint64_t offset = section(file, IndexSection::positions).offset;
+    put<std::int32_t>(file, offset, get<std::int32_t>(file, offset) ^ 0x40000000);
   });
   expect("wrong largest spacing of slot", [](Bytes& file) {
-    const std::uint64_t index = section(file, IndexSection::spacings).index;
-    put<std::uint16_t>(file, index + 100, 0x7f80);
+    const std::uint64_t offset = section(file, IndexSection::slot_spacings).offset;
+    put<std::uint16_t>(file, offset, static_cast<std::uint16_t>(get<std::uint16_t>(file, offset) + 1));
+  });
+  expect("wrong largest spacing of slot", [](Bytes& file) {
+    const std::uint64_t offset = section(file, IndexSection::spacings).offset;
+    put<std::uint16_t>(file, offset + 100, 0x7f80);
   });
   expect("the spacing is negative or NaN", [](Bytes& file) {
-    const std::uint64_t index = section(file, IndexSection::spacings).index;
-    put<std::uint16_t>(file, index + 100, 0xbf80);
+    const std::uint64_t offset = section(file, IndexSection::spacings).offset;
+    put<std::uint16_t>(file, offset + 100, 0xbf80);
   });
   expect("wrong bounds of the points", [](Bytes& file) { put(file, 136, get<double>(file, 136) - 1.0); });
   expect("levels", [](Bytes& file) { put<std::uint32_t>(file, 60, get<std::uint32_t>(file, 60) + 1); });
 }
 
-TEST(IndexForgery, different_spacings_at_one_index_are_found_by_verifying) {
+TEST(IndexForgery, different_spacings_at_one_offset_are_found_by_verifying) {
   const PointCloud cloud =
       test::make_cloud(std::vector<glm::dvec3>(300, glm::dvec3(1, 2, 3)), {glm::dvec3(0.001), glm::dvec3(0)});
   const auto path = test::test_folder() / "one_place.alidade";
   save_index(path, with_spacings(build(cloud), 2), cloud);
   Bytes file = test::read_bytes(path);
-  const std::uint64_t index = section(file, IndexSection::spacings).index;
-  put<std::uint16_t>(file, index + 10, 0x3f80);
+  const std::uint64_t offset = section(file, IndexSection::spacings).offset;
+  put<std::uint16_t>(file, offset + 10, 0x3f80);
   seal(file);
   const std::string message = error_of([&] { test::index_in_memory(file).verify(); });
   EXPECT_NE(message.find("points with equal positions have different spacings"), std::string::npos)
       << message;
 }
 
-TEST(IndexForgery, lower_ids_behind_higher_ones_at_one_index_are_found_by_verifying) {
+TEST(IndexForgery, lower_ids_behind_higher_ones_at_one_offset_are_found_by_verifying) {
   const PointCloud cloud =
       test::make_cloud(std::vector<glm::dvec3>(300, glm::dvec3(1, 2, 3)), {glm::dvec3(0.001), glm::dvec3(0)});
   const auto path = test::test_folder() / "one_place.alidade";
   save_index(path, build(cloud), cloud);
   Bytes file = test::read_bytes(path);
   EXPECT_NO_THROW(test::index_in_memory(file).verify());
-  const std::size_t ids = section(file, IndexSection::ids).index;
+  const std::size_t ids = section(file, IndexSection::ids).offset;
   // Within a leaf any order will do.
   put<std::uint32_t>(file, ids, 1);
   put<std::uint32_t>(file, ids + 4, 0);
