@@ -47,9 +47,9 @@ struct MapBlock {
 /// memory: 150 B per position of a block.
 class MapTargets {
  public:
-  /// positions_across: every cell has its square of positions, evenly spread; 1 is the middle; 1 ..
-  /// k_most_positions_across. most_positions: of a block, which has one cell at least and 2^16 at most: so the
-  /// blocks are the same wherever they are made. The references must outlive this.
+  /// `positions_across` x `positions_across` positions in every cell, evenly spread, in [1,
+  /// k_most_positions_across]; 1 is the centre. `most_positions`: limit per block; a block has at least one
+  /// cell and at most 2^16, so the blocks do not depend on the machine. The references must outlive this.
   MapTargets(const Occluders& occluders, const Ground& ground, const geo::RasterGrid& grid,
              int positions_across, std::size_t most_positions);
 

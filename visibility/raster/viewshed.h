@@ -33,8 +33,9 @@ struct ViewshedOptions {
   /// at.
   double target_height = 0.0;
   SightCurve curve{};        ///< straight unless given
-  int positions_across = 3;  ///< of `fraction`: so many times so many positions in every cell, 1 ..
-                             ///< k_most_positions_across
+  /// For `fraction`: positions_across x positions_across positions in every cell, in [1,
+  /// k_most_positions_across].
+  int positions_across = 3;
   /// Of `height`: nothing higher is tried, and this stands for "not even there". In the unit of the cloud.
   double highest = 200.0;
   Progress progress{};              ///< in pairs of observer and position
