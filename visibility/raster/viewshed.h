@@ -32,7 +32,7 @@ struct ViewshedOptions {
   /// Of what is looked at, above the ground; >= 0. In the unit of the cloud. Of `height`: the lowest looked
   /// at.
   double target_height = 0.0;
-  SightCurve curve{};        ///< straight unless given
+  SightCurve curve{};  ///< straight unless given
   /// For `fraction`: positions_across x positions_across positions in every cell, in [1,
   /// k_most_positions_across].
   int positions_across = 3;
